@@ -1,0 +1,1 @@
+"""How to push: interaction-aware PID and MPC."""

@@ -1,0 +1,1 @@
+"""Command-line tools of q2q_control: parse, read files, call the pure floor, print, draw."""

@@ -1,0 +1,31 @@
+"""ament_python build of q2q_control."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+PACKAGE = "q2q_control"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    packages=find_packages(exclude=["test"]),
+    package_data={PACKAGE: ["py.typed", "scenarios/*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}/config", glob("config/*.yaml")),
+    ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
+    zip_safe=False,
+    maintainer="q2q developers",
+    maintainer_email="q2q@example.org",
+    description="How to push: interaction-aware PID and MPC",
+    license="MIT",
+    entry_points={
+        "console_scripts": [
+            "pid = q2q_control.ros.pid_node:main",
+        ],
+    },
+)

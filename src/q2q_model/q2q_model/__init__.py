@@ -1,0 +1,1 @@
+"""What the world is: signals, vehicles, mocap filter, interaction models, identification."""

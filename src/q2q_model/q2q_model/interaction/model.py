@@ -1,0 +1,44 @@
+"""Say what an interaction model is: a law for one pair, and how late its push arrives.
+
+eta_i(t) = sum over sources j of law(r_j(t - tau) - r_i(t), v_j(t - tau)),  tau = delay(r_j(t) - r_i(t)).
+
+i feels, j causes; rel_pos = pos_j - pos_i, so a source above has rel_pos z > 0. Laws act on arrays of
+pairs of any batch shape; memory of past states is kept outside, by `PairHistory` online and by the
+arrays of a flight offline.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from q2q_model.signals import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """Bound where a law acts: beyond it the acceleration is negligible."""
+
+    horizontal: float
+    """[m]"""
+    vertical: float
+    """[m]"""
+
+
+class InteractionModel(Protocol):
+    """Predict the draft of one source on one vehicle."""
+
+    @property
+    def reach(self) -> Reach:
+        """Return how far the draft acts."""
+
+    @property
+    def max_delay(self) -> float:
+        """Return the longest transport delay [s]; 0 for a model without one."""
+
+    def delay(self, rel_pos: Array) -> Array:
+        """Return the transport delay tau [s], (...,), of the push of a source at rel_pos [m], (..., 3)."""
+
+    def acceleration(self, rel_pos: Array, source_vel: Array) -> Array:
+        """Return eta [m/s^2], world, (..., 3), for retarded rel_pos [m] and source_vel [m/s], (..., 3)."""
+
+    def deviation(self, rel_pos: Array) -> Array:
+        """Return one standard deviation of the prediction [m/s^2], (..., 3); NaN where unknown."""

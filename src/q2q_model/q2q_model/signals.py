@@ -1,0 +1,151 @@
+"""Hold the values that pass between blocks: one dataclass an arrow, one topic, one bag channel.
+
+Every signal of a tick carries the tick's name `t`: the capture time [s] of its mocap frame. Arrays
+have one row a vehicle, in the order of `names`. World frame, z up; quaternions x y z w, body to world.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Status = NDArray[np.uint8]
+Names = tuple[str, ...]
+
+
+class TrackStatus(IntEnum):
+    """Say where a vehicle's state comes from (SwarmState.status)."""
+
+    TRACKED = 0
+    COASTING = 1
+    LOST = 2
+
+
+class SetpointStatus(IntEnum):
+    """Say whether a setpoint is the planned one (SwarmSetpoint.status)."""
+
+    NOMINAL = 0
+    SHIFTED = 1
+    PROMISE_BROKEN = 2
+
+
+class InterferenceStatus(IntEnum):
+    """Say how far a predicted draft can be trusted (Interference.status)."""
+
+    VALID = 0
+    STALE_SOURCE = 1
+    NO_MODEL = 2
+
+
+class CommandStatus(IntEnum):
+    """Say how a command came about (SwarmCommand.status)."""
+
+    OK = 0
+    SATURATED = 1
+    HOLD = 2
+    LEVEL = 3
+
+
+@dataclass(frozen=True, slots=True)
+class MocapFrame:
+    """Hold what motion capture saw: any subset of the vehicles, in any order."""
+
+    t: float
+    names: Names
+    pos: Array
+    """Position [m], world, (n, 3)."""
+    quat: Array
+    """Orientation x y z w, body to world, (n, 4); NaN where only a marker is tracked."""
+
+
+@dataclass(frozen=True, slots=True)
+class SwarmState:
+    """Hold the state of every vehicle: filtered, or true on the simulator's `truth`."""
+
+    t: float
+    names: Names
+    pos: Array
+    """Position [m], world, (n, 3)."""
+    vel: Array
+    """Velocity [m/s], world, (n, 3)."""
+    quat: Array
+    """Orientation x y z w, body to world, (n, 4)."""
+    ang_vel_body: Array
+    """Angular velocity [rad/s], body, (n, 3)."""
+    age: Array
+    """Time since the last accepted measurement [s], (n,)."""
+    status: Status
+    """TrackStatus, (n,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class SwarmSetpoint:
+    """Hold where every vehicle should be at the tick."""
+
+    t: float
+    names: Names
+    pos: Array
+    """Position [m], world, (n, 3)."""
+    vel: Array
+    """Velocity [m/s], world, (n, 3)."""
+    acc: Array
+    """Acceleration [m/s^2], world, (n, 3)."""
+    yaw: Array
+    """Yaw [rad], (n,)."""
+    yaw_rate: Array
+    """Yaw rate [rad/s], (n,)."""
+    status: Status
+    """SetpointStatus, (n,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Interference:
+    """Hold the acceleration that neighbours' drafts put on every vehicle: eta of eq. (14)."""
+
+    t: float
+    names: Names
+    acc: Array
+    """eta [m/s^2], world, (n, 3)."""
+    std: Array
+    """One standard deviation of the prediction [m/s^2], (n, 3); NaN where unknown."""
+    status: Status
+    """InterferenceStatus, (n,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class SwarmCommand:
+    """Hold what every onboard attitude loop should do."""
+
+    t: float
+    names: Names
+    thrust: Array
+    """Collective thrust U1 [N], along body z, (n,)."""
+    roll: Array
+    """phi [rad], (n,)."""
+    pitch: Array
+    """theta [rad], (n,)."""
+    yaw_rate: Array
+    """Yaw rate [rad/s], about body z, (n,)."""
+    status: Status
+    """CommandStatus, (n,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class SwarmImu:
+    """Hold what every inertial sensor reads."""
+
+    t: float
+    names: Names
+    specific_force_body: Array
+    """Acceleration minus gravity [m/s^2], body, (n, 3)."""
+    ang_vel_body: Array
+    """Angular velocity [rad/s], body, (n, 3)."""
+
+
+def index_of(names: Sequence[str], among: Sequence[str]) -> NDArray[np.intp]:
+    """Return the row in `among` of each of `names`; -1 where it is absent. Shape (len(names),)."""
+    rows = {name: row for row, name in enumerate(among)}
+    return np.array([rows.get(name, -1) for name in names], dtype=np.intp)

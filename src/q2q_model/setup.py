@@ -1,0 +1,34 @@
+"""ament_python build of q2q_model."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+PACKAGE = "q2q_model"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    packages=find_packages(exclude=["test"]),
+    package_data={PACKAGE: ["py.typed", "scenarios/*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}/config", glob("config/*.yaml")),
+    ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
+    zip_safe=False,
+    maintainer="q2q developers",
+    maintainer_email="q2q@example.org",
+    description="What the world is: signals, vehicles, mocap filter, interaction models, identification",
+    license="MIT",
+    entry_points={
+        "console_scripts": [
+            "mocap_filter = q2q_model.ros.mocap_filter_node:main",
+            "interference = q2q_model.ros.interference_node:main",
+            "identify = q2q_model.tools.identify:main",
+            "evaluate = q2q_model.tools.evaluate:main",
+        ],
+    },
+)

@@ -1,0 +1,1 @@
+"""Where to fly: trajectories, minimum snap, zone avoidance, the online replanner."""

@@ -1,0 +1,33 @@
+"""ament_python build of q2q_planner."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+PACKAGE = "q2q_planner"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    packages=find_packages(exclude=["test"]),
+    package_data={PACKAGE: ["py.typed", "scenarios/*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}/config", glob("config/*.yaml")),
+    ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
+    zip_safe=False,
+    maintainer="q2q developers",
+    maintainer_email="q2q@example.org",
+    description="Where to fly: trajectories, minimum snap, zone avoidance, the online replanner",
+    license="MIT",
+    entry_points={
+        "console_scripts": [
+            "trajectory = q2q_planner.ros.trajectory_node:main",
+            "replanner = q2q_planner.ros.replanner_node:main",
+            "plan = q2q_planner.tools.plan:main",
+        ],
+    },
+)

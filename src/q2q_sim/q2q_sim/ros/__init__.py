@@ -1,0 +1,1 @@
+"""ROS 2 nodes of q2q_sim: convert, call the floor below, publish."""

@@ -1,0 +1,35 @@
+"""ament_python build of q2q_sim."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+PACKAGE = "q2q_sim"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    packages=find_packages(exclude=["test"]),
+    package_data={PACKAGE: ["py.typed", "scenarios/*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}/config", glob("config/*.yaml")),
+    ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
+    zip_safe=False,
+    maintainer="q2q developers",
+    maintainer_email="q2q@example.org",
+    description="A stand-in for the room: vehicles, wake, radio, VICON, scenarios, flights, reports",
+    license="MIT",
+    entry_points={
+        "console_scripts": [
+            "simulator = q2q_sim.ros.simulator_node:main",
+            "bag_record = q2q_sim.ros.bag_record_node:main",
+            "bag_play = q2q_sim.ros.bag_play_node:main",
+            "fly = q2q_sim.tools.fly:main",
+            "report = q2q_sim.tools.report:main",
+        ],
+    },
+)
