@@ -1,0 +1,16 @@
+"""Hold one line of a benchmark: a figure of ours, beside a reference measured in the same run."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Hold one figure."""
+
+    name: str
+    value: float
+    unit: str
+    reference: str | None = None
+    """What it is measured against."""
+    ratio: float | None = None
+    """Reference over ours in the same run: above 1 we are better."""
