@@ -1,0 +1,99 @@
+"""Hold quaternions and Euler angles to their definitions, for every batch shape."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from q2q_model import rotations as rot
+from q2q_model.signals import Array
+
+ROUNDING = 1e-12  # a few dozen products of numbers near 1 in float64
+
+
+def _quats(rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+    return rot.normalised(rng.standard_normal((*shape, 4)))
+
+
+def _rx(a: float) -> Array:
+    return np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
+
+
+def _ry(a: float) -> Array:
+    return np.array([[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]])
+
+
+def _rz(a: float) -> Array:
+    return np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+
+
+shapes = st.sampled_from([(), (1,), (3,), (2, 3), (0,)])
+seeds = st.integers(0, 2**32 - 1)
+angles = st.floats(-3.1, 3.1)
+pitches = st.floats(-1.5, 1.5)
+
+
+@given(angles, pitches, angles)
+def test_euler_angles_mean_yaw_after_pitch_after_roll(roll: float, pitch: float, yaw: float):
+    quat = rot.quat_from_euler(roll, pitch, yaw)
+    assert np.allclose(rot.matrix_from_quat(quat), _rz(yaw) @ _ry(pitch) @ _rx(roll), atol=ROUNDING)
+
+
+@given(angles, pitches, angles)
+def test_euler_angles_survive_the_round_trip(roll: float, pitch: float, yaw: float):
+    back = rot.euler_from_quat(rot.quat_from_euler(roll, pitch, yaw))
+    # near pitch 1.5 the angles amplify rounding by 1 / cos(1.5)^2 = 200
+    assert np.allclose(back, [roll, pitch, yaw], atol=1e-9)
+
+
+def test_positive_pitch_tips_thrust_along_plus_x_and_positive_roll_along_minus_y():
+    up = np.array([0.0, 0.0, 1.0])
+    assert np.allclose(rot.rotate(rot.quat_from_euler(0, 0.1, 0), up), [np.sin(0.1), 0, np.cos(0.1)])
+    assert np.allclose(rot.rotate(rot.quat_from_euler(0.1, 0, 0), up), [0, -np.sin(0.1), np.cos(0.1)])
+
+
+@given(seeds, shapes)
+def test_rotating_equals_multiplying_by_the_matrix_and_back(seed: int, shape: tuple[int, ...]):
+    rng = np.random.default_rng(seed)
+    quat, vector = _quats(rng, shape), rng.standard_normal((*shape, 3))
+    turned = rot.rotate(quat, vector)
+    assert turned.shape == (*shape, 3)
+    by_matrix = (rot.matrix_from_quat(quat) @ vector[..., None])[..., 0]
+    assert np.allclose(turned, by_matrix, atol=ROUNDING)
+    assert np.allclose(rot.rotate_inverse(quat, turned), vector, atol=ROUNDING)
+
+
+@given(seeds, shapes)
+def test_a_product_of_quaternions_is_the_product_of_their_matrices(seed: int, shape: tuple[int, ...]):
+    rng = np.random.default_rng(seed)
+    left, right = _quats(rng, shape), _quats(rng, shape)
+    product = rot.matrix_from_quat(rot.quat_multiply(left, right))
+    assert np.allclose(product, rot.matrix_from_quat(left) @ rot.matrix_from_quat(right), atol=ROUNDING)
+
+
+@given(seeds, shapes, st.floats(1e-3, 0.1))
+def test_body_rate_survives_integration(seed: int, shape: tuple[int, ...], dt: float):
+    rng = np.random.default_rng(seed)
+    quat, rate = _quats(rng, shape), rng.standard_normal((*shape, 3)) * 5.0
+    after = rot.integrate_quat(quat, rate, dt)
+    # the rate is a difference of unit quaternions over dt: rounding 1e-16 / 1e-3
+    assert np.allclose(rot.ang_vel_between(quat, after, dt), rate, atol=1e-11)
+    assert np.allclose(rot.ang_vel_between(quat, -after, dt), rate, atol=1e-11)
+
+
+@given(seeds)
+def test_the_derivative_is_the_limit_of_integration(seed: int):
+    rng = np.random.default_rng(seed)
+    quat, rate, dt = _quats(rng, (4,)), rng.standard_normal((4, 3)), 1e-6
+    central = (rot.integrate_quat(quat, rate, dt) - rot.integrate_quat(quat, rate, -dt)) / (2 * dt)
+    # rounding of a central difference: 1e-16 / 1e-6
+    assert np.allclose(rot.quat_derivative(quat, rate), central, atol=1e-9)
+
+
+def test_a_zero_quaternion_is_no_attitude():
+    assert np.isnan(rot.normalised(np.zeros(4))).all()
+
+
+def test_a_tiny_turn_has_no_division_by_zero():
+    assert np.allclose(rot.quat_from_vector(np.zeros(3)), [0, 0, 0, 1])
+    tiny = np.array([1e-12, 0, 0])
+    assert np.allclose(rot.vector_from_quat(rot.quat_from_vector(tiny)), tiny, atol=0, rtol=1e-12)
