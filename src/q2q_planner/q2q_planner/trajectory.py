@@ -4,18 +4,21 @@ xi(t) = sum_k coefficients[piece, axis, k] (t - starts[piece])^k, with xi = x, y
 its start a trajectory rests at its first point, after its end at its last.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.signals import Array, Names, SetpointStatus, SwarmSetpoint
 
 AXES = 4
 """x, y, z, yaw."""
 
+_DERIVATIVES = 3
+"""What a setpoint needs: value, velocity, acceleration."""
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """Hold one vehicle's piecewise polynomial."""
 
@@ -23,6 +26,21 @@ class Trajectory:
     """Length of each piece [s], (pieces,), all above zero."""
     coefficients: Array
     """Ascending powers of the time since the piece's start, (pieces, 4, order)."""
+
+    def __post_init__(self) -> None:
+        """Check shapes and numbers.
+
+        Raises:
+            ValueError: naming what was given and what is allowed.
+        """
+        pieces = self.durations.shape
+        if self.coefficients.shape[:2] != (*pieces, AXES) or self.coefficients.ndim != 3 or pieces == (0,):
+            shapes = f"{pieces} durations and {self.coefficients.shape} coefficients"
+            raise ValueError(f"{shapes}: expected (pieces,) and (pieces, {AXES}, order), at least one piece")
+        if not (np.isfinite(self.durations).all() and (self.durations > 0.0).all()):
+            raise ValueError(f"durations {self.durations}: all must be finite and above 0 s")
+        if not np.isfinite(self.coefficients).all():
+            raise ValueError("a coefficient is not finite: polynomials need finite numbers")
 
     @property
     def duration(self) -> float:
@@ -35,12 +53,28 @@ class Trajectory:
         clipped = np.clip(t, 0.0, ends[-1])
         piece = np.minimum(np.searchsorted(ends, clipped, side="right"), len(ends) - 1)
         tau = clipped - (ends - self.durations)[piece]
-        value = _horner(_derive(self.coefficients, derivative)[piece], tau)
+        value = _horner(derive(self.coefficients, derivative)[piece], tau)
         resting = (t < 0.0) | (t > ends[-1])
         return np.where(resting[..., None], 0.0, value) if derivative > 0 else value
 
 
 @dataclass(frozen=True, slots=True)
+class _Table:
+    """Hold every vehicle's polynomials side by side, so that one pass evaluates them all."""
+
+    starts: Array
+    """Start of each piece [s], (n, most pieces); beyond the last piece infinite."""
+    duration: Array
+    """[s], (n,)"""
+    coefficients: Array
+    """xi, xi', xi'' by ascending powers, (order, n * most pieces, 3, 4)."""
+    first: NDArray[np.intp]
+    """Where each vehicle's first piece lies in that second axis, (n,)."""
+    shortest: float
+    """Least duration [s]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SwarmPlan:
     """Hold the trajectories of a swarm, all starting at the same time."""
 
@@ -49,6 +83,20 @@ class SwarmPlan:
     """One a vehicle, in the order of names."""
     certified: bool = False
     """Proven to keep every pair out of the interference zone."""
+    _table: _Table = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check the rows and lay the polynomials side by side.
+
+        Raises:
+            ValueError: where names and trajectories do not match one to one.
+        """
+        if not self.names or len(self.names) != len(self.trajectories):
+            counts = f"{len(self.names)} names for {len(self.trajectories)} trajectories"
+            raise ValueError(f"{counts}: expected one trajectory a vehicle, at least one vehicle")
+        if len(set(self.names)) != len(self.names):
+            raise ValueError(f"names {', '.join(self.names)}: each vehicle needs its own")
+        object.__setattr__(self, "_table", _side_by_side(self.trajectories))
 
     @property
     def duration(self) -> float:
@@ -58,29 +106,60 @@ class SwarmPlan:
 
 def setpoint_at(plan: SwarmPlan, t: float, start: float = 0.0) -> SwarmSetpoint:
     """Return every vehicle's setpoint at time t [s] of a plan that starts at `start` [s]."""
-    when = np.asarray(t - start)
-    pos, vel, acc = (_swarm_at(plan.trajectories, when, k) for k in range(3))
+    xi = _swarm_at(plan._table, t - start)  # noqa: SLF001  (n, 3, 4)
     return SwarmSetpoint(
         t=t,
         names=plan.names,
-        pos=pos[:, :3],
-        vel=vel[:, :3],
-        acc=acc[:, :3],
-        yaw=pos[:, 3],
-        yaw_rate=vel[:, 3],
+        pos=xi[:, 0, :3],
+        vel=xi[:, 1, :3],
+        acc=xi[:, 2, :3],
+        yaw=xi[:, 0, 3],
+        yaw_rate=xi[:, 1, 3],
         status=np.full(len(plan.names), SetpointStatus.NOMINAL, dtype=np.uint8),
     )
 
 
-def _swarm_at(trajectories: Sequence[Trajectory], t: Array, derivative: int) -> Array:
-    return np.stack([trajectory.at(t, derivative) for trajectory in trajectories])  # (n, 4)
-
-
-def _derive(coefficients: Array, times: int) -> Array:
+def derive(coefficients: Array, times: int) -> Array:
+    """Return ascending coefficients (..., order - times) of a derivative; at least one, zero."""
     for _ in range(times):
-        powers = np.arange(1, coefficients.shape[-1])
-        coefficients = coefficients[..., 1:] * powers
+        if coefficients.shape[-1] == 1:
+            return np.zeros_like(coefficients)
+        coefficients = coefficients[..., 1:] * np.arange(1, coefficients.shape[-1])
     return coefficients
+
+
+def _side_by_side(trajectories: tuple[Trajectory, ...]) -> _Table:
+    n = len(trajectories)
+    most = max(len(trajectory.durations) for trajectory in trajectories)
+    order = max(trajectory.coefficients.shape[-1] for trajectory in trajectories)
+    starts = np.full((n, most), np.inf)
+    starts[:, 0] = 0.0
+    coefficients = np.zeros((order, n, most, _DERIVATIVES, AXES))
+    for row, trajectory in enumerate(trajectories):
+        pieces = len(trajectory.durations)
+        starts[row, 1:pieces] = np.cumsum(trajectory.durations)[:-1]
+        for k in range(_DERIVATIVES):
+            derived = derive(trajectory.coefficients, k)  # (pieces, 4, order - k)
+            coefficients[: derived.shape[-1], row, :pieces, k] = np.moveaxis(derived, -1, 0)
+    duration = np.array([np.cumsum(trajectory.durations)[-1] for trajectory in trajectories])
+    flat = coefficients.reshape(order, n * most, _DERIVATIVES, AXES)
+    return _Table(starts, duration, flat, np.arange(n) * most, float(duration.min()))
+
+
+def _swarm_at(table: _Table, when: float) -> Array:
+    """Return xi, xi', xi'' of every vehicle, (n, 3, 4)."""
+    clipped = np.minimum(max(when, 0.0), table.duration)  # (n,)
+    cell = table.first + np.count_nonzero(table.starts <= clipped[:, None], axis=1) - 1
+    tau = (clipped - table.starts.take(cell))[:, None, None]
+    coefficients = table.coefficients.take(cell, axis=1)  # (order, n, 3, 4)
+    xi = coefficients[-1]
+    for row in coefficients[-2::-1]:
+        xi *= tau
+        xi += row
+    if when < 0.0 or when > table.shortest:
+        resting = when > table.duration if when > 0.0 else np.ones(len(tau), dtype=np.bool_)
+        xi[resting, 1:] = 0.0
+    return np.asarray(xi)
 
 
 def _horner(coefficients: Array, tau: Array) -> Array:
