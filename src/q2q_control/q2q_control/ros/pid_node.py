@@ -1,0 +1,70 @@
+"""Run the PID as a node: `state`, `reference_safe` and (if aware) `interference` in, `command` out."""
+
+from dataclasses import dataclass
+
+from rclpy.node import Node
+
+from q2q_control.fallback import FallbackParams
+from q2q_control.legacy import LegacyScale
+from q2q_control.pid import Pid, PidParams
+from q2q_control.ros.command_watch import CommandWatch
+from q2q_control.ros.legacy_topics import LegacyTopics
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.parameters import declare, on_change
+from q2q_model.ros.run import run
+from q2q_model.ros.tick import TickWiring
+from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.vehicle import vehicle_by_name
+
+
+@dataclass(frozen=True, slots=True)
+class PidNodeParams:
+    """Hold the parameters of the node that are not the controller's."""
+
+    vehicle: str = tunable("crazyflie_2_0", "vehicle constants to use", read_only=True)
+    vehicles: tuple[str, ...] = tunable(
+        (), "vehicles to command; empty is all of the setpoint", read_only=True
+    )
+    aware: bool = tunable(True, "compensate the predicted draft", read_only=True)  # noqa: FBT003
+    live: bool = tunable(False, "watch the wall clock and fall back when ticks stay away", read_only=True)  # noqa: FBT003
+    legacy_hz: float = tunable(
+        10.0,
+        "largest rate of <name>/cmd_vel_legacy; 0 is none",
+        unit="Hz",
+        low=0.0,
+        high=1000.0,
+        read_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+def build(node: Node) -> TickWiring:
+    """Wire the PID into a node; its gains may change in flight."""
+    own = declare(node, PidNodeParams())
+    vehicle = vehicle_by_name(own.vehicle)
+    params = declare(node, PidParams())
+    block = Pid(params, vehicle, own.vehicles)
+    on_change(node, params, block.configure)
+    inputs = {"state": SwarmState, "reference_safe": SwarmSetpoint}
+    wiring = TickWiring(
+        node, inputs | ({"interference": Interference} if own.aware else {}), ("command", SwarmCommand)
+    )
+    wiring.then(LegacyTopics(node, LegacyScale(vehicle.thrust_max), own.legacy_hz).publish)
+    if own.live:
+        CommandWatch(node, wiring, declare(node, FallbackParams()), vehicle.hover_thrust)
+
+    def update(
+        state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
+    ) -> SwarmCommand:
+        return block.update(state, setpoint, interference)
+
+    wiring.start(update)
+    return wiring
+
+
+def main() -> None:
+    """Run the node `pid`."""
+    run("pid", build)

@@ -1,0 +1,49 @@
+"""Run the mocap filter as a node: `mocap` in, `state` out, `<name>/pose` and `<name>/odom` beside it."""
+
+from dataclasses import dataclass
+
+from rclpy.node import Node
+
+from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.parameters import declare
+from q2q_model.ros.run import run
+from q2q_model.ros.tick import TickWiring
+from q2q_model.ros.vehicle_topics import VehicleTopics
+from q2q_model.signals import MocapFrame, SwarmState
+
+
+@dataclass(frozen=True, slots=True)
+class MocapFilterNodeParams:
+    """Hold the parameters of the node that are not the filter's."""
+
+    vehicles: tuple[str, ...] = tunable(
+        (), "vehicles to track; empty adopts those that appear", read_only=True
+    )
+    vehicle_topics_hz: float = tunable(
+        10.0,
+        "largest rate of <name>/pose and <name>/odom; 0 is none",
+        unit="Hz",
+        low=0.0,
+        high=1000.0,
+        read_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+def build(node: Node) -> TickWiring:
+    """Wire the filter into a node."""
+    own = declare(node, MocapFilterNodeParams())
+    block = MocapFilter(declare(node, MocapFilterParams()), own.vehicles)
+    wiring = TickWiring(node, {"mocap": MocapFrame}, ("state", SwarmState))
+    wiring.then(VehicleTopics(node, own.vehicle_topics_hz).publish)
+    wiring.start(block.update)
+    return wiring
+
+
+def main() -> None:
+    """Run the node `mocap_filter`."""
+    run("mocap_filter", build)

@@ -1,0 +1,80 @@
+"""Make a Params dataclass a node's ROS parameters: description, range, read-only, and live changes."""
+
+from collections.abc import Callable
+from dataclasses import Field, fields
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.exceptions import InvalidParameterValueException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from q2q_model.parameters import ParamsClass, Tunable, tunable_of, with_overrides
+
+P = TypeVar("P", bound=ParamsClass)
+
+UNBOUNDED = 1.7e308
+"""Stands for no bound in a FloatingPointRange, which has no other word for it."""
+
+
+def declare(node: Node, params: P) -> P:
+    """Declare every field of `params` as a ROS parameter; return what the user set.
+
+    Raises ValueError that names the parameter, the value and what is allowed.
+    """
+    values = {entry.name: _declared(node, params, entry) for entry in fields(params)}
+    return with_overrides(params, values)
+
+
+def on_change(node: Node, params: P, apply: Callable[[P], None]) -> None:
+    """Call `apply` with the new Params whenever parameters of `params` are set while flying."""
+    current = [params]
+    known = {entry.name for entry in fields(params)}
+
+    def changed(updates: list[Parameter]) -> SetParametersResult:
+        overrides = {one.name: _plain(one.value) for one in updates if one.name in known}
+        try:
+            current[0] = with_overrides(current[0], overrides)
+            apply(current[0])
+        except ValueError as refusal:
+            return SetParametersResult(successful=False, reason=str(refusal))
+        return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(changed)
+
+
+def _declared(node: Node, params: ParamsClass, entry: Field[Any]) -> Any:  # noqa: ANN401
+    default = getattr(params, entry.name)
+    spec = tunable_of(entry)
+    plain = list(default) if isinstance(default, tuple) else default
+    if plain == []:
+        plain = Parameter.Type.STRING_ARRAY
+    try:
+        value = node.declare_parameter(entry.name, plain, _descriptor(spec, default)).value
+    except InvalidParameterValueException as refusal:
+        allowed = ", ".join(spec.choices) or f"{spec.low} to {spec.high} {spec.unit}".rstrip()
+        raise ValueError(f"parameter {entry.name}: allowed is {allowed}; {refusal}") from refusal
+    return default if value is None else _plain(value)
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401
+    return tuple(value) if not isinstance(value, bool | int | float | str) else value
+
+
+def _descriptor(spec: Tunable, default: Any) -> ParameterDescriptor:  # noqa: ANN401
+    unit = f" [{spec.unit}]" if spec.unit else ""
+    made = ParameterDescriptor(description=spec.description + unit, read_only=spec.read_only)
+    if isinstance(default, float) and (spec.low is not None or spec.high is not None):
+        low = -UNBOUNDED if spec.low is None else float(spec.low)
+        high = UNBOUNDED if spec.high is None else float(spec.high)
+        made.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+    elif isinstance(default, int) and not isinstance(default, bool) and spec.low is not None:
+        high_int = 2**62 if spec.high is None else int(spec.high)
+        made.integer_range = [IntegerRange(from_value=int(spec.low), to_value=high_int)]
+    made.additional_constraints = ", ".join(spec.choices)
+    return made

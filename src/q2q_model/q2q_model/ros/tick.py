@@ -1,0 +1,68 @@
+"""Wire a block into the graph: join the inputs of a tick by stamp, update, publish under that stamp."""
+
+from collections.abc import Callable, Mapping
+
+from rclpy.node import Node
+
+from q2q_model.health import Health
+from q2q_model.layout import Signal
+from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.messages import MESSAGES, BadMessageError, decode, encode, stamp_ns_of
+from q2q_model.ros.qos import TICK
+from q2q_model.tick_join import TickJoin
+
+Update = Callable[..., Signal]
+"""Takes the tick's signals in the order of the inputs."""
+
+
+class TickWiring:
+    """Hold the subscriptions and the publisher of one block."""
+
+    def __init__(
+        self, node: Node, inputs: Mapping[str, type[Signal]], output: tuple[str, type[Signal]]
+    ) -> None:
+        self.health = Health()
+        self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
+        self._node = node
+        topic, signal = output
+        self._publisher = node.create_publisher(MESSAGES[signal], topic, TICK)
+        self._inputs = inputs
+        self._after: list[Callable[[int, Signal], None]] = []
+        publish_health(node, self.health)
+
+    def start(self, update: Update) -> None:
+        """Subscribe to the inputs; from now on every complete tick calls `update`."""
+        for topic, signal in self._inputs.items():
+            self._subscribe(topic, signal, update)
+
+    def then(self, follow: Callable[[int, Signal], None]) -> None:
+        """Call `follow(stamp_ns, signal)` after each published tick, off the critical path."""
+        self._after.append(follow)
+
+    def publish(self, stamp_ns: int, signal: Signal) -> None:
+        """Publish a signal under a stamp."""
+        self._publisher.publish(encode(signal, stamp_ns))
+
+    def _subscribe(self, topic: str, signal: type[Signal], update: Update) -> None:
+        def receive(message: object) -> None:
+            try:
+                self._receive(topic, message, signal, update)
+            except ValueError as refusal:
+                self.health.refuse(f"{topic}: {refusal}")
+
+        self._node.create_subscription(MESSAGES[signal], topic, receive, TICK)
+
+    def _receive(self, topic: str, message: object, signal: type[Signal], update: Update) -> None:
+        stamp_ns = stamp_ns_of(message)
+        values = self._join.put(topic, stamp_ns, decode(message, signal))
+        self.health.missed = self._join.missed
+        if values is None:
+            return
+        made = update(*values)
+        self.publish(stamp_ns, made)
+        self.health.ticks += 1
+        for follow in self._after:
+            follow(stamp_ns, made)
+
+
+__all__ = ["BadMessageError", "TickWiring"]

@@ -1,0 +1,48 @@
+"""Join the inputs of a tick by their stamp, never by arrival.
+
+A tick is complete when every topic has delivered a value with its stamp. Completing a tick forgets all
+older ones: they are missed, and counted. A stamp that repeats a completed tick is no new tick.
+"""
+
+from collections import OrderedDict
+from typing import Generic, TypeVar
+
+V = TypeVar("V")
+
+WAITING_TICKS = 16
+"""Incomplete ticks kept; older ones are given up (0.16 s at 100 Hz, longer than any useful delay)."""
+
+
+class TickJoin(Generic[V]):
+    """Collect values until every topic has one of the same stamp."""
+
+    def __init__(self, topics: tuple[str, ...]) -> None:
+        self._topics = topics
+        self._waiting: OrderedDict[int, dict[str, V]] = OrderedDict()
+        self.missed = 0
+        """Ticks given up incomplete."""
+
+    def put(self, topic: str, stamp_ns: int, value: V) -> tuple[V, ...] | None:
+        """Add a value; return the tick's values in the order of the topics once it is complete."""
+        tick = self._waiting.setdefault(stamp_ns, {})
+        tick[topic] = value
+        if len(tick) < len(self._topics):
+            self._give_up(keep=WAITING_TICKS)
+            return None
+        del self._waiting[stamp_ns]
+        self._drop_older_than(stamp_ns)
+        return tuple(tick[name] for name in self._topics)
+
+    def reset(self) -> None:
+        """Forget every incomplete tick."""
+        self._waiting.clear()
+
+    def _drop_older_than(self, stamp_ns: int) -> None:
+        for old in [stamp for stamp in self._waiting if stamp < stamp_ns]:
+            del self._waiting[old]
+            self.missed += 1
+
+    def _give_up(self, keep: int) -> None:
+        while len(self._waiting) > keep:
+            self._waiting.popitem(last=False)
+            self.missed += 1

@@ -1,0 +1,44 @@
+"""Turn a plan into its message and back, for the latched topic `plan`."""
+
+from array import array
+
+import numpy as np
+from q2q_msgs.msg import Plan
+
+from q2q_model.ros.messages import BadMessageError, header_at
+from q2q_planner.trajectory import AXES, SwarmPlan, Trajectory
+
+
+def encode_plan(plan: SwarmPlan, start_ns: int) -> Plan:
+    """Return the message of a plan that starts at the stamp `start_ns`."""
+    order = max(one.coefficients.shape[-1] for one in plan.trajectories)
+    return Plan(
+        header=header_at(start_ns),
+        names=list(plan.names),
+        pieces=array("I", [len(one.durations) for one in plan.trajectories]),
+        order=order,
+        durations=array("d", np.concatenate([one.durations for one in plan.trajectories]).tobytes()),
+        coefficients=array("d", b"".join(_padded(one, order) for one in plan.trajectories)),
+        certified=plan.certified,
+    )
+
+
+def decode_plan(message: Plan) -> SwarmPlan:
+    """Return the plan in a message; raise BadMessageError where its arrays do not fit each other."""
+    total = sum(message.pieces)
+    if len(message.pieces) != len(message.names) or len(message.durations) != total:
+        raise BadMessageError(f"plan of {len(message.names)} vehicles: pieces and durations do not fit")
+    if len(message.coefficients) != total * AXES * message.order:
+        raise BadMessageError(f"plan has {len(message.coefficients)} coefficients; {total} pieces need more")
+    coefficients = np.array(message.coefficients).reshape(total, AXES, message.order)
+    ends = np.cumsum(message.pieces)
+    pieces = zip(
+        np.split(np.array(message.durations), ends[:-1]), np.split(coefficients, ends[:-1]), strict=True
+    )
+    trajectories = tuple(Trajectory(durations, rows) for durations, rows in pieces)
+    return SwarmPlan(tuple(message.names), trajectories, message.certified)
+
+
+def _padded(trajectory: Trajectory, order: int) -> bytes:
+    missing = order - trajectory.coefficients.shape[-1]
+    return np.pad(trajectory.coefficients, ((0, 0), (0, 0), (0, missing))).tobytes()

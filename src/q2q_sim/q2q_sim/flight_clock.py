@@ -1,0 +1,63 @@
+"""Keep the wall-clock record of a flight: latency of each tick, ticks missed, real-time factor."""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True)
+class FlightTiming:
+    """Hold how a flight went in wall time."""
+
+    ticks: int
+    missed_ticks: int
+    real_time_factor: float | None
+    """Simulated over wall time; None where nothing was simulated."""
+    latency_p50_ms: float | None
+    """Mocap frame out to its command in, median; None where no command came."""
+    latency_p99_ms: float | None
+
+
+class FlightClock:
+    """Note when each tick went out and its command came back, in wall time given by the caller [s]."""
+
+    def __init__(self) -> None:
+        self._start = 0.0
+        self._out = 0.0
+        self._latencies: list[float] = []
+        self._missed = 0
+        self._ticks = 0
+
+    def start(self, now: float) -> None:
+        """Note the start of the flight."""
+        self._start = now
+
+    def frame_out(self, now: float) -> None:
+        """Note that a tick's frame was published."""
+        self._out = now
+        self._ticks += 1
+
+    def command_in(self, now: float) -> None:
+        """Note that the tick's command came."""
+        self._latencies.append(now - self._out)
+
+    def missed(self) -> None:
+        """Note that the tick's command did not come."""
+        self._missed += 1
+
+    def timing(self, now: float, flown: float) -> FlightTiming:
+        """Return the record after `flown` simulated seconds."""
+        wall = now - self._start
+        p50, p99 = np.percentile(self._latencies, (50, 99)) * 1e3 if self._latencies else (None, None)
+        return FlightTiming(
+            ticks=self._ticks,
+            missed_ticks=self._missed,
+            real_time_factor=flown / wall if wall > 0.0 else None,
+            latency_p50_ms=p50,
+            latency_p99_ms=p99,
+        )
+
+
+def as_fields(timing: FlightTiming) -> dict[str, int | float | None]:
+    """Return the record as plain fields for JSON."""
+    return asdict(timing)

@@ -1,0 +1,151 @@
+"""Play a bag as a node: its messages on their topics at a rate, or one tick at a time as answers come."""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from time import monotonic
+
+from q2q_model.bag import BagReader, RawMessage
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.messages import header_at
+from q2q_model.ros.parameters import declare
+from q2q_model.ros.qos import LATCHED, TICK
+from q2q_model.ros.run import run
+from q2q_sim.cdr import header_stamp_ns
+from q2q_sim.playback import Playback
+from q2q_sim.topics import TYPE_NAMES
+
+TICK_TOPIC = "mocap"
+"""The topic whose messages are the ticks that an answer is awaited for."""
+BEAT_S = 0.001
+"""How often due messages are looked for [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlayParams:
+    """Hold the node's parameters."""
+
+    bag: str = tunable("", "bag folder to play", read_only=True)
+    rate: float = tunable(1.0, "bag seconds a wall second", low=0.001, high=1000.0, read_only=True)
+    start: float = tunable(0.0, "seconds of the bag to skip", unit="s", low=0.0, read_only=True)
+    loop: bool = tunable(False, "begin again at the end", read_only=True)  # noqa: FBT003
+    topics: tuple[str, ...] = tunable((), "topics to play; empty is all", read_only=True)
+    clock: bool = tunable(False, "publish /clock with the bag's time", read_only=True)  # noqa: FBT003
+    answer: str = tunable(
+        "", "play the next tick when this topic has answered the last; empty: by rate", read_only=True
+    )
+    autostart: bool = tunable(True, "play at once; else wait for ~/start", read_only=True)  # noqa: FBT003
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+class Player:
+    """Hold the bag, the publishers and where the playing stands."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._params = declare(node, PlayParams())
+        if not self._params.bag:
+            raise ValueError("parameter bag is empty: give the folder to play, e.g. -p bag:=bags/table2_1")
+        self._reader = BagReader(Path(self._params.bag))
+        self._writers = {topic: self._writer(topic, kind) for topic, kind in self._wanted().items()}
+        self._clock = node.create_publisher(Clock, "/clock", TICK) if self._params.clock else None
+        self._over = node.create_publisher(String, "playback_over", LATCHED)
+        self._messages: Iterator[RawMessage] = iter(())
+        self._next: RawMessage | None = None
+        self._tick_ns = -1
+        self._playback = Playback(0, 0.0, self._params.rate)
+        node.create_service(Trigger, "~/start", self._on_start)
+        if self._params.answer:
+            kind = _class_of(TYPE_NAMES[self._params.answer.strip("/")])
+            node.create_subscription(kind, self._params.answer, self._on_answer, TICK, raw=True)
+        else:
+            node.create_timer(BEAT_S, self._on_beat)
+        if self._params.autostart:
+            self._begin()
+
+    def _wanted(self) -> dict[str, str]:
+        chosen = {topic.strip("/") for topic in self._params.topics}
+        missing = chosen - {topic.strip("/") for topic in self._reader.topics}
+        if missing:
+            known = ", ".join(sorted(self._reader.topics))
+            raise ValueError(f"parameter topics: the bag has no {', '.join(sorted(missing))}; it has {known}")
+        return {
+            topic: kind
+            for topic, kind in self._reader.topics.items()
+            if not chosen or topic.strip("/") in chosen
+        }
+
+    def _writer(self, topic: str, kind: str) -> Publisher:
+        return self._node.create_publisher(_class_of(kind), topic.strip("/"), TICK)
+
+    def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._begin()
+        response.success = True
+        return response
+
+    def _begin(self) -> None:
+        messages = self._reader.raw(set(self._writers))
+        first = next(messages, None)
+        begin_ns = first.stamp_ns + round(self._params.start * 1e9) if first else 0
+        while first is not None and first.stamp_ns < begin_ns:
+            first = next(messages, None)
+        self._messages, self._next = messages, first
+        self._playback = Playback(begin_ns, monotonic(), self._params.rate)
+        if self._params.answer:
+            self._play_tick()
+
+    def _on_beat(self) -> None:
+        while self._next is not None and self._playback.due(self._next.stamp_ns) <= monotonic():
+            self._play_one()
+
+    def _on_answer(self, data: bytes) -> None:
+        if header_stamp_ns(data) == self._tick_ns:
+            self._play_tick()
+
+    def _play_tick(self) -> None:
+        while self._next is not None:
+            message = self._next
+            self._play_one()
+            if message.topic.strip("/") == TICK_TOPIC:
+                self._tick_ns = header_stamp_ns(message.data)
+                return
+
+    def _play_one(self) -> None:
+        message = self._next
+        if message is None:
+            return
+        self._writers[message.topic].publish(message.data)
+        if self._clock is not None:
+            self._clock.publish(Clock(clock=header_at(message.stamp_ns).stamp))
+        self._next = next(self._messages, None)
+        if self._next is None:
+            self._end()
+
+    def _end(self) -> None:
+        if self._params.loop:
+            self._begin()
+        else:
+            self._over.publish(String(data=self._params.bag))
+            print("playback over", file=sys.stderr)
+
+
+def _class_of(kind: str) -> type:
+    package, _, name = kind.split("/")
+    found: type = getattr(import_module(f"{package}.msg"), name)
+    return found
+
+
+def main() -> None:
+    """Run the node `bag_play`."""
+    run("bag_play", Player)

@@ -1,0 +1,81 @@
+"""Record the topics of a flight into a rosbag2 MCAP bag, as bytes, without decoding them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from time import time_ns
+
+from q2q_model.bag import BagWriter
+from rclpy.node import Node
+
+from q2q_model.health import Health
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.parameters import declare
+from q2q_model.ros.qos import RECORD
+from q2q_model.ros.run import run
+from q2q_sim.cdr import header_stamp_ns
+from q2q_sim.topics import TYPE_NAMES
+
+
+@dataclass(frozen=True, slots=True)
+class RecordParams:
+    """Hold the node's parameters."""
+
+    bag: str = tunable("", "folder to write; must not exist", read_only=True)
+    extra: tuple[str, ...] = tunable((), "more topics, each as topic:package/msg/Type", read_only=True)
+    stamps: str = tunable("receive", "bag time of a message", choices=("receive", "header"), read_only=True)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+class Recorder:
+    """Hold the writer and the subscriptions."""
+
+    def __init__(self, node: Node) -> None:
+        params = declare(node, RecordParams())
+        if not params.bag:
+            raise ValueError("parameter bag is empty: give the folder to write, e.g. -p bag:=out/my_flight")
+        self._health = Health()
+        self._by_header = params.stamps == "header"
+        self._writer = BagWriter(Path(params.bag))
+        for topic, kind in (TYPE_NAMES | _extra(params.extra)).items():
+            self._writer.add_topic(f"/{topic}", kind)
+            node.create_subscription(_class_of(kind), topic, self._taker(f"/{topic}"), RECORD, raw=True)
+        node.context.on_shutdown(self._writer.close)
+        publish_health(node, self._health)
+
+    def _taker(self, topic: str) -> Callable[[bytes], None]:
+        def take(data: bytes) -> None:
+            stamp = header_stamp_ns(data) if self._by_header else time_ns()
+            self._writer.write_raw(topic, stamp, data)
+            self._health.ticks += 1
+
+        return take
+
+
+def _extra(words: tuple[str, ...]) -> dict[str, str]:
+    pairs = [word.partition(":") for word in words]
+    wrong = [
+        word for word, (_, colon, kind) in zip(words, pairs, strict=True) if not colon or kind.count("/") != 2
+    ]
+    if wrong:
+        raise ValueError(f"parameter extra: {', '.join(wrong)}; write topic:package/msg/Type")
+    return {topic: kind for topic, _, kind in pairs}
+
+
+def _class_of(kind: str) -> type:
+    package, _, name = kind.split("/")
+    try:
+        found: type = getattr(import_module(f"{package}.msg"), name)
+    except (ImportError, AttributeError) as missing:
+        raise ValueError(f"message type {kind} is not installed here") from missing
+    return found
+
+
+def main() -> None:
+    """Run the node `bag_record`."""
+    run("bag_record", Recorder)

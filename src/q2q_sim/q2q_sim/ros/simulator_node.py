@@ -1,0 +1,169 @@
+"""Stand in for the room: publish what VICON sees, take commands as the radio would, move the vehicles.
+
+| pace | what makes time pass |
+|---|---|
+| lockstep | the command of the tick: the same seed gives the same flight, faster than real time |
+| live | the wall clock, 100 Hz |
+"""
+
+import json
+from dataclasses import dataclass
+from time import perf_counter
+
+from q2q_msgs.msg import SwarmCommand as SwarmCommandMsg
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from q2q_model.health import Health
+from q2q_model.layout import Signal
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.messages import MESSAGES, decode, encode, header_at, stamp_ns_of
+from q2q_model.ros.parameters import declare
+from q2q_model.ros.qos import LATCHED, TICK
+from q2q_model.ros.run import run
+from q2q_model.signals import Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
+from q2q_sim import scenarios
+from q2q_sim.flight_clock import FlightClock, as_fields
+from q2q_sim.lockstep import CommandGate, Patience
+from q2q_sim.room import TICK_S, Room, Tick
+
+OUTPUTS = {
+    "mocap": MocapFrame,
+    "truth": SwarmState,
+    "truth_interference": Interference,
+    "imu": SwarmImu,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatorParams:
+    """Hold the node's parameters."""
+
+    scenario: str = tunable("table6", "scenario name or file", read_only=True)
+    seed: int = tunable(0, "seed of everything random", low=0, read_only=True)
+    pace: str = tunable("lockstep", "what makes time pass", choices=("lockstep", "live"), read_only=True)
+    autostart: bool = tunable(True, "fly at once; else wait for ~/start", read_only=True)  # noqa: FBT003
+    again_s: float = tunable(
+        0.25, "lockstep: ask for a lost tick again after", unit="s", low=0.01, high=60.0, read_only=True
+    )
+    give_up_s: float = tunable(
+        10.0, "lockstep: fly on without a command after", unit="s", low=0.01, high=3600.0, read_only=True
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+class Simulator:
+    """Hold the room and its topics."""
+
+    def __init__(self, node: Node) -> None:
+        self._params = declare(node, SimulatorParams())
+        self._scenario = scenarios.load(self._params.scenario)
+        self._room = Room(self._scenario, self._params.seed)
+        self._gate = CommandGate(self._scenario.names)
+        self._patience = Patience(self._params.again_s, self._params.give_up_s)
+        self._clock = FlightClock()
+        self._health = Health()
+        self._flying = False
+        self._command: SwarmCommand | None = None
+        self._tick: Tick | None = None
+        self._wire(node)
+
+    def _wire(self, node: Node) -> None:
+        self._node = node
+        self._writers = {
+            topic: node.create_publisher(MESSAGES[kind], topic, TICK) for topic, kind in OUTPUTS.items()
+        }
+        self._clock_writer = node.create_publisher(Clock, "/clock", TICK)
+        self._summary = node.create_publisher(String, "flight_summary", LATCHED)
+        node.create_subscription(SwarmCommandMsg, "command", self._on_command, TICK)
+        node.create_service(Trigger, "~/start", self._on_start)
+        live = self._params.pace == "live"
+        node.create_timer(TICK_S if live else self._params.again_s, self._on_beat if live else self._on_stall)
+        publish_health(node, self._health)
+        if self._params.autostart:
+            self._start()
+
+    def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success = not self._flying
+        response.message = "already flying" if self._flying else "flying"
+        if not self._flying:
+            self._start()
+        return response
+
+    def _start(self) -> None:
+        self._flying = True
+        self._clock.start(perf_counter())
+        self._show_tick()
+
+    def _show_tick(self) -> None:
+        self._tick = self._room.capture()
+        self._gate.expect(self._tick.stamp_ns)
+        now = perf_counter()
+        self._patience.begin(now)
+        self._clock.frame_out(now)
+        self._publish("mocap", self._tick.frame)
+        self._publish("truth", self._tick.truth)
+        self._publish("truth_interference", self._tick.truth_interference)
+        self._publish("imu", self._tick.imu)
+        self._clock_writer.publish(Clock(clock=header_at(self._tick.stamp_ns).stamp))
+
+    def _publish(self, topic: str, signal: Signal) -> None:
+        if self._tick is not None:
+            self._writers[topic].publish(encode(signal, self._tick.stamp_ns))
+
+    def _on_command(self, message: SwarmCommandMsg) -> None:
+        try:
+            whole = self._gate.offer(stamp_ns_of(message), decode(message, SwarmCommand))
+        except ValueError as refusal:
+            self._health.refuse(f"command: {refusal}")
+            self._node.get_logger().error(f"command refused: {refusal}", throttle_duration_sec=1.0)
+            return
+        if whole is None or not self._flying or self._command is not None:
+            return
+        self._clock.command_in(perf_counter())
+        self._patience.answered()
+        self._command = whole
+        if self._params.pace == "lockstep":
+            self._advance()
+
+    def _on_beat(self) -> None:
+        if self._flying:
+            self._advance()
+
+    def _on_stall(self) -> None:
+        now = perf_counter()
+        if not self._flying or self._tick is None:
+            return
+        if self._patience.gives_up(now):
+            self._advance()
+        elif self._patience.asks_again(now):
+            self._publish("mocap", self._tick.frame)
+
+    def _advance(self) -> None:
+        if self._command is None:
+            self._clock.missed()
+            self._health.missed += 1
+        self._room.advance(self._command)
+        self._command = None
+        self._health.ticks += 1
+        if self._room.tick * TICK_S >= self._scenario.duration:
+            self._finish()
+        else:
+            self._show_tick()
+
+    def _finish(self) -> None:
+        self._flying = False
+        timing = self._clock.timing(perf_counter(), self._room.tick * TICK_S)
+        self._summary.publish(String(data=json.dumps(as_fields(timing))))
+        self._node.get_logger().info(f"flight over: {timing}")
+
+
+def main() -> None:
+    """Run the node `simulator`."""
+    run("simulator", Simulator)

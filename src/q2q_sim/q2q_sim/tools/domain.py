@@ -1,0 +1,38 @@
+"""Choose a ROS domain that no other flight on this machine uses, so that two flights never mix."""
+
+import fcntl
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+DOMAINS = range(20, 100)
+"""Domains to choose from: below 101, above what people pick by hand (ROS 2 documentation, domain id)."""
+
+
+@contextmanager
+def own_domain() -> Iterator[int]:
+    """Hold a free domain and set ROS_DOMAIN_ID to it; a domain the user has set is kept.
+
+    Raises:
+        RuntimeError: all domains are taken.
+    """
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    if os.environ.get("ROS_DOMAIN_ID"):
+        yield int(os.environ["ROS_DOMAIN_ID"])
+        return
+    for domain in DOMAINS:
+        path = Path(tempfile.gettempdir()) / f"q2q-domain-{domain}.lock"
+        with path.open("w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                continue
+            os.environ["ROS_DOMAIN_ID"] = str(domain)
+            try:
+                yield domain
+            finally:
+                del os.environ["ROS_DOMAIN_ID"]
+            return
+    raise RuntimeError(f"all ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are in use by other flights")

@@ -1,0 +1,123 @@
+"""Fly one scenario through the real nodes: start them, fly, end them, measure from the bag.
+
+Every node runs as a process of its own and talks over DDS on this machine only. Parameters, plan, logs and
+bag are left in the flight's folder, so that any node of it can be started again by hand.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from q2q_model.bag import read_flight
+
+from q2q_model.flights import Flight
+from q2q_planner import plan_file
+from q2q_sim import assembly, scenarios
+from q2q_sim.flight_clock import FlightTiming
+from q2q_sim.metrics import FlightMetrics, measure
+from q2q_sim.ros.flight_director import FlightDirector
+from q2q_sim.scenarios import Scenario
+from q2q_sim.tools.domain import own_domain
+from q2q_sim.tools.processes import NodeSpec, Processes
+
+WIRING_TIMEOUT_S = 90.0
+"""How long all nodes together may take to start and find each other [s]; a busy machine needs 20."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightRequest:
+    """Hold what to fly and how."""
+
+    scenario: str
+    mode: str = "aware"
+    """ignoring, aware (with the thrust limit) or aware_unlimited."""
+    controller: str = "pid"
+    replan: bool = False
+    live: bool = False
+    seed: int = 0
+    model: str = ""
+    """Interaction model in place of the scenario's; empty keeps that."""
+
+    @property
+    def aware(self) -> bool:
+        """Return whether the draft is compensated."""
+        return self.mode != "ignoring"
+
+    @property
+    def limited(self) -> bool:
+        """Return whether the scenario's thrust limit holds."""
+        return self.mode != "aware_unlimited"
+
+
+@dataclass(frozen=True, slots=True)
+class FlightRun:
+    """Hold a flight that was flown."""
+
+    request: FlightRequest
+    flight: Flight
+    metrics: FlightMetrics
+    timing: FlightTiming
+    bag: Path
+
+
+def load_scenario(request: FlightRequest) -> Scenario:
+    """Return the requested scenario with the requested model."""
+    scenario = scenarios.load(request.scenario)
+    return replace(scenario, model=request.model) if request.model else scenario
+
+
+def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[float], None]) -> FlightRun:
+    """Fly a scenario and measure it.
+
+    Args:
+        request: what to fly and how.
+        folder: where parameters, plan and logs go.
+        bag: where the bag goes; must not exist.
+        progress: called with the flown share, 0 to 1.
+
+    Raises:
+        ValueError: an unknown scenario, vehicle or parameter.
+        NodeDiedError, TimeoutError: a node did not start or ended early.
+    """
+    scenario = load_scenario(request)
+    if bag.exists():
+        raise ValueError(f"bag {bag} exists: choose another folder or delete it")
+    folder.mkdir(parents=True, exist_ok=True)
+    specs = node_specs(scenario, request, folder, bag)
+    with own_domain(), Processes(folder) as processes:
+        for spec in specs:
+            processes.start(spec)
+        with FlightDirector(processes.check) as director:
+            director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S)
+            director.start()
+            total = scenario.duration / assembly.TICK_S
+            summary = director.wait_summary(lambda ticks: progress(ticks / total))
+    flight = read_flight(bag)
+    return FlightRun(request, flight, measure(flight, scenario), FlightTiming(**summary), bag)
+
+
+def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:
+    """Return the nodes of a flight with their parameters; write the plan they fly."""
+    plan = folder / "plan.json"
+    plan_file.save(plan, assembly.plan_of(scenario))
+    pace = "live" if request.live else "lockstep"
+    return [
+        NodeSpec(
+            "q2q_sim", "bag_record", {"bag": str(bag), "stamps": "receive" if request.live else "header"}
+        ),
+        NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
+        NodeSpec("q2q_model", "interference", {"model": scenario.model}),
+        NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
+        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, enabled=request.replan)),
+        NodeSpec(
+            "q2q_control",
+            request.controller,
+            assembly.controller_parameters(scenario, aware=request.aware, limited=request.limited)
+            | {"live": request.live},
+        ),
+        NodeSpec(
+            "q2q_sim",
+            "simulator",
+            {"scenario": request.scenario, "seed": request.seed, "pace": pace, "autostart": False},
+        ),
+    ]

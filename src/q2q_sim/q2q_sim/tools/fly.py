@@ -1,0 +1,124 @@
+"""Command line of one flight: `fly SCENARIO`."""
+
+import argparse
+import json
+import signal
+import sys
+import tempfile
+from pathlib import Path
+from types import FrameType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from q2q_sim import scenarios
+from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
+from q2q_sim.tools.processes import NodeDiedError
+from q2q_sim.tools.run_json import runs_json
+from q2q_sim.tools.run_table import run_table
+
+EXAMPLE = """examples:
+  scripts/fly --list
+  scripts/fly table6 --aware --lockstep --json out/table6.json
+  scripts/fly table6_room --ignoring --seed 3 --bag out/room_3
+  scripts/fly --real dc19_swap_ss_02
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Fly as the command line says; return the exit status."""
+    asked = parser().parse_args(arguments)
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        return _run(asked)
+    except KeyboardInterrupt:
+        print("fly: interrupted; all nodes are ended", file=sys.stderr)
+        return 130
+    except (ValueError, OSError, NodeDiedError, TimeoutError) as refusal:
+        print(f"fly: {refusal}", file=sys.stderr)
+        return 1
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    made = argparse.ArgumentParser(
+        prog="fly",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    made.add_argument("scenario", nargs="?", help="scenario name or YAML file; see --list")
+    made.add_argument("--list", action="store_true", help="name the scenarios, one line each")
+    made.add_argument("--controller", default="pid", choices=("pid",), help="who computes the commands")
+    _either(made, "aware", "ignoring", "compensate the draft, or ignore it", default=True)
+    _either(
+        made, "limit", "no-limit", "hold the scenario's thrust limit, or only the vehicle's", default=True
+    )
+    _either(made, "replan", "no-replan", "let the online replanner move the setpoints", default=False)
+    _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as the commands come", default=False)
+    made.add_argument("--seed", type=int, default=0, help="seed of everything random")
+    made.add_argument("--model", default="", help="interaction model: none, a shipped name, or a .q2q file")
+    made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
+    made.add_argument("--json", type=Path, help="write the numbers to this file")
+    made.add_argument("--real", metavar="FLIGHT", help="play a recorded flight of Q2Q_DATA instead")
+    return made
+
+
+def _either(made: argparse.ArgumentParser, yes: str, no: str, words: str, *, default: bool) -> None:
+    group = made.add_mutually_exclusive_group()
+    name = yes.replace("-", "_")
+    group.add_argument(f"--{yes}", dest=name, action="store_true", default=default, help=words)
+    group.add_argument(f"--{no}", dest=name, action="store_false", help=f"not --{yes}")
+
+
+def _run(asked: argparse.Namespace) -> int:
+    if asked.list:
+        for name in scenarios.names():
+            print(f"{name:14} {scenarios.describe(name)}")
+        return 0
+    if asked.real:
+        from q2q_sim.tools.real import fly_real
+
+        return fly_real(asked.real, asked.model, asked.json)
+    if not asked.scenario:
+        raise ValueError("give a scenario: `scripts/fly --list` names them")
+    run = _fly(asked)
+    Console().print(run_table([run]))
+    if asked.json:
+        asked.json.parent.mkdir(parents=True, exist_ok=True)
+        asked.json.write_text(json.dumps(runs_json([run]), indent=1) + "\n")
+    return 0
+
+
+def request_of(asked: argparse.Namespace) -> FlightRequest:
+    """Return what the command line asks for."""
+    mode = "ignoring" if not asked.aware else "aware" if asked.limit else "aware_unlimited"
+    return FlightRequest(
+        asked.scenario, mode, asked.controller, asked.replan, asked.live, asked.seed, asked.model
+    )
+
+
+def _fly(asked: argparse.Namespace) -> FlightRun:
+    request = request_of(asked)
+    with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
+        bag = asked.bag or Path(scratch) / "bag"
+        return fly_with_progress(request, Path(scratch) / "nodes", bag)
+
+
+def fly_with_progress(request: FlightRequest, folder: Path, bag: Path) -> FlightRun:
+    """Fly with a progress bar on the terminal."""
+    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task(f"{request.scenario} {request.mode}", total=1.0)
+        run = fly(request, folder, bag, lambda share: bar.update(task, completed=share))
+        bar.update(task, completed=1.0)
+    return run
+
+
+def _interrupt(_: int, __: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,114 @@
+"""Start the nodes of a flight as processes, watch them, and end them: none outlives its starter."""
+
+import ctypes
+import os
+import signal
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import yaml
+
+END_PATIENCE_S = 10.0
+"""How long a node may take to end after SIGINT before it is killed [s]."""
+PR_SET_PDEATHSIG = 1
+"""prctl option: signal to get when the parent dies (Linux)."""
+
+ParameterValue = bool | int | float | str | list[float] | list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class NodeSpec:
+    """Hold what a node needs to start."""
+
+    package: str
+    executable: str
+    parameters: Mapping[str, ParameterValue]
+
+
+class NodeDiedError(RuntimeError):
+    """Say which node ended before its flight, and what it said last."""
+
+
+def find_executable(package: str, executable: str) -> Path:
+    """Return an installed executable; raise FileNotFoundError that says how to install it."""
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        found = Path(prefix) / "lib" / package / executable
+        if found.is_file():
+            return found
+    raise FileNotFoundError(
+        f"{package} {executable} is not installed in this shell: run `source scripts/env.sh` first"
+    )
+
+
+class Processes:
+    """Hold the running nodes. Use as a context manager: leaving it ends them all."""
+
+    def __init__(self, folder: Path) -> None:
+        """Take the folder for parameter files and logs."""
+        self._folder = folder
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def __enter__(self) -> Self:
+        """Return the set of processes."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End every node."""
+        self.end()
+
+    def start(self, spec: NodeSpec) -> None:
+        """Start a node with its parameters; its output goes to `<executable>.log`."""
+        parameters = self._folder / f"{spec.executable}.yaml"
+        parameters.write_text(yaml.safe_dump({"/**": {"ros__parameters": dict(spec.parameters)}}))
+        command = [find_executable(spec.package, spec.executable), "--ros-args", "--params-file", parameters]
+        with self._log(spec.executable).open("wb") as log:
+            self._running[spec.executable] = subprocess.Popen(
+                command,
+                stdout=log,
+                stderr=log,
+                stdin=subprocess.DEVNULL,
+                preexec_fn=_die_with_parent,  # noqa: PLW1509 (no threads of ours run before the nodes do)
+            )
+
+    def pid(self, executable: str) -> int:
+        """Return a node's process id."""
+        return self._running[executable].pid
+
+    def check(self) -> None:
+        """Raise NodeDiedError if a node has ended."""
+        for name, process in self._running.items():
+            if process.poll() is not None:
+                words = self._last_words(name)
+                raise NodeDiedError(f"{name} ended with status {process.returncode}: {words}")
+
+    def end(self) -> dict[str, int]:
+        """Send SIGINT to every node, wait, kill what stays; return the exit statuses."""
+        for process in self._running.values():
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+        statuses = {name: _wait(process) for name, process in self._running.items()}
+        self._running.clear()
+        return statuses
+
+    def _log(self, name: str) -> Path:
+        return self._folder / f"{name}.log"
+
+    def _last_words(self, name: str) -> str:
+        lines = [line for line in self._log(name).read_text(errors="replace").splitlines() if line.strip()]
+        return lines[-1] if lines else "it said nothing"
+
+
+def _wait(process: subprocess.Popen[bytes]) -> int:
+    try:
+        return process.wait(END_PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        return process.wait()
+
+
+def _die_with_parent() -> None:
+    os.setsid()
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
