@@ -1,0 +1,125 @@
+"""Hold the true drafts of the simulated air. Never a model under test: nothing that flies reads this.
+
+A source j at dz = z_j - z_i above i, dxy beside it, pushes i down by P(dz, dxy) >= 0 [m/s^2] and feels a
+share u of it upwards. With s(dz) the draft's width:
+
+paper (paper/NOTES.md, what reproduces; acts at once):
+    P = A ((z0 + .5) / (z0 + dz))^2 exp(-dxy^2 / 2 s^2),  s = s0 + ks dz
+    A .392, z0 .33, s0 .06, ks .08, u .2
+measured (two real Crazyflies 2.1, feed-forward off):
+    P = A exp(-beta (dz - .4)) exp(-dxy^2 / 2 s^2) T_j / (m g),  s = .054 + .06 (dz - .4)
+    A 2.5, beta .95, u .02
+    it travels down at 7.5 m/s: r_j and T_j are those of tau = dz / 7.5 ago
+    the width .054 m is that of the whole fit, its growth that of the force between the rows dz .30-.35 m
+    (.060 m) and .50-.60 m (.075 m); u: the upper vehicles' mean is -.01 and +.05 m/s^2, never above 2 % of g.
+none: P = 0.
+
+Both are accelerations of vehicles whose own weight carries the source: a source of weight m_j g pushes
+its like by P, so the law is kept for every vehicle kind, and lengths are not scaled (the paper does the
+same when it flies 0.65 kg with a draft learned at 34 g). All vehicles of a swarm are of one kind.
+Where the pair changes roles, |dz| < b, the two shares blend by a cubic, so that eta is smooth.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| P | push | acceleration of the lower vehicle, downwards [m/s^2] |
+| s | width | standard deviation of the draft's profile [m] |
+| u | UPPER | share that the upper vehicle feels, upwards [-] |
+| tau | delay | transport delay [s] |
+| b | BLEND | half height of the change of roles [m] |
+"""
+
+import math
+from enum import IntEnum
+
+from numba import njit
+
+
+class Wake(IntEnum):
+    """Name the true drafts."""
+
+    NONE = 0
+    PAPER = 1
+    MEASURED = 2
+
+
+PAPER_A, PAPER_Z0, PAPER_S0, PAPER_KS, PAPER_UPPER = 0.392, 0.33, 0.06, 0.08, 0.2
+"""[m/s^2], [m], [m], [m/m], [-]: paper/NOTES.md."""
+PAPER_DZ = 0.5
+"""Height difference at which the push is A [m]: the same."""
+MEASURED_A, MEASURED_BETA, MEASURED_DZ = 2.5, 0.95, 0.4
+"""[m/s^2], [1/m], [m]: three-parameter fit of the real flights, feed-forward off."""
+MEASURED_S, MEASURED_KS, MEASURED_UPPER = 0.054, 0.06, 0.02
+"""[m], [m/m], [-]: see above."""
+MEASURED_SPEED = 7.5
+"""Speed at which the draft travels down [m/s]: lag 25 ms at dz 0.15 m to over 110 ms at 0.8 m."""
+NARROWEST = 0.02
+"""Least width [m]; reached only where the vehicles touch."""
+MAX_DELAY = 0.4
+"""Longest delay kept [s]: 3 m of travel, where 8 % of the push is left."""
+BLEND = 0.1
+"""b [m]: closer than about 0.1 m no two vehicles fly."""
+EDGE = 6.0
+"""Widths beyond which the push is zero: there it is 1.5e-8 of its peak [-]."""
+FASTEST = 3.0
+"""Speed up to which a source's draft is followed to its past place [m/s]."""
+
+
+def wake_by_name(name: str) -> Wake:
+    """Return the named wake; raise ValueError with the known names."""
+    known = {wake.name.lower(): wake for wake in Wake}
+    if name not in known:
+        raise ValueError(f"unknown wake {name!r}; known are {', '.join(known)}")
+    return known[name]
+
+
+def max_delay(kind: Wake) -> float:
+    """Return how long the past of the sources matters [s]."""
+    return MAX_DELAY if kind == Wake.MEASURED else 0.0
+
+
+def _width(kind: int, gap: float) -> float:
+    """Return s [m] at |dz| = gap [m]."""
+    if kind == 1:
+        return PAPER_S0 + PAPER_KS * gap
+    return max(MEASURED_S + MEASURED_KS * (gap - MEASURED_DZ), NARROWEST)
+
+
+def _push(kind: int, gap: float, dxy_squared: float) -> float:
+    """Return P [m/s^2]."""
+    s = width(kind, gap)
+    if dxy_squared > (EDGE * s) ** 2:
+        return 0.0
+    profile = math.exp(-dxy_squared / (2.0 * s * s))
+    if kind == 1:
+        return PAPER_A * ((PAPER_Z0 + PAPER_DZ) / (PAPER_Z0 + gap)) ** 2 * profile
+    return MEASURED_A * math.exp(-MEASURED_BETA * (gap - MEASURED_DZ)) * profile
+
+
+def _eta_z(kind: int, dx: float, dy: float, dz: float) -> float:
+    """Return the vertical acceleration [m/s^2] of i by a source at (dx, dy, dz) = r_j - r_i [m]."""
+    if kind == 0:
+        return 0.0
+    strength = push(kind, abs(dz), dx * dx + dy * dy)
+    upper = PAPER_UPPER if kind == 1 else MEASURED_UPPER
+    along = min(max(0.5 * (dz / BLEND + 1.0), 0.0), 1.0)
+    lower_share = along * along * (3.0 - 2.0 * along)
+    return float(strength * ((1.0 - lower_share) * upper - lower_share))
+
+
+def _delay(kind: int, dz: float) -> float:
+    """Return how long the draft of a source at dz [m] travels [s]; it does not travel up."""
+    if kind != 2 or dz <= 0.0:
+        return 0.0
+    return min(dz / MEASURED_SPEED, MAX_DELAY)
+
+
+def _reach(kind: int, gap: float) -> float:
+    """Return how far beside a vehicle a source at |dz| = gap may be now to act on it [m]."""
+    return float(EDGE * width(kind, gap) + FASTEST * delay(kind, gap))
+
+
+width = njit(cache=True)(_width)
+push = njit(cache=True)(_push)
+eta_z = njit(cache=True)(_eta_z)
+delay = njit(cache=True)(_delay)
+reach = njit(cache=True)(_reach)
