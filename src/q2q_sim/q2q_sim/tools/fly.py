@@ -28,7 +28,7 @@ EXAMPLE = """examples:
 def main(arguments: list[str] | None = None) -> int:
     """Fly as the command line says; return the exit status."""
     asked = parser().parse_args(arguments)
-    signal.signal(signal.SIGTERM, _interrupt)
+    end_by_keyboard(signal.SIGTERM)
     try:
         return _run(asked)
     except KeyboardInterrupt:
@@ -116,8 +116,13 @@ def fly_with_progress(request: FlightRequest, folder: Path, bag: Path) -> Flight
     return run
 
 
-def _interrupt(_: int, __: FrameType | None) -> None:
-    raise KeyboardInterrupt
+def end_by_keyboard(number: signal.Signals) -> None:
+    """Let a signal end the program as Ctrl-C does: every node is ended on the way out."""
+
+    def interrupt(_: int, __: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    signal.signal(number, interrupt)
 
 
 if __name__ == "__main__":

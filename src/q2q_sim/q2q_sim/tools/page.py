@@ -1,0 +1,66 @@
+"""Write one HTML page that needs nothing beside it: tables and pictures inside."""
+
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+CSS = """
+body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 1120px; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
+table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
+th, td { padding: .3rem .7rem; border-bottom: 1px solid #ddd; text-align: right; }
+th { background: #f4f5f7; font-weight: 600; } td:first-child, th:first-child { text-align: left; }
+td:nth-child(2), th:nth-child(2) { text-align: left; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(460px, 1fr)); gap: 1rem; }
+figure { margin: 0; } img { width: 100%; } figcaption { color: #666; font-size: .9rem; }
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """Hold a picture file and its caption."""
+
+    path: Path
+    caption: str
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Hold a table: its head and its rows, already as text."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+def page(title: str, lead: str, parts: Sequence[Grid | Sequence[Picture] | str]) -> str:
+    """Return the page's HTML: title, one lead paragraph, then tables, picture grids and texts in order."""
+    body = "\n".join(_part(part) for part in parts)
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f'<meta name="viewport" content="width=device-width"><style>{CSS}</style></head>\n'
+        f"<body><h1>{escape(title)}</h1><p>{escape(lead)}</p>\n{body}\n</body></html>\n"
+    )
+
+
+def _part(part: Grid | Sequence[Picture] | str) -> str:
+    if isinstance(part, str):
+        return f"<h2>{escape(part)}</h2>"
+    if isinstance(part, Grid):
+        return _table(part)
+    return f'<div class="pictures">{"".join(_figure(picture) for picture in part)}</div>'
+
+
+def _table(grid: Grid) -> str:
+    head = "".join(f"<th>{escape(cell)}</th>" for cell in grid.head)
+    rows = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in grid.rows
+    )
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _figure(picture: Picture) -> str:
+    data = b64encode(picture.path.read_bytes()).decode()
+    caption = escape(picture.caption)
+    return f'<figure><img src="data:image/png;base64,{data}" alt="{caption}"><figcaption>{caption}</figcaption></figure>'
