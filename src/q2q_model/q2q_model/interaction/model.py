@@ -3,7 +3,7 @@
 eta_i(t) = sum over sources j of law(r_j(t - tau) - r_i(t), v_j(t - tau)),  tau = delay(r_j(t) - r_i(t)).
 
 i feels, j causes; rel_pos = pos_j - pos_i, so a source above has rel_pos z > 0. Laws act on arrays of
-pairs of any batch shape; memory of past states is kept outside, by `PairHistory` online and by the
+pairs of any batch shape; memory of past states is kept outside, by `StateHistory` online and by the
 arrays of a flight offline.
 """
 

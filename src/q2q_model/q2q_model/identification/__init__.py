@@ -1,0 +1,1 @@
+"""Identification: from recorded flights to gains, an interference zone and an interaction model."""

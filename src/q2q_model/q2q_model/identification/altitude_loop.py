@@ -1,0 +1,29 @@
+"""Hold the numbers of the closed altitude loop that stands in for an unknown controller: (13), (14).
+
+    z'' = z_ref'' + K_d (z_ref' - z') + K_p (z_ref - z) + K_i integral(z_ref - z) + b + eta
+
+The paper has K_p and K_d only. The lag is that of thrust behind its command, a first order.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| K_p K_d K_i | k_p k_d k_i | gains [1/s^2], [1/s], [1/s^3] |
+| b | offset | constant acceleration, as of a wrong mass or battery [m/s^2] |
+| | lag | time constant [s] |
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class AltitudeLoop:
+    """Hold the gains of one vehicle's closed altitude loop."""
+
+    k_p: float
+    k_d: float
+    k_i: float = 0.0
+    offset: float = 0.0
+    lag: float = 0.0
+
+
+PAPER_LOOP = AltitudeLoop(k_p=0.81073, k_d=0.42952)
+"""The caption of Fig. 5."""

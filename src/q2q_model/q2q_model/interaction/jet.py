@@ -1,0 +1,113 @@
+"""Describe the draft as a round jet with a handful of named numbers.
+
+    eta_lower = -A decay(gap) exp(-dxy^2 / (2 s(gap)^2)),   s(gap) = s0 + ks gap
+    eta_upper = -ratio eta_lower
+    decay = ((z0 + gap_ref) / (z0 + gap))^2      "power": a free round jet, whose speed falls as 1/distance
+          = exp(-beta (gap - gap_ref))           "exponential": what real flights fit best
+    tau = gap / travel_speed                     the air takes its time down
+
+Only z is pushed. `PAPER_LAW` is the synthetic draft that reproduces the paper's Table 6; `MEASURED_LAW` fits
+flights of two Crazyflie 2.1 (recorded for Neural-Swarm2, T-RO 2021) whose feed-forward was off.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| A | strength | push on the axis, gap_ref below the source [m/s^2] |
+| gap | | height difference, rounded at zero [m] |
+| gap_ref | reference_gap | height difference where A is read [m] |
+| z0 | virtual_origin | jet's origin above its source [m] |
+| beta | decay_rate | [1/m] |
+| s0, ks | width, spread | standard deviation across at the source [m], and its growth [m/m] |
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.interaction.model import Reach
+from q2q_model.interaction.roles import lower_share, smooth_gap
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.signals import Array
+
+EDGE = 4.3
+"""Standard deviations to where a Gaussian has fallen to 1e-4."""
+
+
+@dataclass(frozen=True, slots=True)
+class Jet:
+    """Hold a jet's parameters; it is an InteractionModel."""
+
+    strength: float = tunable(0.392, "push on the axis at the reference gap", unit="m/s^2", low=-20, high=20)
+    reference_gap: float = tunable(0.5, "height difference where strength is read", unit="m", low=0, high=5)
+    decay: str = tunable("power", "fall of the push with the gap", choices=("power", "exponential"))
+    virtual_origin: float = tunable(0.33, "jet origin above its source (power)", unit="m", low=0.01, high=10)
+    decay_rate: float = tunable(0.95, "rate of fall (exponential)", unit="1/m", low=-5, high=20)
+    width: float = tunable(0.06, "standard deviation across, at the source", unit="m", low=0.005, high=1)
+    spread: float = tunable(0.08, "growth of the width with the gap", unit="m/m", low=0, high=1)
+    upper_ratio: float = tunable(0.2, "upper vehicle's share, upwards", unit="", low=-1, high=1)
+    travel_speed: float = tunable(0.0, "speed of the push; 0 means at once", unit="m/s", low=0, high=100)
+    relative_std: float = tunable(0.0, "standard deviation over push; 0 means unknown", low=0, high=10)
+    range: float = tunable(3.0, "largest gap that is looked at", unit="m", low=0.1, high=10)
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+    @property
+    def reach(self) -> Reach:
+        """Return the range, and where the widest Gaussian has fallen to 1e-4."""
+        return Reach(horizontal=EDGE * (self.width + self.spread * self.range), vertical=self.range)
+
+    @property
+    def max_delay(self) -> float:
+        """Return the delay over the whole range [s]."""
+        return self.range / self.travel_speed if self.travel_speed > 0.0 else 0.0
+
+    def delay(self, rel_pos: Array) -> Array:
+        """Return tau [s], (...,); a source below pushes at once."""
+        if self.travel_speed == 0.0:
+            return np.zeros(rel_pos.shape[:-1])
+        return np.asarray(np.clip(rel_pos[..., 2], 0.0, self.range) / self.travel_speed)
+
+    def acceleration(self, rel_pos: Array, source_vel: Array) -> Array:  # noqa: ARG002
+        """Return eta [m/s^2], world, (..., 3); this law does not look at the source's velocity."""
+        dz = rel_pos[..., 2]
+        share = lower_share(dz)
+        eta = np.zeros(rel_pos.shape)
+        eta[..., 2] = (self.upper_ratio * (1.0 - share) - share) * self.push(rel_pos)
+        return eta
+
+    def deviation(self, rel_pos: Array) -> Array:
+        """Return one standard deviation [m/s^2], (..., 3): known along z only, a share of the push."""
+        std = np.full(rel_pos.shape, np.nan)
+        if self.relative_std > 0.0:
+            std[..., 2] = self.relative_std * np.abs(self.acceleration(rel_pos, rel_pos)[..., 2])
+        return std
+
+    def push(self, rel_pos: Array) -> Array:
+        """Return the push on a lower vehicle, downwards [m/s^2], (...,), of the height difference alone."""
+        gap = smooth_gap(rel_pos[..., 2])
+        across2 = rel_pos[..., 0] ** 2 + rel_pos[..., 1] ** 2
+        gaussian = np.exp(-across2 / (2.0 * (self.width + self.spread * gap) ** 2))
+        return np.asarray(self.strength * self._decay(gap) * gaussian)
+
+    def _decay(self, gap: Array) -> Array:
+        if self.decay == "power":
+            return ((self.virtual_origin + self.reference_gap) / (self.virtual_origin + gap)) ** 2
+        return np.asarray(np.exp(-self.decay_rate * (gap - self.reference_gap)))
+
+
+PAPER_LAW = Jet()
+"""Reproduces the paper's Table 6 (A, z0, s0, ks and the ratio found by working its numbers back)."""
+
+MEASURED_LAW = Jet(
+    strength=2.5,
+    reference_gap=0.4,
+    decay="exponential",
+    decay_rate=0.95,
+    width=0.054,
+    spread=0.0,
+    upper_ratio=0.02,
+    travel_speed=7.5,
+    range=1.2,
+)
+"""Flights of two Crazyflie 2.1, feed-forward off: fitted where dz is 0.2 to 0.7 m."""

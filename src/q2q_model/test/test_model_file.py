@@ -1,0 +1,153 @@
+"""Hold the model file to a round trip and to one clear error for everything that is wrong."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.identification.altitude_loop import PAPER_LOOP
+from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
+from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
+from q2q_model.interaction.model import InteractionModel
+from q2q_model.interaction.none import NoInteraction
+from q2q_model.level_set import LevelSet, level_set
+from q2q_model.model_file import Fit, ModelFile, ModelFileError, RoleScores, decode, encode, load, save
+from q2q_model.tools.models import IN_SOURCE, find_model
+from q2q_model.zone import Cylinder, Ellipsoid
+
+
+def _networks() -> EnvelopeNetwork:
+    rng = np.random.default_rng(9)
+    lower, upper = (
+        Network(rng.normal(size=(40, 2)), rng.normal(size=40), rng.normal(size=40), 0.1) for _ in range(2)
+    )
+    return EnvelopeNetwork(lower, upper)
+
+
+FIT = Fit(
+    method="adam",
+    flights=("a", "b"),
+    held_out=("c",),
+    train_mse_m2=RoleScores(1e-3, 2e-3),
+    heldout_r2=RoleScores(0.9, None),
+)
+
+
+@pytest.mark.parametrize("law", [NoInteraction(), PAPER_LAW, MEASURED_LAW, _networks()])
+def test_a_saved_model_predicts_the_same_to_the_last_digit(law: InteractionModel, tmp_path: Path):
+    path = tmp_path / "model.q2q"
+    save(path, ModelFile(law, Cylinder(0.2, 0.9), PAPER_LOOP, FIT))
+    again = load(path)
+    rel_pos = np.random.default_rng(10).normal(size=(20, 3)) * 0.3
+    expected = law.acceleration(rel_pos, np.zeros_like(rel_pos))
+    np.testing.assert_array_equal(again.interaction.acceleration(rel_pos, np.zeros_like(rel_pos)), expected)
+    assert (again.zone, again.gains, again.fit) == (Cylinder(0.2, 0.9), PAPER_LOOP, FIT)
+
+
+def test_zones_of_every_kind_survive():
+    assert decode(encode(ModelFile(PAPER_LAW, Ellipsoid(0.2, 1.0)))).zone == Ellipsoid(0.2, 1.0)
+    zone = level_set(PAPER_LAW, 0.1)
+    again = decode(encode(ModelFile(PAPER_LAW, zone))).zone
+    assert isinstance(again, LevelSet)
+    np.testing.assert_array_equal(again.table, zone.table)
+
+
+def test_a_file_cut_anywhere_is_one_clear_error():
+    text = encode(ModelFile(PAPER_LAW))
+    for end in range(0, len(text) - 2, 7):
+        with pytest.raises(ModelFileError, match="no complete JSON"):
+            decode(text[:end])
+
+
+def test_an_edited_number_is_found_by_the_checksum():
+    text = encode(ModelFile(PAPER_LAW))
+    with pytest.raises(ModelFileError, match="checksum does not fit"):
+        decode(text.replace("0.392", "0.492"))
+
+
+def _resealed(change: dict[str, object]) -> str:
+    """Return a file with top entries changed and the right checksum for them."""
+    from q2q_model import model_file
+
+    body = json.loads(encode(ModelFile(PAPER_LAW))) | change
+    body.pop("checksum")
+    body = {name: value for name, value in body.items() if value is not ...}
+    return json.dumps(body | {"checksum": model_file._checksum(body)})
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"format": "onnx"}, 'should be "q2q-model"'),
+        ({"version": 2}, "version 2 is unknown"),
+        ({"zone": ...}, "entry 'zone' is missing"),
+        (
+            {"model": {"type": "os.system", "parameters": {}}},
+            r"'os\.system': choose one of none",
+        ),
+        ({"model": {"type": ["jet"], "parameters": {}}}, "choose one of"),
+        ({"model": 3}, r"model\.type is 3"),
+        ({"model": {"type": "jet"}}, r"model\.parameters is None: expected an object"),
+        (
+            {"model": {"type": "jet", "parameters": {"width": "wide"}}},
+            r"width is 'wide': expected a finite number",
+        ),
+        ({"model": {"type": "jet", "parameters": {"width": True}}}, "expected a finite number"),
+        ({"model": {"type": "jet", "parameters": {"width": float("nan")}}}, "expected a finite number"),
+        ({"model": {"type": "jet", "parameters": {"width": 99.0}}}, r"Jet\.width = 99\.0: allowed is"),
+        ({"model": {"type": "jet", "parameters": {"with": 0.1}}}, r"model\.parameters\.with is unknown"),
+        ({"model": {"type": "envelope_network", "parameters": {"lower": {}}}}, "is missing"),
+        ({"gains": {"k_p": 1.0}}, r"gains\.k_d is missing"),
+        ({"gains": [1.0, 2.0]}, "expected an object"),
+        ({"fit": {"method": 1, "flights": []}}, r"fit\.method is 1: expected a text"),
+        ({"zone": {"type": "level_set", "parameters": {"threshold": 50.0}}}, "the draft's peak"),
+    ],
+)
+def test_every_wrong_entry_is_named(change: dict[str, object], says: str):
+    with pytest.raises(ModelFileError, match=says):
+        decode(_resealed(change))
+
+
+def test_ragged_weights_are_refused():
+    text = encode(ModelFile(_networks()))
+    body = json.loads(text)
+    body["model"]["parameters"]["lower"]["hidden_weights"][3] = [1.0]
+    with pytest.raises(ModelFileError, match="rows of different lengths"):
+        decode(_resealed({"model": body["model"]}))
+
+
+def test_a_model_with_nan_is_not_written(tmp_path: Path):
+    broken = Network(np.full((40, 2), np.nan), np.zeros(40), np.zeros(40), 0.0)
+    with pytest.raises(ModelFileError, match=r"model\.lower\.hidden_weights\[0\]\[0\] = nan"):
+        save(tmp_path / "model.q2q", ModelFile(EnvelopeNetwork(broken, broken)))
+    assert not (tmp_path / "model.q2q").exists()
+
+
+def test_files_that_cannot_be_read_are_model_file_errors(tmp_path: Path):
+    binary = tmp_path / "binary.q2q"
+    binary.write_bytes(b"\xff\xfe\x00")
+    for path in (tmp_path / "missing.q2q", tmp_path, binary):
+        with pytest.raises(ModelFileError, match="cannot be read"):
+            load(path)
+
+
+def test_models_are_found_by_name_by_path_and_otherwise_the_known_names_are_told(tmp_path: Path):
+    assert isinstance(find_model("none").interaction, NoInteraction)
+    assert find_model("paper_law").interaction == PAPER_LAW
+    assert find_model("measured_law").interaction == MEASURED_LAW
+    own = tmp_path / "own.q2q"
+    save(own, ModelFile(Jet(strength=0.7)))
+    assert find_model(str(own)).interaction == Jet(strength=0.7)
+    with pytest.raises(ModelFileError, match="give one of measured_law, none, paper_law"):
+        find_model("paper_low")
+
+
+def test_an_installed_folder_is_preferred_to_the_source_tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    installed = tmp_path / "share" / "q2q_model" / "config"
+    installed.mkdir(parents=True)
+    save(installed / "paper_law.q2q", ModelFile(Jet(strength=0.1)))
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"{tmp_path / 'empty'}:{tmp_path}")
+    assert find_model("paper_law").interaction == Jet(strength=0.1)
+    monkeypatch.setenv("AMENT_PREFIX_PATH", "")
+    assert find_model("paper_law").interaction == load(IN_SOURCE / "paper_law.q2q").interaction
