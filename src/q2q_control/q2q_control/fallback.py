@@ -20,9 +20,7 @@ from q2q_model.signals import CommandStatus, SwarmCommand
 class FallbackParams:
     """Hold the ages at which the fallback changes."""
 
-    hold_s: float = tunable(
-        0.03, "age of the last tick from which its command is repeated", unit="s", low=0.0, high=1.0
-    )
+    hold_s: float = tunable(0.03, "age from which the last command is repeated", unit="s", low=0.0, high=1.0)
     level_s: float = tunable(0.10, "age from which level hover is commanded", unit="s", low=0.0, high=1.0)
     silent_s: float = tunable(0.40, "age from which nothing is sent", unit="s", low=0.0, high=10.0)
 

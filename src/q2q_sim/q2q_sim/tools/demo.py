@@ -1,4 +1,4 @@
-"""Fly one Crazyflie over another three times: ignoring the draft, aware of it, aware without the thrust limit.
+"""Fly one Crazyflie over another three times: ignoring the draft, aware of it, aware without the limit.
 
 The flight is the one of the paper's sections 5.1 and 5.2 (scenario table6): Q1 hovers at 1.5 m, Q2 passes
 0.5 m above it. Beside the table stands what the paper's Table 6 found.
@@ -24,9 +24,10 @@ from q2q_sim.tools.run_table import MODE_WORDS, run_grid, run_table
 
 SCENARIO = "table6"
 LEAD = (
-    "Q2 (cf2) passes 0.5 m above Q1 (cf1), which hovers at 1.5 m. Ignoring the draft, Q1 is pushed down; aware "
-    "of it, the PID adds the thrust that the draft takes. The paper's Table 6 has 0.1315 m (ignoring) and 0.0280 m "
-    "(aware, U1 at most 6.6 N). In this scenario alone the controller is given the wake's own law, as in the paper."
+    "Q2 (cf2) passes 0.5 m above Q1 (cf1), which hovers at 1.5 m. Ignoring the draft, Q1 is pushed down; "
+    "aware of it, the PID adds the thrust that the draft takes. The paper's Table 6 has 0.1315 m (ignoring) "
+    "and 0.0280 m (aware, U1 at most 6.6 N). In this scenario alone the controller is given the wake's own "
+    "law, as in the paper."
 )
 
 

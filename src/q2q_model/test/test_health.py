@@ -1,0 +1,47 @@
+"""Grading a node's health, and letting through so many events a second."""
+
+from q2q_model.decimation import Decimation
+from q2q_model.health import Health, Level, report
+
+
+def test_a_second_with_ticks_and_nothing_else_is_ok() -> None:
+    graded = report(Health(ticks=100), Health(ticks=200))
+    assert graded.level == Level.OK
+    assert graded.summary == "100 ticks"
+
+
+def test_a_second_without_a_tick_is_stale() -> None:
+    assert report(Health(ticks=5), Health(ticks=5)).level == Level.STALE
+
+
+def test_old_trouble_does_not_colour_a_good_second() -> None:
+    before = Health(ticks=10, missed=3, refused=1, last_refusal="old")
+    after = Health(ticks=20, missed=3, refused=1, last_refusal="old")
+    assert report(before, after).level == Level.OK
+
+
+def test_a_missed_tick_or_a_fallback_warns_and_a_refusal_is_an_error_with_its_reason() -> None:
+    assert report(Health(), Health(ticks=99, missed=1)).level == Level.WARN
+    assert report(Health(), Health(ticks=99, fallbacks=1)).level == Level.WARN
+    health = Health(ticks=99)
+    health.refuse("state: position has 5 numbers")
+    graded = report(Health(), health)
+    assert graded.level == Level.ERROR
+    assert "5 numbers" in graded.summary
+
+
+def test_decimation_lets_ten_of_a_hundred_through_in_a_second() -> None:
+    due = Decimation(10.0)
+    assert sum(due(tick * 0.01) for tick in range(100)) == 10
+
+
+def test_decimation_at_the_tick_rate_lets_all_through_and_at_zero_none() -> None:
+    every, none = Decimation(100.0), Decimation(0.0)
+    assert all(every(tick * 0.01) for tick in range(1000))
+    assert not any(none(tick * 0.01) for tick in range(1000))
+
+
+def test_decimation_starts_anew_when_time_jumps_back() -> None:
+    due = Decimation(10.0)
+    assert due(100.0)
+    assert due(0.0)

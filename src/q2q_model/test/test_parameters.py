@@ -1,0 +1,39 @@
+"""Parameters as dataclass fields with bounds."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from q2q_model.parameters import check_bounds, tunable, with_overrides
+
+
+@dataclass(frozen=True, slots=True)
+class Demo:
+    """Hold two parameters."""
+
+    gain: float = tunable(1.0, "a gain", unit="1/s", low=0.0, high=2.0)
+    mode: str = tunable("a", "a choice", choices=("a", "b"))
+
+    def __post_init__(self) -> None:
+        """Check."""
+        check_bounds(self)
+
+
+def test_an_override_replaces_one_field_and_keeps_the_rest() -> None:
+    assert with_overrides(Demo(), {"gain": 1.5}) == Demo(gain=1.5, mode="a")
+
+
+@pytest.mark.parametrize("wrong", [-0.1, 2.1, float("nan"), float("inf")])
+def test_a_value_out_of_bounds_is_refused_naming_value_and_bounds(wrong: float) -> None:
+    with pytest.raises(ValueError, match=r"Demo.gain = .*allowed is 0.0 to 2.0 1/s"):
+        Demo(gain=wrong)
+
+
+def test_an_unknown_key_is_answered_with_the_nearest_right_one() -> None:
+    with pytest.raises(ValueError, match="did you mean gain"):
+        with_overrides(Demo(), {"gian": 1.0})
+
+
+def test_a_wrong_choice_is_refused_with_the_right_ones() -> None:
+    with pytest.raises(ValueError, match="choose one of a, b"):
+        Demo(mode="c")

@@ -1,0 +1,45 @@
+"""Joining a tick's inputs by stamp."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from q2q_model.tick_join import WAITING_TICKS, TickJoin
+
+
+def test_a_tick_is_complete_once_every_topic_has_its_stamp_in_the_order_of_the_topics() -> None:
+    join: TickJoin[str] = TickJoin(("state", "reference"))
+    assert join.put("reference", 10, "r10") is None
+    assert join.put("reference", 20, "r20") is None
+    assert join.put("state", 20, "s20") == ("s20", "r20")
+
+
+def test_completing_a_tick_gives_up_the_older_ones_and_counts_them() -> None:
+    join: TickJoin[str] = TickJoin(("state", "reference"))
+    join.put("state", 10, "s10")
+    join.put("state", 20, "s20")
+    assert join.put("reference", 20, "r20") is not None
+    assert join.missed == 1
+    assert join.put("reference", 10, "r10") is None
+
+
+def test_a_repeated_tick_is_answered_again() -> None:
+    join: TickJoin[int] = TickJoin(("a", "b"))
+    for _ in range(2):
+        join.put("a", 10, 1)
+        assert join.put("b", 10, 2) == (1, 2)
+    assert join.missed == 0
+
+
+def test_memory_is_bounded_when_one_topic_never_comes() -> None:
+    join: TickJoin[int] = TickJoin(("a", "b"))
+    for stamp in range(100):
+        join.put("a", stamp, stamp)
+    assert join.missed == 100 - WAITING_TICKS
+
+
+@given(st.permutations([(topic, stamp) for topic in "abc" for stamp in (1, 2, 3)]))
+def test_whatever_the_order_a_tick_has_its_own_values(order: list[tuple[str, int]]) -> None:
+    join: TickJoin[tuple[str, int]] = TickJoin(("a", "b", "c"))
+    done = [made for topic, stamp in order if (made := join.put(topic, stamp, (topic, stamp)))]
+    assert all(made == (("a", made[0][1]), ("b", made[0][1]), ("c", made[0][1])) for made in done)
+    assert done[-1][0][1] == 3 or any(made[0][1] == 3 for made in done)

@@ -1,0 +1,23 @@
+"""Two flights on one machine do not hear each other."""
+
+import os
+
+import pytest
+
+from q2q_sim.tools.domain import own_domain
+
+
+def test_flights_at_the_same_time_get_different_domains(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    with own_domain() as first:
+        monkeypatch.delenv("ROS_DOMAIN_ID")
+        with own_domain() as second:
+            assert first != second
+            assert os.environ["ROS_DOMAIN_ID"] == str(second)
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(first))
+
+
+def test_a_domain_the_user_has_set_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    with own_domain() as domain:
+        assert domain == 7

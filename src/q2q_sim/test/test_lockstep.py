@@ -1,0 +1,73 @@
+"""What the simulator does with commands that come, and with those that do not."""
+
+import numpy as np
+import pytest
+
+from q2q_model.signals import SwarmCommand
+from q2q_sim.flight_clock import FlightClock
+from q2q_sim.lockstep import CommandGate, Patience
+
+
+def command(names: tuple[str, ...], thrust: float) -> SwarmCommand:
+    n = len(names)
+    return SwarmCommand(
+        0.0, names, np.full(n, thrust), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.uint8)
+    )
+
+
+def test_one_controller_for_all_completes_a_tick_at_once() -> None:
+    gate = CommandGate(("cf1", "cf2"))
+    gate.expect(10)
+    whole = command(("cf1", "cf2"), 1.0)
+    assert gate.offer(10, whole) is whole
+
+
+def test_one_controller_a_vehicle_completes_a_tick_with_the_last_of_them_in_the_swarms_order() -> None:
+    gate = CommandGate(("cf1", "cf2"))
+    gate.expect(10)
+    assert gate.offer(10, command(("cf2",), 2.0)) is None
+    whole = gate.offer(10, command(("cf1",), 1.0))
+    assert whole is not None
+    assert whole.names == ("cf1", "cf2")
+    assert whole.thrust.tolist() == [1.0, 2.0]
+
+
+def test_a_command_for_another_tick_does_not_count() -> None:
+    gate = CommandGate(("cf1",))
+    gate.expect(20)
+    assert gate.offer(10, command(("cf1",), 1.0)) is None
+
+
+def test_a_command_for_a_vehicle_that_does_not_exist_is_refused_by_name() -> None:
+    gate = CommandGate(("cf1", "cf2"))
+    with pytest.raises(ValueError, match="unknown vehicle cf9; flying are cf1, cf2"):
+        gate.offer(0, command(("cf9",), 1.0))
+
+
+def test_a_lost_tick_is_asked_for_again_and_then_given_up_and_the_next_ones_sooner() -> None:
+    patience = Patience(again_s=0.25, give_up_s=10.0)
+    patience.begin(0.0)
+    assert not patience.asks_again(0.2)
+    assert patience.asks_again(0.3)
+    assert not patience.asks_again(0.4)
+    assert not patience.gives_up(9.9)
+    assert patience.gives_up(10.0)
+    patience.begin(10.0)
+    assert patience.gives_up(10.3)
+    patience.answered()
+    patience.begin(11.0)
+    assert not patience.gives_up(20.0)
+
+
+def test_the_flight_clock_reports_percentiles_of_the_ticks_that_were_answered() -> None:
+    clock = FlightClock()
+    clock.start(100.0)
+    for tick in range(101):
+        clock.frame_out(200.0 + tick)
+        clock.command_in(200.0 + tick + tick * 1e-3)
+    clock.missed()
+    timing = clock.timing(now=105.0, flown=50.0)
+    assert timing.real_time_factor == pytest.approx(10.0)
+    assert timing.latency_p50_ms == pytest.approx(50.0)
+    assert timing.latency_p99_ms == pytest.approx(99.0)
+    assert (timing.ticks, timing.missed_ticks) == (101, 1)
