@@ -1,0 +1,63 @@
+"""Run the benchmarks: `scripts/bench [AREA...] [--json FILE]`.
+
+Each area is a module of this folder with `run() -> list[Row]`; its references are measured in the same run.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from difflib import get_close_matches
+from importlib import import_module
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from row import Row
+
+HERE = Path(__file__).parent
+NOT_AREAS = ("bench", "row")
+
+
+def areas() -> list[str]:
+    """Return the names of the areas."""
+    return sorted(path.stem for path in HERE.glob("*.py") if path.stem not in NOT_AREAS)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the chosen areas; return the exit status."""
+    made = argparse.ArgumentParser(
+        prog="bench", description=__doc__, epilog="example: scripts/bench simulation"
+    )
+    made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
+    made.add_argument("--json", type=Path, help="write the rows to this file")
+    asked = made.parse_args(arguments)
+    for area in asked.area:
+        if area not in areas():
+            near = get_close_matches(area, areas(), n=1)
+            print(f"bench: no area {area!r}; {f'did you mean {near[0]}?' if near else ''}", file=sys.stderr)
+            return 2
+    rows = [row for area in asked.area or areas() for row in _run(area)]
+    if asked.json:
+        asked.json.parent.mkdir(parents=True, exist_ok=True)
+        asked.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
+    return 0
+
+
+def _run(area: str) -> list[Row]:
+    print(f"bench: {area} ...", file=sys.stderr)
+    rows: list[Row] = import_module(area).run()
+    table = Table(title=area)
+    for column in ("figure", "value", "unit", "beside", "ratio"):
+        table.add_column(column, justify="right" if column in ("value", "ratio") else "left")
+    for row in rows:
+        ratio = "-" if row.ratio is None else f"{row.ratio:.3g}"
+        table.add_row(row.name, f"{row.value:.4g}", row.unit, row.reference or "-", ratio)
+    Console().print(table)
+    return rows
+
+
+if __name__ == "__main__":
+    sys.exit(main())
