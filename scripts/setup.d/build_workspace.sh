@@ -4,7 +4,7 @@
 build_hash() {
   {
     venv_hash
-    cd "$ROOT/src" && cat ../colcon.meta */package.xml */setup.py */setup.cfg */CMakeLists.txt */msg/*.msg
+    cd "$ROOT/src" && cat ../colcon.meta ../scripts/setup.d/{build_workspace.sh,repair_shebangs.py} */package.xml */setup.py */setup.cfg */CMakeLists.txt */msg/*.msg
     printf '%s\n' */msg/* */resource/* */config/* */launch/*
   } 2>/dev/null | sha256sum
 }

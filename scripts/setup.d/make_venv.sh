@@ -14,7 +14,7 @@ venv_hash() {
   {
     echo "$ROOT"
     cat "$STAMPS/origin"
-    cd "$ROOT" && cat requirements/{build,ros,run,constraints}.txt scripts/setup.d/*
+    cd "$ROOT" && cat requirements/{build,ros,run,constraints}.txt scripts/setup.d/{make_venv.sh,repair_cmake_exports.py}
   } 2>/dev/null | sha256sum
 }
 dev_hash() { { venv_hash && cat "$ROOT"/requirements/{dev,train}.txt; } | sha256sum; }

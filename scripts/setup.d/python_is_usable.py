@@ -7,7 +7,7 @@ import os
 import sys
 
 
-def reason():
+def reason():  # noqa: ANN201 (old interpreters run this)
     """Return what is missing, or an empty string."""
     version = "%d.%d" % sys.version_info[:2]  # noqa: UP031 (old interpreters run this)
     if sys.version_info[:2] not in ((3, 11), (3, 12)):

@@ -1,7 +1,7 @@
 """Make installed console scripts start where the checkout's path has a space.
 
-setuptools writes `#!"/a b/bin/python"`, which no kernel reads; pip's own form (a shell line that Python reads as
-a string) works everywhere.
+setuptools writes `#!"/a b/bin/python"`, which no kernel reads; pip's own form (a shell line that Python reads
+as a string) works everywhere.
 """
 
 import re
