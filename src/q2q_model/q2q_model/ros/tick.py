@@ -4,10 +4,11 @@ from collections.abc import Callable, Mapping
 
 from rclpy.node import Node
 
+from q2q_model.cdr import SignalReader, encode, header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.messages import MESSAGES, BadMessageError, decode, encode, stamp_ns_of
+from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK
 from q2q_model.tick_join import TickJoin
 
@@ -44,17 +45,18 @@ class TickWiring:
         self._publisher.publish(encode(signal, stamp_ns))
 
     def _subscribe(self, topic: str, signal: type[Signal], update: Update) -> None:
-        def receive(message: object) -> None:
+        reader = SignalReader(signal)
+
+        def receive(data: bytes) -> None:
             try:
-                self._receive(topic, message, signal, update)
+                self._receive(topic, header_stamp_ns(data), reader.read(data), update)
             except ValueError as refusal:
                 self.health.refuse(f"{topic}: {refusal}")
 
-        self._node.create_subscription(MESSAGES[signal], topic, receive, TICK)
+        self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
-    def _receive(self, topic: str, message: object, signal: type[Signal], update: Update) -> None:
-        stamp_ns = stamp_ns_of(message)
-        values = self._join.put(topic, stamp_ns, decode(message, signal))
+    def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Update) -> None:
+        values = self._join.put(topic, stamp_ns, value)
         self.health.missed = self._join.missed
         if values is None:
             return
@@ -63,6 +65,3 @@ class TickWiring:
         self.health.ticks += 1
         for follow in self._after:
             follow(stamp_ns, made)
-
-
-__all__ = ["BadMessageError", "TickWiring"]

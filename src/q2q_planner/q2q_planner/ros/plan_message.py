@@ -5,7 +5,8 @@ from array import array
 import numpy as np
 from q2q_msgs.msg import Plan
 
-from q2q_model.ros.messages import BadMessageError, header_at
+from q2q_model.cdr import BadMessageError
+from q2q_model.ros.messages import header_at
 from q2q_planner.trajectory import AXES, SwarmPlan, Trajectory
 
 

@@ -14,12 +14,12 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from q2q_model.cdr import header_stamp_ns
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.messages import header_at
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK
 from q2q_model.ros.run import run
-from q2q_sim.cdr import header_stamp_ns
 from q2q_sim.playback import Playback
 from q2q_sim.topics import TYPE_NAMES
 

@@ -9,13 +9,13 @@ from time import time_ns
 from q2q_model.bag import BagWriter
 from rclpy.node import Node
 
+from q2q_model.cdr import header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import RECORD
 from q2q_model.ros.run import run
-from q2q_sim.cdr import header_stamp_ns
 from q2q_sim.topics import TYPE_NAMES
 
 

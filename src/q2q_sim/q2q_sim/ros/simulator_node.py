@@ -10,17 +10,17 @@ import json
 from dataclasses import dataclass
 from time import perf_counter
 
-from q2q_msgs.msg import SwarmCommand as SwarmCommandMsg
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from q2q_model.cdr import decode, encode, header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.messages import MESSAGES, decode, encode, header_at, stamp_ns_of
+from q2q_model.ros.messages import MESSAGES, header_at
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK
 from q2q_model.ros.run import run
@@ -81,7 +81,7 @@ class Simulator:
         }
         self._clock_writer = node.create_publisher(Clock, "/clock", TICK)
         self._summary = node.create_publisher(String, "flight_summary", LATCHED)
-        node.create_subscription(SwarmCommandMsg, "command", self._on_command, TICK)
+        node.create_subscription(MESSAGES[SwarmCommand], "command", self._on_command, TICK, raw=True)
         node.create_service(Trigger, "~/start", self._on_start)
         live = self._params.pace == "live"
         node.create_timer(TICK_S if live else self._params.again_s, self._on_beat if live else self._on_stall)
@@ -117,9 +117,9 @@ class Simulator:
         if self._tick is not None:
             self._writers[topic].publish(encode(signal, self._tick.stamp_ns))
 
-    def _on_command(self, message: SwarmCommandMsg) -> None:
+    def _on_command(self, data: bytes) -> None:
         try:
-            whole = self._gate.offer(stamp_ns_of(message), decode(message, SwarmCommand))
+            whole = self._gate.offer(header_stamp_ns(data), decode(data, SwarmCommand))
         except ValueError as refusal:
             self._health.refuse(f"command: {refusal}")
             self._node.get_logger().error(f"command refused: {refusal}", throttle_duration_sec=1.0)

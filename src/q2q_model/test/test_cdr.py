@@ -1,0 +1,102 @@
+"""Our bytes are the bytes that others read and write."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from q2q_model.cdr import BadMessageError, decode, encode, header_stamp_ns
+from q2q_model.layout import LAYOUTS, Signal
+from q2q_model.signals import MocapFrame, SwarmImu, SwarmState
+
+SIGNALS = list(LAYOUTS)
+NAMES = st.lists(st.text("abcf123", min_size=1, max_size=9), max_size=5, unique=True).map(tuple)
+STAMPS = st.integers(0, 2**31 * 10**9 - 1)
+
+
+def typestore() -> Typestore:
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for layout in LAYOUTS.values():
+        arrays = "\n".join(
+            f"{'uint8' if column.field == 'status' else 'float64'}[] {column.field}"
+            for column in layout.columns
+        )
+        text = f"std_msgs/Header header\nstring[] names\n{arrays}\n"
+        store.register(get_types_from_msg(text, f"q2q_msgs/msg/{layout.message}"))
+    return store
+
+
+STORE = typestore()
+
+
+def made(kind: type[Signal], names: tuple[str, ...], stamp_ns: int) -> Signal:
+    rng = np.random.default_rng(len(names))
+    arrays = {
+        column.attribute: rng.integers(0, 3, len(names)).astype(np.uint8)
+        if column.field == "status"
+        else rng.normal(size=(len(names), column.width) if column.width > 1 else len(names))
+        for column in LAYOUTS[kind].columns
+    }
+    return kind(t=stamp_ns * 1e-9, names=names, **arrays)
+
+
+@given(st.sampled_from(SIGNALS), NAMES, STAMPS)
+def test_an_independent_reader_reads_what_we_write(
+    kind: type[Signal], names: tuple[str, ...], stamp_ns: int
+) -> None:
+    signal = made(kind, names, stamp_ns)
+    message = STORE.deserialize_cdr(encode(signal, stamp_ns), f"q2q_msgs/msg/{LAYOUTS[kind].message}")
+    assert tuple(message.names) == names
+    assert (message.header.stamp.sec, message.header.stamp.nanosec) == divmod(stamp_ns, 10**9)
+    assert message.header.frame_id == ("body" if kind is SwarmImu else "world")
+    for column in LAYOUTS[kind].columns:
+        expected = getattr(signal, column.attribute).ravel()
+        np.testing.assert_array_equal(getattr(message, column.field), expected)
+
+
+@given(st.sampled_from(SIGNALS), NAMES, STAMPS)
+def test_we_read_what_an_independent_writer_writes(
+    kind: type[Signal], names: tuple[str, ...], stamp_ns: int
+) -> None:
+    signal = made(kind, names, stamp_ns)
+    type_name = f"q2q_msgs/msg/{LAYOUTS[kind].message}"
+    data = bytes(STORE.serialize_cdr(STORE.deserialize_cdr(encode(signal, stamp_ns), type_name), type_name))
+    back = decode(data, kind)
+    assert header_stamp_ns(data) == stamp_ns
+    assert back.names == names
+    for entry in fields(kind):
+        np.testing.assert_array_equal(getattr(back, entry.name), getattr(signal, entry.name))
+
+
+@given(st.data())
+def test_damaged_bytes_are_refused_and_never_anything_else(data: st.DataObject) -> None:
+    whole = bytearray(encode(made(SwarmState, ("cf1", "cf2"), 10**9), 10**9))
+    for _ in range(data.draw(st.integers(1, 4))):
+        whole[data.draw(st.integers(0, len(whole) - 1))] = data.draw(st.integers(0, 255))
+    cut = bytes(whole[: data.draw(st.integers(0, len(whole)))])
+    try:
+        decode(cut, SwarmState)
+    except BadMessageError:
+        return
+    assert len(cut) >= len(whole) - 1
+
+
+def test_every_cut_of_a_message_is_refused() -> None:
+    whole = encode(made(MocapFrame, ("cf1", "cf2"), 0), 0)
+    for length in range(len(whole)):
+        with pytest.raises(BadMessageError):
+            decode(whole[:length], MocapFrame)
+
+
+def test_repeated_names_another_frame_and_unequal_arrays_are_refused_by_name() -> None:
+    with pytest.raises(BadMessageError, match="repeated vehicle names in cf1, cf1"):
+        decode(encode(made(MocapFrame, ("cf1", "cf1"), 0), 0), MocapFrame)
+    with pytest.raises(BadMessageError, match="frame_id 'wOrld'"):
+        decode(encode(made(MocapFrame, ("cf1",), 0), 0).replace(b"world", b"wOrld"), MocapFrame)
+    short = MocapFrame(0.0, ("cf1", "cf2"), np.zeros((1, 3)), np.zeros((2, 4)))
+    with pytest.raises(BadMessageError, match="position has 3 numbers; 2 names need 6"):
+        decode(encode(short, 0), MocapFrame)
