@@ -1,0 +1,187 @@
+"""Hold one scenario: who flies where, in which room, with which draft, and what the blocks are told.
+
+A document (parsed YAML) becomes a Scenario here, every value checked; `q2q_sim.scenarios` finds the files.
+
+    description: one line
+    duration: 50.0            # [s]
+    vehicle: textbook_065     # q2q_model.vehicle
+    wake: paper               # the true draft: none, paper, measured
+    model: paper_law          # what a controller is given: none, a shipped name, a .q2q file
+    room: ideal               # q2q_sim.settings; vicon, radio, imu, disturbance below override single values
+    reading: stop_and_go      # of eq. (17): stop_and_go or free
+    vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}
+    overrides: {pid: {thrust_max: 6.6}}
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from math import isfinite
+from typing import TypeVar
+
+from q2q_control.pid import PidParams
+from q2q_model.mocap_filter import MocapFilterParams
+from q2q_model.parameters import ParameterValue, ParamsClass, with_overrides
+from q2q_model.signals import Names
+from q2q_model.vehicle import Vehicle, vehicle_by_name
+from q2q_planner.minsnap import Reading
+from q2q_planner.potential_field import PotentialFieldParams
+from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
+from q2q_sim.disturbance import DisturbanceParams
+from q2q_sim.imu import ImuParams
+from q2q_sim.radio import RadioParams
+from q2q_sim.settings import Overrides, setting_by_name
+from q2q_sim.vicon import ViconParams
+from q2q_sim.wake import wake_by_name
+
+P = TypeVar("P", bound=ParamsClass)
+
+BLOCKS: dict[str, ParamsClass] = {
+    "mocap_filter": MocapFilterParams(),
+    "replanner": PotentialFieldParams(),
+    "pid": PidParams(),
+}
+"""Blocks whose parameters a scenario may override."""
+LONGEST = 3600.0
+"""Longest flight [s]."""
+READINGS: dict[str, Reading] = {"stop_and_go": "stop_and_go", "free": "free"}
+KEYS = (
+    "description", "duration", "vehicle", "wake", "model", "room", "reading", "vehicles", "overrides",
+    "vicon", "radio", "imu", "disturbance",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """Hold everything that is decided before a flight, but its seed."""
+
+    name: str
+    description: str
+    duration: float
+    """[s]"""
+    vehicle: Vehicle
+    waypoints: tuple[VehicleWaypoints, ...]
+    """One a vehicle."""
+    reading: Reading = "stop_and_go"
+    wake: str = "none"
+    model: str = "none"
+    """The interaction model that controllers are given."""
+    vicon: ViconParams = field(default_factory=ViconParams)
+    radio: RadioParams = field(default_factory=RadioParams)
+    imu: ImuParams = field(default_factory=ImuParams)
+    disturbance: DisturbanceParams = field(default_factory=DisturbanceParams)
+    overrides: Overrides = field(default_factory=dict)
+    """Parameters of blocks that differ from their defaults: {block: {parameter: value}}."""
+
+    def __post_init__(self) -> None:
+        """Check what no part checks by itself; raise ValueError naming the value and what is allowed."""
+        if not (isfinite(self.duration) and 0.0 < self.duration <= LONGEST):
+            raise ValueError(f"{self.name}: duration = {self.duration}: above 0 to {LONGEST} s is allowed")
+        wake_by_name(self.wake)
+        for vehicle in self.waypoints:
+            height = vehicle.waypoints[0].pos[2]
+            if height < 0.0:
+                raise ValueError(f"{vehicle.name}, waypoint 0: z = {height} m: the ground is at 0")
+        for block, values in self.overrides.items():
+            overridden(BLOCKS[block], values, block)
+
+    @property
+    def names(self) -> Names:
+        """Return the vehicles' names."""
+        return tuple(vehicle.name for vehicle in self.waypoints)
+
+
+def scenario_from_document(name: str, document: object) -> Scenario:
+    """Return the scenario a parsed YAML document describes.
+
+    Raises:
+        ValueError: naming the key, the value, and what is allowed there.
+    """
+    entries = _mapping(document, name)
+    for key in entries:
+        if key not in KEYS:
+            raise ValueError(f"{name}: unknown key {key!r}; {_nearest(key, KEYS)}")
+    room = setting_by_name(str(entries.get("room", "ideal")))
+    return Scenario(
+        name=name,
+        description=str(entries.get("description", "")),
+        duration=_number(entries.get("duration"), f"{name}: duration"),
+        vehicle=vehicle_by_name(str(entries.get("vehicle", "crazyflie_2_0"))),
+        waypoints=swarm_from_document({"vehicles": entries.get("vehicles")}),
+        reading=_reading(entries.get("reading", "stop_and_go")),
+        wake=str(entries.get("wake", "none")),
+        model=str(entries.get("model", "none")),
+        vicon=overridden(room.vicon, entries.get("vicon", {}), "vicon"),
+        radio=overridden(room.radio, entries.get("radio", {}), "radio"),
+        imu=overridden(room.imu, entries.get("imu", {}), "imu"),
+        disturbance=overridden(room.disturbance, entries.get("disturbance", {}), "disturbance"),
+        overrides=_merged(room.overrides, entries.get("overrides", {})),
+    )
+
+
+def block_params(block: str, default: P, overrides: Overrides) -> P:
+    """Return a block's parameters with a scenario's overrides."""
+    return overridden(default, overrides.get(block, {}), block)
+
+
+def overridden(params: P, values: object, where: str) -> P:
+    """Return `params` with values of a document.
+
+    Raises:
+        ValueError: an unknown parameter, a value of another type, or one out of bounds.
+    """
+    changes = {
+        key: _value(value, getattr(params, key, None)) for key, value in _mapping(values, where).items()
+    }
+    try:
+        return with_overrides(params, changes)
+    except TypeError as error:
+        raise ValueError(f"{where}: {changes}: a value has the wrong type ({error})") from error
+
+
+def _value(value: object, default: object) -> ParameterValue:
+    """Return a document's value as a parameter's: 1 is a float where a float is meant, a list a tuple."""
+    if isinstance(value, list):
+        return tuple(float(one) for one in value)
+    if isinstance(value, int) and isinstance(default, float) and not isinstance(value, bool):
+        return float(value)
+    if not isinstance(value, bool | int | float | str):
+        expected = "a number, a word, true, false or a list of numbers is expected"
+        raise ValueError(f"{value!r}: {expected}")  # noqa: TRY004  a bad document, not a bad call
+    return value
+
+
+def _merged(room: Overrides, own: object) -> Overrides:
+    entries = _mapping(own, "overrides")
+    blocks = {block: _mapping(values, f"overrides.{block}") for block, values in entries.items()}
+    for block in blocks:
+        if block not in BLOCKS:
+            raise ValueError(f"overrides: unknown block {block!r}; {_nearest(block, tuple(BLOCKS))}")
+    merged = {block: dict(room.get(block, {})) for block in {*room, *blocks}}
+    for block, values in blocks.items():
+        for key, value in values.items():
+            merged[block][key] = _value(value, getattr(BLOCKS[block], key, None))
+    return merged
+
+
+def _reading(value: object) -> Reading:
+    if value not in READINGS:
+        raise ValueError(f"reading = {value!r}: choose one of {', '.join(READINGS)}")
+    return READINGS[str(value)]
+
+
+def _number(value: object, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{where} = {value!r}: a number is expected")
+    return float(value)
+
+
+def _mapping(value: object, where: str) -> Mapping[str, object]:
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise ValueError(f"{where}: got {value!r}, expected names with values")
+    return value
+
+
+def _nearest(key: str, known: tuple[str, ...]) -> str:
+    near = get_close_matches(key, known, n=1)
+    return f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
