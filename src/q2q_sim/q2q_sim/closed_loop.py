@@ -1,0 +1,69 @@
+"""Fly a scenario without ROS: the very blocks of the nodes, one after the other, as fast as they compute.
+
+    room.capture -> mocap filter -> predictor -> plan -> replanner -> controller -> room.advance
+
+Order, inputs and stamps are those of the nodes in lockstep; a test holds both to the same numbers.
+"""
+
+from dataclasses import dataclass, field
+
+from q2q_model.flights import Flight
+from q2q_model.interaction.model import InteractionModel
+from q2q_model.interaction.none import NoInteraction
+from q2q_model.signals import SwarmCommand
+from q2q_planner.trajectory import setpoint_at
+from q2q_sim.assembly import TICK_S, Blocks, Mode, blocks_of
+from q2q_sim.recording import FlightRecording
+from q2q_sim.room import Room, Tick
+from q2q_sim.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class FlightOptions:
+    """Hold how a scenario is flown."""
+
+    mode: Mode = "aware"
+    controller: str = "pid"
+    replan: bool = False
+    seed: int = 0
+    model: InteractionModel = field(default_factory=NoInteraction)
+    """What the predictor is given; the scenario's: q2q_model.tools.models.find_model(scenario.model)."""
+
+
+def fly(scenario: Scenario, options: FlightOptions) -> Flight:
+    """Fly a scenario and return all that happened.
+
+    Raises:
+        ValueError: an unknown mode or controller, or a seed below 0.
+    """
+    if options.controller != "pid":
+        raise ValueError(f"unknown controller {options.controller!r}: choose pid")
+    blocks = blocks_of(scenario, options.mode, options.model, replan=options.replan)
+    room = Room(scenario, options.seed)
+    recording = FlightRecording(scenario.names, ticks_of(scenario))
+    while room.tick * TICK_S < scenario.duration:
+        number, tick = room.tick, room.capture()
+        recording.frame(number, tick.frame)
+        recording.truth(number, tick.truth, tick.truth_interference, tick.imu)
+        room.advance(_answer(blocks, tick, recording, aware=options.mode != "ignoring"))
+    return recording.flight(f"{scenario.name} {options.mode} seed {options.seed}")
+
+
+def ticks_of(scenario: Scenario) -> int:
+    """Return how many ticks a flight has."""
+    count = round(scenario.duration / TICK_S)
+    return count + (count * TICK_S < scenario.duration)
+
+
+def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, *, aware: bool) -> SwarmCommand:
+    """Return the command of a tick, and write down how it came about."""
+    number = round(tick.frame.t / TICK_S)
+    state = blocks.mocap_filter.update(tick.frame)
+    draft = blocks.predictor.update(state)
+    planned = setpoint_at(blocks.plan, tick.frame.t)
+    given = blocks.replanner.update(planned, state)
+    command = blocks.controller.update(state, given, draft if aware else None)
+    recording.state(number, state, draft)
+    recording.setpoints(number, planned, given)
+    recording.command(number, command)
+    return command

@@ -1,0 +1,131 @@
+"""Stand in for the room: VICON looks, commands come, and 10 ms pass.
+
+    capture()          what VICON and the inertial sensors see now, with the truth beside it
+    advance(command)   give the radio the tick's command, move everything by one tick
+
+Delays: a controller knows capture stamps only, so a frame that is late and a command that is late look the
+same to it. The camera's latency is therefore added to the radio's, and frames come at once.
+Both calls are deterministic: the same scenario, seed and commands give the same numbers to the last bit.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.signals import (
+    Interference,
+    InterferenceStatus,
+    MocapFrame,
+    Names,
+    SwarmCommand,
+    SwarmImu,
+    SwarmState,
+    index_of,
+)
+from q2q_sim.disturbance import Disturbance
+from q2q_sim.imu import Imu
+from q2q_sim.quadcopter import ACC
+from q2q_sim.radio import Radio, RadioParams
+from q2q_sim.scenario import Scenario
+from q2q_sim.swarm import PHYSICS_RATE, Swarm
+from q2q_sim.vicon import Flags, Vicon
+from q2q_sim.wake import wake_by_name
+
+TICK_NS = 10_000_000
+"""VICON's frame period [ns]: 100 Hz."""
+TICK_S = TICK_NS * 1e-9
+STEPS = PHYSICS_RATE // 100
+"""Physics steps a tick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """Hold what can be known of one tick."""
+
+    stamp_ns: int
+    truth: SwarmState
+    truth_interference: Interference
+    frame: MocapFrame
+    imu: SwarmImu
+
+
+class Room:
+    """Hold vehicles, air, cameras and radio of one flight."""
+
+    def __init__(self, scenario: Scenario, seed: int) -> None:
+        """Place the vehicles at their first waypoints."""
+        if seed < 0:
+            raise ValueError(f"seed = {seed}: 0 or above is allowed")
+        self.names: Names = scenario.names
+        start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
+        n, vehicle = len(start), scenario.vehicle
+        self._swarm = Swarm(scenario.names, vehicle, start, wake_by_name(scenario.wake))
+        self._vicon = Vicon(scenario.vicon, n, TICK_S, seed)
+        self._imu = Imu(scenario.imu, n, seed)
+        self._disturbance = Disturbance(scenario.disturbance, n, TICK_S, seed)
+        hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
+        self._radio = Radio(_with_camera_latency(scenario), hover, vehicle.thrust_max, seed)
+        self._tick = 0
+        self._seen: Tick | None = None
+
+    @property
+    def tick(self) -> int:
+        """Return how many ticks have passed."""
+        return self._tick
+
+    @property
+    def injected(self) -> Flags:
+        """Return what was done to each vehicle in the last captured frame: vicon.Injected, (n,)."""
+        return self._vicon.injected
+
+    def capture(self) -> Tick:
+        """Return what is seen now; asked again in the same tick, the same again."""
+        if self._seen is None:
+            stamp_ns = self._tick * TICK_NS
+            truth = self._swarm.truth(stamp_ns * 1e-9)
+            self._seen = Tick(
+                stamp_ns=stamp_ns,
+                truth=truth,
+                truth_interference=self._true_draft(truth),
+                frame=self._vicon.observe(truth),
+                imu=self._imu.read(truth, self._swarm.state[:, ACC]),
+            )
+        return self._seen
+
+    def advance(self, command: SwarmCommand | None) -> None:
+        """Let one tick pass; `command` None means that none came.
+
+        Raises:
+            ValueError: the command is for a vehicle that does not exist, or is not finite; nothing has moved.
+        """
+        self.capture()  # every tick is looked at once, so that its noise does not depend on who asks
+        now_ns = self._tick * TICK_NS
+        if command is not None:
+            self._radio.send(now_ns, self._rows_of(command), command)
+        obeyed = self._radio.obeyed(now_ns, TICK_NS // STEPS, STEPS)
+        self._swarm.step(obeyed, self._disturbance.step())
+        self._tick += 1
+        self._seen = None
+
+    def _rows_of(self, command: SwarmCommand) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+        rows = index_of(command.names, self.names)
+        if (rows < 0).any():
+            strangers = ", ".join(name for name in command.names if name not in self.names)
+            raise ValueError(f"command for {strangers}: no such vehicle; flying are {', '.join(self.names)}")
+        values = np.column_stack([command.thrust, command.roll, command.pitch, command.yaw_rate])
+        bad = ~np.isfinite(values).all(axis=1)
+        if bad.any():
+            who = command.names[int(np.argmax(bad))]
+            raise ValueError(f"command for {who} is not finite: {values[bad][0]}; send finite numbers")
+        return rows
+
+    def _true_draft(self, truth: SwarmState) -> Interference:
+        n = len(truth.names)
+        status = np.full(n, InterferenceStatus.VALID, dtype=np.uint8)
+        return Interference(
+            t=truth.t, names=truth.names, acc=self._swarm.draft(), std=np.zeros((n, 3)), status=status
+        )
+
+
+def _with_camera_latency(scenario: Scenario) -> RadioParams:
+    return replace(scenario.radio, latency=scenario.radio.latency + scenario.vicon.latency)
