@@ -1,0 +1,114 @@
+"""Track attitudes and body rates through reflections that turn a rigid body over.
+
+A quaternion q, tau after the last one taken q0, is taken when its angle to q0 is at most
+turn_max + turn_rate_max tau, where tau does not grow while samples are refused; what is refused but lasts
+`reacquire_s` is believed. q and -q are one attitude:
+the sign nearest the last is kept. The body rate is the constant one between successive attitudes, behind a
+first-order low pass, so it lags by half a sample and the filter's time constant T:
+
+    w_raw = log(q0* q) / tau,   w = w + tau / (tau + T) (w_raw - w)
+
+In a dropout the attitude is held and the rate is zero.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| q | quat | orientation x y z w, body to world |
+| w | ang_vel_body | body rate [rad/s] |
+| T | rate_filter_s | time constant of the rate [s]; 0 is none |
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.outliers import Mask
+from q2q_model.rotations import identity_quat, quat_between, vector_from_quat
+from q2q_model.signals import Array
+from q2q_model.tracking.memory import padded
+from q2q_model.tracking.rivals import SAME_INSTANT
+
+UNIT_TOLERANCE = 0.05
+"""A quaternion whose length is further from 1 is damaged: a float32 one is within 1e-6, four digits 1e-3."""
+
+
+@dataclass(frozen=True, slots=True)
+class AttitudeParams:
+    """Hold what AttitudeTracks needs of the filter's parameters."""
+
+    turn_max: float
+    """[rad]"""
+    turn_rate_max: float
+    """[rad/s]"""
+    rate_filter_s: float
+    reacquire_s: float
+    coast_s: float
+
+
+class AttitudeTracks:
+    """Remember how every vehicle was turned."""
+
+    def __init__(self, params: AttitudeParams, count: int) -> None:
+        """Start `count` vehicles level and at rest, none of them seen."""
+        self._params = params
+        self._seen: Mask = np.zeros(count, dtype=bool)
+        self._time: Array = np.zeros(count)
+        self._refused_since: Array = np.full(count, np.inf)
+        self.quat: Array = identity_quat((count,))
+        """Orientation x y z w, (n, 4); level for a vehicle never seen."""
+        self.ang_vel_body: Array = np.zeros((count, 3))
+        """Body rate [rad/s], (n, 3)."""
+
+    def grow(self, extra: int) -> None:
+        """Add vehicles that were never seen."""
+        self._seen, self._time = padded(self._seen, extra), padded(self._time, extra)
+        self._refused_since = np.append(self._refused_since, np.full(extra, np.inf))
+        self.quat = np.concatenate([self.quat, identity_quat((extra,))])
+        self.ang_vel_body = padded(self.ang_vel_body, extra)
+
+    def nearest(self, offered: Array, other: Array) -> Array:
+        """Return, row by row, which of two quaternions (n, 4) is nearer the track; NaN is never nearer."""
+        near, far = (np.nan_to_num(np.abs(np.sum(q * self.quat, axis=1)), nan=-1.0) for q in (offered, other))
+        return np.where((near >= far)[:, None], offered, other)
+
+    def update(self, t: float, measured: Array) -> Mask:
+        """Take one tick's quaternions (n, 4), NaN where absent; return which were there but refused."""
+        length = np.sqrt((measured * measured).sum(axis=1))
+        if not (np.abs(length - 1.0) <= UNIT_TOLERANCE).all():  # also NaN
+            length = np.where(np.abs(length - 1.0) <= UNIT_TOLERANCE, length, np.nan)
+        quat = measured / length[:, None]
+        turn = quat_between(self.quat, quat)
+        quat *= np.copysign(1.0, turn[:, 3:])
+        elapsed = t - self._time
+        unwatched = np.minimum(t, self._refused_since) - self._time
+        believable = self._params.turn_max + self._params.turn_rate_max * unwatched
+        near = np.abs(turn[:, 3]) >= np.cos(0.5 * np.minimum(believable, np.pi))
+        stale = elapsed > self._params.coast_s + SAME_INSTANT
+        if near.all() and self._seen.all() and not stale.any():
+            self.ang_vel_body = self._rate(turn, elapsed)
+            self.quat = quat
+            self._time[:] = t
+            self._refused_since[:] = np.inf
+            return ~near
+        return self._sort_out(t, quat, turn, (near & self._seen, stale))
+
+    def _rate(self, turn: Array, elapsed: Array) -> Array:
+        raw = vector_from_quat(turn) / elapsed[:, None]
+        blend = elapsed / (elapsed + self._params.rate_filter_s)
+        return self.ang_vel_body + blend[:, None] * (raw - self.ang_vel_body)
+
+    def _sort_out(self, t: float, quat: Array, turn: Array, judged: tuple[Mask, Mask]) -> Mask:
+        near, stale = judged
+        whole = ~np.isnan(quat[:, 3])
+        refused = whole & ~near & self._seen
+        self._refused_since = np.where(refused, np.minimum(self._refused_since, t), self._refused_since)
+        lasting = t - self._refused_since >= self._params.reacquire_s - SAME_INSTANT
+        fresh = whole & (~self._seen | (refused & lasting) | (near & stale))
+        taken = near | fresh
+        followed = taken & ~fresh
+        rate = self._rate(turn, np.where(followed, t - self._time, 1.0))
+        self.ang_vel_body = np.where(followed[:, None], rate, 0.0)
+        self.quat = np.where(taken[:, None], quat, self.quat)
+        self._time = np.where(taken, t, self._time)
+        self._refused_since = np.where(taken, np.inf, self._refused_since)
+        self._seen |= taken
+        return refused & ~fresh

@@ -1,0 +1,245 @@
+"""Track positions through motion capture that lies: gate, coast, swap back, re-acquire.
+
+The motion between samples and its spread come from q2q_model.tracking.white_jerk. A sample r of a vehicle
+last seen at p, tau ago, is taken when it passes all three, with the thresholds of q2q_model.outliers:
+
+    room      max |r| <= pos_max
+    velocity  |r - p| <= jump_max + speed_max tau
+    position  |r - p-| <= jump_max + GATE_SIGMAS sqrt(S)     (not once the vehicle is lost)
+
+A refused sample is tried as another vehicle's marker (q2q_model.tracking.swaps). A track takes others'
+markers for at most as many samples as it had been right about its name, so a wrong start heals. What is
+still refused but stays together is a true jump (q2q_model.tracking.rivals): the track starts there.
+Without samples a track coasts for `coast_s`; then it is lost, its position held and its velocity zero.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.outliers import Mask, OutlierThresholds
+from q2q_model.signals import Array
+from q2q_model.tracking import white_jerk
+from q2q_model.tracking.memory import padded
+from q2q_model.tracking.rivals import SAME_INSTANT, Rivals
+from q2q_model.tracking.swaps import swapped_sources
+
+GATE_SIGMAS = 3.0
+"""Width of the position gate beyond jump_max, in standard deviations of the prediction."""
+STEADY = 1e-9
+"""Relative change of the covariance in a tick below which its gains are settled."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrackParams:
+    """Hold what PositionTracks needs of the filter's parameters."""
+
+    limits: OutlierThresholds
+    position_noise: float
+    """[m]"""
+    jerk_noise: float
+    """[m/s^2.5]"""
+    coast_s: float
+    reacquire_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Say what became of the samples of one tick, one row a vehicle."""
+
+    pos: Array
+    """Position [m], (n, 3); zero for a vehicle never seen."""
+    vel: Array
+    """Velocity [m/s], (n, 3); zero for a lost vehicle."""
+    accepted: Mask
+    source: NDArray[np.intp]
+    """Whose sample was taken, (n,): another row where markers were swapped, -1 where none."""
+    restarted: Mask
+    """Taken as a true jump."""
+    plain: bool
+    """Every vehicle's own sample was taken."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Ahead:
+    """Hold what the tracks expect at a tick."""
+
+    state: Array
+    cov: Array
+    lost: Mask
+    gate: Array
+    """Largest believable distance from the expected position [m], (n,)."""
+    reach: Array
+    """Largest believable distance from the last position [m], (n,)."""
+
+
+@dataclass(slots=True)
+class _Steady:
+    """Hold gains that have settled: evenly spaced samples give the same ones again."""
+
+    t: float
+    """The last tick [s]."""
+    dt: float
+    """The spacing they belong to [s]."""
+    moved: Array
+    """F, (n, 3, 3)."""
+    gain: Array
+    """K, (n, 3, 1)."""
+    gate: float
+    """Half side of a box inside every position gate [m]."""
+    reach: float
+    """Half side of a box inside every velocity gate [m]."""
+
+
+class PositionTracks:
+    """Remember where every vehicle was, and how it moved."""
+
+    def __init__(self, params: TrackParams, count: int) -> None:
+        """Start `count` vehicles, none of them seen."""
+        self._params = params
+        self._noise_var = params.position_noise**2
+        self._seen: Mask = np.zeros(count, dtype=bool)
+        self._time: Array = np.zeros(count)
+        self._state: Array = np.zeros((count, 3, 3))
+        self._cov: Array = np.zeros((count, 3, 3))
+        self._rivals = Rivals(count, params.limits, params.reacquire_s)
+        self._right = np.zeros(count, dtype=np.int64)  # samples taken under its own name
+        self._swapped = np.zeros(count, dtype=np.int64)  # samples taken from others since
+        self._motion = (self._cov, self._cov)
+        self._settle_rows(count)
+
+    def grow(self, extra: int) -> None:
+        """Add vehicles that were never seen."""
+        self._seen, self._time = padded(self._seen, extra), padded(self._time, extra)
+        self._state, self._cov = padded(self._state, extra), padded(self._cov, extra)
+        self._right, self._swapped = padded(self._right, extra), padded(self._swapped, extra)
+        self._rivals.grow(extra)
+        self._settle_rows(len(self._seen))
+
+    def _settle_rows(self, count: int) -> None:
+        self._rows, self._every = np.arange(count), np.ones(count, dtype=bool)
+        self._span: Array = np.full(count, np.nan)
+        self._steady: _Steady | None = None
+
+    def age(self, t: float) -> Array:
+        """Return the time since each vehicle's last taken sample [s], (n,); infinite if never."""
+        return np.where(self._seen, t - self._time, np.inf)
+
+    def update(self, t: float, measured: Array) -> Verdict:
+        """Judge one tick's samples, measured [m] (n, 3), NaN where absent; t [s] is later than before."""
+        verdict = self._glide(t, measured)
+        if verdict is not None:
+            return verdict
+        ahead = self._expect(t)
+        inside = np.where(np.abs(measured) <= self._params.limits.pos_max, measured, np.nan)
+        fits = self._judge(inside, ahead)
+        if fits.all() and self._seen.all() and not ahead.lost.any():
+            return self._follow(t, inside, ahead)
+        self._steady = None
+        return self._sort_out(t, inside, ahead, fits)
+
+    def _glide(self, t: float, measured: Array) -> Verdict | None:
+        """Take a whole tick with the gains of the last, where nothing is unusual; else return None."""
+        steady = self._steady
+        if steady is None or abs(t - steady.t - steady.dt) > SAME_INSTANT:
+            return None
+        expected = steady.moved @ self._state
+        miss = measured - expected[:, 0]
+        step = measured - self._state[:, 0]
+        calm = np.abs(miss).max() <= steady.gate and np.abs(step).max() <= steady.reach  # false for NaN
+        if not calm or np.abs(measured).max() > self._params.limits.pos_max:
+            return None
+        state = expected + steady.gain * miss[:, None, :]
+        if self._noise_var == 0.0:
+            state[:, 0] = measured
+        self._state, steady.t = state, t
+        return self._all_taken(t)
+
+    def _follow(self, t: float, measured: Array, ahead: _Ahead) -> Verdict:
+        """Take a whole tick; note when the gains no longer change."""
+        before, dt = self._cov, t - self._time
+        self._state, self._cov = white_jerk.correct(ahead.state, ahead.cov, measured, self._noise_var)
+        even = len(dt) > 0 and np.ptp(dt) < SAME_INSTANT and dt[0] <= self._params.coast_s
+        if even and np.all(np.abs(self._cov - before) <= STEADY * np.abs(before).max(axis=0)):
+            gain = white_jerk.gain(ahead.cov, self._noise_var)[:, :, None]
+            square = 1.0 / np.sqrt(3.0)  # a box inside the ball of each gate
+            self._steady = _Steady(
+                t,
+                float(dt[0]),
+                self._motion[0],
+                gain,
+                float(ahead.gate.min()) * square,
+                float(ahead.reach.min()) * square,
+            )
+        return self._all_taken(t)
+
+    def _all_taken(self, t: float) -> Verdict:
+        self._time[:] = t
+        self._right += 1
+        self._swapped[:] = 0
+        self._rivals.forget(self._every)
+        return Verdict(
+            self._state[:, 0].copy(),
+            self._state[:, 1].copy(),
+            self._every,
+            self._rows,
+            ~self._every,
+            plain=True,
+        )
+
+    def _expect(self, t: float) -> _Ahead:
+        elapsed = np.where(self._seen, t - self._time, 0.0)
+        limits = self._params.limits
+        span = np.minimum(elapsed, self._params.coast_s)
+        if not np.all(np.abs(span - self._span) < SAME_INSTANT):
+            self._span, self._motion = span, white_jerk.transition(span, self._params.jerk_noise**2)
+        moved, spread = self._motion
+        cov = moved @ self._cov @ moved.transpose(0, 2, 1) + spread
+        gate = limits.jump_max + GATE_SIGMAS * np.sqrt(cov[:, 0, 0] + self._noise_var)
+        reach = limits.jump_max + limits.speed_max * elapsed
+        return _Ahead(moved @ self._state, cov, elapsed > self._params.coast_s + SAME_INSTANT, gate, reach)
+
+    def _judge(self, measured: Array, ahead: _Ahead) -> Mask:
+        miss, step = measured - ahead.state[:, 0], measured - self._state[:, 0]
+        near = (np.sum(miss * miss, axis=1) <= ahead.gate**2) | ahead.lost
+        fits = near & (np.sum(step * step, axis=1) <= ahead.reach**2)
+        return np.where(self._seen, fits, ~np.isnan(measured).any(axis=1))
+
+    def _sort_out(self, t: float, measured: Array, ahead: _Ahead, fits: Mask) -> Verdict:
+        orphans = ~np.isnan(measured).any(axis=1) & ~fits
+        trusting = self._seen & ~ahead.lost & ~fits & (self._swapped < self._right)
+        gate = np.minimum(ahead.gate, ahead.reach)
+        lent = swapped_sources(measured, ahead.state[:, 0], gate, orphans, trusting)
+        source = np.where(lent >= 0, lent, np.where(fits, self._rows, -1))
+        self._rivals.forget(source >= 0)
+        jumped = self._rivals.offer(t, measured, orphans & (source < 0) & ~np.isin(self._rows, lent))
+        source = np.where(jumped, self._rows, source)
+        fresh = jumped | (fits & (~self._seen | ahead.lost))
+        self._count(fits, lent >= 0, fresh)
+        self._take(t, measured[source], ahead, (source >= 0, fresh, jumped))
+        return self._verdict(ahead, source, jumped)
+
+    def _count(self, own: Mask, lent: Mask, fresh: Mask) -> None:
+        self._swapped = np.where(lent, self._swapped + 1, np.where(own, 0, self._swapped))
+        self._right = np.where(fresh, 1, self._right + own)
+
+    def _take(self, t: float, samples: Array, ahead: _Ahead, masks: tuple[Mask, Mask, Mask]) -> None:
+        taken, fresh, jumped = masks
+        on = taken & ~fresh
+        self._state[on], self._cov[on] = white_jerk.correct(
+            ahead.state[on], ahead.cov[on], samples[on], self._noise_var
+        )
+        velocity = np.where(jumped[:, None], self._rivals.velocity(), 0.0)
+        self._state[fresh], self._cov[fresh] = white_jerk.start(
+            samples[fresh], velocity[fresh], self._noise_var
+        )
+        self._time[taken] = t
+        self._seen |= taken
+        self._rivals.forget(jumped)
+
+    def _verdict(self, ahead: _Ahead, source: NDArray[np.intp], jumped: Mask) -> Verdict:
+        taken = source >= 0
+        state = np.where(taken[:, None, None], self._state, ahead.state)
+        vel = np.where((ahead.lost & ~taken)[:, None], 0.0, state[:, 1])
+        return Verdict(state[:, 0].copy(), vel, taken, source, jumped, plain=False)

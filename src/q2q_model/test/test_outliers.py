@@ -1,0 +1,133 @@
+"""Hold the batch rule of section 2.2 to synthetic tracks, and to real flights where they are present."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from q2q_model.outliers import OutlierThresholds, find_outliers, repair
+from q2q_model.signals import Array
+
+RATE = 100.0
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
+seeds = st.integers(0, 2**32 - 1)
+
+
+def _flight(samples: int = 600) -> tuple[Array, Array]:
+    """Fly two vehicles on ellipses at up to 1 m/s, one 0.5 m above the other."""
+    t = np.arange(samples) / RATE
+    one = np.stack([np.sin(t), 0.5 * np.cos(2.0 * t), 1.0 + 0.1 * np.sin(3.0 * t)], axis=-1)
+    two = np.stack([np.cos(t), 0.5 * np.sin(2.0 * t), 1.5 + 0.1 * np.cos(3.0 * t)], axis=-1)
+    return t, np.stack([one, two], axis=1)
+
+
+def test_a_smooth_flight_has_no_outlier():
+    t, pos = _flight()
+    assert not find_outliers(t, pos).any()
+
+
+@given(seeds, st.integers(1, 5), st.floats(0.06, 30.0))
+@settings(max_examples=25, deadline=None)
+def test_a_short_burst_is_found_and_nothing_else(seed: int, length: int, size: float):
+    rng = np.random.default_rng(seed)
+    t, pos = _flight()
+    start = int(rng.integers(20, 570))
+    away = rng.standard_normal((length, 3))
+    # 60 mm is 20 mm outside the 40 mm threshold: room for the median of a moving vehicle (1 m/s * 10 ms)
+    pos[start : start + length, 1] += size * away / np.linalg.norm(away, axis=-1, keepdims=True)
+    found = find_outliers(t, pos)
+    expected = np.zeros_like(found)
+    expected[start : start + length, 1] = True
+    assert np.array_equal(found, expected)
+
+
+@given(st.integers(1, 100))
+@settings(max_examples=10, deadline=None)
+def test_swapped_markers_are_outliers_of_both_vehicles(length: int):
+    t, pos = _flight()
+    pos[200 : 200 + length] = pos[200 : 200 + length, ::-1].copy()
+    found = find_outliers(t, pos)
+    assert found[200 : 200 + length].all()
+    assert found.sum() == 2 * length
+
+
+def test_a_vehicle_carried_elsewhere_for_good_is_believed():
+    t, pos = _flight(900)
+    pos[450:, 0] += [3.0, 0.0, 0.0]
+    assert not find_outliers(t, pos).any()
+
+
+def test_a_sample_that_is_no_number_or_outside_every_room_is_an_outlier():
+    t, pos = _flight()
+    pos[100, 0, 2], pos[101, 0], pos[102, 1] = np.nan, np.inf, 1e300
+    found = find_outliers(t, pos)
+    assert found[100, 0]
+    assert found[101, 0]
+    assert found[102, 1]
+    assert found.sum() == 3
+
+
+def test_a_spike_at_the_end_of_a_gap_does_not_take_the_flight_with_it():
+    t, pos = _flight()
+    pos[200:240, 0] = np.nan
+    pos[240, 0] += [0.3, 0.0, 0.0]
+    found = find_outliers(t, pos)
+    assert found[200:241, 0].all()
+    assert found.sum() == 41
+
+
+def test_repair_draws_lines_between_neighbours_and_keeps_good_samples():
+    t, pos = _flight()
+    bad = np.zeros(pos.shape[:2], dtype=bool)
+    bad[300:305, 0] = True
+    mended = repair(t, np.where(bad[..., None], 99.0, pos), bad)
+    assert np.array_equal(mended[~bad], pos[~bad])
+    # sagitta of a chord of 6 samples: a T^2 / 8 with a <= 2 m/s^2, T = 0.06 s
+    assert np.abs(mended - pos).max() < 2.0 * 0.06**2 / 8.0
+    middle = 0.5 * (mended[300, 0] + mended[304, 0])
+    assert np.allclose(mended[302, 0], middle, atol=1e-12)  # rounding of coordinates near 1
+
+
+def test_a_track_without_a_good_sample_stays_unknown():
+    t, pos = _flight(50)
+    bad = np.ones(pos.shape[:2], dtype=bool)
+    assert np.isnan(repair(t, pos, bad)).all()
+
+
+def test_a_time_that_falls_is_refused_with_the_place():
+    t, pos = _flight(50)
+    t[10] = t[9]
+    with pytest.raises(ValueError, match=r"t must rise; after 0\.09 comes 0\.09"):
+        find_outliers(t, pos)
+
+
+def test_thresholds_are_thresholds():
+    t, pos = _flight()
+    pos[300, 0] += [0.1, 0.0, 0.0]
+    assert find_outliers(t, pos).sum() == 1
+    assert find_outliers(t, pos, OutlierThresholds(speed_max=30.0, jump_max=0.2)).sum() == 0
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")
+@pytest.mark.parametrize("name", ["dc19_swap_ss_02", "dc21_swap_ss_05"])
+def test_real_flights_are_clean_and_what_is_injected_is_found(name: str):
+    pyarrow = pytest.importorskip("pyarrow.parquet")
+    table = pyarrow.read_table(DATA / "neural_swarm" / f"{name}.parquet")
+    columns = [[f"{cf}_{axis}" for axis in "xyz"] for cf in ("cf50", "cf51")]
+    pos = np.stack([np.stack([table[c].to_numpy() for c in cf], axis=-1) for cf in columns], axis=1).astype(
+        float
+    )
+    t = table["t"].to_numpy()
+    assert not find_outliers(t, pos).any()
+    rng = np.random.default_rng(0)
+    injected = rng.random(pos.shape[:2]) < 0.01
+    away = rng.standard_normal(pos.shape)
+    spoiled = pos + np.where(
+        injected[..., None], 0.1 * away / np.linalg.norm(away, axis=-1, keepdims=True), 0.0
+    )
+    found = find_outliers(t, spoiled)
+    assert found[injected].mean() >= 0.99  # what the project promises
+    assert found[~injected].mean() <= 0.001
