@@ -9,6 +9,7 @@ to rclpy and rosbags. Every number is aligned to its size, counted from after th
 """
 
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Generic, TypeVar
@@ -17,17 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.layout import LAYOUTS, Column, Signal
-from q2q_model.signals import (
-    Interference,
-    MocapFrame,
-    Names,
-    SwarmCommand,
-    SwarmImu,
-    SwarmSetpoint,
-    SwarmState,
-)
+from q2q_model.signals import Names, SwarmImu
 
-S = TypeVar("S", MocapFrame, SwarmState, SwarmSetpoint, Interference, SwarmCommand, SwarmImu)
+S = TypeVar("S", bound=Signal)
 
 ENCAPSULATION = b"\x00\x01\x00\x00"
 """Plain CDR, little endian, no options."""
@@ -108,7 +101,8 @@ class SignalReader(Generic[S]):
     """Read one kind of message; remember where things lay in the last one, as names seldom change."""
 
     def __init__(self, signal: type[S]) -> None:
-        self._signal = signal
+        self._signal: Callable[..., S] = signal
+        self._kind: type = signal
         self._map: _Map | None = None
 
     def read(self, data: bytes) -> S:
@@ -118,7 +112,7 @@ class SignalReader(Generic[S]):
         stamp_ns = header_stamp_ns(data)
         known = self._map
         if known is None or not data.startswith(known.head, NAMES_AT):
-            known = self._map = _map_of(self._signal, data)
+            known = self._map = _map_of(self._kind, data)
         arrays = {block.attribute: _array(data, block, known.names) for block in known.blocks}
         return self._signal(t=stamp_ns * 1e-9, names=known.names, **arrays)
 
@@ -133,7 +127,7 @@ def _array(data: bytes, block: _Block, names: Names) -> NDArray[np.generic]:
     return np.ndarray(block.shape, block.dtype, data, block.begin)
 
 
-def _map_of(signal: type[Signal], data: bytes) -> _Map:
+def _map_of(signal: type, data: bytes) -> _Map:
     try:
         names, at = _read_names(data)
     except struct.error as cut:
@@ -164,14 +158,16 @@ def _aligned(at: int, size: int) -> int:
 def _head(frame_id: str, names: Names) -> bytes:
     """Return frame_id and names, as they follow the stamp."""
     made = bytearray(8)  # stands for the stamp, so that alignment counts from the right place
-    for value in (frame_id, len(names), *names):
-        made += bytes(-len(made) % 4)
-        if isinstance(value, int):
-            made += struct.pack("<I", value)
-        else:
-            text = value.encode() + b"\0"
-            made += struct.pack("<I", len(text)) + text
+    _add_text(made, frame_id)
+    made += bytes(-len(made) % 4) + _COUNT.pack(len(names))
+    for name in names:
+        _add_text(made, name)
     return bytes(made[8:])
+
+
+def _add_text(made: bytearray, text: str) -> None:
+    closed = text.encode() + b"\0"
+    made += bytes(-len(made) % 4) + _COUNT.pack(len(closed)) + closed
 
 
 @lru_cache(maxsize=4096)

@@ -63,7 +63,7 @@ def _layout(signal: type[Signal]) -> Layout:
     return Layout(message=signal.__name__, columns=columns)
 
 
-LAYOUTS: dict[type[Signal], Layout] = {
+LAYOUTS: dict[type, Layout] = {
     signal: _layout(signal)
     for signal in (MocapFrame, SwarmState, SwarmSetpoint, Interference, SwarmCommand, SwarmImu)
 }

@@ -1,5 +1,6 @@
 """Keep the wall-clock record of a flight: latency of each tick, ticks missed, real-time factor."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -56,6 +57,17 @@ class FlightClock:
             latency_p50_ms=p50,
             latency_p99_ms=p99,
         )
+
+
+def timing_of(fields: Mapping[str, float | None]) -> FlightTiming:
+    """Return the record in the plain fields of `as_fields`."""
+    return FlightTiming(
+        ticks=int(fields["ticks"] or 0),
+        missed_ticks=int(fields["missed_ticks"] or 0),
+        real_time_factor=fields["real_time_factor"],
+        latency_p50_ms=fields["latency_p50_ms"],
+        latency_p99_ms=fields["latency_p99_ms"],
+    )
 
 
 def as_fields(timing: FlightTiming) -> dict[str, int | float | None]:

@@ -1,7 +1,5 @@
 """Decide, without ROS, what the simulator does with the commands that arrive and those that do not."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from q2q_model.signals import Names, SwarmCommand
@@ -84,8 +82,12 @@ def _gathered(names: Names, rows: dict[str, tuple[SwarmCommand, int]]) -> SwarmC
     if first.names == names:
         return first
     picked = [rows[name] for name in names]
-    columns = {
-        key: np.array([getattr(command, key)[row] for command, row in picked])
-        for key in ("thrust", "roll", "pitch", "yaw_rate", "status")
-    }
-    return replace(first, names=names, **columns)
+    return SwarmCommand(
+        t=first.t,
+        names=names,
+        thrust=np.array([command.thrust[row] for command, row in picked]),
+        roll=np.array([command.roll[row] for command, row in picked]),
+        pitch=np.array([command.pitch[row] for command, row in picked]),
+        yaw_rate=np.array([command.yaw_rate[row] for command, row in picked]),
+        status=np.array([command.status[row] for command, row in picked], dtype=np.uint8),
+    )

@@ -15,7 +15,9 @@ PERIOD_S = 0.01
 class CommandWatch:
     """Remember the last command and when it was sent."""
 
-    def __init__(self, node: Node, wiring: TickWiring, params: FallbackParams, hover_thrust: float) -> None:
+    def __init__(
+        self, node: Node, wiring: TickWiring[SwarmCommand], params: FallbackParams, hover_thrust: float
+    ) -> None:
         self._wiring = wiring
         self._params = params
         self._hover_thrust = hover_thrust

@@ -9,6 +9,7 @@ from q2q_control.legacy import LegacyScale
 from q2q_control.pid import Pid, PidParams
 from q2q_control.ros.command_watch import CommandWatch
 from q2q_control.ros.legacy_topics import LegacyTopics
+from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.parameters import declare, on_change
 from q2q_model.ros.run import run
@@ -41,17 +42,17 @@ class PidNodeParams:
         check_bounds(self)
 
 
-def build(node: Node) -> TickWiring:
+def build(node: Node) -> TickWiring[SwarmCommand]:
     """Wire the PID into a node; its gains may change in flight."""
     own = declare(node, PidNodeParams())
     vehicle = vehicle_by_name(own.vehicle)
     params = declare(node, PidParams())
     block = Pid(params, vehicle, own.vehicles)
     on_change(node, params, block.configure)
-    inputs = {"state": SwarmState, "reference_safe": SwarmSetpoint}
-    wiring = TickWiring(
-        node, inputs | ({"interference": Interference} if own.aware else {}), ("command", SwarmCommand)
-    )
+    inputs: dict[str, type[Signal]] = {"state": SwarmState, "reference_safe": SwarmSetpoint}
+    if own.aware:
+        inputs["interference"] = Interference
+    wiring = TickWiring(node, inputs, ("command", SwarmCommand))
     wiring.then(LegacyTopics(node, LegacyScale(vehicle.thrust_max), own.legacy_hz).publish)
     if own.live:
         CommandWatch(node, wiring, declare(node, FallbackParams()), vehicle.hover_thrust)

@@ -24,7 +24,7 @@ class InterferenceParams:
         check_bounds(self)
 
 
-def build(node: Node) -> TickWiring:
+def build(node: Node) -> TickWiring[Interference]:
     """Wire the predictor into a node."""
     params = declare(node, InterferenceParams())
     predictor = InteractionPredictor(find_model(params.model).interaction)

@@ -34,7 +34,7 @@ class MocapFilterNodeParams:
         check_bounds(self)
 
 
-def build(node: Node) -> TickWiring:
+def build(node: Node) -> TickWiring[SwarmState]:
     """Wire the filter into a node."""
     own = declare(node, MocapFilterNodeParams())
     block = MocapFilter(declare(node, MocapFilterParams()), own.vehicles)

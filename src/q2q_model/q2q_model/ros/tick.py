@@ -1,6 +1,7 @@
 """Wire a block into the graph: join the inputs of a tick by stamp, update, publish under that stamp."""
 
 from collections.abc import Callable, Mapping
+from typing import Generic, TypeVar
 
 from rclpy.node import Node
 
@@ -12,39 +13,36 @@ from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK
 from q2q_model.tick_join import TickJoin
 
-Update = Callable[..., Signal]
-"""Takes the tick's signals in the order of the inputs."""
+O = TypeVar("O", bound=Signal)
 
 
-class TickWiring:
-    """Hold the subscriptions and the publisher of one block."""
+class TickWiring(Generic[O]):
+    """Hold the subscriptions and the publisher of one block, whose output is an O."""
 
-    def __init__(
-        self, node: Node, inputs: Mapping[str, type[Signal]], output: tuple[str, type[Signal]]
-    ) -> None:
+    def __init__(self, node: Node, inputs: Mapping[str, type[Signal]], output: tuple[str, type[O]]) -> None:
         self.health = Health()
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         self._node = node
         topic, signal = output
         self._publisher = node.create_publisher(MESSAGES[signal], topic, TICK)
         self._inputs = inputs
-        self._after: list[Callable[[int, Signal], None]] = []
+        self._after: list[Callable[[int, O], None]] = []
         publish_health(node, self.health)
 
-    def start(self, update: Update) -> None:
-        """Subscribe to the inputs; from now on every complete tick calls `update`."""
+    def start(self, update: Callable[..., O]) -> None:
+        """Subscribe to the inputs; from now on every complete tick calls `update` with their signals, in their order."""
         for topic, signal in self._inputs.items():
             self._subscribe(topic, signal, update)
 
-    def then(self, follow: Callable[[int, Signal], None]) -> None:
+    def then(self, follow: Callable[[int, O], None]) -> None:
         """Call `follow(stamp_ns, signal)` after each published tick, off the critical path."""
         self._after.append(follow)
 
-    def publish(self, stamp_ns: int, signal: Signal) -> None:
+    def publish(self, stamp_ns: int, signal: O) -> None:
         """Publish a signal under a stamp."""
         self._publisher.publish(encode(signal, stamp_ns))
 
-    def _subscribe(self, topic: str, signal: type[Signal], update: Update) -> None:
+    def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., O]) -> None:
         reader = SignalReader(signal)
 
         def receive(data: bytes) -> None:
@@ -55,7 +53,7 @@ class TickWiring:
 
         self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
-    def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Update) -> None:
+    def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Callable[..., O]) -> None:
         values = self._join.put(topic, stamp_ns, value)
         self.health.missed = self._join.missed
         if values is None:

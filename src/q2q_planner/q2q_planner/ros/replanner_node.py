@@ -9,7 +9,7 @@ from q2q_model.signals import SwarmSetpoint, SwarmState
 from q2q_planner.potential_field import PotentialField, PotentialFieldParams
 
 
-def build(node: Node) -> TickWiring:
+def build(node: Node) -> TickWiring[SwarmSetpoint]:
     """Wire the replanner into a node; its parameters may change in flight."""
     params = declare(node, PotentialFieldParams())
     block = PotentialField(params)

@@ -32,7 +32,7 @@ class TrajectoryParams:
         check_bounds(self)
 
 
-def build(node: Node) -> TickWiring:
+def build(node: Node) -> TickWiring[SwarmSetpoint]:
     """Wire the player of a plan into a node."""
     params = declare(node, TrajectoryParams())
     if not params.plan:

@@ -13,10 +13,10 @@ from q2q_model.bag import read_flight
 from q2q_model.flights import Flight
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
-from q2q_sim.flight_clock import FlightTiming
+from q2q_sim.flight_clock import FlightTiming, timing_of
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.ros.flight_director import FlightDirector
-from q2q_sim.scenarios import Scenario
+from q2q_sim.scenario import Scenario
 from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.processes import NodeSpec, Processes
 
@@ -93,7 +93,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
             total = scenario.duration / assembly.TICK_S
             summary = director.wait_summary(lambda ticks: progress(ticks / total))
     flight = read_flight(bag)
-    return FlightRun(request, flight, measure(flight, scenario), FlightTiming(**summary), bag)
+    return FlightRun(request, flight, measure(flight, scenario), timing_of(summary), bag)
 
 
 def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:

@@ -11,12 +11,12 @@ from typing import Self
 
 import yaml
 
+from q2q_model.parameters import ParameterValue
+
 END_PATIENCE_S = 10.0
 """How long a node may take to end after SIGINT before it is killed [s]."""
 PR_SET_PDEATHSIG = 1
 """prctl option: signal to get when the parent dies (Linux)."""
-
-ParameterValue = bool | int | float | str | list[float] | list[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +62,9 @@ class Processes:
     def start(self, spec: NodeSpec) -> None:
         """Start a node with its parameters; its output goes to `<executable>.log`."""
         parameters = self._folder / f"{spec.executable}.yaml"
-        parameters.write_text(yaml.safe_dump({"/**": {"ros__parameters": dict(spec.parameters)}}))
-        command = [find_executable(spec.package, spec.executable), "--ros-args", "--params-file", parameters]
+        parameters.write_text(yaml.safe_dump({"/**": {"ros__parameters": _plain(spec.parameters)}}))
+        program = str(find_executable(spec.package, spec.executable))
+        command = [program, "--ros-args", "--params-file", str(parameters)]
         with self._log(spec.executable).open("wb") as log:
             self._running[spec.executable] = subprocess.Popen(
                 command,
@@ -99,6 +100,12 @@ class Processes:
     def _last_words(self, name: str) -> str:
         lines = [line for line in self._log(name).read_text(errors="replace").splitlines() if line.strip()]
         return lines[-1] if lines else "it said nothing"
+
+
+def _plain(parameters: Mapping[str, ParameterValue]) -> dict[str, object]:
+    """Return what YAML can say; an empty list is left out, as ROS cannot tell its type."""
+    lists = {key: list(value) if isinstance(value, tuple) else value for key, value in parameters.items()}
+    return {key: value for key, value in lists.items() if value != []}
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int:
