@@ -13,36 +13,38 @@ from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK
 from q2q_model.tick_join import TickJoin
 
-O = TypeVar("O", bound=Signal)
+Made = TypeVar("Made", bound=Signal)
 
 
-class TickWiring(Generic[O]):
-    """Hold the subscriptions and the publisher of one block, whose output is an O."""
+class TickWiring(Generic[Made]):
+    """Hold the subscriptions and the publisher of one block, whose output is a Made."""
 
-    def __init__(self, node: Node, inputs: Mapping[str, type[Signal]], output: tuple[str, type[O]]) -> None:
+    def __init__(
+        self, node: Node, inputs: Mapping[str, type[Signal]], output: tuple[str, type[Made]]
+    ) -> None:
         self.health = Health()
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         self._node = node
         topic, signal = output
         self._publisher = node.create_publisher(MESSAGES[signal], topic, TICK)
         self._inputs = inputs
-        self._after: list[Callable[[int, O], None]] = []
+        self._after: list[Callable[[int, Made], None]] = []
         publish_health(node, self.health)
 
-    def start(self, update: Callable[..., O]) -> None:
-        """Subscribe to the inputs; from now on every complete tick calls `update` with their signals, in their order."""
+    def start(self, update: Callable[..., Made]) -> None:
+        """Subscribe to the inputs; every complete tick calls `update` with their signals, in their order."""
         for topic, signal in self._inputs.items():
             self._subscribe(topic, signal, update)
 
-    def then(self, follow: Callable[[int, O], None]) -> None:
+    def then(self, follow: Callable[[int, Made], None]) -> None:
         """Call `follow(stamp_ns, signal)` after each published tick, off the critical path."""
         self._after.append(follow)
 
-    def publish(self, stamp_ns: int, signal: O) -> None:
+    def publish(self, stamp_ns: int, signal: Made) -> None:
         """Publish a signal under a stamp."""
         self._publisher.publish(encode(signal, stamp_ns))
 
-    def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., O]) -> None:
+    def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., Made]) -> None:
         reader = SignalReader(signal)
 
         def receive(data: bytes) -> None:
@@ -53,7 +55,7 @@ class TickWiring(Generic[O]):
 
         self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
-    def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Callable[..., O]) -> None:
+    def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Callable[..., Made]) -> None:
         values = self._join.put(topic, stamp_ns, value)
         self.health.missed = self._join.missed
         if values is None:

@@ -1,0 +1,72 @@
+"""Flights through the real nodes, as processes over DDS, in lockstep."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.flights import Flight
+from q2q_model.tools.models import find_model
+from q2q_sim import scenarios
+from q2q_sim.closed_loop import FlightOptions
+from q2q_sim.closed_loop import fly as fly_pure
+from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
+from q2q_sim.tools.processes import NodeDiedError
+
+SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
+
+
+def flown(folder: Path, seed: int) -> FlightRun:
+    return fly(FlightRequest(SCENARIO, seed=seed), folder / "nodes", folder / "bag", lambda _: None)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> FlightRun:
+    return flown(tmp_path_factory.mktemp("with a space"), seed=3)
+
+
+def arrays_of(flight: Flight) -> dict[str, np.ndarray]:
+    return {
+        entry.name: getattr(flight, entry.name)
+        for entry in fields(flight)
+        if entry.name not in ("name", "names")
+    }
+
+
+def test_lockstep_through_dds_flies_the_numbers_of_the_loop_without_ros(run: FlightRun) -> None:
+    scenario = scenarios.load(SCENARIO)
+    model = find_model(scenario.model).interaction
+    pure = arrays_of(fly_pure(scenario, FlightOptions(mode="aware", seed=3, model=model)))
+    through_nodes = arrays_of(run.flight)
+    for name, values in pure.items():
+        np.testing.assert_allclose(through_nodes[name], values, rtol=0.0, atol=1e-9, err_msg=name)
+
+
+def test_no_tick_is_missed_and_every_tick_is_in_the_bag(run: FlightRun) -> None:
+    assert run.timing.missed_ticks == 0
+    assert run.timing.ticks == 300
+    assert len(run.flight.t) == 300
+    assert np.isfinite(run.flight.thrust).all()
+
+
+def test_the_same_seed_gives_the_same_numbers_to_the_last_digit(run: FlightRun, tmp_path: Path) -> None:
+    again = arrays_of(flown(tmp_path, seed=3).flight)
+    for name, values in arrays_of(run.flight).items():
+        np.testing.assert_array_equal(again[name], values, err_msg=name)
+
+
+def test_another_seed_gives_another_flight(run: FlightRun, tmp_path: Path) -> None:
+    other = flown(tmp_path, seed=4).flight
+    assert np.abs(other.true_pos - run.flight.true_pos).max() > 1e-4
+
+
+def test_a_bag_is_never_overwritten(run: FlightRun, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="exists: choose another folder"):
+        fly(FlightRequest(SCENARIO), tmp_path / "nodes", run.bag, lambda _: None)
+
+
+def test_a_node_that_cannot_start_ends_the_flight_with_its_own_words(tmp_path: Path) -> None:
+    request = FlightRequest(SCENARIO, model=str(tmp_path / "no_such_model.q2q"))
+    with pytest.raises(NodeDiedError, match=r"interference ended with status 2: .*no_such_model"):
+        fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
