@@ -30,7 +30,7 @@ class Episodes:
     """Hold which rows are in an episode now."""
 
     def __init__(self, frequency: Frequency, rows: int, tick: float, rng: np.random.Generator) -> None:
-        """Take the tick [s] and a stream of its own; a rate of zero draws nothing."""
+        """Take the tick [s] and a stream of its own."""
         self._frequency = frequency
         self._chance = -math.expm1(-frequency.rate * tick)
         self._tick = tick
@@ -40,8 +40,6 @@ class Episodes:
     def step(self) -> tuple[Mask, Mask]:
         """Move one tick on; return which rows are in an episode and which begin one, (rows,) each."""
         self._left -= self._left > 0
-        if self._chance == 0.0:
-            return self._left > 0, np.zeros(len(self._left), dtype=np.bool_)
         chance, length = self._rng.random((2, len(self._left)))
         begins = (self._left == 0) & (chance < self._chance)
         spread = self._frequency.longest - self._frequency.shortest

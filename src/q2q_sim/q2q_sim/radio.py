@@ -50,11 +50,10 @@ class RadioParams:
 
 
 @dataclass(frozen=True, slots=True)
-class _Packet:
-    """Hold one tick's packets on their way."""
+class _Burst:
+    """Hold packets on their way that arrive together."""
 
-    arrival_ns: NDArray[np.int64]
-    """(k,)"""
+    arrival_ns: int
     rows: Rows
     """Vehicles they are for, (k,)."""
     values: Array
@@ -70,9 +69,9 @@ class Radio:
         self._params = params
         self._scale = LegacyScale(thrust_max)
         self._loss, self._jitter = stream(seed, "radio loss"), stream(seed, "radio jitter")
-        self._gap_ns = round(1e9 / params.rate)
+        self._gap_ns, self._latency_ns = round(1e9 / params.rate), round(1e9 * params.latency)
         self._next_ns = np.zeros(n, dtype=np.int64)
-        self._flying: list[_Packet] = []
+        self._flying: list[_Burst] = []
         self._heard_ns = np.zeros(n, dtype=np.int64)
         self._locked = np.full(n, not params.unlocked)
         self._obeyed = np.zeros((n, 4))
@@ -83,31 +82,28 @@ class Radio:
         due = self._next_ns[rows] <= now_ns
         next_ns = np.maximum(self._next_ns[rows], now_ns - self._gap_ns) + self._gap_ns
         self._next_ns[rows[due]] = next_ns[due]
-        kept = due & ~self._lost(rows)
-        if not kept.any():
+        kept = np.flatnonzero(due & ~self._lost(rows))
+        values, rows = self._coded(command)[kept], rows[kept]
+        arrival_ns = now_ns + self._latency_ns
+        if self._params.jitter == 0.0:
+            self._flying.append(_Burst(arrival_ns, rows, values))
             return
-        delay_ns = np.full(len(rows), round(self._params.latency * 1e9))
-        if self._params.jitter > 0.0:
-            late = self._jitter.random(len(self._next_ns))[rows]
-            delay_ns += np.round(late * self._params.jitter * 1e9).astype(np.int64)
-        values = self._coded(command)
-        self._flying.append(_Packet((now_ns + delay_ns)[kept], rows[kept], values[kept]))
+        late = self._jitter.random(len(self._next_ns)) * (self._params.jitter * 1e9)  # [ns], one a vehicle
+        self._flying += [
+            _Burst(arrival_ns + round(late[row]), rows[k : k + 1], values[k : k + 1])
+            for k, row in enumerate(rows.tolist())
+        ]
 
     def obeyed(self, now_ns: int, step_ns: int, steps: int) -> Array:
         """Return what each vehicle obeys in each of the physics steps from now on, (steps, n, 4)."""
         self._watch(now_ns)
         out = np.repeat(self._obeyed[None], steps, axis=0)
-        waiting = []
-        for packet in self._flying:
-            first = np.maximum(
-                -((now_ns - packet.arrival_ns) // step_ns), 0
-            )  # first step at or after arrival
-            here = first < steps
-            self._receive(packet, first, out, now_ns)
-            if not here.all():
-                still = ~here
-                waiting.append(_Packet(packet.arrival_ns[still], packet.rows[still], packet.values[still]))
-        self._flying = waiting
+        last_ns = now_ns + (steps - 1) * step_ns
+        for burst in self._flying:
+            if burst.arrival_ns <= last_ns:
+                first = max(-((now_ns - burst.arrival_ns) // step_ns), 0)  # first step at or after arrival
+                self._receive(burst, out[first:], now_ns)
+        self._flying = [burst for burst in self._flying if burst.arrival_ns > last_ns]
         self._obeyed = out[-1].copy()
         return out
 
@@ -126,17 +122,14 @@ class Radio:
         thrust = np.where(pwm < PWM_MIN, 0.0, pwm) / PWM_MAX * self._scale.thrust_max
         return np.column_stack([thrust, *np.radians(degrees)])
 
-    def _receive(self, packet: _Packet, first: NDArray[np.int64], out: Array, now_ns: int) -> None:
-        for row, step, values, arrival in zip(
-            packet.rows, first, packet.values, packet.arrival_ns, strict=True
-        ):
-            if step >= len(out):
-                continue
-            self._locked[row] &= values[0] > 0.0
-            self._heard_ns[row] = max(arrival, now_ns)
-            out[step:, row] = values
-            if self._locked[row]:
-                out[step:, row, 0] = 0.0
+    def _receive(self, burst: _Burst, rest: Array, now_ns: int) -> None:
+        """Let vehicles obey packets in the rest of the tick's steps (k, n, 4)."""
+        rows = burst.rows
+        self._locked[rows] &= burst.values[:, 0] > 0.0
+        self._heard_ns[rows] = max(burst.arrival_ns, now_ns)
+        rest[:, rows] = burst.values
+        if self._locked.any():
+            rest[:, self._locked, 0] = 0.0
 
     def _watch(self, now_ns: int) -> None:
         silent_ns = now_ns - self._heard_ns

@@ -172,7 +172,7 @@ def _reading(value: object) -> Reading:
 
 def _number(value: object, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{where} = {value!r}: a number is expected")
+        raise ValueError(f"{where} = {value!r}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
     return float(value)
 
 

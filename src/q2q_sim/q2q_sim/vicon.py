@@ -86,7 +86,9 @@ class Vicon:
         self._happens = {
             name: Episodes(frequency, 1 if name == "stale" else vehicles, tick, stream(seed, f"vicon {name}"))
             for name, frequency in _frequencies(params).items()
+            if frequency.rate > 0.0
         }
+        self._never = np.zeros(vehicles, dtype=np.bool_)
         self._turn = np.zeros((vehicles, 4))
         self._partner = np.arange(vehicles)
         self._last: tuple[Array, Array] | None = None
@@ -97,6 +99,8 @@ class Vicon:
         """Return the frame of a tick; each call is one tick."""
         self.injected = np.zeros(len(truth.names), dtype=np.uint8)
         pos, quat = self._noisy(truth)
+        if not self._happens:
+            return MocapFrame(t=truth.t, names=truth.names, pos=pos, quat=quat)
         quat = self._flipped(quat)
         pos, quat = self._swapped(truth.pos, pos, quat)
         pos = self._with_outliers(pos)
@@ -114,7 +118,7 @@ class Vicon:
         return truth.pos + params.pos_noise * noise[0], quat_multiply(truth.quat, turn)
 
     def _flipped(self, quat: Array) -> Array:
-        flips, begins = self._happens["flip"].step()
+        flips, begins = self._step("flip")
         if begins.any():
             axis = self._rng["flip axis"].integers(0, 3, len(quat))
             self._turn[begins] = np.eye(3, 4)[axis[begins]]  # half a turn about x, y or z
@@ -124,7 +128,7 @@ class Vicon:
         return np.where(flips[:, None], quat_multiply(quat, self._turn), quat)
 
     def _swapped(self, true_pos: Array, pos: Array, quat: Array) -> tuple[Array, Array]:
-        swaps, begins = self._happens["swap"].step()
+        swaps, begins = self._step("swap")
         if len(pos) < 2 or not swaps.any():
             return pos, quat
         for row in np.flatnonzero(begins):
@@ -138,7 +142,7 @@ class Vicon:
         return pos[rows], quat[rows]
 
     def _with_outliers(self, pos: Array) -> Array:
-        outliers, _ = self._happens["outlier"].step()
+        outliers, _ = self._step("outlier")
         if not outliers.any():
             return pos
         params, rng = self._params, self._rng["outlier size"]
@@ -149,18 +153,23 @@ class Vicon:
         return np.where(outliers[:, None], pos + size * direction, pos)
 
     def _stale(self, pos: Array, quat: Array) -> tuple[Array, Array]:
-        stale, _ = self._happens["stale"].step()
+        stale, _ = self._step("stale")
         if stale[0] and self._last is not None:
             self._mark(np.ones(len(pos), dtype=np.bool_), Injected.STALE)
             return self._last
         self._last = pos, quat
         return pos, quat
 
+    def _step(self, name: str) -> tuple[Mask, Mask]:
+        """Return which rows something happens to, and which it begins with; it moves one tick on."""
+        happens = self._happens.get(name)
+        return happens.step() if happens else (self._never, self._never)
+
     def _mark(self, rows: Mask, what: Injected) -> None:
         self.injected[rows] |= np.uint8(what)
 
     def _present(self) -> Mask:
-        absent = self._happens["dropout"].step()[0] | self._happens["missing"].step()[0]
+        absent = self._step("dropout")[0] | self._step("missing")[0]
         self._mark(absent, Injected.DROPOUT)
         return ~absent
 
