@@ -10,6 +10,8 @@ _q2q_enter() {
     # Another ROS must not leak in: the wheels are their own prefix.
     unset PYTHONPATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
     export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
+  else
+    export LD_LIBRARY_PATH=$(cat "$venv/q2q/library_path")
   fi
   case ":$PATH:" in
     *":$venv/bin:"*) ;;
@@ -19,7 +21,10 @@ _q2q_enter() {
   export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$_q2q_root/build/numba}
   export Q2Q_DATA=${Q2Q_DATA:-$_q2q_root/../shared/data}
+  # colcon's script calls Python unquoted: the real interpreter's path has no space where the checkout's has.
+  COLCON_PYTHON_EXECUTABLE=$(readlink -f "$venv/bin/python")
   . "$_q2q_root/install/local_setup.$shell"
+  unset COLCON_PYTHON_EXECUTABLE
 }
 
 _q2q_options=$-

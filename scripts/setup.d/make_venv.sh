@@ -43,6 +43,7 @@ install_flight_packages() {
   : >"$STAMPS/constraints.txt"
   if [ "$ROS_KIND" = sourced ]; then
     link_sourced_rclpy
+    printf '%s' "$LD_LIBRARY_PATH" >"$STAMPS/library_path"
     # rclpy's messages are built against the numpy of that ROS: keep it.
     "$VENV/bin/python" -c 'import numpy; print("numpy==" + numpy.__version__)' >"$STAMPS/constraints.txt"
     "$VENV/bin/python" -c 'import colcon_cmake, colcon_core, colcon_ros' 2>/dev/null ||
@@ -84,6 +85,6 @@ ensure_dev() {
   say "step 2c of 3: torch, CPU build"
   pip_install -r "$ROOT/requirements/train.txt" >"$LOG" 2>&1 ||
     pip_install --extra-index-url https://download.pytorch.org/whl/cpu -r "$ROOT/requirements/train.txt" >"$LOG" 2>&1 ||
-    say "torch is not available here as a CPU build: training is off, and its tests skip"
+    say "no CPU build of torch can be reached: training is off and its tests skip (to try again: rm .venv/q2q/dev)"
   stamp dev "$(dev_hash)"
 }
