@@ -4,9 +4,13 @@ T ticks, n vehicles. What a flight does not have is NaN. Frames and units are th
 q2q_model.signals.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from q2q_model.signals import Array, Names
+import numpy as np
+
+from q2q_model.layout import LAYOUTS, Signal
+from q2q_model.signals import Array, Names, index_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,3 +63,107 @@ class Flight:
     """What the accelerometer read [m/s^2], body, (T, n, 3)."""
     gyro_body: Array
     """What the gyroscope read [rad/s], body, (T, n, 3)."""
+
+
+FLIGHT_FIELDS: dict[str, dict[str, str]] = {
+    "mocap": {"pos": "mocap_pos", "quat": "mocap_quat"},
+    "truth": {"pos": "true_pos", "vel": "true_vel"},
+    "reference": {"pos": "ref_pos", "vel": "ref_vel", "acc": "ref_acc"},
+    "state": {"pos": "pos", "vel": "vel", "quat": "quat"},
+    "truth_interference": {"acc": "true_eta"},
+    "reference_safe": {"pos": "safe_pos", "vel": "safe_vel", "acc": "safe_acc"},
+    "interference": {"acc": "eta"},
+    "command": {"thrust": "thrust", "roll": "roll", "pitch": "pitch", "status": "command_status"},
+    "imu": {"specific_force_body": "specific_force_body", "ang_vel_body": "gyro_body"},
+}
+"""Topic -> attribute of its signal -> field of Flight. The first topic that a flight has gives its ticks."""
+
+_WIDTHS = {
+    field: column.width
+    for fields in FLIGHT_FIELDS.values()
+    for attribute, field in fields.items()
+    for layout in LAYOUTS.values()
+    for column in layout.columns
+    if column.attribute == attribute
+}
+
+
+@dataclass(frozen=True, slots=True)
+class JoinedFlight:
+    """Hold a flight made of signals, and what was bent to make it."""
+
+    flight: Flight
+    repairs: tuple[str, ...]
+
+
+def flight_from_signals(name: str, signals: Mapping[str, Sequence[Signal]]) -> JoinedFlight:
+    """Join signals by their stamps into a flight.
+
+    Args:
+        name: The flight's name.
+        signals: For each topic of FLIGHT_FIELDS its signals, in any order. The stamps of the first topic
+            that has any (mocap before all) are the ticks.
+
+    Raises:
+        ValueError: no signal at all, or a topic none of whose stamps is a tick: the clocks are mixed.
+    """
+    present = {topic: signals[topic] for topic in FLIGHT_FIELDS if signals.get(topic)}
+    if not present:
+        raise ValueError(f"there is no signal; a flight needs one of {', '.join(FLIGHT_FIELDS)}")
+    names = tuple(
+        dict.fromkeys(vehicle for topic in _NAMING for vehicle in _names_in(present.get(topic, ())))
+    )
+    ticks_of = next(iter(present))
+    t = np.unique([signal.t for signal in present[ticks_of]])
+    arrays = {
+        field: np.full((len(t), len(names), width)[: 2 if width == 1 else 3], np.nan)
+        for field, width in _WIDTHS.items()
+    }
+    repairs: list[str] = []
+    for topic, found in present.items():
+        stamps = np.array([signal.t for signal in found])
+        repairs += _remarks(topic, stamps, t, ticks_of)
+        _fill(arrays, topic, found, (t, names))
+    return JoinedFlight(Flight(name=name, names=names, t=t, **arrays), tuple(repairs))
+
+
+_NAMING = ("truth", "reference", "state", "command", "reference_safe", "interference", "imu", "mocap")
+"""Where vehicle names are looked for first: topics that always carry the whole swarm, in its order."""
+
+
+def _names_in(signals: Sequence[Signal]) -> dict[str, None]:
+    groups = dict.fromkeys(signal.names for signal in signals)
+    return dict.fromkeys(vehicle for group in groups for vehicle in group)
+
+
+def _remarks(topic: str, stamps: Array, t: Array, ticks_of: str) -> list[str]:
+    apart = int(np.count_nonzero(~np.isin(stamps, t)))
+    if apart == len(stamps):
+        raise ValueError(
+            f"no stamp of {topic} ({stamps.min():.3f} to {stamps.max():.3f} s) is one of {ticks_of} "
+            f"({t[0]:.3f} to {t[-1]:.3f} s): the clocks are mixed, or the recordings do not overlap"
+        )
+    said = []
+    if apart:
+        said.append(f"{apart} of {len(stamps)} messages on {topic} belong to no tick of {ticks_of}: left out")
+    twice = len(stamps) - len(np.unique(stamps))
+    if twice:
+        said.append(f"{twice} stamps on {topic} come again: the last message counts")
+    if np.any(np.diff(stamps) < 0.0):
+        said.append(f"stamps on {topic} are out of order: sorted")
+    return said
+
+
+def _fill(arrays: dict[str, Array], topic: str, signals: Sequence[Signal], axes: tuple[Array, Names]) -> None:
+    t, names = axes
+    groups: dict[Names, list[Signal]] = {}
+    for signal in signals:
+        groups.setdefault(signal.names, []).append(signal)
+    for group_names, group in groups.items():
+        stamps = np.array([signal.t for signal in group])
+        known = np.isin(stamps, t)
+        ticks = np.searchsorted(t, stamps[known])
+        columns = index_of(group_names, names)
+        for attribute, field in FLIGHT_FIELDS[topic].items():
+            values = np.stack([getattr(signal, attribute) for signal in group])
+            arrays[field][ticks[:, None], columns] = values[known]

@@ -1,0 +1,22 @@
+"""Read and write recorded flights as rosbag2 bags: the one place that touches bag files, without ROS.
+
+Written: a folder with `metadata.yaml` (version 9) and `<name>_0.mcap`, chunks of a second compressed with
+zstd and checksummed, every channel with its ros2msg definition, type hash and offered QoS, as `ros2 bag
+record` of ROS 2 Jazzy does. Read: that, other rosbag2 bags (MCAP, sqlite3), and ROS 1 bags by a topic map.
+"""
+
+from q2q_model.bag.fault import BagError, BagRepairWarning
+from q2q_model.bag.reader import BagReader, RawMessage, TimedSignal
+from q2q_model.bag.recorded_flight import read_flight
+from q2q_model.bag.writer import BagWriter, OfferedQos
+
+__all__ = [
+    "BagError",
+    "BagReader",
+    "BagRepairWarning",
+    "BagWriter",
+    "OfferedQos",
+    "RawMessage",
+    "TimedSignal",
+    "read_flight",
+]

@@ -1,0 +1,86 @@
+"""Read a bag: its topics, its messages as bytes, its signals."""
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from q2q_model.bag.fault import BagError
+from q2q_model.bag.source import Channel, RawMessage, open_source
+from q2q_model.cdr import BadMessageError, SignalReader
+from q2q_model.layout import LAYOUTS, Signal
+
+SIGNALS = {f"q2q_msgs/msg/{layout.message}": signal for signal, layout in LAYOUTS.items()}
+"""Message type to signal class."""
+
+__all__ = ["BagReader", "RawMessage", "TimedSignal"]
+
+
+@dataclass(frozen=True, slots=True)
+class TimedSignal:
+    """Hold one decoded message of a bag."""
+
+    topic: str
+    stamp_ns: int
+    """Bag time [ns]; the capture time is `signal.t`."""
+    signal: Signal
+
+
+class BagReader:
+    """Know a bag's channels; every reading starts from its beginning."""
+
+    def __init__(self, path: Path | str) -> None:
+        """Look into the bag at `path`; raise BagError for one that cannot be read."""
+        self._source = open_source(path)
+
+    @property
+    def path(self) -> Path:
+        """Return where the bag is."""
+        return self._source.path
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Return every channel."""
+        return self._source.channels
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Return every topic and its message type."""
+        return {channel.topic: channel.type_name for channel in self._source.channels}
+
+    @property
+    def repairs(self) -> tuple[str, ...]:
+        """Return what was mended to read the bag, one sentence each."""
+        return self._source.repairs
+
+    def raw(self, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
+        """Yield messages as bytes in the order of bag time; None means all topics.
+
+        Raises BagError for a topic that the bag does not have, and for damage when it is reached.
+        """
+        wanted = self.topics.keys() if topics is None else topics
+        missing = sorted(set(wanted) - self.topics.keys())
+        if missing:
+            has = ", ".join(sorted(self.topics)) or "no topics"
+            raise BagError(f"bag {self.path} has no topic {', '.join(missing)}; it has {has}")
+        return self._source.read(wanted)
+
+    def signals(self, topics: Collection[str] | None = None) -> Iterator[TimedSignal]:
+        """Yield the messages of q2q_msgs signal types, decoded; other types are passed over.
+
+        Raises BagError for a message that does not fit its type.
+        """
+        wanted = self.topics.keys() if topics is None else topics
+        foreign = {channel.topic for channel in self.channels if channel.type_name not in SIGNALS}
+        readers = {
+            channel.topic: SignalReader(SIGNALS[channel.type_name])
+            for channel in self.channels
+            if channel.topic not in foreign
+        }
+        for message in self.raw(set(wanted) - foreign):
+            try:
+                signal: Signal = readers[message.topic].read(message.data)
+            except BadMessageError as bad:
+                raise BagError(
+                    f"bag {self.path}, topic {message.topic} at {message.stamp_ns} ns: {bad}"
+                ) from bad
+            yield TimedSignal(message.topic, message.stamp_ns, signal)

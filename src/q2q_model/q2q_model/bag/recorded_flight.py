@@ -1,0 +1,50 @@
+"""Read a whole flight from a bag: every topic joined by the stamps of its headers."""
+
+from collections.abc import Collection
+from pathlib import Path
+
+from q2q_model.bag.fault import BagError, state_repairs
+from q2q_model.bag.reader import SIGNALS, BagReader
+from q2q_model.flights import FLIGHT_FIELDS, Flight, flight_from_signals
+from q2q_model.layout import Signal
+
+
+def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Flight:
+    """Return the flight in a bag; what it does not have is NaN.
+
+    Topics are known by their last name (`/mocap`, `/room/mocap`). Repairs are stated as BagRepairWarning:
+    a bag cut off, messages out of order, stamps that come twice or belong to no tick.
+
+    Raises:
+        BagError: no bag, a `required` topic missing or empty, two topics of one name, clocks that never meet.
+    """
+    bag = BagReader(path)
+    topics = _topics_by_name(bag)
+    signals: dict[str, list[Signal]] = {name: [] for name in topics.values()}
+    for found in bag.signals(topics.keys()):
+        signals[topics[found.topic]].append(found.signal)
+    for name in required:
+        if not signals.get(name):
+            has = ", ".join(f"{key} ({len(values)})" for key, values in signals.items()) or "none of ours"
+            raise BagError(f"bag {bag.path} has no message on {name}; it has {has}")
+    try:
+        joined = flight_from_signals(Path(path).stem, signals)
+    except ValueError as misfit:
+        raise BagError(f"bag {bag.path}: {misfit}") from misfit
+    state_repairs(bag.repairs + tuple(f"bag {bag.path}: {repair}" for repair in joined.repairs))
+    return joined.flight
+
+
+def _topics_by_name(bag: BagReader) -> dict[str, str]:
+    """Return the bag's topics that make a flight, each with its last name."""
+    found: dict[str, str] = {}
+    for topic, type_name in bag.topics.items():
+        name = topic.rsplit("/", 1)[-1]
+        if name not in FLIGHT_FIELDS or type_name not in SIGNALS:
+            continue
+        if name in found.values():
+            raise BagError(
+                f"bag {bag.path} has two topics {name}: {topic} and another; read one by a topic map"
+            )
+        found[topic] = name
+    return found

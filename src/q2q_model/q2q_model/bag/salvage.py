@@ -1,0 +1,99 @@
+"""Read an MCAP file that was cut off or damaged, record by record, as far as it goes.
+
+A cut ends the reading; a chunk whose checksum fails is left out. Both are stated in `losses`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Schema
+from mcap.stream_reader import StreamReader, breakup_chunk
+
+
+@dataclass(frozen=True, slots=True)
+class SavedMessage:
+    """Hold one message that could be read."""
+
+    topic: str
+    type_name: str
+    stamp_ns: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Salvage:
+    """Hold what could be read of a file."""
+
+    messages: tuple[SavedMessage, ...]
+    definitions: dict[str, str]
+    """Topic to message definition."""
+    losses: tuple[str, ...]
+
+
+class _Collector:
+    """Gather records, knowing the schemas and channels so far."""
+
+    def __init__(self) -> None:
+        self.schemas: dict[int, Schema] = {}
+        self.channels: dict[int, Channel] = {}
+        self.messages: list[SavedMessage] = []
+        self.orphans = 0
+
+    def take(self, record: McapRecord) -> None:
+        if isinstance(record, Schema):
+            self.schemas[record.id] = record
+        elif isinstance(record, Channel):
+            self.channels[record.id] = record
+        elif isinstance(record, Message):
+            channel = self.channels.get(record.channel_id)
+            schema = self.schemas.get(channel.schema_id) if channel else None
+            if channel is None or schema is None:
+                self.orphans += 1
+            else:
+                self.messages.append(SavedMessage(channel.topic, schema.name, record.log_time, record.data))
+
+    def definitions(self) -> dict[str, str]:
+        return {
+            channel.topic: self.schemas[channel.schema_id].data.decode(errors="replace")
+            for channel in self.channels.values()
+            if channel.schema_id in self.schemas
+        }
+
+
+def salvage(file: Path) -> Salvage:
+    """Return every message of an MCAP file that can still be read, and what was lost."""
+    collector, losses = _Collector(), []
+    with file.open("rb") as stream:
+        reader = StreamReader(stream, emit_chunks=True, record_size_limit=file.stat().st_size)
+        for found in _records(reader, file.name):
+            if isinstance(found, str):
+                losses.append(found)
+            else:
+                collector.take(found)
+    if collector.orphans:
+        losses.append(f"{file.name}: {collector.orphans} messages of unknown channels are left out")
+    return Salvage(tuple(collector.messages), collector.definitions(), tuple(losses))
+
+
+def _records(reader: StreamReader, name: str) -> Iterator[McapRecord | str]:
+    """Yield records, chunks taken apart, and a sentence for every loss."""
+    records = iter(reader.records)
+    while True:
+        try:
+            record = next(records)
+        except StopIteration:
+            return
+        except Exception as cut:  # noqa: BLE001 - a parser on damaged bytes raises anything
+            yield f"{name} is cut off or damaged ({type(cut).__name__}): nothing behind that place is read"
+            return
+        if isinstance(record, Footer):
+            return
+        if not isinstance(record, Chunk):
+            yield record
+            continue
+        try:
+            yield from breakup_chunk(record, validate_crc=True)
+        except Exception as damage:  # noqa: BLE001 - as above
+            begin, end = record.message_start_time * 1e-9, record.message_end_time * 1e-9
+            yield f"{name}: a damaged chunk is left out, {begin:.3f} to {end:.3f} s of bag time ({damage})"

@@ -1,0 +1,165 @@
+"""Write a bag: messages as bytes or as signals, crash-safe to the last second.
+
+Chunks are closed when `chunk_s` of bag time has passed, so a process that is killed loses no more than that:
+what is in closed chunks is read back (q2q_model.bag.salvage). Each compressed chunk carries a checksum, so
+that damage is noticed.
+"""
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from rosbags.interfaces import (
+    Connection,
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+
+from q2q_model.bag.definitions import definition_of
+from q2q_model.bag.fault import BagError
+from q2q_model.cdr import encode
+from q2q_model.layout import LAYOUTS, Signal
+
+VERSION = 9
+"""Of metadata.yaml, as ROS 2 Jazzy writes it."""
+CHUNK_S = 1.0
+"""Bag time in a chunk [s]: what a kill may cost."""
+_FOR_EVER = QosTime(sec=9223372036, nsec=854775807)
+"""RMW_DURATION_INFINITE."""
+
+
+@dataclass(frozen=True, slots=True)
+class OfferedQos:
+    """Hold how a topic's writer offered its messages."""
+
+    reliable: bool = True
+    transient_local: bool = False
+    depth: int = 1
+
+
+class BagWriter:
+    """Hold an open bag; a context manager that closes it whatever happens."""
+
+    def __init__(self, path: Path | str, chunk_s: float = CHUNK_S) -> None:
+        """Create the bag's folder `path`.
+
+        Raises BagError where something stands already, or the folder cannot be made.
+        """
+        self.path = Path(path)
+        if self.path.exists():
+            raise BagError(f"{self.path} exists already: choose another name, or delete it")
+        self._chunk_ns = round(chunk_s * 1e9)
+        self._chunk_begin: int | None = None
+        self._closed = False
+        self._types: dict[str, str] = {}
+        self._writer = Writer(self.path, version=VERSION, storage_plugin=StoragePlugin.MCAP)
+        self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+        try:
+            self._writer.open()
+        except OSError as refused:
+            raise BagError(f"cannot make the bag folder {self.path}: {refused.strerror}") from refused
+        self._connections: dict[str, Connection] = {}
+        self._name_as_rosbag2()
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Return every topic and its type."""
+        return dict(self._types)
+
+    def add_topic(self, topic: str, type_name: str, qos: OfferedQos | None = None) -> None:
+        """Announce a topic of messages `type_name`, e.g. "q2q_msgs/msg/MocapFrame".
+
+        Raises BagError for an unknown type, or a topic announced before with another.
+        """
+        self._check_open()
+        if self._types.get(topic, type_name) != type_name:
+            raise BagError(f"topic {topic} holds {self._types[topic]}; it cannot hold {type_name} too")
+        if topic in self._types:
+            return
+        definition, digest = definition_of(type_name)
+        offered = [_profile(qos or OfferedQos())]
+        self._connections[topic] = self._writer.add_connection(
+            topic, type_name, msgdef=definition, rihs01=digest, offered_qos_profiles=offered
+        )
+        self._types[topic] = type_name
+
+    def write_raw(self, topic: str, stamp_ns: int, data: bytes) -> None:
+        """Write a serialised message at a bag time [ns]; raise BagError for a topic not announced."""
+        self._check_open()
+        if topic not in self._connections:
+            raise BagError(
+                f"topic {topic} is not announced; add_topic first. Announced: {', '.join(self._types)}"
+            )
+        begin = self._chunk_begin
+        if begin is not None and abs(stamp_ns - begin) >= self._chunk_ns:
+            self.flush()
+        self._writer.write(self._connections[topic], stamp_ns, data)
+        self._chunk_begin = stamp_ns if self._chunk_begin is None else self._chunk_begin
+
+    def write_signal(self, topic: str, stamp_ns: int, signal: Signal) -> None:
+        """Write a signal at a bag time [ns], announcing its topic; its header's stamp is `signal.t`."""
+        if topic not in self._connections:
+            self.add_topic(topic, f"q2q_msgs/msg/{LAYOUTS[type(signal)].message}")
+        self.write_raw(topic, stamp_ns, encode(signal, round(signal.t * 1e9)))
+
+    def flush(self) -> None:
+        """Close the running chunk and hand it to the operating system."""
+        storage = self._writer.storage
+        if self._chunk_begin is not None:
+            storage.close_chunk()
+            storage.bio.flush()
+        self._chunk_begin = None
+
+    def close(self) -> None:
+        """Write the index and metadata.yaml; closing twice is allowed."""
+        if not self._closed:
+            self._closed = True
+            self._writer.close()
+
+    def __enter__(self) -> Self:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close, also after an error: what was flown until then is worth keeping."""
+        self.close()
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise BagError(f"bag {self.path} is closed")
+
+    def _name_as_rosbag2(self) -> None:
+        storage = self._writer.storage
+        named = self.path / f"{self.path.name}_0.mcap"
+        storage.path.rename(named)
+        storage.path = named
+        storage.compressor = partial(storage.compressor, options=_checksum_options())
+
+
+def _checksum_options() -> dict[int, int]:
+    from backports.zstd import CompressionParameter
+
+    return {CompressionParameter.checksum_flag: 1}
+
+
+def _profile(qos: OfferedQos) -> Qos:
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=qos.depth,
+        reliability=QosReliability.RELIABLE if qos.reliable else QosReliability.BEST_EFFORT,
+        durability=QosDurability.TRANSIENT_LOCAL if qos.transient_local else QosDurability.VOLATILE,
+        deadline=_FOR_EVER,
+        lifespan=_FOR_EVER,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=_FOR_EVER,
+        avoid_ros_namespace_conventions=False,
+    )
