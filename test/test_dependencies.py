@@ -1,0 +1,98 @@
+"""Every import of a package is named in its package.xml by a rosdep key, and pinned by requirements/.
+
+Keys: rosdistro's rosdep/python.yaml and the ROS packages of Jazzy. A module without any key is installed by
+scripts/setup from requirements/run.txt only, and is listed in WITHOUT_KEY.
+"""
+
+import ast
+import re
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+from fresh_checkout import ROOT
+
+PACKAGES = [path.parent for path in sorted(ROOT.glob("src/*/setup.py"))]
+
+KEYS = {
+    "matplotlib": "python3-matplotlib",
+    "numba": "python3-numba",
+    "numpy": "python3-numpy",
+    "pandas": "python3-pandas",
+    "rich": "python3-rich",
+    "rosbags": "python3-rosbags-pip",
+    "scipy": "python3-scipy",
+    "torch": "python3-torch",
+    "yaml": "python3-yaml",
+}
+WITHOUT_KEY = {"backports", "casadi", "daqp", "mcap", "piqp", "pyarrow"}
+
+ROS_PACKAGES = {
+    "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs",
+    "rcl_interfaces", "rclpy", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs", "visualization_msgs",
+}  # fmt: skip
+
+DISTRIBUTIONS = {"backports": "backports.zstd", "yaml": "PyYAML"}
+"""Names on the package index that differ from the module's."""
+
+
+def imports(package: Path) -> set[str]:
+    """Return the top-level modules that the code imports, without the standard library and itself."""
+    found = set()
+    for path in (package / package.name).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module is not None:
+                found.add(node.module.partition(".")[0])
+    return found - sys.stdlib_module_names - {package.name}
+
+
+def named(package: Path) -> set[str]:
+    """Return the keys that the package's package.xml depends on."""
+    tree = ET.parse(package / "package.xml")  # noqa: S314 (our own file)
+    return {element.text or "" for element in tree.iter() if element.tag.endswith("depend")}
+
+
+def pinned(*files: str) -> set[str]:
+    """Return the names that requirements files pin with ==, in lower case."""
+    lines = "\n".join((ROOT / "requirements" / name).read_text(encoding="utf-8") for name in files)
+    return {
+        name.lower() for name in re.findall(r"^([A-Za-z0-9_.-]+)(?:\[\w+\])?==", lines, flags=re.MULTILINE)
+    }
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda path: path.name)
+def test_package_xml_names_what_the_code_imports_by_keys_that_exist(package: Path):
+    own = {path.name for path in PACKAGES} | {"q2q_msgs"}
+    modules = imports(package)
+    unknown = modules - own - ROS_PACKAGES - KEYS.keys() - WITHOUT_KEY
+    assert not unknown, f"no rosdep key is known here for {sorted(unknown)}: add it to KEYS or WITHOUT_KEY"
+    wanted = {KEYS.get(name, name) for name in modules - WITHOUT_KEY} | {"python3-pytest"}
+    file = f"src/{package.name}/package.xml"
+    assert named(package) >= wanted, f"{file} lacks {sorted(wanted - named(package))}"
+    keys = own | ROS_PACKAGES | set(KEYS.values()) | {"python3-pytest", "python3-hypothesis"}
+    assert named(package) <= keys, f"{file}: {sorted(named(package) - keys)} are no keys known here"
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda path: path.name)
+def test_what_a_package_imports_is_pinned(package: Path):
+    modules = {
+        DISTRIBUTIONS.get(name, name).lower() for name in imports(package) & (KEYS.keys() | WITHOUT_KEY)
+    }
+    missing = modules - pinned("ros.txt", "run.txt", "dev.txt", "train.txt")
+    assert not missing, f"requirements/ pins no version of {sorted(missing)}"
+
+
+@pytest.mark.parametrize("name", ["build", "ros", "run", "dev", "train"])
+def test_every_requirement_is_exact_and_says_why(name: str):
+    for line in (ROOT / f"requirements/{name}.txt").read_text(encoding="utf-8").splitlines():
+        assert line.startswith("#") or re.fullmatch(r"[A-Za-z0-9_.-]+(\[\w+\])?==\S+  # .+", line), line
+
+
+def test_every_field_of_a_message_says_its_unit_or_meaning():
+    for path in (ROOT / "src/q2q_msgs/msg").glob("*.msg"):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            is_field = line.strip() and not line.lstrip().startswith("#")
+            assert not is_field or "#" in line, f"{path.name}: no unit and frame on '{line}'"
