@@ -130,38 +130,37 @@ def overridden(params: P, values: object, where: str) -> P:
     Raises:
         ValueError: an unknown parameter, a value of another type, or one out of bounds.
     """
-    changes = {
-        key: _value(value, getattr(params, key, None)) for key, value in _mapping(values, where).items()
+    return with_overrides(params, _values(params, values, where))
+
+
+def _values(params: ParamsClass, values: object, where: str) -> dict[str, ParameterValue]:
+    """Return a document's values as parameters; an unknown name is left for `with_overrides` to refuse."""
+    entries = _mapping(values, where)
+    return {
+        key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in entries.items()
     }
-    try:
-        return with_overrides(params, changes)
-    except TypeError as error:
-        raise ValueError(f"{where}: {changes}: a value has the wrong type ({error})") from error
 
 
-def _value(value: object, default: object) -> ParameterValue:
+def _value(value: object, default: object, where: str) -> ParameterValue:
     """Return a document's value as a parameter's: 1 is a float where a float is meant, a list a tuple."""
-    if isinstance(value, list):
-        return tuple(float(one) for one in value)
-    if isinstance(value, int) and isinstance(default, float) and not isinstance(value, bool):
-        return float(value)
-    if not isinstance(value, bool | int | float | str):
-        expected = "a number, a word, true, false or a list of numbers is expected"
-        raise ValueError(f"{value!r}: {expected}")  # noqa: TRY004  a bad document, not a bad call
-    return value
+    if isinstance(default, tuple | list) and isinstance(value, list | tuple):
+        return tuple(_number(one, where) for one in value)
+    if isinstance(default, float):
+        return _number(value, where)
+    if isinstance(value, bool | int | str) and type(value) is type(default):
+        return value
+    raise ValueError(f"{where} = {value!r}: a {type(default).__name__} is expected")
 
 
 def _merged(room: Overrides, own: object) -> Overrides:
     entries = _mapping(own, "overrides")
-    blocks = {block: _mapping(values, f"overrides.{block}") for block, values in entries.items()}
-    for block in blocks:
+    for block in entries:
         if block not in BLOCKS:
             raise ValueError(f"overrides: unknown block {block!r}; {_nearest(block, tuple(BLOCKS))}")
-    merged = {block: dict(room.get(block, {})) for block in {*room, *blocks}}
-    for block, values in blocks.items():
-        for key, value in values.items():
-            merged[block][key] = _value(value, getattr(BLOCKS[block], key, None))
-    return merged
+    blocks = {
+        block: _values(BLOCKS[block], values, f"overrides.{block}") for block, values in entries.items()
+    }
+    return {block: {**room.get(block, {}), **blocks.get(block, {})} for block in sorted({*room, *blocks})}
 
 
 def _reading(value: object) -> Reading:

@@ -1,0 +1,155 @@
+"""Prove that scenarios load, mean what the paper says, and refuse what is wrong by name."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.parameters import tunable_of
+from q2q_planner.minsnap import minimum_snap_plan
+from q2q_sim import assembly, scenarios
+from q2q_sim.scenario import BLOCKS, scenario_from_document
+from q2q_sim.wake import wake_by_name
+
+GOOD = {
+    "description": "two vehicles",
+    "duration": 5,
+    "vehicle": "crazyflie_2_0",
+    "vehicles": {"cf1": [{"t": 0, "pos": [0, 0, 1]}, {"t": 5, "pos": [0, 0, 1]}]},
+}
+
+
+@pytest.mark.parametrize("name", scenarios.names())
+def test_every_scenario_loads_plans_and_says_what_it_is(name: str) -> None:
+    scenario = scenarios.load(name)
+    assert scenario.name == name
+    assert 10 < len(scenarios.describe(name)) < 110
+    assert assembly.plan_of(scenario).names == scenario.names
+    assert wake_by_name(scenario.wake)
+    for parameters in (
+        assembly.filter_parameters(scenario),
+        assembly.replanner_parameters(scenario, enabled=False),
+        assembly.controller_parameters(scenario, aware=True, limited=True),
+    ):
+        assert all(isinstance(value, bool | int | float | str | tuple) for value in parameters.values())
+
+
+@pytest.mark.parametrize(
+    ("flight", "distance", "speed", "overlap"),
+    [
+        (1, 0.5, 0.5, 0.4),
+        (2, 1.0, 0.5, 0.4),
+        (3, 0.5, 1.5, 0.13),
+        (4, 1.0, 1.5, 0.13),
+        (5, 0.5, 0.5, 1.0),
+        (6, 1.0, 0.5, 1.0),
+    ],
+)
+def test_the_flights_of_table_2_have_its_distance_speed_and_overlap(
+    flight: int, distance: float, speed: float, overlap: float
+) -> None:
+    scenario = scenarios.load(f"table2_{flight}")
+    plan = minimum_snap_plan(scenario.waypoints, scenario.reading)
+    t = np.arange(0.0, scenario.duration, 0.001)
+    lower, upper = (trajectory.at(t) for trajectory in plan.trajectories)
+    rel = (upper - lower)[:, :3]
+    flyover = np.linalg.norm(plan.trajectories[1].at(t, 1)[:, :3], axis=1).max()
+    close = np.hypot(rel[:, 0], rel[:, 1]) <= 0.1
+    assert np.unique(rel[:, 2]) == pytest.approx(distance)
+    assert flyover == pytest.approx(speed, rel=0.01)
+    # waypoints are given to three digits, the overlap of a moving pass to two
+    assert close.sum() * 0.001 == pytest.approx(overlap, rel=0.05)
+    assert t[close][0] > 15.0
+
+
+def test_table6_is_section_5_2() -> None:
+    scenario = scenarios.load("table6")
+    hover, passing = scenario.waypoints
+    assert {point.pos for point in hover.waypoints} == {(0.0, 0.0, 1.5)}
+    assert [(point.t, point.pos) for point in passing.waypoints] == [
+        (0.0, (0.0, 2.0, 2.0)),
+        (25.0, (0.0, 0.0, 2.0)),
+        (50.0, (0.0, -2.0, 2.0)),
+    ]
+    assert scenario.vehicle.mass == 0.65
+    assert assembly.pid_params(scenario, limited=True).thrust_max == 6.6
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 50])
+def test_swarms_of_any_size_start_apart_and_stay_apart(count: int) -> None:
+    scenario = scenarios.load(f"swarm{count}")
+    plan = assembly.plan_of(scenario)
+    assert len(scenario.names) == count
+    t = np.linspace(0.0, scenario.duration, 61)
+    pos = np.stack([trajectory.at(t)[:, :3] for trajectory in plan.trajectories], axis=1)  # (61, n, 3)
+    apart = np.linalg.norm(pos[:, :, None] - pos[:, None], axis=-1) + 10.0 * np.eye(count)
+    assert apart.min() > 0.45
+
+
+@pytest.mark.parametrize(
+    ("name", "word"),
+    [
+        ("tabel6", "unknown scenario 'tabel6'; did you mean table6?"),
+        ("swarm0", "1 to 1000 vehicles are allowed"),
+        ("../secret", "unknown scenario"),
+        ("none.yaml", "cannot be read"),
+    ],
+)
+def test_unknown_names_are_refused_with_the_nearest_right_one(name: str, word: str) -> None:
+    with pytest.raises(ValueError, match=word.replace("?", r"\?")):
+        scenarios.load(name)
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (
+            {"vehicles": {"cf1": [{"t": 0, "pos": [0, float("nan"), 1]}, {"t": 5, "pos": [0, 0, 1]}]}},
+            "y = nan",
+        ),
+        (
+            {"vehicles": {"cf1": [{"t": 0, "pos": [0, 0, -1]}, {"t": 5, "pos": [0, 0, 1]}]}},
+            "the ground is at 0",
+        ),
+        ({"vehicles": {}}, "no vehicle given"),
+        ({"duration": -1}, "duration = -1.0: above 0 to 3600.0 s is allowed"),
+        ({"duration": float("nan")}, "duration = nan"),
+        ({"duration": "long"}, "duration = 'long': a number is expected"),
+        ({"durration": 5}, "unknown key 'durration'; did you mean 'duration'"),
+        ({"wake": "storm"}, "unknown wake 'storm'"),
+        ({"vehicle": "boeing"}, "unknown vehicle 'boeing'; known are"),
+        ({"room": "attic"}, "unknown room 'attic'; known are ideal, capture, real, rough"),
+        ({"reading": "fast"}, "reading = 'fast': choose one of stop_and_go, free"),
+        ({"radio": {"loss": 2.0}}, "RadioParams.loss = 2.0: allowed is 0.0 to 1.0"),
+        ({"vicon": {"pos_nois": 0.1}}, "has no parameter 'pos_nois'; did you mean pos_noise"),
+        ({"radio": {"loss": "much"}}, "radio.loss = 'much': a number is expected"),
+        ({"radio": {"quantised": 1}}, "radio.quantised = 1: a bool is expected"),
+        ({"overrides": {"pidd": {}}}, "unknown block 'pidd'; did you mean 'pid'"),
+        ({"overrides": {"pid": {"k_p_z": -1}}}, "PidParams.k_p_z = -1.0"),
+        ({"overrides": {"pid": {"k_p_z": [1, 2]}}}, r"overrides.pid.k_p_z = \[1, 2\]: a number is expected"),
+        ({"overrides": {"replanner": {"k_s": [1, "x", 2]}}}, "overrides.replanner.k_s = 'x': a number"),
+    ],
+)
+def test_wrong_values_are_refused_by_name(change: dict[str, object], word: str) -> None:
+    with pytest.raises(ValueError, match=word):
+        scenario_from_document("mine", GOOD | change)
+
+
+def test_a_file_of_the_users_own_is_read_and_a_broken_one_refused(tmp_path: Path) -> None:
+    own = tmp_path / "mine.yaml"
+    own.write_text("duration: 3\nvehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 3, pos: [1, 0, 1]}]}\n")
+    assert scenarios.load(str(own)).duration == 3.0
+    own.write_text("duration: [3\n")
+    with pytest.raises(ValueError, match="is no YAML"):
+        scenarios.load(str(own))
+    own.write_text("just words\n")
+    with pytest.raises(ValueError, match="expected names with values"):
+        scenarios.load(str(own))
+
+
+def test_every_override_of_a_shipped_scenario_is_a_field_of_its_block() -> None:
+    for name in scenarios.names():
+        for block, values in scenarios.load(name).overrides.items():
+            fields = BLOCKS[block].__dataclass_fields__
+            for key in values:
+                assert tunable_of(fields[key]).description
