@@ -62,6 +62,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     ) -> SwarmCommand:
         return block.update(state, setpoint, interference)
 
+    wiring.rehearse(update, block.reset, own.vehicles)
     wiring.start(update)
     return wiring
 

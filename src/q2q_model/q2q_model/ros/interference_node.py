@@ -29,6 +29,7 @@ def build(node: Node) -> TickWiring[Interference]:
     params = declare(node, InterferenceParams())
     predictor = InteractionPredictor(find_model(params.model).interaction)
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
+    wiring.rehearse(predictor.update, predictor.reset)
     wiring.start(predictor.update)
     return wiring
 

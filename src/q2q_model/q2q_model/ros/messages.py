@@ -7,9 +7,7 @@ from std_msgs.msg import Header
 from q2q_model.cdr import NANOSECONDS, WORLD
 from q2q_model.layout import LAYOUTS
 
-MESSAGES: dict[type, type] = {
-    signal: getattr(q2q_msg, layout.message) for signal, layout in LAYOUTS.items()
-}
+MESSAGES: dict[type, type] = {signal: getattr(q2q_msg, layout.message) for signal, layout in LAYOUTS.items()}
 """The message class of each signal class."""
 
 

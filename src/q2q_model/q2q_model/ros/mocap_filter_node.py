@@ -40,6 +40,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
     block = MocapFilter(declare(node, MocapFilterParams()), own.vehicles)
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("state", SwarmState))
     wiring.then(VehicleTopics(node, own.vehicle_topics_hz).publish)
+    wiring.rehearse(block.update, block.reset, own.vehicles)
     wiring.start(block.update)
     return wiring
 

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from typing import TypeVar
 
 import rclpy
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
@@ -12,19 +13,26 @@ from q2q_model.ros.ready import offer_ready
 WAKE_S = 0.5
 """How often the spin loop looks whether it should end [s]. (EventsExecutor.spin() runs nothing here.)"""
 
-Build = Callable[[Node], object]
-"""Builds a block's node: declares parameters, subscribes, publishes. What it returns is kept alive."""
+Kept = TypeVar("Kept")
 
 
-def run(name: str, build: Build) -> None:
-    """Run a node until SIGINT or SIGTERM; exit 0 then, 2 on a wrong parameter or input file."""
+def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | None = None) -> None:
+    """Run a node until SIGINT or SIGTERM; exit 0 then, 2 on a wrong parameter or input file.
+
+    Args:
+        name: the node's name.
+        build: declares parameters, subscribes and publishes; what it returns is kept alive.
+        end: called with that once the node has stopped, as to close files.
+    """
     rclpy.init()
-    node = Node(name)
     try:
-        kept = build(node)
+        kept = build(node := Node(name))
         offer_ready(node)
-        spin(node)
-        del kept
+        try:
+            spin(node)
+        finally:
+            if end is not None:
+                end(kept)
     except (ValueError, OSError) as refusal:
         print(f"{name}: {refusal}", file=sys.stderr)
         sys.exit(2)

@@ -8,12 +8,18 @@ from rclpy.node import Node
 from q2q_model.cdr import SignalReader, encode, header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.layout import Signal
+from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK
+from q2q_model.signals import Names
 from q2q_model.tick_join import TickJoin
 
 Made = TypeVar("Made", bound=Signal)
+
+
+REHEARSAL_T = (0.0, 0.01)
+"""Two ticks [s], so that what happens between ticks is rehearsed too."""
 
 
 class TickWiring(Generic[Made]):
@@ -30,6 +36,12 @@ class TickWiring(Generic[Made]):
         self._inputs = inputs
         self._after: list[Callable[[int, Made], None]] = []
         publish_health(node, self.health)
+
+    def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
+        """Run a block on two made-up ticks and reset it, so that the first real tick is not slow."""
+        for t in REHEARSAL_T:
+            update(*(rehearsal(kind, t, names) for kind in self._inputs.values()))
+        reset()
 
     def start(self, update: Callable[..., Made]) -> None:
         """Subscribe to the inputs; every complete tick calls `update` with their signals, in their order."""

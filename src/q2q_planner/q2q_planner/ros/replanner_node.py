@@ -17,6 +17,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
     wiring = TickWiring(
         node, {"reference": SwarmSetpoint, "state": SwarmState}, ("reference_safe", SwarmSetpoint)
     )
+    wiring.rehearse(block.update, block.reset)
     wiring.start(block.update)
     return wiring
 

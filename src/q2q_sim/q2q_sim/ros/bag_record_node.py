@@ -6,9 +6,9 @@ from importlib import import_module
 from pathlib import Path
 from time import time_ns
 
-from q2q_model.bag import BagWriter
 from rclpy.node import Node
 
+from q2q_model.bag import BagWriter
 from q2q_model.cdr import header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.parameters import check_bounds, tunable
@@ -45,8 +45,11 @@ class Recorder:
         for topic, kind in (TYPE_NAMES | _extra(params.extra)).items():
             self._writer.add_topic(f"/{topic}", kind)
             node.create_subscription(_class_of(kind), topic, self._taker(f"/{topic}"), RECORD, raw=True)
-        node.context.on_shutdown(self._writer.close)
         publish_health(node, self._health)
+
+    def close(self) -> None:
+        """Finish the bag."""
+        self._writer.close()
 
     def _taker(self, topic: str) -> Callable[[bytes], None]:
         def take(data: bytes) -> None:
@@ -78,4 +81,4 @@ def _class_of(kind: str) -> type:
 
 def main() -> None:
     """Run the node `bag_record`."""
-    run("bag_record", Recorder)
+    run("bag_record", Recorder, Recorder.close)

@@ -12,15 +12,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
-
 from q2q_sim.tools.figures import Curve, altitude_figure, save, thrust_figure
 from q2q_sim.tools.flight import FlightRequest, FlightRun
-from q2q_sim.tools.fly import end_by_keyboard, fly_with_progress
+from q2q_sim.tools.fly import end_by_keyboard, fly_with_progress, warn_plainly
+from q2q_sim.tools.fly import show as print_runs
 from q2q_sim.tools.page import Picture, page
 from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
-from q2q_sim.tools.run_table import MODE_WORDS, run_grid, run_table
+from q2q_sim.tools.run_table import MODE_WORDS, run_grid, run_notes
 
 SCENARIO = "table6"
 LEAD = (
@@ -40,6 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
     made.add_argument("--json", type=Path, help="write the numbers to this file")
     asked = made.parse_args(arguments)
     end_by_keyboard(signal.SIGTERM)
+    warn_plainly("demo")
     try:
         show(asked.out, asked.json)
     except KeyboardInterrupt:
@@ -58,9 +58,11 @@ def show(out: Path, json_file: Path | None) -> None:
         fly_with_progress(FlightRequest(SCENARIO, mode), out / "nodes" / mode, out / "bags" / mode)
         for mode in MODE_WORDS
     ]
-    Console().print(run_table(runs))
+    print_runs(runs)
     pictures = draw(runs, out)
-    (out / "index.html").write_text(page("q2q: one Crazyflie over another", LEAD, [run_grid(runs), pictures]))
+    (out / "index.html").write_text(
+        page("q2q: one Crazyflie over another", LEAD, [run_grid(runs), *run_notes(runs), pictures])
+    )
     print(f"page: {out / 'index.html'}")
     if json_file:
         json_file.parent.mkdir(parents=True, exist_ok=True)

@@ -5,6 +5,8 @@ import json
 import signal
 import sys
 import tempfile
+import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
 
@@ -15,7 +17,7 @@ from q2q_sim import scenarios
 from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
 from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
-from q2q_sim.tools.run_table import run_table
+from q2q_sim.tools.run_table import run_notes, run_table
 
 EXAMPLE = """examples:
   scripts/fly --list
@@ -29,6 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Fly as the command line says; return the exit status."""
     asked = parser().parse_args(arguments)
     end_by_keyboard(signal.SIGTERM)
+    warn_plainly("fly")
     try:
         return _run(asked)
     except KeyboardInterrupt:
@@ -84,11 +87,19 @@ def _run(asked: argparse.Namespace) -> int:
     if not asked.scenario:
         raise ValueError("give a scenario: `scripts/fly --list` names them")
     run = _fly(asked)
-    Console().print(run_table([run]))
+    show([run])
     if asked.json:
         asked.json.parent.mkdir(parents=True, exist_ok=True)
         asked.json.write_text(json.dumps(runs_json([run]), indent=1) + "\n")
     return 0
+
+
+def show(runs: Sequence[FlightRun]) -> None:
+    """Print the table of some flights, and how they went."""
+    console = Console()
+    console.print(run_table(runs))
+    for note in run_notes(runs):
+        console.print(note, highlight=False)
 
 
 def request_of(asked: argparse.Namespace) -> FlightRequest:
@@ -114,6 +125,11 @@ def fly_with_progress(request: FlightRequest, folder: Path, bag: Path) -> Flight
         run = fly(request, folder, bag, lambda share: bar.update(task, completed=share))
         bar.update(task, completed=1.0)
     return run
+
+
+def warn_plainly(program: str) -> None:
+    """Let warnings be one line each, without the place in the code."""
+    warnings.formatwarning = lambda message, *_, **__: f"{program}: warning: {message}\n"
 
 
 def end_by_keyboard(number: signal.Signals) -> None:

@@ -47,7 +47,7 @@ def page(title: str, lead: str, parts: Sequence[Grid | Sequence[Picture] | str])
 
 def _part(part: Grid | Sequence[Picture] | str) -> str:
     if isinstance(part, str):
-        return f"<h2>{escape(part)}</h2>"
+        return f"<p>{escape(part)}</p>"
     if isinstance(part, Grid):
         return _table(part)
     return f'<div class="pictures">{"".join(_figure(picture) for picture in part)}</div>'

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from q2q_sim.tools.flight import FlightRun
@@ -10,21 +11,18 @@ from q2q_sim.tools.run_json import finite
 
 MODE_WORDS = {
     "ignoring": "ignoring",
-    "aware": "aware, limited",
-    "aware_unlimited": "aware, no limit",
+    "aware": "aware",
+    "aware_unlimited": "no limit",
 }
 HEAD = (
     "mode",
     "vehicle",
-    "z RMSE [m]",
-    "xy RMSE [m]",
-    "U1 energy [N²s]",
-    "above hover",
-    "max U1 [N]",
-    "separation [m]",
-    "in zone [s]",
-    "x real time",
-    "missed",
+    "z RMSE\n[m]",
+    "xy RMSE\n[m]",
+    "U1 energy\n[N²s]",
+    "above\nhover",
+    "max U1\n[N]",
+    "separation\n[m]",
 )
 
 
@@ -34,15 +32,29 @@ def run_grid(runs: Sequence[FlightRun]) -> Grid:
 
 
 def run_table(runs: Sequence[FlightRun]) -> Table:
-    """Return the table for a terminal."""
-    table = Table(title=f"{runs[0].request.scenario}, {runs[0].request.controller}")
+    """Return the table for a terminal of 80 columns."""
+    title = f"{runs[0].request.scenario}, {runs[0].request.controller}"
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for position, column in enumerate(HEAD):
         table.add_column(column, justify="left" if position < 2 else "right")
     for run in runs:
         for row in _rows(run):
             table.add_row(*row)
-        table.add_section()
     return table
+
+
+def run_notes(runs: Sequence[FlightRun]) -> list[str]:
+    """Say how each flight went beside its table."""
+    return [_note(run) for run in runs]
+
+
+def _note(run: FlightRun) -> str:
+    timing = run.timing
+    return (
+        f"{MODE_WORDS[run.request.mode]}: {_number(run.metrics.zone_time_s, 2)} s in the zone, "
+        f"{_number(timing.real_time_factor, 1)} x real time, {timing.missed_ticks} ticks missed, "
+        f"mocap to command {_number(timing.latency_p50_ms, 2)} ms (p99 {_number(timing.latency_p99_ms, 2)})"
+    )
 
 
 def _rows(run: FlightRun) -> list[tuple[str, ...]]:
@@ -56,9 +68,6 @@ def _rows(run: FlightRun) -> list[tuple[str, ...]]:
             _number(one.u1_energy_above_hover, 2),
             _number(one.u1_max, 3),
             _number(run.metrics.min_separation_m, 3),
-            _number(run.metrics.zone_time_s, 2),
-            _number(run.timing.real_time_factor, 1),
-            str(run.timing.missed_ticks),
         )
         for name, one in run.metrics.vehicles.items()
     ]

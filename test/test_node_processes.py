@@ -1,0 +1,117 @@
+"""Nodes as a user starts them: clean ends, and one clear line for every wrong input."""
+
+import os
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from q2q_sim.tools.domain import own_domain
+from q2q_sim.tools.processes import find_executable
+
+PATIENCE_S = 60.0
+NODES = [
+    ("q2q_model", "mocap_filter", []),
+    ("q2q_model", "interference", []),
+    ("q2q_planner", "replanner", []),
+    ("q2q_control", "pid", []),
+    ("q2q_sim", "simulator", ["autostart:=false"]),
+]
+
+
+@pytest.fixture(autouse=True)
+def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    with own_domain():
+        yield
+
+
+def start(package: str, executable: str, parameters: list[str]) -> subprocess.Popen[str]:
+    words = [word for parameter in parameters for word in ("-p", parameter)]
+    return subprocess.Popen(
+        [str(find_executable(package, executable)), "--ros-args", *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"RCUTILS_LOGGING_BUFFERED_STREAM": "0"},
+    )
+
+
+def refusal(package: str, executable: str, parameters: list[str]) -> str:
+    process = start(package, executable, parameters)
+    _, said = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2, said
+    assert "Traceback" not in said
+    assert len(said.strip().splitlines()) == 1, said
+    return said
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(("package", "executable", "parameters"), NODES)
+def test_a_node_ends_with_0_on_a_signal(
+    package: str, executable: str, parameters: list[str], number: signal.Signals
+) -> None:
+    process = start(package, executable, parameters)
+    wait_until_spinning(process)
+    process.send_signal(number)
+    _, said = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0, said
+    assert "Traceback" not in said
+
+
+def wait_until_spinning(process: subprocess.Popen[str]) -> None:
+    """Return once the process has set its signal handlers: SIGINT and SIGTERM are caught."""
+    status = Path(f"/proc/{process.pid}/status")
+    wanted = 1 << (signal.SIGINT - 1) | 1 << (signal.SIGTERM - 1)
+    while process.poll() is None:
+        line = next(line for line in status.read_text().splitlines() if line.startswith("SigCgt"))
+        if int(line.split()[1], 16) & wanted == wanted:
+            return
+        try:
+            process.wait(0.02)
+        except subprocess.TimeoutExpired:
+            continue
+
+
+def test_an_unknown_scenario_is_answered_with_the_nearest_right_one() -> None:
+    assert "table6" in refusal("q2q_sim", "simulator", ["scenario:=tabel6"])
+
+
+def test_a_gain_out_of_range_is_refused_with_its_bounds() -> None:
+    said = refusal("q2q_control", "pid", ["k_p_z:=-3.0"])
+    assert "k_p_z" in said
+    assert "-3" in said
+    assert "0.0 to 200.0" in said
+
+
+def test_an_unknown_vehicle_is_refused_with_the_known_ones() -> None:
+    assert "crazyflie_2_0, textbook_065" in refusal("q2q_control", "pid", ["vehicle:=jumbo"])
+
+
+def test_a_model_file_cut_in_half_is_refused_by_name(tmp_path: Path) -> None:
+    from q2q_model.tools.models import shipped_models
+
+    whole = (shipped_models() / "paper_law.q2q").read_text()
+    cut = tmp_path / "cut.q2q"
+    cut.write_text(whole[: len(whole) // 2])
+    assert "cut.q2q" in refusal("q2q_model", "interference", [f"model:={cut}"])
+
+
+def test_a_nan_waypoint_is_refused_naming_vehicle_and_waypoint(tmp_path: Path) -> None:
+    scenario = (Path(__file__).parent / "scenarios" / "short_room.yaml").read_text()
+    broken = tmp_path / "broken.yaml"
+    broken.write_text(scenario.replace("[0.0, -0.6, 1.4]", "[.nan, -0.6, 1.4]"))
+    said = refusal("q2q_sim", "simulator", [f"scenario:={broken}"])
+    assert "cf2" in said
+    assert "nan" in said.lower()
+
+
+def test_a_trajectory_without_a_plan_says_how_to_get_one() -> None:
+    assert "plan" in refusal("q2q_planner", "trajectory", [])
+
+
+def test_a_recorder_refuses_to_overwrite_a_bag(tmp_path: Path) -> None:
+    (tmp_path / "bag").mkdir()
+    assert "bag" in refusal("q2q_sim", "bag_record", [f"bag:={tmp_path / 'bag'}"])
