@@ -71,7 +71,7 @@ class BagReader:
         """
         wanted = self.topics.keys() if topics is None else topics
         foreign = {channel.topic for channel in self.channels if channel.type_name not in SIGNALS}
-        readers = {
+        readers: dict[str, SignalReader[Signal]] = {
             channel.topic: SignalReader(SIGNALS[channel.type_name])
             for channel in self.channels
             if channel.topic not in foreign

@@ -94,9 +94,8 @@ class BagWriter:
         """Write a serialised message at a bag time [ns]; raise BagError for a topic not announced."""
         self._check_open()
         if topic not in self._connections:
-            raise BagError(
-                f"topic {topic} is not announced; add_topic first. Announced: {', '.join(self._types)}"
-            )
+            known = ", ".join(self._types) or "none"
+            raise BagError(f"topic {topic} is not announced: add_topic first; announced: {known}")
         begin = self._chunk_begin
         if begin is not None and abs(stamp_ns - begin) >= self._chunk_ns:
             self.flush()
@@ -104,10 +103,14 @@ class BagWriter:
         self._chunk_begin = stamp_ns if self._chunk_begin is None else self._chunk_begin
 
     def write_signal(self, topic: str, stamp_ns: int, signal: Signal) -> None:
-        """Write a signal at a bag time [ns], announcing its topic; its header's stamp is `signal.t`."""
+        """Write a signal at a bag time [ns], announcing its topic; its header's stamp is `signal.t`.
+
+        A float time holds nanoseconds for 26 days; where `stamp_ns` is the signal's time, it is taken.
+        """
         if topic not in self._connections:
             self.add_topic(topic, f"q2q_msgs/msg/{LAYOUTS[type(signal)].message}")
-        self.write_raw(topic, stamp_ns, encode(signal, round(signal.t * 1e9)))
+        header_ns = stamp_ns if stamp_ns * 1e-9 == signal.t else round(signal.t * 1e9)
+        self.write_raw(topic, stamp_ns, encode(signal, header_ns))
 
     def flush(self) -> None:
         """Close the running chunk and hand it to the operating system."""

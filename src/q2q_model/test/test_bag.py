@@ -1,0 +1,325 @@
+"""Hold bags to round trips, to an independent reader and writer, and to honest errors."""
+
+import io
+import os
+import signal as signals_of_unix
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from mcap_ros2.writer import Writer as ForeignWriter
+
+from q2q_model.bag import BagError, BagReader, BagRepairWarning, BagWriter, OfferedQos, read_flight
+from q2q_model.bag.definitions import definition_of
+from q2q_model.layout import LAYOUTS, Signal
+from q2q_model.signals import MocapFrame, SwarmCommand, SwarmState
+
+sys.path.insert(0, str(Path(__file__).parent))
+from bag_signals import STEP_NS, random_signal, same_signal
+
+PAIR = ("cf1", "cf2")
+KINDS = list(LAYOUTS)
+MOCAP = "q2q_msgs/msg/MocapFrame"
+
+
+def _write(path: Path, ticks: int, kinds: dict[str, type[Signal]], seed: int = 0) -> dict[str, list[Signal]]:
+    rng = np.random.default_rng(seed)
+    written: dict[str, list[Signal]] = {topic: [] for topic in kinds}
+    with BagWriter(path) as bag:
+        for tick in range(ticks):
+            for topic, kind in kinds.items():
+                written[topic].append(random_signal(kind, tick, PAIR, rng))
+                bag.write_signal(topic, tick * STEP_NS, written[topic][-1])
+    return written
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(KINDS), st.integers(0, 5), st.sampled_from([0, 7]))
+@settings(max_examples=20, deadline=None)
+def test_every_signal_survives_the_bag(seed: int, kind: type[Signal], vehicles: int, later_ns: int):
+    rng = np.random.default_rng(seed)
+    # a float time holds whole nanoseconds for 26 days; a wall clock's needs the stamp beside it
+    tick = int(rng.integers(0, 2**51 // STEP_NS if later_ns else 2**30 * 100))
+    one = random_signal(kind, tick, tuple(f"cf{k}" for k in range(vehicles)), rng)
+    with TemporaryDirectory() as folder:
+        with BagWriter(Path(folder) / "bag") as bag:
+            bag.write_signal("/topic", tick * STEP_NS + later_ns, one)
+        (found,) = BagReader(Path(folder) / "bag").signals()
+    assert found.topic == "/topic"
+    assert found.stamp_ns == tick * STEP_NS + later_ns
+    assert same_signal(found.signal, one)
+
+
+def test_an_independent_reader_reads_every_message_and_number(tmp_path: Path):
+    written = _write(tmp_path / "bag", 120, {kind.__name__: kind for kind in KINDS})
+    counts = dict.fromkeys(written, 0)
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        for schema, channel, record, message in reader.iter_decoded_messages():
+            own = written[channel.topic][counts[channel.topic]]
+            assert schema.encoding == "ros2msg"
+            assert record.log_time == counts[channel.topic] * STEP_NS
+            assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == round(own.t * 1e9)
+            assert tuple(message.names) == PAIR
+            for column in LAYOUTS[type(own)].columns:
+                read = getattr(message, column.field)
+                read = list(read) if isinstance(read, bytes) else read
+                assert np.array_equal(read, getattr(own, column.attribute).ravel())
+            counts[channel.topic] += 1
+    assert set(counts.values()) == {120}
+
+
+def test_a_bag_of_an_independent_writer_is_read(tmp_path: Path):
+    definition, _ = definition_of(MOCAP)
+    with (tmp_path / "foreign.mcap").open("wb") as stream, ForeignWriter(stream) as writer:
+        schema = writer.register_msgdef(MOCAP, definition)
+        for tick in range(30):
+            message = {
+                "header": {"stamp": {"sec": 0, "nanosec": tick * STEP_NS}, "frame_id": "world"},
+                "names": ["cf1"],
+                "position": [0.01 * tick, 2.0, 3.0],
+                "orientation": [0.0, 0.0, 0.0, 1.0],
+            }
+            writer.write_message("/mocap", schema, message, log_time=tick * STEP_NS, publish_time=0)
+    flight = read_flight(tmp_path / "foreign.mcap")
+    assert flight.names == ("cf1",)
+    assert np.allclose(flight.mocap_pos[:, 0, 0], 0.01 * np.arange(30), atol=0)
+    assert np.array_equal(flight.mocap_pos[:, 0, 1:], np.tile([2.0, 3.0], (30, 1)))
+
+
+def test_the_folder_looks_as_ros_2_jazzy_writes_it(tmp_path: Path):
+    with BagWriter(tmp_path / "mine") as bag:
+        bag.add_topic("/mocap", MOCAP)
+        bag.add_topic("/plan", "q2q_msgs/msg/Plan", OfferedQos(transient_local=True))
+        bag.write_signal("/mocap", 5, random_signal(MocapFrame, 0, PAIR, np.random.default_rng(0)))
+    info = yaml.safe_load((tmp_path / "mine" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert (info["version"], info["storage_identifier"], info["compression_format"]) == (9, "mcap", "")
+    assert info["relative_file_paths"] == ["mine_0.mcap"]
+    assert info["message_count"] == 1
+    entries = [entry["topic_metadata"] for entry in info["topics_with_message_count"]]
+    topics = {entry["name"]: entry for entry in entries}
+    assert topics["/mocap"]["type_description_hash"] == definition_of(MOCAP)[1]
+    assert topics["/plan"]["offered_qos_profiles"][0]["durability"] == "transient_local"
+    with (tmp_path / "mine" / "mine_0.mcap").open("rb") as stream:
+        reader = make_reader(stream)
+        assert reader.get_header().profile == "ros2"
+        summary = reader.get_summary()
+    assert {chunk.compression for chunk in summary.chunk_indexes} == {"zstd"}
+    assert all("offered_qos_profiles" in channel.metadata for channel in summary.channels.values())
+
+
+def test_a_flight_is_joined_by_stamp_and_missing_is_nan(tmp_path: Path):
+    rng = np.random.default_rng(1)
+    frames, commands = {}, {}
+    with BagWriter(tmp_path / "bag") as bag:
+        for tick in range(50):
+            names = PAIR if tick % 5 else PAIR[1:]
+            frames[tick] = random_signal(MocapFrame, tick, names, rng)
+            bag.write_signal("/room/mocap", tick * STEP_NS, frames[tick])
+            if tick % 3 == 0:  # commands come later than the ticks they answer
+                commands[tick] = random_signal(SwarmCommand, tick, PAIR[::-1], rng)
+                bag.write_signal("/room/command", tick * STEP_NS + 4_000_000, commands[tick])
+    flight = read_flight(tmp_path / "bag")
+    assert flight.names == PAIR[::-1]  # command names the whole swarm
+    assert np.array_equal(flight.t, [tick * STEP_NS * 1e-9 for tick in range(50)])
+    for tick in range(50):
+        assert np.array_equal(flight.mocap_pos[tick, 0], frames[tick].pos[-1])
+        assert np.isnan(flight.mocap_pos[tick, 1]).all() == (tick % 5 == 0)
+        if tick in commands:
+            assert np.array_equal(flight.thrust[tick], commands[tick].thrust)
+        else:
+            assert np.isnan(flight.thrust[tick]).all()
+    assert np.isnan(flight.pos).all()
+
+
+def test_nothing_is_overwritten_and_misuse_is_named(tmp_path: Path):
+    (tmp_path / "bag").mkdir()
+    with pytest.raises(BagError, match="exists already"):
+        BagWriter(tmp_path / "bag")
+    with BagWriter(tmp_path / "other") as bag:
+        with pytest.raises(BagError, match=r"not announced.*announced: none"):
+            bag.write_raw("/mocap", 0, b"")
+        with pytest.raises(BagError, match="no definition of message type 'q2q_msgs/msg/Mocap'"):
+            bag.add_topic("/mocap", "q2q_msgs/msg/Mocap")
+        bag.add_topic("/mocap", MOCAP)
+        with pytest.raises(BagError, match="cannot hold"):
+            bag.add_topic("/mocap", "std_msgs/msg/String")
+    with pytest.raises(BagError, match="is closed"):
+        bag.write_raw("/mocap", 0, b"")
+    bag.close()
+
+
+def test_what_is_no_bag_or_not_in_it_is_named(tmp_path: Path):
+    with pytest.raises(BagError, match="no bag at"):
+        BagReader(tmp_path / "none")
+    with pytest.raises(BagError, match="neither metadata"):
+        BagReader(tmp_path)
+    (tmp_path / "noise.mcap").write_bytes(b"this is no bag")
+    with pytest.raises(BagError, match="no message of it can be saved"):
+        BagReader(tmp_path / "noise.mcap")
+    _write(tmp_path / "bag", 5, {"/state": SwarmState})
+    with pytest.raises(BagError, match="has no topic /mocap; it has /state"):
+        list(BagReader(tmp_path / "bag").raw({"/mocap"}))
+    with pytest.raises(BagError, match=r"no message on mocap; it has state \(5\)"):
+        read_flight(tmp_path / "bag")
+    assert np.isfinite(read_flight(tmp_path / "bag", required=("state",)).vel).all()
+
+
+def test_an_empty_bag_is_a_bag_without_a_flight(tmp_path: Path):
+    with BagWriter(tmp_path / "bag") as bag:
+        bag.add_topic("/mocap", MOCAP)
+    assert BagReader(tmp_path / "bag").topics == {"/mocap": MOCAP}
+    assert list(BagReader(tmp_path / "bag").raw()) == []
+    with pytest.raises(BagError, match=r"no message on mocap; it has mocap \(0\)"):
+        read_flight(tmp_path / "bag")
+
+
+def test_clocks_that_never_meet_are_refused_with_both_spans(tmp_path: Path):
+    rng = np.random.default_rng(2)
+    with BagWriter(tmp_path / "bag") as bag:
+        for tick in range(20):
+            bag.write_signal("/mocap", tick * STEP_NS, random_signal(MocapFrame, tick, PAIR, rng))
+            late = random_signal(SwarmCommand, 170_000_000 + tick, PAIR, rng)
+            bag.write_signal("/command", tick * STEP_NS, late)
+    with pytest.raises(BagError, match=r"command \(1700000\.000 to .*mocap.*clocks are mixed"):
+        read_flight(tmp_path / "bag")
+
+
+def test_strays_repeats_and_disorder_are_stated(tmp_path: Path):
+    rng = np.random.default_rng(3)
+    with BagWriter(tmp_path / "bag") as bag:
+        for place, tick in enumerate((0, 1, 3, 2, 4, 4)):
+            bag.write_signal("/mocap", place * STEP_NS, random_signal(MocapFrame, tick, PAIR, rng))
+        for tick in (4, 5):
+            last = random_signal(SwarmCommand, tick, PAIR, rng)
+            bag.write_signal("/command", 10 * STEP_NS, last)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        flight = read_flight(tmp_path / "bag")
+    text = " | ".join(str(one.message) for one in said)
+    assert "1 of 2 messages on command belong to no tick" in text
+    assert "1 stamps on mocap come again" in text
+    assert "stamps on mocap are out of order" in text
+    assert len(flight.t) == 5
+
+
+def test_a_bag_without_its_metadata_is_read_whole_and_said(tmp_path: Path):
+    written = _write(tmp_path / "bag", 30, {"/mocap": MocapFrame})
+    (tmp_path / "bag" / "metadata.yaml").unlink()
+    reader = BagReader(tmp_path / "bag")
+    assert "no metadata.yaml" in reader.repairs[0]
+    assert all(same_signal(a.signal, b) for a, b in zip(reader.signals(), written["/mocap"], strict=True))
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9, 0.999])
+def test_a_bag_cut_off_is_read_up_to_the_cut_and_said(tmp_path: Path, share: float):
+    written = _write(tmp_path / "bag", 1000, {"/mocap": MocapFrame})["/mocap"]
+    file = tmp_path / "bag" / "bag_0.mcap"
+    whole = file.read_bytes()
+    file.write_bytes(whole[: int(share * len(whole))])
+    reader = BagReader(tmp_path / "bag")
+    assert any("cut off" in repair for repair in reader.repairs)
+    found = [one.signal for one in reader.signals()]
+    assert all(same_signal(a, b) for a, b in zip(found, written, strict=False))
+    # ten chunks of 100 messages, the index behind them is less than a tenth of the file
+    assert len(found) >= 100 * int(share * 10 * 0.99)
+    with pytest.warns(BagRepairWarning):
+        assert len(read_flight(tmp_path / "bag").t) == len(found)
+
+
+def test_a_bag_of_a_killed_recorder_is_read_up_to_the_last_second(tmp_path: Path):
+    program = (
+        "import sys; sys.path.insert(0, sys.argv[2]); import numpy as np\n"
+        "from bag_signals import random_signal\n"
+        "from q2q_model.bag import BagWriter\n"
+        "from q2q_model.signals import MocapFrame\n"
+        "bag, rng = BagWriter(sys.argv[1]), np.random.default_rng(0)\n"
+        "for tick in range(350):\n"
+        "    bag.write_signal('/mocap', tick * 10_000_000, random_signal(MocapFrame, tick, ('cf1',), rng))\n"
+        "print('written', flush=True); sys.stdin.read()\n"
+    )
+    folder = str(Path(__file__).parent)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command, pipe = [sys.executable, "-c", program, str(tmp_path / "bag"), folder], subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, env=environment) as recorder:
+        assert recorder.stdout is not None
+        assert recorder.stdout.readline() == b"written\n"
+        recorder.send_signal(signals_of_unix.SIGKILL)
+    with pytest.warns(BagRepairWarning, match="not closed"):
+        flight = read_flight(tmp_path / "bag")
+    assert len(flight.t) == 300  # three closed chunks of a second at 100 Hz; half a second was open
+
+
+def test_a_damaged_chunk_is_noticed(tmp_path: Path):
+    _write(tmp_path / "bag", 300, {"/mocap": MocapFrame})
+    file = tmp_path / "bag" / "bag_0.mcap"
+    spoiled = bytearray(file.read_bytes())
+    spoiled[3000] ^= 0x10  # within the first chunk's data
+    file.write_bytes(spoiled)
+    with pytest.raises(BagError, match="is damaged after 0 messages"):
+        read_flight(tmp_path / "bag")
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 40), st.booleans(), st.booleans())
+@settings(max_examples=60, deadline=None)
+def test_damaged_bytes_give_a_flight_or_a_bag_error_and_nothing_else(
+    seed: int, hits: int, cut: bool, closed: bool
+):
+    rng = np.random.default_rng(seed)
+    spoiled = bytearray(WHOLE)
+    for place in rng.integers(0, len(spoiled), hits):
+        spoiled[place] = rng.integers(0, 256)
+    if cut:
+        del spoiled[int(rng.integers(0, len(spoiled))) :]
+    with TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        (Path(folder) / "bag").mkdir()
+        (Path(folder) / "bag" / "bag_0.mcap").write_bytes(spoiled)
+        if closed:
+            (Path(folder) / "bag" / "metadata.yaml").write_text(METADATA)
+        try:
+            flight = read_flight(Path(folder) / "bag")
+        except BagError:
+            return
+    complete = (
+        set(flight.names) == set(PAIR) and len(flight.t) == 250 and not np.isnan(flight.mocap_pos).any()
+    )
+    assert complete or any(issubclass(one.category, BagRepairWarning) for one in said)
+
+
+def _whole_bag() -> tuple[bytes, str]:
+    with TemporaryDirectory() as folder:
+        _write(Path(folder) / "bag", 250, {"/mocap": MocapFrame, "/command": SwarmCommand})
+        bag = Path(folder) / "bag"
+        return (bag / "bag_0.mcap").read_bytes(), (bag / "metadata.yaml").read_text()
+
+
+WHOLE, METADATA = _whole_bag()
+
+
+def test_an_sqlite_bag_is_read(tmp_path: Path):
+    from rosbags.rosbag2 import StoragePlugin, Writer
+
+    from q2q_model.bag.definitions import jazzy_types
+    from q2q_model.cdr import encode
+
+    rng = np.random.default_rng(0)
+    frames = [random_signal(MocapFrame, tick, PAIR, rng) for tick in range(20)]
+    with Writer(tmp_path / "old", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        connection = writer.add_connection("/mocap", MOCAP, typestore=jazzy_types())
+        for tick, frame in enumerate(frames):
+            writer.write(connection, tick * STEP_NS, encode(frame, tick * STEP_NS))
+    flight = read_flight(tmp_path / "old")
+    assert np.array_equal(flight.mocap_pos, np.stack([frame.pos for frame in frames]))
+
+
+def test_the_fuzzed_file_is_whole():
+    assert make_reader(io.BytesIO(WHOLE)).get_summary().statistics.message_count == 500
