@@ -5,6 +5,8 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import rclpy
+from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -38,6 +40,9 @@ def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | 
         sys.exit(2)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except (RCLError, InvalidHandle, NotInitializedException):
+        if rclpy.ok():  # else a signal ended ROS in the middle of a call: that is the end that was asked for
+            raise
     finally:
         rclpy.try_shutdown()
 
