@@ -1,15 +1,18 @@
 """Hold the interaction laws to their equations, their signs and each other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
 from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
-from q2q_model.interaction.model import InteractionModel
+from q2q_model.interaction.model import InteractionModel, Source, level_source
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.interaction.roles import lower_share, smooth_gap
 
-AT_REST = np.zeros(3)
+ABOVE = np.array([0.0, 0.0, 0.5])
+LEVEL = level_source(ABOVE)
 ROUNDING = 1e-12
 
 
@@ -23,12 +26,13 @@ def networks(seed: int = 4) -> EnvelopeNetwork:
     return EnvelopeNetwork(lower, upper)
 
 
-LAWS: list[InteractionModel] = [NoInteraction(), PAPER_LAW, MEASURED_LAW, networks()]
+CARRYING = replace(MEASURED_LAW, carried=1.0, relative_std=0.25)
+LAWS: list[InteractionModel] = [NoInteraction(), PAPER_LAW, MEASURED_LAW, CARRYING, networks()]
 
 
 def test_a_source_above_pushes_down_and_the_upper_vehicle_is_pushed_up_a_fifth_by_the_paper_law():
-    below = PAPER_LAW.acceleration(np.array([0.0, 0.0, 0.5]), AT_REST)
-    above = PAPER_LAW.acceleration(np.array([0.0, 0.0, -0.5]), AT_REST)
+    below = PAPER_LAW.acceleration(np.array([0.0, 0.0, 0.5]), LEVEL)
+    above = PAPER_LAW.acceleration(np.array([0.0, 0.0, -0.5]), LEVEL)
     np.testing.assert_allclose(below, [0.0, 0.0, -0.392], atol=ROUNDING)  # A at half a metre
     np.testing.assert_allclose(above, [0.0, 0.0, 0.2 * 0.392], atol=ROUNDING)
 
@@ -37,13 +41,13 @@ def test_the_paper_law_is_the_formula_of_its_reproduction():
     rel_pos = np.array([0.05, -0.03, 0.8])
     dxy2, dz = 0.05**2 + 0.03**2, 0.8
     by_hand = -0.392 * ((0.33 + 0.5) / (0.33 + dz)) ** 2 * np.exp(-dxy2 / (2 * (0.06 + 0.08 * dz) ** 2))
-    assert PAPER_LAW.acceleration(rel_pos, AT_REST)[2] == pytest.approx(by_hand, rel=ROUNDING)
+    assert PAPER_LAW.acceleration(rel_pos, LEVEL)[2] == pytest.approx(by_hand, rel=ROUNDING)
 
 
 def test_the_measured_law_is_its_formula_and_arrives_late():
     rel_pos = np.array([0.03, 0.04, 0.6])
     by_hand = -2.5 * np.exp(-0.95 * 0.2) * np.exp(-(0.05**2) / (2 * 0.054**2))
-    assert MEASURED_LAW.acceleration(rel_pos, AT_REST)[2] == pytest.approx(by_hand, rel=ROUNDING)
+    assert MEASURED_LAW.acceleration(rel_pos, LEVEL)[2] == pytest.approx(by_hand, rel=ROUNDING)
     assert MEASURED_LAW.delay(rel_pos) == pytest.approx(0.6 / 7.5)
     assert MEASURED_LAW.delay(-rel_pos) == 0.0
 
@@ -58,7 +62,7 @@ def test_the_network_is_its_matrix_formula_under_the_envelope():
     by_hand = (
         np.exp(-0.5) * np.exp(-(0.5**2) / (2 * 1.1**2)) * (np.dot(hidden, f.output_weights) + f.output_bias)
     )
-    assert law.acceleration(rel_pos, AT_REST)[2] == pytest.approx(
+    assert law.acceleration(rel_pos, LEVEL)[2] == pytest.approx(
         by_hand, rel=1e-9
     )  # share at 0.5 m: 1 - 3e-15
 
@@ -67,7 +71,7 @@ def test_the_network_is_its_matrix_formula_under_the_envelope():
 def test_a_law_is_negligible_beyond_its_reach_sideways(law: InteractionModel):
     edge = law.reach.horizontal
     near, far = np.array([0.0, 0.0, 0.5]), np.array([edge, 0.0, 0.5])
-    ratio = np.abs(law.acceleration(far, AT_REST)[2]) / max(np.abs(law.acceleration(near, AT_REST)[2]), 1e-9)
+    ratio = np.abs(law.acceleration(far, LEVEL)[2]) / max(np.abs(law.acceleration(near, LEVEL)[2]), 1e-9)
     assert ratio < 2e-3  # envelope 1e-4, times the change of f between the two places
 
 
@@ -75,7 +79,7 @@ def test_a_law_is_negligible_beyond_its_reach_sideways(law: InteractionModel):
 def test_a_law_has_no_jump_where_the_vehicles_change_roles(law: InteractionModel):
     dz = np.linspace(-0.2, 0.2, 4001)
     rel_pos = np.stack([0.02 + 0.0 * dz, 0.0 * dz, dz], axis=-1)
-    eta = law.acceleration(rel_pos, np.zeros_like(rel_pos))[:, 2]
+    eta = law.acceleration(rel_pos, level_source(rel_pos))[:, 2]
     largest = np.abs(eta).max() + 1e-9
     assert np.abs(np.diff(eta)).max() < 0.01 * largest  # a jump of roles would be of order 1
     assert np.abs(np.diff(eta, 2)).max() < 1e-3 * largest  # nor a corner
@@ -83,10 +87,14 @@ def test_a_law_has_no_jump_where_the_vehicles_change_roles(law: InteractionModel
 
 @pytest.mark.parametrize("law", LAWS)
 def test_a_batch_of_pairs_is_the_same_as_a_loop(law: InteractionModel):
-    rel_pos = np.random.default_rng(5).normal(size=(3, 4, 3)) * 0.3
-    batch = law.acceleration(rel_pos, rel_pos), law.delay(rel_pos), law.deviation(rel_pos)
+    rng = np.random.default_rng(5)
+    rel_pos, vel, axis = rng.normal(size=(3, 3, 4, 3)) * 0.3
+    axis[..., 2] = 1.0
+    everyone = Source(vel, axis)
+    batch = law.acceleration(rel_pos, everyone), law.delay(rel_pos), law.deviation(rel_pos, everyone)
     for k in np.ndindex(3, 4):
-        alone = law.acceleration(rel_pos[k], rel_pos[k]), law.delay(rel_pos[k]), law.deviation(rel_pos[k])
+        one = Source(vel[k], axis[k])
+        alone = law.acceleration(rel_pos[k], one), law.delay(rel_pos[k]), law.deviation(rel_pos[k], one)
         for whole, single in zip(batch, alone, strict=True):
             np.testing.assert_allclose(whole[k], single, rtol=1e-13)  # numpy may sum in another order
 
@@ -100,7 +108,7 @@ def test_the_roles_share_out_to_one_and_the_gap_is_the_height_difference_away_fr
 
 def test_zero_distance_gives_a_finite_push():
     for law in LAWS:
-        assert np.isfinite(law.acceleration(np.zeros(3), AT_REST)).all()
+        assert np.isfinite(law.acceleration(np.zeros(3), LEVEL)).all()
 
 
 def test_a_parameter_out_of_bounds_is_refused_by_name():
@@ -112,3 +120,26 @@ def test_a_parameter_out_of_bounds_is_refused_by_name():
         EnvelopeNetwork(networks().lower, networks().upper, eps=0.0)
     with pytest.raises(ValueError, match=r"hidden weights \(2, 2\)"):
         Network(np.zeros((3, 2)), np.zeros(2), np.zeros(2), 0.0)
+
+
+def test_a_source_leaning_to_x_aims_its_draft_to_minus_x():
+    """Body z leans to +x by 0.2, so the air goes to -x: 0.1 m aside after half a metre."""
+    leaning = Source(vel=np.zeros(3), axis=np.array([0.2, 0.0, 1.0]))
+    hit = CARRYING.acceleration(np.array([0.1, 0.0, 0.5]), leaning)  # source 0.1 m ahead in x
+    straight = CARRYING.acceleration(ABOVE, LEVEL)
+    np.testing.assert_allclose(hit, straight, rtol=1e-12)
+    assert abs(CARRYING.acceleration(ABOVE, leaning)[2]) < 0.3 * abs(straight[2])
+
+
+def test_air_thrown_from_a_moving_source_moves_on_with_it():
+    """With c = 1 at steady speed the draft stays under its source: retarded place plus v tau."""
+    vel = np.array([0.8, -0.4, 0.0])
+    tau = 0.5 / MEASURED_LAW.travel_speed
+    moving = Source(vel=vel, axis=np.array([0.0, 0.0, 1.0]))
+    under = CARRYING.acceleration(ABOVE - vel * tau, moving)
+    np.testing.assert_allclose(under, CARRYING.acceleration(ABOVE, LEVEL), rtol=1e-12)
+
+
+def test_an_upside_down_source_throws_no_draft_to_infinity():
+    tumbled = Source(vel=np.zeros(3), axis=np.array([1.0, 0.0, -0.1]))
+    assert np.isfinite(CARRYING.acceleration(ABOVE, tumbled)).all()

@@ -7,9 +7,12 @@ import pytest
 
 from q2q_model.interaction.history import StateHistory
 from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
+from q2q_model.interaction.model import Source, level_source
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.interaction.predictor import InteractionPredictor
 from q2q_model.signals import Interference, InterferenceStatus, SwarmState, TrackStatus
+
+LEVEL = level_source(np.zeros(3))
 
 
 def state(t: float, pos: list[list[float]], vel: list[list[float]] | None = None) -> SwarmState:
@@ -42,7 +45,7 @@ def test_pushes_of_all_sources_add_up():
     answer = InteractionPredictor(PAPER_LAW).update(state(0.0, STACK))
     pos = np.array(STACK)
     for i in range(3):
-        by_hand = sum(PAPER_LAW.acceleration(pos[j] - pos[i], np.zeros(3)) for j in range(3) if j != i)
+        by_hand = sum(PAPER_LAW.acceleration(pos[j] - pos[i], LEVEL) for j in range(3) if j != i)
         np.testing.assert_allclose(answer.acc[i], by_hand, rtol=1e-12)
     assert (answer.status == InterferenceStatus.VALID).all()
     assert answer.acc[0, 2] < 0.0 < answer.acc[2, 2]
@@ -51,9 +54,9 @@ def test_pushes_of_all_sources_add_up():
 def test_a_moving_source_pushes_from_where_it_was_a_delay_ago():
     answer = fly_past(InteractionPredictor(MEASURED_LAW))
     behind = np.array([-0.6 / 7.5 * 1.0, 0.0, 0.6])  # 80 ms at 1 m/s, straight line: exact by interpolation
-    expected = MEASURED_LAW.acceleration(behind, np.zeros(3))
+    expected = MEASURED_LAW.acceleration(behind, LEVEL)
     np.testing.assert_allclose(answer.acc[0], expected, rtol=1e-9)
-    assert abs(answer.acc[0, 2]) < 0.5 * abs(MEASURED_LAW.acceleration(np.array([0, 0, 0.6]), np.zeros(3))[2])
+    assert abs(answer.acc[0, 2]) < 0.5 * abs(MEASURED_LAW.acceleration(np.array([0, 0, 0.6]), LEVEL)[2])
 
 
 def test_a_repeated_stamp_gets_the_same_answer_and_changes_no_memory():
@@ -130,7 +133,7 @@ def test_an_empty_swarm_gets_an_empty_answer():
 def test_variances_of_several_sources_add_up():
     law = Jet(relative_std=0.25, upper_ratio=0.0, spread=0.0)
     answer = InteractionPredictor(law).update(state(0.0, [[0, 0, 1.0], [0, 0, 1.5], [0, 0, 2.0]]))
-    near, far = (0.25 * law.push(np.array([0.0, 0.0, dz])) for dz in (0.5, 1.0))
+    near, far = (0.25 * law.push(np.array([0.0, 0.0, dz]), LEVEL) for dz in (0.5, 1.0))
     assert answer.std[0, 2] == pytest.approx(np.hypot(near, far))
 
 
@@ -142,13 +145,15 @@ def test_exchanging_the_model_acts_at_the_next_stamp():
 
 
 def test_history_interpolates_a_straight_line_exactly_however_long_it_runs():
-    history = StateHistory(1, span=0.5)
+    history, moving = StateHistory(1, span=0.5), Source(np.array([[2.0, 0.0, 0.0]]), LEVEL.axis[None])
     for k in range(1000):  # many times the first capacity
-        history.push(0.01 * k, np.array([[0.02 * k, 0.0, 1.0]]), np.array([[2.0, 0.0, 0.0]]))
+        history.push(
+            0.01 * k, np.array([[0.02 * k, 0.0, 1.0]]), Source(np.array([[2.0, 0.0, 0.0]]), LEVEL.axis[None])
+        )
     times = np.array([9.503, 9.7777, 9.99])
-    pos, vel = history.at(times, np.zeros(3, dtype=np.intp))
+    pos, source = history.at(times, np.zeros(3, dtype=np.intp))
     np.testing.assert_allclose(pos[:, 0], 2.0 * times, rtol=1e-12)
-    np.testing.assert_allclose(vel[:, 0], 2.0)
+    np.testing.assert_allclose(source.vel[:, 0], 2.0)
     assert history.oldest == pytest.approx(9.49)  # one sample beyond the span, so that it is covered
     assert history.newest == pytest.approx(9.99)
 
@@ -156,6 +161,23 @@ def test_history_interpolates_a_straight_line_exactly_however_long_it_runs():
 def test_history_grows_when_the_span_holds_more_than_its_first_capacity():
     history = StateHistory(1, span=3.0)
     for k in range(1000):
-        history.push(0.01 * k, np.array([[0.01 * k, 0.0, 0.0]]), np.zeros((1, 3)))
+        history.push(0.01 * k, np.array([[0.01 * k, 0.0, 0.0]]), level_source(np.zeros((1, 3))))
     pos, _ = history.at(np.array([7.0, 0.0]), np.zeros(2, dtype=np.intp))
     np.testing.assert_allclose(pos[:, 0], [7.0, 6.99], rtol=1e-12)  # older than held: the oldest counts
+
+
+def test_a_leaning_source_is_aimed_by_its_orientation():
+    law = replace(MEASURED_LAW, carried=1.0)
+    now = state(0.0, [[0, 0, 1.0], [0, 0, 1.5]])
+    roll = np.array([np.sin(0.1), 0.0, 0.0, np.cos(0.1)])  # 0.2 rad: body z leans to -y, air goes to +y
+    leaning = replace(now, quat=np.stack([now.quat[0], roll]))
+    answer = InteractionPredictor(law).update(leaning)
+    expected = law.acceleration(
+        np.array([0, 0, 0.5]), Source(np.zeros(3), np.array([0, -np.sin(0.2), np.cos(0.2)]))
+    )
+    np.testing.assert_allclose(answer.acc[0], expected, rtol=1e-9)
+    assert abs(answer.acc[0, 2]) < 0.5 * abs(InteractionPredictor(law).update(now).acc[0, 2])
+    unknown = replace(now, quat=np.full((2, 4), np.nan))
+    np.testing.assert_array_equal(
+        InteractionPredictor(law).update(unknown).acc, InteractionPredictor(law).update(now).acc
+    )

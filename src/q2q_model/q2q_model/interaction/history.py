@@ -8,6 +8,7 @@ whatever the length.
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.interaction.model import Source
 from q2q_model.signals import Array
 
 FIRST_CAPACITY = 64
@@ -15,12 +16,12 @@ FIRST_CAPACITY = 64
 
 
 class StateHistory:
-    """Hold the last `span` seconds of a swarm's positions and velocities."""
+    """Hold the last `span` seconds of a swarm's positions, velocities and body z axes."""
 
     def __init__(self, vehicles: int, span: float) -> None:
         self._span = span
         self._stamps = np.empty(FIRST_CAPACITY)  # (K,)
-        self._samples = np.empty((FIRST_CAPACITY, vehicles, 6))  # (K, n, pos and vel)
+        self._samples = np.empty((FIRST_CAPACITY, vehicles, 9))  # (K, n, pos vel axis)
         self._start = self._end = 0
 
     @property
@@ -33,36 +34,36 @@ class StateHistory:
         """Return the newest stamp held [s]; minus infinity when there is none."""
         return float(self._stamps[self._end - 1]) if self._end > self._start else -np.inf
 
-    def push(self, t: float, pos: Array, vel: Array) -> None:
+    def push(self, t: float, pos: Array, source: Source) -> None:
         """Store the states (n, 3) of time t [s], which must be later than the newest."""
         if self._end == self._stamps.size:
             self._make_room()
         self._stamps[self._end] = t
-        self._samples[self._end, :, :3], self._samples[self._end, :, 3:] = pos, vel
+        np.concatenate((pos, source.vel, source.axis), axis=1, out=self._samples[self._end])
         self._end += 1
         while self._end - self._start > 2 and self._stamps[self._start + 1] <= t - self._span:
             self._start += 1
 
-    def at(self, t: Array, vehicles: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return pos and vel (p, 3) of rows `vehicles` (p,) at times t (p,) [s], between samples linearly.
+    def at(self, t: Array, vehicles: NDArray[np.intp]) -> tuple[Array, Source]:
+        """Return positions and states (p, 3) of rows `vehicles` (p,) at times t (p,) [s], interpolated.
 
         Outside the samples held, the oldest or the newest counts. NaN where a sample used is NaN.
         """
         stamps, samples = self._stamps[self._start : self._end], self._samples[self._start : self._end]
         after = np.searchsorted(stamps, t).clip(1, max(stamps.size - 1, 1))
         if stamps.size == 1:
-            return samples[0, vehicles, :3], samples[0, vehicles, 3:]
+            return _parts(samples[0, vehicles])
         before = after - 1
         share = ((t - stamps[before]) / (stamps[after] - stamps[before])).clip(0.0, 1.0)[:, None]
         value = (1.0 - share) * samples[before, vehicles] + share * samples[after, vehicles]
-        return value[:, :3], value[:, 3:]
+        return _parts(value)
 
     def reordered(self, rows: NDArray[np.intp]) -> "StateHistory":
         """Return the same memory for other vehicles: row k is old row rows[k]; -1 is one unknown, NaN."""
         other = StateHistory(rows.size, self._span)
         for k in range(self._start, self._end):
             sample = np.where((rows < 0)[:, None], np.nan, self._samples[k][rows])
-            other.push(float(self._stamps[k]), sample[:, :3], sample[:, 3:])
+            other.push(float(self._stamps[k]), *_parts(sample))
         return other
 
     def _make_room(self) -> None:
@@ -73,3 +74,7 @@ class StateHistory:
         self._stamps[:held] = self._stamps[self._start : self._end].copy()
         self._samples[:held] = self._samples[self._start : self._end].copy()
         self._start, self._end = 0, held
+
+
+def _parts(sample: Array) -> tuple[Array, Source]:
+    return sample[:, :3], Source(vel=sample[:, 3:6], axis=sample[:, 6:])

@@ -1,6 +1,9 @@
 """Say what an interaction model is: a law for one pair, and how late its push arrives.
 
-eta_i(t) = sum over sources j of law(r_j(t - tau) - r_i(t), v_j(t - tau)),  tau = delay(r_j(t) - r_i(t)).
+eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau)),
+tau = delay(r_j(t) - r_i(t)),
+
+with b the body z axis: a rotor throws its air along -b, so a tilted source aims its draft aside.
 
 i feels, j causes; rel_pos = pos_j - pos_i, so a source above has rel_pos z > 0. Laws act on arrays of
 pairs of any batch shape; memory of past states is kept outside, by `StateHistory` online and by the
@@ -9,6 +12,8 @@ arrays of a flight offline.
 
 from dataclasses import dataclass
 from typing import Protocol
+
+import numpy as np
 
 from q2q_model.signals import Array
 
@@ -21,6 +26,21 @@ class Reach:
     """[m]"""
     vertical: float
     """[m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Hold what a source was doing when its air left it."""
+
+    vel: Array
+    """Velocity [m/s], world, (..., 3)."""
+    axis: Array
+    """Body z, unit length, world, (..., 3)."""
+
+
+def level_source(rel_pos: Array) -> Source:
+    """Return a source at rest and level, one for each relative position (..., 3)."""
+    return Source(vel=np.zeros_like(rel_pos), axis=np.zeros_like(rel_pos) + np.array([0.0, 0.0, 1.0]))
 
 
 class InteractionModel(Protocol):
@@ -37,8 +57,8 @@ class InteractionModel(Protocol):
     def delay(self, rel_pos: Array) -> Array:
         """Return the transport delay tau [s], (...,), of the push of a source at rel_pos [m], (..., 3)."""
 
-    def acceleration(self, rel_pos: Array, source_vel: Array) -> Array:
-        """Return eta [m/s^2], world, (..., 3), for retarded rel_pos [m] and source_vel [m/s], (..., 3)."""
+    def acceleration(self, rel_pos: Array, source: Source) -> Array:
+        """Return eta [m/s^2], world, (..., 3), for retarded rel_pos [m], (..., 3), and source."""
 
-    def deviation(self, rel_pos: Array) -> Array:
+    def deviation(self, rel_pos: Array, source: Source) -> Array:
         """Return one standard deviation of the prediction [m/s^2], (..., 3); NaN where unknown."""

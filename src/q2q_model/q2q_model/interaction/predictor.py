@@ -1,9 +1,9 @@
 """Predict every vehicle's draft, tick by tick, from an interaction model and the swarm's states.
 
-    eta_i(t) = sum over j in reach of law(r_j(t - tau_ij) - r_i(t), v_j(t - tau_ij))
+    eta_i(t) = sum over j in reach of law(r_j(t - tau_ij) - r_i(t), v_j(t - tau_ij), b_j(t - tau_ij))
 
 Pushes of several sources add up; so do the variances of their predictions. The air keeps the place where it
-left its source, so a law with delay needs the sources' past: positions are remembered as long as the law's
+left its source, so a law with delay needs the sources' past: their states are remembered as long as the law's
 longest delay. A source first seen within that time counts as if it had come from where it was first seen.
 
 | input | answer |
@@ -13,6 +13,7 @@ longest delay. A source first seen within that time counts as if it had come fro
 | vehicles come, go, or change rows | memory follows the names |
 | a source COASTING or LOST, or without a past | its push counts; STALE_SOURCE on the vehicle it pushes |
 | NaN in a vehicle's position or velocity | neither feels nor causes; NO_MODEL, eta 0, std NaN |
+| a source without orientation (NaN, one marker only) | counts as level |
 | a model without reach (`none`) | NO_MODEL, eta 0, std NaN |
 """
 
@@ -20,8 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.interaction.history import StateHistory
-from q2q_model.interaction.model import InteractionModel, Reach
+from q2q_model.interaction.model import InteractionModel, Reach, Source
 from q2q_model.neighbours import pairs_in_reach
+from q2q_model.rotations import rotate
 from q2q_model.signals import (
     Array,
     Interference,
@@ -58,11 +60,12 @@ class InteractionPredictor:
         """Return the draft on every vehicle of `state`, in its order."""
         if self._last is not None and state.t == self._last.t and state.names == self._last.names:
             return self._last
-        self._remember(state)
-        self._last = self._predict(state)
+        now = _sources(state)
+        self._remember(state, now)
+        self._last = self._predict(state, now)
         return self._last
 
-    def _remember(self, state: SwarmState) -> None:
+    def _remember(self, state: SwarmState, now: Source) -> None:
         if state.t < self._history.oldest:
             self.reset()
         if state.names != self._names:
@@ -71,18 +74,18 @@ class InteractionPredictor:
             self._history = self._history.reordered(rows) if self._names else fresh
             self._names = state.names
         if state.t > self._history.newest:
-            self._history.push(state.t, state.pos, state.vel)
+            self._history.push(state.t, state.pos, now)
 
-    def _predict(self, state: SwarmState) -> Interference:
+    def _predict(self, state: SwarmState, now: Source) -> Interference:
         n = len(state.names)
         acc, variance = np.zeros((n, 3)), np.zeros((n, 3))
         status = np.full(n, InterferenceStatus.VALID, dtype=np.uint8)
         seen = _finite_rows(state.pos, state.vel)
         i, j = pairs_in_reach(np.where(seen[:, None], state.pos, np.nan), self._reach(state.vel[seen]))
         if i.size:
-            rel_pos, vel, stale = self._retarded(state, i, j)
-            np.add.at(acc, i, self.model.acceleration(rel_pos, vel))
-            np.add.at(variance, i, self.model.deviation(rel_pos) ** 2)
+            rel_pos, source, stale = self._retarded(state, now, i, j)
+            np.add.at(acc, i, self.model.acceleration(rel_pos, source))
+            np.add.at(variance, i, self.model.deviation(rel_pos, source) ** 2)
             status[i[stale]] = InterferenceStatus.STALE_SOURCE
         unknown = ~seen if self.model.reach.horizontal > 0.0 else np.ones(n, dtype=np.bool_)
         status[unknown], variance[unknown] = InterferenceStatus.NO_MODEL, np.nan
@@ -96,16 +99,31 @@ class InteractionPredictor:
         moved = self.model.max_delay * float(np.sqrt((vel * vel).sum(axis=1).max()))
         return Reach(reach.horizontal + moved, reach.vertical + moved)
 
-    def _retarded(self, state: SwarmState, i: Rows, j: Rows) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return rel_pos and source velocity (p, 3) when the air left, and whether it is guesswork (p,)."""
+    def _retarded(
+        self, state: SwarmState, now: Source, i: Rows, j: Rows
+    ) -> tuple[Array, Source, NDArray[np.bool_]]:
+        """Return rel_pos (p, 3) and source when the air left, and whether they are guesswork (p,)."""
         stale = np.not_equal(state.status[j], TrackStatus.TRACKED)
-        rel_pos, vel = state.pos[j] - state.pos[i], state.vel[j]
+        rel_pos, source = state.pos[j] - state.pos[i], Source(now.vel[j], now.axis[j])
         if self.model.max_delay == 0.0:
-            return rel_pos, vel, stale
-        past_pos, past_vel = self._history.at(state.t - self.model.delay(rel_pos), j)
-        lost = ~_finite_rows(past_pos, past_vel)
-        rel_pos = np.where(lost[:, None], rel_pos, past_pos - state.pos[i])
-        return rel_pos, np.where(lost[:, None], vel, past_vel), stale | lost
+            return rel_pos, source, stale
+        past_pos, past = self._history.at(state.t - self.model.delay(rel_pos), j)
+        lost = ~_finite_rows(past_pos, past.vel)
+        if lost.any():
+            past_pos = np.where(lost[:, None], state.pos[j], past_pos)
+            past = Source(
+                *(np.where(lost[:, None], getattr(source, k), getattr(past, k)) for k in ("vel", "axis"))
+            )
+        return past_pos - state.pos[i], past, stale | lost
+
+
+UP = np.array([0.0, 0.0, 1.0])
+"""Body z of a level vehicle."""
+
+
+def _sources(state: SwarmState) -> Source:
+    axis = rotate(state.quat, UP)
+    return Source(vel=state.vel, axis=np.where(np.isfinite(axis), axis, UP))
 
 
 def _finite_rows(pos: Array, vel: Array) -> NDArray[np.bool_]:
