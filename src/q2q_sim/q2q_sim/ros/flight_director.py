@@ -32,7 +32,9 @@ class FlightDirector:
         self._check = check
         self._summary: dict[str, float | None] | None = None
         self._ticks = 0
+        self._played = False
         self._node.create_subscription(String, "flight_summary", self._on_summary, LATCHED)
+        self._node.create_subscription(String, "playback_over", self._on_playback_over, LATCHED)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def __enter__(self) -> Self:
@@ -64,11 +66,11 @@ class FlightDirector:
             waiting = {name: why for name in waiting if (why := self._unwired(clients[name]))}
             self._spin(POLL_S if waiting else 0.0)
 
-    def start(self) -> None:
-        """Let the simulator fly."""
-        client = self._node.create_client(Trigger, "simulator/start")
+    def start(self, source: str = "simulator") -> None:
+        """Let the simulator fly, or the bag play: whichever node makes the ticks."""
+        client = self._node.create_client(Trigger, f"{source}/start")
         if not client.wait_for_service(timeout_sec=5.0):
-            raise TimeoutError("the simulator's service ~/start does not answer")
+            raise TimeoutError(f"the service {source}/start does not answer")
         self._call(client)
 
     def wait_summary(self, progress: Callable[[int], None]) -> dict[str, float | None]:
@@ -77,6 +79,11 @@ class FlightDirector:
             self._spin(POLL_S)
             progress(self._ticks)
         return self._summary
+
+    def wait_playback(self) -> None:
+        """Return once the bag has been played to its end."""
+        while not self._played:
+            self._spin(POLL_S)
 
     def _unwired(self, client: Client) -> str:
         if not client.service_is_ready():
@@ -107,6 +114,9 @@ class FlightDirector:
 
     def _on_summary(self, message: String) -> None:
         self._summary = json.loads(message.data)
+
+    def _on_playback_over(self, _: String) -> None:
+        self._played = True
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:

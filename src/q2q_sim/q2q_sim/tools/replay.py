@@ -1,0 +1,50 @@
+"""Play the mocap of a bag through the nodes mocap_filter and interference, tick by tick, losing nothing."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.bag import read_flight
+from q2q_model.flights import Flight
+from q2q_sim.ros.flight_director import FlightDirector
+from q2q_sim.tools.domain import own_domain
+from q2q_sim.tools.flight import WIRING_TIMEOUT_S
+from q2q_sim.tools.processes import NodeSpec, Processes
+
+
+def replay(bag: Path, model: str, folder: Path) -> Flight:
+    """Return what the nodes make of a bag's mocap: filtered states and predicted drafts.
+
+    Args:
+        bag: the recorded flight.
+        model: interaction model: none, a shipped name, or a .q2q file.
+        folder: where parameters, logs and the new bag go.
+
+    Raises:
+        ValueError: the bag cannot be read.
+        NodeDiedError, TimeoutError: a node did not start or ended early.
+    """
+    made = folder / "replayed"
+    folder.mkdir(parents=True, exist_ok=True)
+    specs = node_specs(bag, model, made, read_flight(bag).names)
+    with own_domain(), Processes(folder) as processes:
+        for spec in specs:
+            processes.start(spec)
+        with FlightDirector(processes.check) as director:
+            director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S)
+            director.start("bag_play")
+            director.wait_playback()
+    return read_flight(made)
+
+
+def node_specs(bag: Path, model: str, made: Path, names: Sequence[str]) -> list[NodeSpec]:
+    """Return the nodes of a replay with their parameters."""
+    return [
+        NodeSpec("q2q_sim", "bag_record", {"bag": str(made), "stamps": "header"}),
+        NodeSpec("q2q_model", "mocap_filter", {"vehicles": tuple(names)}),
+        NodeSpec("q2q_model", "interference", {"model": model}),
+        NodeSpec(
+            "q2q_sim",
+            "bag_play",
+            {"bag": str(bag), "topics": ("mocap",), "answer": "interference", "autostart": False},
+        ),
+    ]
