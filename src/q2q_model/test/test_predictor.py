@@ -147,9 +147,7 @@ def test_exchanging_the_model_acts_at_the_next_stamp():
 def test_history_interpolates_a_straight_line_exactly_however_long_it_runs():
     history, moving = StateHistory(1, span=0.5), Source(np.array([[2.0, 0.0, 0.0]]), LEVEL.axis[None])
     for k in range(1000):  # many times the first capacity
-        history.push(
-            0.01 * k, np.array([[0.02 * k, 0.0, 1.0]]), Source(np.array([[2.0, 0.0, 0.0]]), LEVEL.axis[None])
-        )
+        history.push(0.01 * k, np.array([[0.02 * k, 0.0, 1.0]]), moving)
     times = np.array([9.503, 9.7777, 9.99])
     pos, source = history.at(times, np.zeros(3, dtype=np.intp))
     np.testing.assert_allclose(pos[:, 0], 2.0 * times, rtol=1e-12)
@@ -172,9 +170,8 @@ def test_a_leaning_source_is_aimed_by_its_orientation():
     roll = np.array([np.sin(0.1), 0.0, 0.0, np.cos(0.1)])  # 0.2 rad: body z leans to -y, air goes to +y
     leaning = replace(now, quat=np.stack([now.quat[0], roll]))
     answer = InteractionPredictor(law).update(leaning)
-    expected = law.acceleration(
-        np.array([0, 0, 0.5]), Source(np.zeros(3), np.array([0, -np.sin(0.2), np.cos(0.2)]))
-    )
+    source = Source(np.zeros(3), np.array([0, -np.sin(0.2), np.cos(0.2)]))
+    expected = law.acceleration(np.array([0, 0, 0.5]), source)
     np.testing.assert_allclose(answer.acc[0], expected, rtol=1e-9)
     assert abs(answer.acc[0, 2]) < 0.5 * abs(InteractionPredictor(law).update(now).acc[0, 2])
     unknown = replace(now, quat=np.full((2, 4), np.nan))

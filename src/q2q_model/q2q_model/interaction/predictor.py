@@ -111,9 +111,8 @@ class InteractionPredictor:
         lost = ~_finite_rows(past_pos, past.vel)
         if lost.any():
             past_pos = np.where(lost[:, None], state.pos[j], past_pos)
-            past = Source(
-                *(np.where(lost[:, None], getattr(source, k), getattr(past, k)) for k in ("vel", "axis"))
-            )
+            vel = np.where(lost[:, None], source.vel, past.vel)
+            past = Source(vel, np.where(lost[:, None], source.axis, past.axis))
         return past_pos - state.pos[i], past, stale | lost
 
 
