@@ -8,11 +8,13 @@ same to it. The camera's latency is therefore added to the radio's, and frames c
 Both calls are deterministic: the same scenario, seed and commands give the same numbers to the last bit.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from q2q_model.signals import (
+    Array,
     Interference,
     InterferenceStatus,
     MocapFrame,
@@ -104,6 +106,18 @@ class Room:
             self._radio.send(now_ns, self._rows_of(command), command)
         obeyed = self._radio.obeyed(now_ns, TICK_NS // STEPS, STEPS)
         self._swarm.step(obeyed, self._disturbance.step())
+        self._tick += 1
+        self._seen = None
+
+    @property
+    def swarm(self) -> Swarm:
+        """Return the vehicles, for those who fly them by other means than commands."""
+        return self._swarm
+
+    def fly(self, move: Callable[[Array], None]) -> None:
+        """Let one tick pass in which `move` moves the swarm: it is given the disturbance's drive (n, 7)."""
+        self.capture()
+        move(self._disturbance.step())
         self._tick += 1
         self._seen = None
 

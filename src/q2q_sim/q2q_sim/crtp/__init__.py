@@ -1,0 +1,22 @@
+"""Speak the Crazyflie Real Time Protocol as a vehicle does, version 12.
+
+Pure: bytes in, bytes out, time from the room. Sources: bitcraze/crazyflie-firmware, commit 2a18fc2
+("firmware: FILE" is below its src/), and cflib 0.1.34, whose encoders the tests hold every packet to. No line
+of either is copied.
+
+| port | what | file |
+|---|---|---|
+| 0 console | words of the vehicle | vehicle |
+| 2 parameters | table, read, write, by name, EEPROM | parameters, parameters_misc |
+| 3 RPYT | roll, pitch, yaw rate, thrust | rpyt |
+| 4 memory | the trajectory memory | memory |
+| 5 logging | table, blocks | log_table, log_blocks |
+| 6 localization | external position and pose | localization |
+| 7 generic setpoints | full state, position, velocity, hover, manual, stop | generic |
+| 8 high-level commander | take-off, land, go-to, spiral, trajectories | high_level |
+| 9 supervisor | state, arming, recovery, emergency stop | supervisor_port |
+| 13 platform | protocol and firmware version, arming (old) | platform |
+| 15 link | echo, source | platform |
+
+vehicle serves all of it, fleet and room fly the vehicles, link_model delays and loses packets.
+"""

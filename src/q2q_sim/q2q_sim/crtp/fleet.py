@@ -1,0 +1,89 @@
+"""Fly all vehicles of a room by their own firmware, and let them speak CRTP.
+
+    vehicles[i].handle(datagram, client) -> answers          at any time between ticks
+    fly(swarm, drive)                                         one tick of 10 ms
+    outgoing() -> (vehicle, client, datagram)                 what is due to clients after it
+
+Vehicles that start in the air are held there until they get their first thrust, as by a hand.
+"""
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.signals import Array
+from q2q_model.vehicle import Vehicle
+from q2q_sim.crtp.vehicle import CrtpVehicle
+from q2q_sim.onboard.airframe import airframe_of
+from q2q_sim.onboard.columns import MOTOR, WANTED_WIDTH, frame_row, fresh_memory
+from q2q_sim.onboard.firmware import Build, Firmware, Rows
+from q2q_sim.onboard.flight import Controllers, fly_tick
+from q2q_sim.swarm import Swarm
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """Hold one datagram on its way to a client."""
+
+    vehicle: int
+    """Row of the vehicle that sends it."""
+    client: Hashable
+    datagram: bytes
+
+
+class Fleet:
+    """Hold the firmware of every vehicle of a swarm."""
+
+    def __init__(self, swarm: Swarm, vehicle: Vehicle, build: Build) -> None:
+        """Start the firmware of a swarm of vehicles of one kind."""
+        n, airframe = len(swarm.names), airframe_of(vehicle)
+        self._swarm = swarm
+        self._rows = Controllers(
+            wanted=np.zeros((n, WANTED_WIDTH)),
+            gains=np.zeros((n, 0)),
+            memory=fresh_memory(n),
+            frame=np.tile(frame_row(airframe), (n, 1)),
+            drift=np.zeros((n, 6)),
+        )
+        rows = [Rows(swarm.state[i], self._rows.memory[i], self._rows.drift[i]) for i in range(n)]
+        self.vehicles = tuple(
+            CrtpVehicle(name, Firmware(airframe, replace(build, number=i), rows[i]))
+            for i, name in enumerate(swarm.names)
+        )
+        self._changes = [-1] * n
+        self._held = swarm.state[:, 2] > 0.0
+        self._start = swarm.state.copy()
+
+    def fly(self, drive: Array) -> None:
+        """Let one tick of 10 ms pass.
+
+        Args:
+            drive: acceleration by moving air [m/s^2], world, then what each rotor gives of what is
+                asked, (n, 7).
+        """
+        for i, vehicle in enumerate(self.vehicles):
+            self._rows.wanted[i] = vehicle.firmware.tick()
+        self._refresh_gains()
+        fly_tick(self._swarm, self._rows, drive)
+        self._hold()
+
+    def outgoing(self) -> list[Sent]:
+        """Return what is due to clients now."""
+        return [
+            Sent(i, client, datagram)
+            for i, vehicle in enumerate(self.vehicles)
+            for client, datagram in vehicle.step()
+        ]
+
+    def _refresh_gains(self) -> None:
+        changes = [vehicle.firmware.parameters.changes for vehicle in self.vehicles]
+        if changes != self._changes:
+            self._changes = changes
+            gains = np.stack([vehicle.firmware.parameters.gains() for vehicle in self.vehicles])
+            self._rows = replace(self._rows, gains=gains)
+
+    def _hold(self) -> None:
+        """Put vehicles back that hang in the air and have not been flown yet."""
+        self._held &= ~(self._rows.memory[:, MOTOR : MOTOR + 4] > 0.0).any(axis=1)
+        self._swarm.state[self._held] = self._start[self._held]

@@ -1,0 +1,60 @@
+"""Take datagrams apart and put them together: one header byte, then up to 30 bytes.
+
+    header = port << 4 | 3 << 2 | channel        bits 2 and 3 are set for old bootloaders
+
+A lone 0xFF is the null packet, with which clients look for vehicles (cflib: crtp/udpdriver.py).
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+MAX_DATA = 30
+"""Largest payload [bytes]."""
+NULL = b"\xff"
+
+
+class Port(IntEnum):
+    """Name the ports of a Crazyflie."""
+
+    CONSOLE = 0
+    PARAM = 2
+    SETPOINT = 3
+    MEMORY = 4
+    LOG = 5
+    LOCALIZATION = 6
+    GENERIC = 7
+    HIGH_LEVEL = 8
+    SUPERVISOR = 9
+    PLATFORM = 13
+    LINK = 15
+
+
+class MalformedError(ValueError):
+    """Refuse a datagram that is no packet, or a packet that is cut short or makes no sense."""
+
+
+@dataclass(frozen=True, slots=True)
+class Packet:
+    """Hold one packet."""
+
+    port: int
+    channel: int
+    data: bytes = b""
+
+    def answer(self, data: bytes) -> "Packet":
+        """Return an answer on the same port and channel."""
+        return Packet(self.port, self.channel, data)
+
+
+def packet_of(datagram: bytes) -> Packet:
+    """Return the packet in a datagram; raise MalformedError where there is none."""
+    if not 1 <= len(datagram) <= 1 + MAX_DATA:
+        raise MalformedError(f"datagram of {len(datagram)} bytes: 1 to {1 + MAX_DATA} are allowed")
+    return Packet(datagram[0] >> 4, datagram[0] & 0x03, datagram[1:])
+
+
+def datagram_of(packet: Packet) -> bytes:
+    """Return the datagram of a packet; raise ValueError where it is too long."""
+    if len(packet.data) > MAX_DATA:
+        raise ValueError(f"packet of {len(packet.data)} bytes on port {packet.port}: {MAX_DATA} are allowed")
+    return bytes([packet.port << 4 | 0x0C | packet.channel]) + packet.data

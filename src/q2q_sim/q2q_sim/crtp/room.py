@@ -1,0 +1,41 @@
+"""Put a fleet into a room: its vehicles fly by their own firmware, the rest of the room as ever."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.parameters import check_bounds, tunable
+from q2q_sim.crtp.fleet import Fleet
+from q2q_sim.onboard.firmware import Build
+from q2q_sim.quadcopter import state_at_rest
+from q2q_sim.room import Room
+from q2q_sim.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class CrtpRoomParams:
+    """Hold how the vehicles wait for their clients."""
+
+    start: str = tunable(
+        "ground", "where vehicles wait: below their first waypoint, or held at it", choices=("ground", "air")
+    )
+    positioning: str = tunable(
+        "deck",
+        "how vehicles know their place: by themselves, or told by clients",
+        choices=("deck", "external"),
+    )
+    auto_arming: bool = tunable(default=True, description="vehicles arm themselves, as the stock build does")
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+
+def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
+    """Return the fleet of a room that has not begun; move its vehicles to where they wait."""
+    if params.start == "ground":
+        start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
+        start[:, 2] = 0.0
+        room.swarm.state[:] = state_at_rest(start, scenario.vehicle.mass)
+    build = Build(auto_arming=params.auto_arming, positioning_deck=params.positioning == "deck")
+    return Fleet(room.swarm, scenario.vehicle, build)

@@ -1,0 +1,156 @@
+"""Answer as one vehicle: datagrams in, datagrams out, for any number of clients.
+
+Each client has its own log blocks and is remembered until it has been silent for SILENCE_MS; setpoints and
+parameters are the vehicle's, and the last one wins, as with two radios on one address. Every client is told
+on its console when another appears. What is no packet, cut short, not finite or unknown is refused: counted,
+with the reason, and without effect.
+
+The firmware locks after an emergency stop or a watchdog's cut until somebody pulls the battery. Here that
+happens when all clients have gone, or when one sends the radio's reboot command (0xFF, 0xFE, 0x03 or 0xF0).
+"""
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+
+from q2q_sim.crtp import (
+    generic,
+    high_level,
+    localization,
+    memory,
+    parameters,
+    parameters_misc,
+    platform,
+    rpyt,
+    supervisor_port,
+)
+from q2q_sim.crtp.log_blocks import LogBlocks
+from q2q_sim.crtp.packet import MAX_DATA, NULL, MalformedError, Packet, Port, datagram_of, packet_of
+from q2q_sim.onboard.firmware import Firmware
+from q2q_sim.onboard.supervisor_rules import State
+
+SILENCE_MS = 1000
+"""RADIO_ACTIVITY_TIMEOUT_MS of the firmware: after this its logs to a client end."""
+MOST_CLIENTS = 8
+"""More are not remembered: the most silent one gives way."""
+MISC = 3
+RADIO, POWER_UP, RESET = 0xFE, 0x03, 0xF0
+"""cflib: utils/power_switch.py."""
+LOCAL = "local"
+"""The client of tests without a network."""
+
+
+@dataclass(slots=True)
+class _Session:
+    """Hold what a vehicle remembers of a client."""
+
+    heard_ms: int
+    logs: LogBlocks = field(default_factory=LogBlocks)
+
+
+@dataclass(slots=True)
+class Refusals:
+    """Count what was refused."""
+
+    count: int = 0
+    last: str = ""
+
+    def note(self, reason: str) -> None:
+        """Count one."""
+        self.count, self.last = self.count + 1, reason
+
+
+_SERVICES: dict[int, Callable[[Firmware, Packet], list[Packet]]] = {
+    Port.SETPOINT: rpyt.serve,
+    Port.MEMORY: memory.serve,
+    Port.LOCALIZATION: localization.serve,
+    Port.GENERIC: generic.serve,
+    Port.HIGH_LEVEL: high_level.serve,
+    Port.SUPERVISOR: supervisor_port.serve,
+    Port.PLATFORM: platform.serve_platform,
+}
+
+
+class CrtpVehicle:
+    """Hold one vehicle's firmware and its clients."""
+
+    def __init__(self, name: str, firmware: Firmware) -> None:
+        self.name = name
+        self.firmware = firmware
+        self.refusals = Refusals()
+        self._sessions: dict[Hashable, _Session] = {}
+
+    @property
+    def clients(self) -> tuple[Hashable, ...]:
+        """Return the clients heard lately."""
+        return tuple(self._sessions)
+
+    def handle(self, datagram: bytes, client: Hashable = LOCAL) -> list[bytes]:
+        """Obey one datagram of a client; return the datagrams that answer it."""
+        if datagram == NULL:
+            return [NULL]
+        if len(datagram) > 2 and datagram[0] >= 0xF0 and datagram[1] == RADIO:
+            return self._radio_command(datagram)
+        try:
+            answers = self._serve(packet_of(datagram), client)
+        except MalformedError as refusal:
+            self.refusals.note(str(refusal))
+            return []
+        return [datagram_of(answer) for answer in answers]
+
+    def step(self) -> list[tuple[Hashable, bytes]]:
+        """Return the datagrams that are due to clients at the firmware's time: logs and words."""
+        self._forget_silent()
+        words, self.firmware.console = self.firmware.console, ""
+        spoken = [datagram_of(one) for one in _console(words)]
+        sent: list[tuple[Hashable, bytes]] = []
+        for client, session in self._sessions.items():
+            sent += [(client, word) for word in spoken]
+            sent += [(client, datagram_of(block)) for block in session.logs.due(self.firmware)]
+        return sent
+
+    def _serve(self, packet: Packet, client: Hashable) -> list[Packet]:
+        session = self._session(client)
+        self.firmware.received += 1
+        if packet.port == Port.LINK:
+            return platform.serve_link(packet)
+        if packet.port == Port.LOG:
+            return session.logs.serve(packet, self.firmware.now_ms)
+        if packet.port == Port.PARAM:
+            serve = parameters_misc.serve if packet.channel == MISC else parameters.serve
+            return serve(self.firmware, packet)
+        if packet.port in _SERVICES:
+            return _SERVICES[packet.port](self.firmware, packet)
+        raise MalformedError(f"port {packet.port}: nothing listens there")
+
+    def _session(self, client: Hashable) -> _Session:
+        known = self._sessions.get(client)
+        now = self.firmware.now_ms
+        if known is not None:
+            known.heard_ms = now
+            return known
+        if len(self._sessions) >= MOST_CLIENTS:
+            del self._sessions[min(self._sessions, key=lambda one: self._sessions[one].heard_ms)]
+        self._sessions[client] = _Session(now)
+        if len(self._sessions) > 1:
+            self.firmware.console += f"Q2Q: {len(self._sessions)} clients; all may command\n"
+        return self._sessions[client]
+
+    def _forget_silent(self) -> None:
+        limit = self.firmware.now_ms - SILENCE_MS
+        silent = [one for one, session in self._sessions.items() if session.heard_ms < limit]
+        for client in silent:
+            del self._sessions[client]
+        locked = self.firmware.supervisor.state == State.LOCKED
+        if locked and not self._sessions and float(self.firmware.rows.state[2]) <= 0.0:
+            self.firmware.boot()
+
+    def _radio_command(self, datagram: bytes) -> list[bytes]:
+        if datagram[2] in {POWER_UP, RESET}:
+            self.firmware.boot()
+            self._sessions.clear()
+        return [NULL]
+
+
+def _console(words: str) -> list[Packet]:
+    data = words.encode("ascii", "replace")
+    return [Packet(Port.CONSOLE, 0, data[at : at + MAX_DATA]) for at in range(0, len(data), MAX_DATA)]

@@ -1,0 +1,64 @@
+"""Estimate position and velocity on board from external positions, and say how sure the estimate is.
+
+Source: firmware: modules/src/kalman_core/kalman_core.c, mm_position.c (state x, v; scalar updates on x), axis
+by axis, 100 times a second. The accelerometer is taken as exact, so what is estimated is the *error* of the
+estimate e = x^ - x, which drifts with its own velocity:
+
+    e' = e_v,  e_v' = 0,   P' = F P F' + G q^2 G',  F = [1 dt; 0 1],  G = [dt^2, dt]
+    K = P h / (P_11 + r^2),  e += K (z - x^),   h = (1, 0)
+
+The attitude is taken as known (gyroscope and accelerometer are good at it); the quaternion of an external
+pose is logged, not fused.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| q | kalman.pNAcc_xy, _z | acceleration noise [m/s^2] |
+| r | locSrv.extPosStdDev | [m] |
+| z | measured | external position [m], world |
+"""
+
+import numpy as np
+
+from q2q_model.signals import Array
+
+DT = 0.01
+"""[s]"""
+START_STD = np.array([100.0, 100.0, 1.0])
+"""stdDevInitialPosition_xy, _z [m], kalman_core_params_defaults.h."""
+START_VEL_STD = 0.01
+"""stdDevInitialVelocity [m/s], the same."""
+
+
+class Estimator:
+    """Hold the estimate's error and its covariance, one row an axis."""
+
+    def __init__(self, drift: Array) -> None:
+        """Take the row of the estimate's error that the controllers read: position, velocity, world, (6,)."""
+        self.drift = drift
+        self._cov = np.zeros((3, 2, 2))
+        self.forget(np.zeros(3), np.zeros(3))
+
+    @property
+    def variance(self) -> Array:
+        """Return the variances of position [m^2] and velocity [m^2/s^2], (6,)."""
+        return np.concatenate([self._cov[:, 0, 0], self._cov[:, 1, 1]])
+
+    def forget(self, believed: Array, true_pos: Array) -> None:
+        """Start anew, believing to be at rest at `believed` [m]."""
+        self.drift[:3], self.drift[3:] = believed - true_pos, 0.0
+        self._cov[:] = 0.0
+        self._cov[:, 0, 0], self._cov[:, 1, 1] = START_STD**2, START_VEL_STD**2
+
+    def predict(self, acc_noise: Array) -> None:
+        """Grow the covariance by one tick; `acc_noise` q of x, y, z [m/s^2]."""
+        step = np.array([[1.0, DT], [0.0, 1.0]])
+        noise = np.outer([DT * DT, DT], [DT * DT, DT])
+        self._cov = step @ self._cov @ step.T + acc_noise[:, None, None] ** 2 * noise
+
+    def correct(self, measured: Array, true_pos: Array, std: float) -> None:
+        """Take an external position [m], (3,), with a standard deviation [m]."""
+        gain = self._cov[:, :, 0] / (self._cov[:, 0, 0] + std * std)[:, None]  # (3, 2)
+        surprise = measured - (true_pos + self.drift[:3])
+        self.drift[:3] += gain[:, 0] * surprise
+        self.drift[3:] += gain[:, 1] * surprise
+        self._cov = self._cov - gain[:, :, None] * self._cov[:, None, 0, :]

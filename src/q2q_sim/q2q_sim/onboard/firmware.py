@@ -1,0 +1,242 @@
+"""Run one vehicle's firmware: 100 times a second everything above the controllers, which run compiled.
+
+A tick, in the firmware's order (modules/src/stabilizer.c): estimate, high-level commander, commander,
+supervisor (25 Hz), override by the supervisor, then the row that the controllers fly (flight.py).
+The firmware knows time in milliseconds since the room began, and its own rows of the swarm's arrays.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from q2q_model.rotations import rotate_inverse
+from q2q_model.signals import Array
+from q2q_model.vehicle import GRAVITY
+from q2q_sim.onboard.airframe import Airframe
+from q2q_sim.onboard.attitude_of import DEG, legacy_degrees
+from q2q_sim.onboard.battery import Battery
+from q2q_sim.onboard.columns import MOTOR, wanted_row
+from q2q_sim.onboard.commander import Commander, Priority
+from q2q_sim.onboard.estimator import DT, Estimator
+from q2q_sim.onboard.parameters import Parameters
+from q2q_sim.onboard.planner import Planner
+from q2q_sim.onboard.polynomial import Goal
+from q2q_sim.onboard.setpoint import STOP, Mode, Setpoint, Three
+from q2q_sim.onboard.supervisor import Look, Supervisor
+from q2q_sim.quadcopter import ACC, POS, QUAT, RATE, ROTORS, VEL
+
+TICK_MS = 10
+SUPERVISOR_TICKS = 4
+"""RATE_SUPERVISOR of the firmware: 25 Hz."""
+TRAJECTORY_BYTES = 4096
+"""TRAJECTORY_MEMORY_SIZE of the firmware."""
+
+
+@dataclass(frozen=True, slots=True)
+class Build:
+    """Say how the firmware was built and the vehicle equipped."""
+
+    auto_arming: bool = True
+    """False: CONFIG_MOTORS_REQUIRE_ARMING."""
+    number: int = 0
+    """Which of the room's vehicles it is: the last byte of its radio address."""
+    positioning_deck: bool = True
+    """The vehicle knows its position by itself, as with a Lighthouse deck; else from clients only."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Hold one vehicle's rows of the swarm's arrays, as views."""
+
+    state: Array
+    """quadcopter, (21,)."""
+    memory: Array
+    """columns, (MEMORY_WIDTH,)."""
+    drift: Array
+    """(6,)"""
+
+
+@dataclass(slots=True)
+class ExternalPose:
+    """Hold the last external pose, for logs."""
+
+    pos: Three = (0.0, 0.0, 0.0)
+    """[m], world."""
+    quat: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """x y z w."""
+    at_ms: int = 0
+
+
+@dataclass(slots=True)
+class Uploads:
+    """Hold what a client has uploaded."""
+
+    memory: bytearray = field(default_factory=lambda: bytearray(TRAJECTORY_BYTES))
+    defined: dict[int, tuple[int, int, int]] = field(default_factory=dict)
+    """Trajectory id to type, offset, number of pieces."""
+    stored: dict[str, float | int] = field(default_factory=dict)
+    """Persistent parameters in the EEPROM."""
+
+
+class Firmware:
+    """Hold everything one vehicle remembers."""
+
+    def __init__(self, airframe: Airframe, build: Build, rows: Rows) -> None:
+        self.build = build
+        self.rows = rows
+        self.uploads = Uploads()
+        self.battery = Battery()
+        self.now_ms = 0
+        self.received = 0
+        """Packets since the room began."""
+        self._airframe = airframe
+        self.boot()
+
+    def boot(self) -> None:
+        """Start anew: what was uploaded or set is forgotten, but for the EEPROM."""
+        self.parameters = Parameters(self._airframe)
+        for name, value in self.uploads.stored.items():
+            self.parameters.set(name, value)
+        self.uploads = Uploads(stored=self.uploads.stored)
+        self.commander = Commander()
+        self.commander.set_ms = self.now_ms
+        self.planner = Planner()
+        self.supervisor = Supervisor(auto_arming=self.build.auto_arming)
+        self.external = ExternalPose()
+        self.rows.memory[:] = 0.0
+        self.thrust_locked = True
+        self.flown: Setpoint = STOP
+        self.console = "SYS: Q2Q simulated Crazyflie is up and running!\n"
+        self.estimator = Estimator(self.rows.drift)
+        self.reset_estimate()
+
+    @property
+    def number(self) -> int:
+        """Return the last byte of the radio address."""
+        return self.build.number
+
+    @property
+    def seconds(self) -> float:
+        """Return the time [s]."""
+        return self.now_ms * 1e-3
+
+    @property
+    def pos(self) -> Array:
+        """Return where the vehicle believes to be [m], world, (3,)."""
+        return np.asarray(self.rows.state[POS] + self.rows.drift[:3])
+
+    @property
+    def vel(self) -> Array:
+        """Return the velocity it believes [m/s], world, (3,)."""
+        return np.asarray(self.rows.state[VEL] + self.rows.drift[3:])
+
+    @property
+    def attitude_deg(self) -> Three:
+        """Return roll, legacy pitch, yaw [deg]."""
+        angles: Three = legacy_degrees(self.rows.state)
+        return angles
+
+    @property
+    def specific_force_g(self) -> Array:
+        """Return what the accelerometer reads [g], body, (3,)."""
+        up = np.array([0.0, 0.0, GRAVITY])
+        return np.asarray(rotate_inverse(self.rows.state[QUAT], self.rows.state[ACC] + up) / GRAVITY)
+
+    @property
+    def rates_deg(self) -> Array:
+        """Return what the gyroscope reads [deg/s], body, (3,)."""
+        return np.asarray(DEG * self.rows.state[RATE])
+
+    def reset_estimate(self) -> None:
+        """Forget the position: start from kalman.initialX, Y, Z."""
+        believed = np.array([float(self.parameters[f"kalman.initial{axis}"]) for axis in "XYZ"])
+        self.estimator.forget(believed, self.rows.state[POS])
+
+    def locate(self, measured: Three, quat: tuple[float, float, float, float] | None = None) -> None:
+        """Take an external position [m], world, and, for the log, an attitude."""
+        self.external.pos, self.external.at_ms = measured, self.now_ms
+        if quat is not None:
+            self.external.quat = quat
+        if not self.build.positioning_deck:
+            self._correct(np.array(measured))
+
+    def obey(self, setpoint: Setpoint) -> None:
+        """Take a client's setpoint; a plan under way is forgotten."""
+        if self.commander.offer(setpoint, Priority.CLIENT, self.now_ms):
+            self.planner.stop()
+
+    def relax(self) -> None:
+        """Give the high-level commander way again, from where the vehicle is."""
+        self._tell_planner()
+        self.commander.relax()
+
+    def tick(self) -> Array:
+        """Run one tick; return the row that the controllers fly until the next."""
+        self._estimate()
+        self._plan()
+        allowed = self.supervisor.may_fly
+        setpoint = self.commander.setpoint if allowed else STOP
+        if self.now_ms // TICK_MS % SUPERVISOR_TICKS == 0:
+            self._supervise()
+        self.flown = self.supervisor.overridden(setpoint)
+        thrust = float(self.rows.state[ROTORS].sum())
+        self.battery.drain(
+            thrust / (self._airframe.mass * GRAVITY), DT, float(self.parameters["pm.lowVoltage"])
+        )
+        self.now_ms += TICK_MS
+        return wanted_row(self.flown, motors_on=self.supervisor.motors_may_run)
+
+    def _estimate(self) -> None:
+        if self.parameters.flag("kalman.resetEstimation"):
+            self.reset_estimate()
+        xy, z = float(self.parameters["kalman.pNAcc_xy"]), float(self.parameters["kalman.pNAcc_z"])
+        self.estimator.predict(np.array([xy, xy, z]))
+        if self.build.positioning_deck:
+            self._correct(self.rows.state[POS])
+
+    def _correct(self, measured: Array) -> None:
+        std = float(self.parameters["locSrv.extPosStdDev"])
+        self.estimator.correct(measured, self.rows.state[POS], std)
+
+    def _plan(self) -> None:
+        if not self.supervisor.may_fly:
+            self.planner.stop()
+            self._tell_planner()
+            return
+        goal = self.planner.goal(self.seconds)
+        if goal is None:
+            self._tell_planner()
+        wanted = STOP if goal is None else _setpoint_of(goal)
+        self.commander.offer(wanted, Priority.HIGH_LEVEL, self.now_ms)
+
+    def _tell_planner(self) -> None:
+        self.planner.tell(self.pos, self.vel, math.radians(self.attitude_deg[2]))
+
+    def _supervise(self) -> None:
+        x, y, z = self.specific_force_g.tolist()
+        look = Look(
+            now_ms=self.now_ms,
+            acc=(x, y, z),
+            setpoint_ms=self.commander.set_ms,
+            motors_running=bool((self.rows.memory[MOTOR : MOTOR + 4] > 0.0).any()),
+        )
+        self.console += self.supervisor.update(look, self.parameters)
+
+
+def _setpoint_of(goal: Goal) -> Setpoint:
+    px, py, pz = goal.pos.tolist()
+    vx, vy, vz = goal.vel.tolist()
+    ax, ay, az = goal.acc.tolist()
+    p, q, r = np.degrees(goal.ang_vel_body).tolist()
+    return Setpoint(
+        x=Mode.ABS,
+        y=Mode.ABS,
+        z=Mode.ABS,
+        yaw=Mode.ABS,
+        pos=(px, py, pz),
+        vel=(vx, vy, vz),
+        acc=(ax, ay, az),
+        attitude_deg=(0.0, 0.0, math.degrees(goal.yaw)),
+        rate_deg=(p, q, r),
+    )

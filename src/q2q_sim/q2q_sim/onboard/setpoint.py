@@ -1,0 +1,54 @@
+"""Say what a vehicle's controller is asked for: on each axis an absolute value, a velocity, or nothing.
+
+Source: firmware: modules/interface/stabilizer_types.h (setpoint_t, stab_mode_t).
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+Three = tuple[float, float, float]
+Four = tuple[float, float, float, float]
+
+ZERO: Three = (0.0, 0.0, 0.0)
+
+
+class Mode(IntEnum):
+    """Say how an axis is controlled."""
+
+    DISABLE = 0
+    ABS = 1
+    VELOCITY = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Setpoint:
+    """Hold one setpoint; the default asks for nothing, and motors stop."""
+
+    x: Mode = Mode.DISABLE
+    y: Mode = Mode.DISABLE
+    z: Mode = Mode.DISABLE
+    roll: Mode = Mode.DISABLE
+    pitch: Mode = Mode.DISABLE
+    yaw: Mode = Mode.DISABLE
+    quat: Mode = Mode.DISABLE
+    """The yaw of `attitude_quat` is wanted (full state)."""
+    pos: Three = ZERO
+    """[m], world."""
+    vel: Three = ZERO
+    """[m/s], world; body where velocity_body."""
+    acc: Three = ZERO
+    """[m/s^2], world."""
+    attitude_deg: Three = ZERO
+    """Roll, legacy pitch, yaw [deg]."""
+    rate_deg: Three = ZERO
+    """Rates about body x, y, z [deg/s]; for rate control of pitch (RPYT, manual) the legacy pitch rate."""
+    attitude_quat: Four = (0.0, 0.0, 0.0, 1.0)
+    """x y z w, body to world."""
+    thrust_pwm: float = 0.0
+    """Of each motor, where z is not controlled [PWM]."""
+    velocity_body: bool = False
+    """vel x, y are forward and left."""
+
+
+STOP = Setpoint()
+"""Motors off."""
