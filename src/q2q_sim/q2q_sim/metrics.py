@@ -15,8 +15,8 @@ import numpy as np
 
 from q2q_model.flights import Flight
 from q2q_model.signals import Array
+from q2q_model.vehicle import Vehicle
 from q2q_model.zone import Cylinder, Zone
-from q2q_sim.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,12 +42,12 @@ class FlightMetrics:
     zone_time_s: float
 
 
-def measure(flight: Flight, scenario: Scenario, zone: Zone | None = None) -> FlightMetrics:
-    """Measure a flight of a scenario; the zone is the paper's I(0.1, 1.1) unless given."""
+def measure(flight: Flight, vehicle: Vehicle, zone: Zone | None = None) -> FlightMetrics:
+    """Measure a flight of vehicles like `vehicle`; the zone is the paper's I(0.1, 1.1) unless given."""
     pos = best_position(flight)
     dt = tick_of(flight)
     separation, zone_time = _closeness(pos, dt, zone or Cylinder())
-    weight = scenario.vehicle.hover_thrust
+    weight = vehicle.hover_thrust
     rows = {
         name: _vehicle(pos[:, i] - flight.ref_pos[:, i], flight.thrust[:, i], dt, weight)
         for i, name in enumerate(flight.names)

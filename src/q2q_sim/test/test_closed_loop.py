@@ -23,7 +23,7 @@ TICK = 0.01
 def _table6(mode: Mode) -> tuple[Flight, FlightMetrics]:
     scenario = scenarios.load("table6")
     flight = fly(scenario, FlightOptions(mode=mode, model=find_model(scenario.model).interaction))
-    return flight, measure(flight, scenario)
+    return flight, measure(flight, scenario.vehicle)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_the_impulse_bound_holds_for_any_gains_and_any_height(
         overrides={**base.overrides, "pid": pid},
     )
     flight = fly(scenario, FlightOptions(mode=mode, model=find_model(base.model).interaction))
-    found = measure(flight, scenario)
+    found = measure(flight, scenario.vehicle)
     for i, name in enumerate(flight.names):
         # velocity at the last capture, a tick short of the end: at most 2 m/s^2 x 10 ms x 2 m^2 g
         assert found.vehicles[name].u1_energy >= _impulse_bound(flight, i, 0.65) - 0.2

@@ -28,7 +28,7 @@ def test_errors_are_root_mean_squares_along_z_and_beside_it() -> None:
     ref = _still()
     off = np.stack([0.3 * np.sin(2 * np.pi * T), 0.4 * np.sin(2 * np.pi * T), np.full(len(T), -0.2)], axis=1)
     pos = ref + np.stack([off, 0.0 * off], axis=1)
-    one, two = measure(_flight(pos, ref, np.ones((1000, 2))), SCENARIO).vehicles.values()
+    one, two = measure(_flight(pos, ref, np.ones((1000, 2))), SCENARIO.vehicle).vehicles.values()
     assert one.z_rmse_m == pytest.approx(0.2, rel=1e-12)
     assert one.xy_rmse_m == pytest.approx(0.5 / np.sqrt(2.0), rel=1e-12)  # ten whole periods
     assert (two.z_rmse_m, two.xy_rmse_m) == (0.0, 0.0)
@@ -37,7 +37,7 @@ def test_errors_are_root_mean_squares_along_z_and_beside_it() -> None:
 def test_energy_of_hover_is_its_square_over_time() -> None:
     weight = SCENARIO.vehicle.hover_thrust
     thrust = np.column_stack([np.full(1000, weight), weight + np.sin(2 * np.pi * T)])
-    one, two = measure(_flight(_still(), _still(), thrust), SCENARIO).vehicles.values()
+    one, two = measure(_flight(_still(), _still(), thrust), SCENARIO.vehicle).vehicles.values()
     assert one.u1_energy == pytest.approx(weight**2 * 10.0, rel=1e-12)
     assert one.u1_energy_above_hover == pytest.approx(0.0, abs=1e-9)
     assert two.u1_energy_above_hover == pytest.approx(5.0, rel=1e-9)  # the mean square of a sine over 10 s
@@ -47,14 +47,17 @@ def test_energy_of_hover_is_its_square_over_time() -> None:
 def test_separation_and_zone_time_are_those_of_the_closest_pair() -> None:
     pos = _still()
     pos[:, 1, 1] = np.where((T >= 2.0) & (T < 5.0), 0.05, 2.0)
-    found = measure(_flight(pos, pos, np.ones((1000, 2))), SCENARIO, Cylinder(eps=0.1, d=1.1))
+    found = measure(_flight(pos, pos, np.ones((1000, 2))), SCENARIO.vehicle, Cylinder(eps=0.1, d=1.1))
     assert found.min_separation_m == pytest.approx(np.hypot(0.5, 0.05), rel=1e-12)
     assert found.zone_time_s == pytest.approx(3.0, rel=1e-12)
-    assert measure(_flight(pos, pos, np.ones((1000, 2))), SCENARIO, Cylinder(0.1, 0.4)).zone_time_s == 0.0
+    assert (
+        measure(_flight(pos, pos, np.ones((1000, 2))), SCENARIO.vehicle, Cylinder(0.1, 0.4)).zone_time_s
+        == 0.0
+    )
 
 
 def test_what_a_flight_lacks_is_nan() -> None:
-    alone = measure(_flight(_still(1), _still(1), np.full((1000, 1), np.nan)), SCENARIO)
+    alone = measure(_flight(_still(1), _still(1), np.full((1000, 1), np.nan)), SCENARIO.vehicle)
     assert np.isnan([alone.min_separation_m, alone.zone_time_s]).all()
     assert np.isnan([alone.vehicles["cf1"].u1_energy, alone.vehicles["cf1"].u1_max]).all()
     assert alone.vehicles["cf1"].z_rmse_m == 0.0
@@ -63,4 +66,4 @@ def test_what_a_flight_lacks_is_nan() -> None:
 def test_filtered_positions_serve_where_the_truth_is_unknown() -> None:
     flight = _flight(np.full((1000, 1, 3), np.nan), _still(1), np.ones((1000, 1)))
     seen = replace(flight, pos=_still(1) + np.array([0.0, 0.0, 0.1]))
-    assert measure(seen, SCENARIO).vehicles["cf1"].z_rmse_m == pytest.approx(0.1, rel=1e-12)
+    assert measure(seen, SCENARIO.vehicle).vehicles["cf1"].z_rmse_m == pytest.approx(0.1, rel=1e-12)

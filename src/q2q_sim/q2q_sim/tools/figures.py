@@ -1,10 +1,11 @@
 """Draw flights side by side, as the paper's Figs 14a-d: altitude and U1 of each vehicle over time."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -50,9 +51,54 @@ def thrust_figure(curves: Sequence[Curve], name: str) -> Figure:
     return figure
 
 
+def draft_figure(curves: Sequence[Curve], name: str) -> Figure:
+    """Draw the vertical draft eta_z [m/s^2] of the vehicle `name`: predicted, and true where it is known."""
+    figure, axes = _axes(f"{name}: vertical draft", "eta z [m/s²]")
+    for curve, colour in zip(curves, COLOURS, strict=False):
+        flight = curve.flight
+        axes.plot(
+            flight.t, _of(flight, name, flight.eta)[:, 2], color=colour, label=f"{curve.label}, predicted"
+        )
+        axes.plot(flight.t, _of(flight, name, flight.true_eta)[:, 2], ":", color=colour)
+    axes.legend()
+    return figure
+
+
+def tilt_figure(curves: Sequence[Curve], name: str) -> Figure:
+    """Draw the commanded roll (solid) and pitch (dotted) [rad] of the vehicle `name`."""
+    figure, axes = _axes(f"{name}: commanded roll and pitch", "[rad]")
+    for curve, colour in zip(curves, COLOURS, strict=False):
+        flight = curve.flight
+        axes.plot(flight.t, _of(flight, name, flight.roll), color=colour, label=curve.label)
+        axes.plot(flight.t, _of(flight, name, flight.pitch), ":", color=colour)
+    axes.legend()
+    return figure
+
+
+def sideways_figure(curves: Sequence[Curve], name: str) -> Figure:
+    """Draw the horizontal distance from the plan [m] of the vehicle `name`."""
+    figure, axes = _axes(f"{name}: horizontal error", "[m]")
+    for curve, colour in zip(curves, COLOURS, strict=False):
+        flight = curve.flight
+        error = _of(flight, name, flown_pos(flight) - flight.ref_pos)
+        axes.plot(flight.t, np.hypot(error[:, 0], error[:, 1]), color=colour, label=curve.label)
+    axes.legend()
+    return figure
+
+
 def flown_pos(flight: Flight) -> Array:
     """Return where the vehicles were [m], (T, n, 3): the truth where it is known, else the filtered state."""
     return flight.pos if bool((flight.true_pos != flight.true_pos).all()) else flight.true_pos
+
+
+KINDS: dict[str, Callable[[Sequence[Curve], str], Figure]] = {
+    "altitude": altitude_figure,
+    "sideways": sideways_figure,
+    "draft": draft_figure,
+    "thrust": thrust_figure,
+    "tilt": tilt_figure,
+}
+"""The figures of a report, one a vehicle each."""
 
 
 def save(figure: Figure, path: Path) -> Path:

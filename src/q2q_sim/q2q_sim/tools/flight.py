@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from q2q_model.bag import read_flight
-
 from q2q_model.flights import Flight
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
@@ -93,7 +92,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
             total = scenario.duration / assembly.TICK_S
             summary = director.wait_summary(lambda ticks: progress(ticks / total))
     flight = read_flight(bag)
-    return FlightRun(request, flight, measure(flight, scenario), timing_of(summary), bag)
+    return FlightRun(request, flight, measure(flight, scenario.vehicle), timing_of(summary), bag)
 
 
 def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:

@@ -1,0 +1,156 @@
+"""Report any recorded flight as one HTML page: tracking, drafts, commands, separation, mocap quality.
+
+`report BAG --compare OTHER` lays flights over each other, the first one as what the others differ from.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.bag import read_flight
+from q2q_model.flights import Flight
+from q2q_model.signals import CommandStatus
+from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
+from q2q_sim.metrics import FlightMetrics, measure
+from q2q_sim.mocap_quality import MocapQuality, mocap_quality
+from q2q_sim.tools import figures
+from q2q_sim.tools.figures import Curve
+from q2q_sim.tools.fly import warn_plainly
+from q2q_sim.tools.page import Grid, Picture, page
+from q2q_sim.tools.run_json import Json, finite
+
+HEAD = ("flight", "vehicle", "z RMSE [m]", "xy RMSE [m]", "U1 energy [N²s]", "above hover", "max U1 [N]")
+HEAD_LIMITS = ("flight", "vehicle", "saturated [%]", "fallback [%]", "separation [m]", "in zone [s]")
+HEAD_MOCAP = ("flight", "vehicle", "rate [Hz]", "seen [%]", "longest gap [s]", "not believed")
+
+
+@dataclass(frozen=True, slots=True)
+class Reported:
+    """Hold a flight and what was measured of it."""
+
+    flight: Flight
+    metrics: FlightMetrics
+    quality: dict[str, MocapQuality]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write the report the command line asks for; return the exit status."""
+    asked = parser().parse_args(arguments)
+    warn_plainly("report")
+    try:
+        flights = [reported(bag, vehicle_by_name(asked.vehicle)) for bag in [asked.bag, *asked.compare]]
+        write(flights, asked.out)
+    except (ValueError, OSError) as refusal:
+        print(f"report: {refusal}", file=sys.stderr)
+        return 1
+    if asked.json:
+        asked.json.write_text(json.dumps(as_json(flights), indent=1) + "\n")
+    print(f"page: {asked.out / 'index.html'}")
+    return 0
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    made = argparse.ArgumentParser(
+        prog="report", description=__doc__, epilog="example: ros2 run q2q_sim report out/demo/bags/aware"
+    )
+    made.add_argument("bag", type=Path, help="bag folder of the flight")
+    made.add_argument("--compare", type=Path, nargs="+", default=[], help="more flights to lay over it")
+    made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
+    made.add_argument("--out", type=Path, default=Path("out/report"), help="folder of page and pictures")
+    made.add_argument("--json", type=Path, help="write the numbers to this file")
+    return made
+
+
+def reported(bag: Path, vehicle: Vehicle) -> Reported:
+    """Return a bag's flight, measured."""
+    flight = read_flight(bag)
+    return Reported(flight, measure(flight, vehicle), mocap_quality(flight))
+
+
+def write(flights: Sequence[Reported], out: Path) -> None:
+    """Draw the pictures and write the page into a folder."""
+    out.mkdir(parents=True, exist_ok=True)
+    curves = [Curve(one.flight, one.flight.name) for one in flights]
+    pictures = [
+        Picture(figures.save(draw(curves, name), out / f"{name}_{what}.png"), f"{name}: {what}")
+        for what, draw in figures.KINDS.items()
+        for name in flights[0].flight.names
+    ]
+    grids = [
+        Grid(HEAD, [row for one in flights for row in _tracking(one)]),
+        Grid(HEAD_LIMITS, [row for one in flights for row in _limits(one)]),
+        Grid(HEAD_MOCAP, [row for one in flights for row in _mocap(one)]),
+    ]
+    title = f"Flight {flights[0].flight.name}"
+    lead = "Tracking against the plan, on the true positions where the bag has them."
+    (out / "index.html").write_text(page(title, lead, [*grids, pictures]))
+
+
+def as_json(flights: Sequence[Reported]) -> Json:
+    """Return the numbers of the tables."""
+    return {
+        one.flight.name: {
+            name: {
+                **{key: finite(value) for key, value in asdict(vehicle).items()},
+                "mocap": {key: finite(value) for key, value in asdict(one.quality[name]).items()},
+            }
+            for name, vehicle in one.metrics.vehicles.items()
+        }
+        for one in flights
+    }
+
+
+def _tracking(one: Reported) -> list[tuple[str, ...]]:
+    return [
+        (one.flight.name, name, *(_text(value) for value in asdict(vehicle).values()))
+        for name, vehicle in one.metrics.vehicles.items()
+    ]
+
+
+def _limits(one: Reported) -> list[tuple[str, ...]]:
+    status = one.flight.command_status
+    separation, zone_time = one.metrics.min_separation_m, one.metrics.zone_time_s
+    return [
+        (
+            one.flight.name,
+            name,
+            _percent(status[:, row] == CommandStatus.SATURATED),
+            _percent(status[:, row] >= CommandStatus.HOLD),
+            _text(separation),
+            _text(zone_time),
+        )
+        for row, name in enumerate(one.flight.names)
+    ]
+
+
+def _mocap(one: Reported) -> list[tuple[str, ...]]:
+    return [
+        (
+            one.flight.name,
+            name,
+            f"{quality.rate_hz:.1f}",
+            f"{100.0 * quality.seen_share:.2f}",
+            _text(quality.longest_gap_s),
+            str(quality.disbelieved),
+        )
+        for name, quality in one.quality.items()
+    ]
+
+
+def _percent(condition: NDArray[np.bool_]) -> str:
+    return f"{100.0 * float(np.mean(condition)):.2f}" if len(condition) else "-"
+
+
+def _text(value: float) -> str:
+    return "-" if finite(value) is None else f"{value:.5g}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
