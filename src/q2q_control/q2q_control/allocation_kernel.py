@@ -20,6 +20,11 @@ def _allocate_py(wrench: Array, frame: Array, attitude_first: bool, rotors: Arra
     roll, pitch = 0.25 * wrench[1] / frame[0], 0.25 * wrench[2] / frame[0]
     yaw = 0.25 * wrench[3] / frame[1]
     collective = 0.25 * wrench[0]
+    most = abs(roll) + abs(pitch) + abs(yaw)
+    if most <= collective <= top - most:  # all fits: no limit has a say
+        rotors[0], rotors[1] = -roll - pitch - yaw + collective, -roll + pitch + yaw + collective
+        rotors[2], rotors[3] = roll + pitch - yaw + collective, roll - pitch + yaw + collective
+        return
     if attitude_first:
         spread = 2.0 * (abs(roll) + abs(pitch))  # highest rotor minus lowest
         if spread > top:

@@ -99,7 +99,8 @@ def _wanted(row: Array, command: Four, body: Array, wanted: Array) -> None:
     attitude = tilt((row[6], row[7], row[8], row[9]))
     rate = (row[10], row[11], row[12])
     tx, ty, tz = attitude_torque(attitude, rate, torque_now, (roll, pitch, yaw_rate), body)
-    allocate((thrust, tx, ty, tz), body[4], True, wanted)  # noqa: FBT003  numba takes no keywords here
+    frame = (body[4, 0], body[4, 1], body[4, 2])
+    allocate((thrust, tx, ty, tz), frame, True, wanted)  # noqa: FBT003  numba takes no keywords here
 
 
 def _push(row: Array, push: Three, body: Array) -> None:
@@ -116,6 +117,16 @@ def _push(row: Array, push: Three, body: Array) -> None:
         row[k] += 0.5 * (before + row[3 + k]) * h
 
 
+def _half_turn(square: float) -> tuple[float, float]:
+    """Return sin x / x and cos x for x^2 = square; below 1e-3 the series are exact to the last digit."""
+    if square > 1e-3:
+        x = math.sqrt(square)
+        return math.sin(x) / x, math.cos(x)
+    sine = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0)))
+    rest = 1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))
+    return sine, 1.0 - square * (0.5 - square * rest)
+
+
 def _turn(row: Array, body: Array) -> None:
     """Move angular velocity and attitude by one step."""
     tx, ty, tz = torque((row[13], row[14], row[15], row[16]), body[4, 0], body[4, 1])
@@ -125,15 +136,15 @@ def _turn(row: Array, body: Array) -> None:
     wy = q + h * (ty + (iz - ix) * p * r) / iy
     wz = r + h * (tz + (ix - iy) * p * q) / iz
     row[10], row[11], row[12] = wx, wy, wz
-    rate = math.sqrt(wx * wx + wy * wy + wz * wz)
-    s = math.sin(0.5 * rate * h) / rate if rate > 1e-12 else 0.5 * h  # sin x / x is 1 to the last digit there
-    c, ex, ey, ez = math.cos(0.5 * rate * h), s * wx, s * wy, s * wz
+    s, c = half_turn(0.25 * h * h * (wx * wx + wy * wy + wz * wz))
+    s *= 0.5 * h
+    ex, ey, ez = s * wx, s * wy, s * wz
     x, y, z, w = row[6], row[7], row[8], row[9]
     nx = w * ex + x * c + y * ez - z * ey
     ny = w * ey - x * ez + y * c + z * ex
     nz = w * ez + x * ey - y * ex + z * c
     nw = w * c - x * ex - y * ey - z * ez
-    scale = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
+    scale = 1.5 - 0.5 * (nx * nx + ny * ny + nz * nz + nw * nw)  # 1 / sqrt near 1, by Newton
     row[6], row[7], row[8], row[9] = nx * scale, ny * scale, nz * scale, nw * scale
 
 
@@ -161,8 +172,9 @@ def _advance(row: Array, command: Four, drive: Array, body: Array, wanted: Array
         stand(row, body)
 
 
-torque, tilt, onboard = njit(cache=True)(_torque), njit(cache=True)(_tilt), njit(cache=True)(_wanted)
-push, turn, stand = njit(cache=True)(_push), njit(cache=True)(_turn), njit(cache=True)(_stand)
+part = njit(cache=True, inline="always")
+half_turn, torque, tilt, onboard = part(_half_turn), part(_torque), part(_tilt), part(_wanted)
+push, turn, stand = part(_push), part(_turn), njit(cache=True)(_stand)
 advance = njit(cache=True)(_advance)
 """Move one vehicle by a step: state row (21,), command (thrust, roll, pitch, yaw rate), drive (7,), body
 (6, 3), room for wanted rotor thrusts (4,)."""

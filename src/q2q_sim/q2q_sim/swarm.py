@@ -18,7 +18,7 @@ from q2q_control.attitude import AttitudeParams
 from q2q_model.signals import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle import GRAVITY, Vehicle
 from q2q_sim.quadcopter import MASS_ROW, POS, QUAT, RATE, ROTORS, VEL, Four, advance, body_of, state_at_rest
-from q2q_sim.wake import Wake, delay, eta_z, max_delay, reach
+from q2q_sim.wake import Wake, delay, max_delay, pair_eta, reach
 
 PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""
@@ -58,7 +58,8 @@ def _late_draft(state: Array, ring: Array, steps: int, pair: tuple[int, int], st
     i, j = pair
     late = delay(2, state[j, 2] - state[i, 2]) / step
     x, y, z, share = seen(ring, steps, j, late)
-    return float(share * eta_z(2, x - state[i, 0], y - state[i, 1], z - state[i, 2]))
+    dx, dy = x - state[i, 0], y - state[i, 1]
+    return float(share * pair_eta(2, dx * dx + dy * dy, z - state[i, 2])[0])
 
 
 def _sort_by_x(state: Array, rows: Rows) -> None:
@@ -93,8 +94,9 @@ def _drafts(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> No
             if dx * dx + dy * dy > reach(kind, abs(dz)) ** 2:
                 continue
             if kind == 1:
-                state[i, 20] += eta_z(kind, dx, dy, dz)
-                state[j, 20] += eta_z(kind, -dx, -dy, -dz)
+                on_i, on_j = pair_eta(kind, dx * dx + dy * dy, dz)
+                state[i, 20] += on_i
+                state[j, 20] += on_j
             else:
                 state[i, 20] += late_draft(state, ring, rows[n], (i, j), step)
                 state[j, 20] += late_draft(state, ring, rows[n], (j, i), step)

@@ -95,15 +95,13 @@ def _push(kind: int, gap: float, dxy_squared: float) -> float:
     return MEASURED_A * math.exp(-MEASURED_BETA * (gap - MEASURED_DZ)) * profile
 
 
-def _eta_z(kind: int, dx: float, dy: float, dz: float) -> float:
-    """Return the vertical acceleration [m/s^2] of i by a source at (dx, dy, dz) = r_j - r_i [m]."""
-    if kind == 0:
-        return 0.0
-    strength = push(kind, abs(dz), dx * dx + dy * dy)
+def _pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
+    """Return the vertical acceleration [m/s^2] of i by j and of j by i, at dz = z_j - z_i [m]."""
+    strength = push(kind, abs(dz), dxy_squared)
     upper = PAPER_UPPER if kind == 1 else MEASURED_UPPER
     along = min(max(0.5 * (dz / BLEND + 1.0), 0.0), 1.0)
-    lower_share = along * along * (3.0 - 2.0 * along)
-    return float(strength * ((1.0 - lower_share) * upper - lower_share))
+    share = along * along * (3.0 - 2.0 * along)  # of the lower vehicle's part, for i
+    return strength * ((1.0 - share) * upper - share), strength * (share * upper - (1.0 - share))
 
 
 def _delay(kind: int, dz: float) -> float:
@@ -120,6 +118,6 @@ def _reach(kind: int, gap: float) -> float:
 
 width = njit(cache=True)(_width)
 push = njit(cache=True)(_push)
-eta_z = njit(cache=True)(_eta_z)
+pair_eta = njit(cache=True)(_pair_eta)
 delay = njit(cache=True)(_delay)
 reach = njit(cache=True)(_reach)
