@@ -1,4 +1,4 @@
-"""Make signals to rehearse a block with before its first tick, so that its code is loaded by then.
+"""Make signals to rehearse a block with before its first tick, so that its code is loaded by then."""
 
 import numpy as np
 
