@@ -233,6 +233,22 @@ def test_a_stamp_that_is_no_number_is_ignored_once_time_runs_and_refused_before(
         MocapFilter(IDEAL_SENSING, PAIR).update(replace(_frame(0), t=float("nan")))
 
 
+def test_an_old_frame_under_new_stamps_is_no_sample_but_not_for_ever():
+    block = _flown(50)
+    old = _truth(49)[0]
+    for tick in range(50, 110):
+        state = block.update(_frame(tick, old))
+        bridged = _time(tick) - _time(49) <= 0.3 + 1e-9
+        assert list(state.status) == ([COASTING, COASTING] if bridged else [TRACKED, TRACKED])
+    assert np.array_equal(state.pos, old)
+
+
+def test_a_vehicle_at_rest_without_noise_is_tracked():
+    block = MocapFilter(MocapFilterParams(), PAIR)
+    for tick in range(50):
+        assert list(block.update(_frame(tick, _truth(0)[0])).status) == [TRACKED, TRACKED]
+
+
 def test_after_a_long_gap_a_track_starts_anew_at_once():
     block = _flown(50)
     state = block.update(_frame(1050))
