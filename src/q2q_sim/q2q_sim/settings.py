@@ -53,9 +53,9 @@ CAPTURE = Setting(
 
 CLEAR_AIR = DisturbanceParams(air_std=0.09, air_time=1.0, thrust_gain_min=1.008, thrust_gain_max=1.028)
 """What real flights show away from other vehicles: two Crazyflies 2.1 that exchange places (dc21_swap_ss),
-loop K_p 10, K_d 5. There z is off by 1.87 cm rms: 1.7 cm upwards on the average of a vehicle and flight, 0.6 to
-1 cm around it, with an autocorrelation of .93, .80 and .56 after 0.2, 0.4 and 0.8 s. These numbers, flown with
-that loop, 0.07 s of thrust lag and 26 ms of delay, give 1.88 cm: 1.7, 0.74, and .95, .83, .55."""
+loop K_p 10, K_d 5. There z is off by 1.87 cm rms: 1.7 cm upwards on the average of a vehicle and flight, 0.6
+to 1 cm around it, with an autocorrelation of .93, .80 and .56 after 0.2, 0.4 and 0.8 s. These numbers, flown
+with that loop, 0.07 s of thrust lag and 26 ms of delay, give 1.88 cm: 1.7, 0.74, and .95, .83, .55."""
 
 REAL = Setting(
     vicon=replace(_SEEN, latency=0.010),
