@@ -21,7 +21,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.outliers import OutlierThresholds
+from q2q_model.outliers import Mask, OutlierThresholds
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
 from q2q_model.tracking.attitudes import AttitudeParams, AttitudeTracks
@@ -131,6 +131,7 @@ class MocapFilter:
         self._order: Names = ()
         self._rows: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
         self._in_order = False
+        self._heard = (np.zeros((0, 3)), np.zeros((0, 4)))
 
     def update(self, frame: MocapFrame) -> SwarmState:
         """Return the state of every vehicle at the frame's time; an old or repeated frame gets the last one.
@@ -153,7 +154,7 @@ class MocapFilter:
 
     def _step(self, frame: MocapFrame) -> SwarmState:
         pos, quat = self._by_track(frame)
-        verdict = self._positions.update(frame.t, pos)
+        verdict = self._positions.update(frame.t, pos, self._repeated(pos, quat))
         turned_away = self._attitudes.update(frame.t, quat if verdict.plain else self._quat_of(verdict, quat))
         self._count(frame, pos, verdict)
         if turned_away.any():
@@ -168,6 +169,14 @@ class MocapFilter:
         ours = rows >= 0
         pos[rows[ours]], quat[rows[ours]] = frame.pos[ours], frame.quat[ours]
         return pos, quat
+
+    def _repeated(self, pos: Array, quat: Array) -> Mask | None:
+        """Return whose pose is that of the last frame to the last digit, (n,); None where nobody's is."""
+        heard, self._heard = self._heard, (pos.copy(), quat.copy())
+        if len(heard[0]) < len(pos) or not (pos[:, 0] == heard[0][:, 0]).any():
+            return None
+        turned = (quat != heard[1]) & ~(np.isnan(quat) & np.isnan(heard[1]))
+        return np.asarray((pos == heard[0]).all(axis=1) & ~turned.any(axis=1))
 
     def _quat_of(self, verdict: Verdict, quat: Array) -> Array:
         lent = np.where((verdict.source >= 0)[:, None], quat[verdict.source], np.nan)

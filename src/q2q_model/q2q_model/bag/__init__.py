@@ -6,11 +6,15 @@ record` of ROS 2 Jazzy does. Read: that, other rosbag2 bags (MCAP, sqlite3), and
 """
 
 from q2q_model.bag.fault import BagError, BagRepairWarning
+from q2q_model.bag.foreign import read_mapped_flight
+from q2q_model.bag.log_topic import LOG_TOPIC, read_flight_log, write_log_row
 from q2q_model.bag.reader import BagReader, RawMessage, TimedSignal
 from q2q_model.bag.recorded_flight import read_flight
+from q2q_model.bag.topic_map import TopicMap, load_topic_map
 from q2q_model.bag.writer import BagWriter, OfferedQos
 
 __all__ = [
+    "LOG_TOPIC",
     "BagError",
     "BagReader",
     "BagRepairWarning",
@@ -18,5 +22,10 @@ __all__ = [
     "OfferedQos",
     "RawMessage",
     "TimedSignal",
+    "TopicMap",
+    "load_topic_map",
     "read_flight",
+    "read_flight_log",
+    "read_mapped_flight",
+    "write_log_row",
 ]

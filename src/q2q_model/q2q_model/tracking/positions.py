@@ -7,7 +7,7 @@ last seen at p, tau ago, is taken when it passes all three, with the thresholds 
     velocity  |r - p| <= jump_max + speed_max tau
     position  |r - p-| <= jump_max + GATE_SIGMAS sqrt(S)     (not once the vehicle is lost)
 
-A sample that is the last one again to the last digit, though the vehicle was moving, is an old frame under a
+A pose that is the last one again to the last digit, though the vehicle was moving, is an old frame under a
 new stamp: no sample, for as long as the vehicle coasts. A refused sample is tried as another vehicle's marker
 (q2q_model.tracking.swaps). A track takes others' markers for at most as many samples as it had been right
 about its name, so a wrong start heals. What is still refused but stays together is a true jump
@@ -30,7 +30,7 @@ from q2q_model.tracking.swaps import swapped_sources
 GATE_SIGMAS = 3.0
 """Width of the position gate beyond jump_max, in standard deviations of the prediction."""
 REPEAT_STEP = 0.002
-"""A sample repeated to the last digit is stale where the vehicle should have moved by more [m]: more than
+"""A pose repeated to the last digit is stale where the vehicle should have moved by more [m]: more than
 the rounding of logs in millimetres, and what a hover within a tick does not reach."""
 STEADY = 1e-9
 """Relative change of the covariance in a tick below which its gains are settled."""
@@ -111,7 +111,6 @@ class PositionTracks:
         self._rivals = Rivals(count, params.limits, params.reacquire_s)
         self._right = np.zeros(count, dtype=np.int64)  # samples taken under its own name
         self._swapped = np.zeros(count, dtype=np.int64)  # samples taken from others since
-        self._taken: Array = np.full((count, 3), np.nan)
         self._motion = (self._cov, self._cov)
         self._settle_rows(count)
 
@@ -120,7 +119,6 @@ class PositionTracks:
         self._seen, self._time = padded(self._seen, extra), padded(self._time, extra)
         self._state, self._cov = padded(self._state, extra), padded(self._cov, extra)
         self._right, self._swapped = padded(self._right, extra), padded(self._swapped, extra)
-        self._taken = padded(self._taken, extra)
         self._rivals.grow(extra)
         self._settle_rows(len(self._seen))
 
@@ -133,26 +131,27 @@ class PositionTracks:
         """Return the time since each vehicle's last taken sample [s], (n,); infinite if never."""
         return np.where(self._seen, t - self._time, np.inf)
 
-    def update(self, t: float, measured: Array) -> Verdict:
-        """Judge one tick's samples, measured [m] (n, 3), NaN where absent; t [s] is later than before."""
-        again = (measured[:, 0] == self._taken[:, 0]).any()
-        verdict = None if again else self._glide(t, measured)
+    def update(self, t: float, measured: Array, repeated: Mask | None = None) -> Verdict:
+        """Judge one tick's samples.
+
+        Args:
+            t: Capture time [s], later than before.
+            measured: Positions [m], (n, 3); NaN where absent.
+            repeated: Whose pose is the last one again to the last digit, (n,); None where nobody's is.
+        """
+        verdict = self._glide(t, measured) if repeated is None else None
         if verdict is not None:
             return verdict
         ahead = self._expect(t)
         inside = np.where(np.abs(measured) <= self._params.limits.pos_max, measured, np.nan)
-        if again:
-            inside = np.where(self._repeats(inside, ahead)[:, None], np.nan, inside)
+        if repeated is not None:
+            moved = np.abs(ahead.state[:, 0] - self._state[:, 0]).max(axis=1) > REPEAT_STEP
+            inside = np.where((repeated & moved & ~ahead.lost)[:, None], np.nan, inside)
         fits = self._judge(inside, ahead)
         if fits.all() and self._seen.all() and not ahead.lost.any():
             return self._follow(t, inside, ahead)
         self._steady = None
         return self._sort_out(t, inside, ahead, fits)
-
-    def _repeats(self, measured: Array, ahead: _Ahead) -> Mask:
-        """Return whose sample is the last one again, to the last digit, though the vehicle was moving."""
-        moved = np.abs(ahead.state[:, 0] - self._state[:, 0]).max(axis=1) > REPEAT_STEP
-        return np.asarray(moved & ~ahead.lost & (measured == self._taken).all(axis=1))
 
     def _glide(self, t: float, measured: Array) -> Verdict | None:
         """Take a whole tick with the gains of the last, where nothing is unusual; else return None."""
@@ -169,7 +168,7 @@ class PositionTracks:
         if self._noise_var == 0.0:
             state[:, 0] = measured
         self._state, steady.t = state, t
-        return self._all_taken(t, measured)
+        return self._all_taken(t)
 
     def _follow(self, t: float, measured: Array, ahead: _Ahead) -> Verdict:
         """Take a whole tick; note when the gains no longer change."""
@@ -180,11 +179,10 @@ class PositionTracks:
             gain = white_jerk.gain(ahead.cov, self._noise_var)[:, :, None]
             gate, reach = (float(radius.min()) / np.sqrt(3.0) for radius in (ahead.gate, ahead.reach))
             self._steady = _Steady(t, float(dt[0]), self._motion[0], gain, gate, reach)
-        return self._all_taken(t, measured)
+        return self._all_taken(t)
 
-    def _all_taken(self, t: float, measured: Array) -> Verdict:
+    def _all_taken(self, t: float) -> Verdict:
         self._time[:] = t
-        self._taken[:] = measured
         self._right += 1
         self._swapped[:] = 0
         self._rivals.forget(self._every)
@@ -237,7 +235,7 @@ class PositionTracks:
         self._state[fresh], self._cov[fresh] = white_jerk.start(
             samples[fresh], velocity[fresh], self._noise_var
         )
-        self._time[taken], self._taken[taken] = t, samples[taken]
+        self._time[taken] = t
         self._seen |= taken
         self._rivals.forget(jumped)
 

@@ -1,0 +1,55 @@
+"""Write and read the topic `log`: q2q_msgs/FlightLog, one message a tick."""
+
+from pathlib import Path
+
+import numpy as np
+
+from q2q_model.bag.definitions import jazzy_types
+from q2q_model.bag.fault import BagError
+from q2q_model.bag.reader import BagReader
+from q2q_model.bag.writer import BagWriter
+from q2q_model.flight_log import FlightLog
+
+LOG_TOPIC = "/log"
+LOG_TYPE = "q2q_msgs/msg/FlightLog"
+
+
+def write_log_row(bag: BagWriter, log: FlightLog, row: int) -> None:
+    """Write one tick of a log to the topic /log of a bag, at the tick's stamp."""
+    types = jazzy_types().types
+    stamp_ns = round(float(log.t[row]) * 1e9)
+    sec, nanosec = divmod(stamp_ns, 1_000_000_000)
+    header = types["std_msgs/msg/Header"](
+        stamp=types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec), frame_id="world"
+    )
+    message = types[LOG_TYPE](
+        header=header,
+        names=list(log.names),
+        columns=list(log.columns),
+        units=list(log.units),
+        values=np.ascontiguousarray(log.values[row], dtype=np.float64).ravel(),
+    )
+    bag.add_topic(LOG_TOPIC, LOG_TYPE)
+    bag.write_raw(LOG_TOPIC, stamp_ns, bytes(jazzy_types().serialize_cdr(message, LOG_TYPE)))
+
+
+def read_flight_log(path: Path | str) -> FlightLog:
+    """Return the log of a flight.
+
+    Raises BagError for a bag without one, or whose vehicles or columns change on the way.
+    """
+    bag = BagReader(path)
+    topic = next((name for name, kind in bag.topics.items() if kind == LOG_TYPE), None)
+    if topic is None:
+        raise BagError(f"bag {bag.path} has no {LOG_TYPE}; it has {', '.join(bag.topics.values())}")
+    store = jazzy_types()
+    rows = [store.deserialize_cdr(found.data, LOG_TYPE) for found in bag.raw({topic})]
+    if not rows:
+        raise BagError(f"bag {bag.path} has no message on {topic}")
+    heads = {(tuple(row.names), tuple(row.columns), tuple(row.units)) for row in rows}
+    if len(heads) > 1:
+        raise BagError(f"bag {bag.path}: vehicles or columns of {topic} change on the way; split it there")
+    ((names, columns, units),) = heads
+    t = [(row.header.stamp.sec * 1_000_000_000 + row.header.stamp.nanosec) * 1e-9 for row in rows]
+    values = np.stack([row.values for row in rows]).reshape(len(rows), len(names), len(columns))
+    return FlightLog(np.array(t), names, columns, units, values)

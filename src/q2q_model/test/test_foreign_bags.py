@@ -1,0 +1,199 @@
+"""Hold the topic map to bags of others: per-vehicle poses, named poses of both versions, ROS 1, sqlite3."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap_ros2.writer import Writer as ForeignWriter
+from rosbags.rosbag1 import Writer as Ros1Writer
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as SqliteWriter
+from rosbags.typesys import Stores, get_typestore
+
+from q2q_model.bag import BagError, BagRepairWarning, TopicMap, load_topic_map, read_mapped_flight
+from q2q_model.rotations import quat_from_euler
+from q2q_model.signals import Array
+
+NAMED_POSES = """std_msgs/Header header
+{extra}NamedPose[] poses
+================================================================================
+MSG: motion_capture_tracking_interfaces/NamedPose
+string name
+geometry_msgs/Pose pose
+================================================================================
+MSG: motion_capture_tracking_interfaces/LatencyInfo
+string name
+float64 value
+================================================================================
+MSG: geometry_msgs/Pose
+geometry_msgs/Point position
+geometry_msgs/Quaternion orientation
+================================================================================
+MSG: geometry_msgs/Point
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+"""
+SECOND_VERSION = "uint64 timestamp\nLatencyInfo[] latencies\n"
+TICKS = 20
+
+
+def _place(tick: int, vehicle: int) -> tuple[Array, Array]:
+    return np.array([0.01 * tick, float(vehicle), 1.0 + vehicle]), quat_from_euler(0.0, 0.0, 0.02 * tick)
+
+
+def _pose(tick: int, vehicle: int) -> dict[str, dict[str, float]]:
+    pos, quat = _place(tick, vehicle)
+    return {
+        "position": dict(zip("xyz", pos.tolist(), strict=True)),
+        "orientation": dict(zip("xyzw", quat.tolist(), strict=True)),
+    }
+
+
+@pytest.mark.parametrize(("kind", "extra"), [("NamedPoseArray", ""), ("NamedPoseArrayV2", SECOND_VERSION)])
+def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path: Path, kind: str, extra: str):
+    with (tmp_path / "room.mcap").open("wb") as stream, ForeignWriter(stream) as writer:
+        name = f"motion_capture_tracking_interfaces/msg/{kind}"
+        schema = writer.register_msgdef(name, NAMED_POSES.format(extra=extra))
+        for tick in range(TICKS):
+            seen = [1] if tick % 4 == 3 else [0, 1]
+            message = {
+                "header": {"stamp": {"sec": 1, "nanosec": tick * 10_000_000}, "frame_id": "world"},
+                "timestamp": 7,
+                "latencies": [{"name": "camera", "value": 0.004}],
+                "poses": [{"name": f"cf{231 + k}", "pose": _pose(tick, k)} for k in seen],
+            }
+            writer.write_message("/poses", schema, message, log_time=tick, publish_time=tick)
+    mapped = TopicMap(poses="/poses", rename={"cf231": "cf1"})
+    flight = read_mapped_flight(tmp_path / "room.mcap", mapped)
+    assert set(flight.names) == {"cf1", "cf232"}
+    for tick in range(TICKS):
+        assert flight.t[tick] == pytest.approx(1.0 + 0.01 * tick, abs=1e-9)
+        for k, name in enumerate(("cf1", "cf232")):
+            at = flight.mocap_pos[tick, flight.names.index(name)]
+            if k == 0 and tick % 4 == 3:
+                assert np.isnan(at).all()
+            else:
+                assert np.array_equal(at, _place(tick, k)[0])
+                assert np.array_equal(flight.mocap_quat[tick, flight.names.index(name)], _place(tick, k)[1])
+
+
+def _write_ros(writer, store, convert, offset_ns: int = 2_000_000) -> None:  # noqa: ANN001
+    """Write PoseStamped of a and Odometry of b, b later by an offset, at 100 Hz."""
+    types = store.types
+    point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
+    pose_of = types["geometry_msgs/msg/Pose"]
+    kinds = ("geometry_msgs/msg/PoseStamped", "nav_msgs/msg/Odometry")
+    connections = [
+        writer.add_connection(f"/{name}", kind, typestore=store)
+        for name, kind in zip("ab", kinds, strict=True)
+    ]
+    for tick in range(TICKS):
+        for k, connection in enumerate(connections):
+            pos, quat = _place(tick, k)
+            stamp_ns = tick * 10_000_000 + k * offset_ns
+            time = types["builtin_interfaces/msg/Time"](sec=0, nanosec=stamp_ns)
+            head = types["std_msgs/msg/Header"]
+            header = (
+                head(seq=tick, stamp=time, frame_id="w")
+                if "seq" in head.__annotations__
+                else head(stamp=time, frame_id="w")
+            )
+            pose = pose_of(position=point(*pos.tolist()), orientation=turn(*quat.tolist()))
+            if k == 0:
+                message = types[kinds[0]](header=header, pose=pose)
+            else:
+                zero = types["geometry_msgs/msg/Vector3"](x=0.0, y=0.0, z=0.0)
+                cov = np.zeros(36)
+                twist = types["geometry_msgs/msg/Twist"](linear=zero, angular=zero)
+                message = types[kinds[1]](
+                    header=header,
+                    child_frame_id="b",
+                    pose=types["geometry_msgs/msg/PoseWithCovariance"](pose=pose, covariance=cov),
+                    twist=types["geometry_msgs/msg/TwistWithCovariance"](twist=twist, covariance=cov),
+                )
+            writer.write(connection, stamp_ns + 1_000_000_000, convert(message, kinds[k]))
+
+
+def _check(path: Path) -> None:
+    flight = read_mapped_flight(path, TopicMap(vehicles={"cf1": "/a", "cf2": "/b"}))
+    assert flight.names == ("cf1", "cf2")
+    assert np.allclose(flight.t, 0.01 * np.arange(TICKS), atol=1e-9)
+    for tick in range(TICKS):
+        for k in (0, 1):
+            assert np.array_equal(flight.mocap_pos[tick, k], _place(tick, k)[0])
+            assert np.array_equal(flight.mocap_quat[tick, k], _place(tick, k)[1])
+
+
+def test_poses_per_vehicle_are_read_from_an_sqlite_bag(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with SqliteWriter(tmp_path / "old", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr)
+    _check(tmp_path / "old")
+
+
+def test_poses_per_vehicle_are_read_from_a_ros_1_bag(tmp_path: Path):
+    store = get_typestore(Stores.ROS1_NOETIC)
+    with Ros1Writer(tmp_path / "old.bag") as writer:
+        _write_ros(writer, store, store.serialize_ros1)
+    _check(tmp_path / "old.bag")
+
+
+def test_poses_too_far_from_every_tick_are_refused_or_said(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    mapped = TopicMap(vehicles={"cf1": "/a", "cf2": "/b"})
+    with SqliteWriter(tmp_path / "far", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr, offset_ns=700_000_000)
+    with pytest.raises(BagError, match=r"poses of cf2 lie at 0\.700 to 0\.890 s.*clocks are mixed"):
+        read_mapped_flight(tmp_path / "far", mapped)
+    with SqliteWriter(tmp_path / "near", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr, offset_ns=100_000_000)
+    with pytest.warns(BagRepairWarning, match="10 of 20 poses of cf2 belong to no tick"):
+        flight = read_mapped_flight(tmp_path / "near", mapped)
+    assert np.isnan(flight.mocap_pos[:10, 1]).all()
+    assert np.array_equal(flight.mocap_pos[10, 1], _place(0, 1)[0])
+
+
+def test_a_topic_without_poses_or_not_there_is_named(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with SqliteWriter(tmp_path / "bag", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        string = writer.add_connection("/talk", "std_msgs/msg/String", typestore=store)
+        writer.write(
+            string, 0, store.serialize_cdr(store.types["std_msgs/msg/String"](data="hi"), string.msgtype)
+        )
+    with pytest.raises(BagError, match="std_msgs/msg/String, which has no pose; known are PoseStamped"):
+        read_mapped_flight(tmp_path / "bag", TopicMap(vehicles={"cf1": "/talk"}))
+    with pytest.raises(BagError, match="has no topic /cf1; it has /talk"):
+        read_mapped_flight(tmp_path / "bag", TopicMap(vehicles={"cf1": "/cf1"}))
+
+
+def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path):
+    file = tmp_path / "map.yaml"
+    file.write_text("vehicles: {cf1: /a}\nposes: /poses\nrename: {cf231: cf2}\nstamps: receive\n")
+    assert load_topic_map(file) == TopicMap({"cf1": "/a"}, "/poses", {"cf231": "cf2"}, {}, by_header=False)
+    for text, said in (
+        ("vehicle: {cf1: /a}", "unknown vehicle; known are vehicles"),
+        ("vehicles: [a]", "maps names to names"),
+        ("stamps: wall\nposes: /p", "allowed are header, receive"),
+        ("tolerance_s: -1\nposes: /p", "allowed is 0 to 1 s"),
+        ("rename: {a: b}", "maps nothing"),
+        ("[1, 2]", "is no mapping"),
+        ("{", "cannot be read"),
+    ):
+        file.write_text(text)
+        with pytest.raises(BagError, match=said):
+            load_topic_map(file)

@@ -1,0 +1,155 @@
+"""Hold the import of real flights to its table: nothing changes on the way through the bag."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.bag import BagReader, read_flight, read_flight_log
+from q2q_model.rotations import euler_from_quat, rotate
+from q2q_model.signals import Array
+from q2q_model.vehicle import GRAVITY
+from q2q_sim.flight_table import flight_table, signals_of
+from q2q_sim.tools.bag_import import main, read_columns
+
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
+NEEDS_DATA = pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")
+ALL = (
+    *("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "roll", "pitch", "yaw", "qx", "qy", "qz", "qw"),
+    *("wp", "wq", "wr", "xref", "yref", "zref", "vxref", "vyref", "vzref", "thrust_cmd"),
+    *("pwm1", "pwm2", "pwm3", "pwm4", "vbat", "fa_ff", "thrust_est", "faz_est", "gap"),
+)
+
+
+def _columns(ticks: int = 40) -> dict[str, Array]:
+    rng = np.random.default_rng(0)
+    columns = {"t": 0.01 * np.arange(1, ticks + 1)}
+    for name in ("cf50", "cf51"):
+        columns |= {f"{name}_{key}": rng.normal(size=ticks) for key in ALL}
+        quat = rng.normal(size=(ticks, 4))
+        quat /= np.linalg.norm(quat, axis=1, keepdims=True)
+        columns |= {f"{name}_{key}": quat[:, k] for k, key in enumerate(("qx", "qy", "qz", "qw"))}
+        columns[f"{name}_gap"] = np.zeros(ticks)
+    columns["cf51_gap"][10:15] = 1.0
+    return columns
+
+
+def _write_csv(columns: dict[str, Array], path: Path) -> None:
+    rows = np.stack(list(columns.values()), axis=1)
+    np.savetxt(path, rows, delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
+
+
+def test_every_column_survives_the_bag(tmp_path: Path):
+    columns = _columns()
+    _write_csv(columns, tmp_path / "flight.csv")
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    flight, log = read_flight(tmp_path / "bag"), read_flight_log(tmp_path / "bag")
+    assert flight.names == log.names == ("cf50", "cf51")
+    assert np.allclose(flight.t, columns["t"], atol=1e-9)
+    for k, name in enumerate(flight.names):
+        kept = {
+            "x": flight.pos[:, k, 0], "vz": flight.vel[:, k, 2], "xref": flight.ref_pos[:, k, 0],
+            "vyref": flight.ref_vel[:, k, 1], "thrust_cmd": flight.thrust[:, k],
+            "wq": flight.gyro_body[:, k, 1],
+        }  # fmt: skip
+        for key in ("pwm1", "pwm4", "vbat", "fa_ff", "thrust_est", "faz_est", "gap"):
+            kept[key] = log.column(key)[:, k]
+        for key, values in kept.items():
+            assert np.array_equal(values, columns[f"{name}_{key}"]), key
+        # one rotation there and back of numbers near 10
+        acc = rotate(flight.quat[:, k], flight.specific_force_body[:, k]) - [0.0, 0.0, GRAVITY]
+        assert np.allclose(acc, np.stack([columns[f"{name}_a{axis}"] for axis in "xyz"], axis=1), atol=1e-13)
+    gone = np.isnan(flight.mocap_pos).any(axis=-1)
+    assert gone[10:15, 1].all()
+    assert gone.sum() == 5
+    assert np.array_equal(flight.mocap_pos[~gone], flight.pos[~gone])
+    assert log.units[log.columns.index("faz_est")] == "N"
+
+
+def test_a_state_in_a_gap_coasts_and_grows_old():
+    states = list(signals_of(flight_table(_columns()))["/state"])
+    assert [int(state.status[1]) for state in states[9:16]] == [0, 1, 1, 1, 1, 1, 0]
+    assert np.allclose(
+        [state.age[1] for state in states[9:16]], [0, 0.01, 0.02, 0.03, 0.04, 0.05, 0], atol=1e-9
+    )
+    assert all(state.age[0] == 0.0 for state in states)
+
+
+def test_a_lone_vehicle_has_plain_columns_and_differences_where_nothing_is_logged():
+    t = np.arange(50) * 0.01
+    columns = {
+        "t": t,
+        "x": t,
+        "y": t,
+        "z": t,
+        "xref": t**2,
+        "yref": 0 * t,
+        "zref": 0 * t,
+        "yawref_deg": 90.0 + 0 * t,
+    }
+    table = flight_table(columns)
+    made = {topic: list(signals) for topic, signals in signals_of(table).items()}
+    assert set(made) == {"/mocap", "/reference"}
+    assert table.names == ("cf1",)
+    assert np.isnan(made["/mocap"][0].quat).all()
+    # central differences of a parabola are exact but at the two ends and beside them
+    assert np.allclose([s.vel[0, 0] for s in made["/reference"][1:-1]], 2.0 * t[1:-1], atol=1e-12)
+    assert np.allclose([s.acc[0, 0] for s in made["/reference"][2:-2]], 2.0, atol=1e-10)
+    assert made["/reference"][0].yaw[0] == pytest.approx(np.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"t": None}, "has no column t"),
+        ({"t": np.zeros(40)}, "must begin at 0 or later and rise; row 1 of 40"),
+        ({"t": np.arange(40) - 5.0}, "row 0 of 40"),
+        ({"cf50_x": None, "cf51_x": None}, "neither x nor <vehicle>_x"),
+    ],
+)
+def test_a_table_that_is_no_flight_is_named(change: dict[str, Array | None], said: str):
+    columns = {name: change.get(name, values) for name, values in _columns().items()}
+    with pytest.raises(ValueError, match=said):
+        flight_table({name: values for name, values in columns.items() if values is not None})
+
+
+def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    (tmp_path / "words.csv").write_text("t,x,y,z\n0,a,b,c\n")
+    (tmp_path / "cut.parquet").write_bytes(b"PAR1 and no more")
+    (tmp_path / "flight.txt").write_text("")
+    _write_csv(_columns(), tmp_path / "good.csv")
+    (tmp_path / "there").mkdir()
+    for file, out, said in (
+        ("none.csv", "bag", "no file"),
+        ("flight.txt", "bag", "neither .parquet nor .csv"),
+        ("words.csv", "bag", "is no table of numbers"),
+        ("cut.parquet", "bag", "is no table of numbers"),
+        ("good.csv", "there", "exists already"),
+    ):
+        assert main([str(tmp_path / file), "--out", str(tmp_path / out)]) == 1
+        error = capsys.readouterr().err
+        assert said in error
+        assert error.count("\n") == 1
+    assert not (tmp_path / "bag").exists()
+
+
+@NEEDS_DATA
+@pytest.mark.parametrize(
+    ("file", "topics"),
+    [
+        ("neural_swarm/dc21_swap_ss_03", {"/mocap", "/state", "/reference", "/command", "/imu", "/log"}),
+        ("nanobench/B2_circle_fast_rep1", {"/mocap", "/reference", "/log"}),
+    ],
+)
+def test_real_flights_are_imported(tmp_path: Path, file: str, topics: set[str]):
+    path = DATA / f"{file}.parquet"
+    assert main([str(path), "--out", str(tmp_path / "bag")]) == 0
+    assert set(BagReader(tmp_path / "bag").topics) == topics
+    flight, columns = read_flight(tmp_path / "bag"), read_columns(path)
+    assert len(flight.t) == len(columns["t"])
+    if "/state" in topics:
+        # the logged quaternion has four digits, its length is off by up to 1e-4
+        assert np.allclose(
+            euler_from_quat(flight.quat[:, 0])[:, 0], columns[f"{flight.names[0]}_roll"], atol=1e-3
+        )
