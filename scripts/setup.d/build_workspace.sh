@@ -27,7 +27,7 @@ colcon_build() (
 ensure_build() {
   fresh build "$(build_hash)" && [ -f "$ROOT/install/local_setup.bash" ] && return
   say "step 3 of 3: colcon build of src/"
-  [ -f "$STAMPS/build" ] || MAKING=$ROOT/install
+  [ -f "$ROOT/install/local_setup.bash" ] || MAKING=$ROOT/install
   rm -f "$STAMPS/build"
   logged "colcon build failed" colcon_build
   "$VENV/bin/python" -I -S "$ROOT/scripts/setup.d/repair_shebangs.py" "$ROOT/install"
