@@ -14,7 +14,7 @@ from q2q_model.signals import SwarmCommand
 from q2q_planner.trajectory import setpoint_at
 from q2q_sim.assembly import TICK_S, Blocks, Mode, blocks_of
 from q2q_sim.recording import FlightRecording
-from q2q_sim.room import Room, Tick
+from q2q_sim.room import TICK_NS, Room, Tick
 from q2q_sim.scenario import Scenario
 
 
@@ -43,7 +43,7 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
     recording = FlightRecording(scenario.names, ticks_of(scenario))
     while room.tick * TICK_S < scenario.duration:
         number, tick = room.tick, room.capture()
-        recording.frame(number, tick.frame)
+        recording.frame(number, tick.stamp_ns, tick.frame)
         recording.truth(number, tick.truth, tick.truth_interference, tick.imu)
         room.advance(_answer(blocks, tick, recording, aware=options.mode != "ignoring"))
     return recording.flight(f"{scenario.name} {options.mode} seed {options.seed}")
@@ -57,7 +57,7 @@ def ticks_of(scenario: Scenario) -> int:
 
 def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, *, aware: bool) -> SwarmCommand:
     """Return the command of a tick, and write down how it came about."""
-    number = round(tick.frame.t / TICK_S)
+    number = tick.stamp_ns // TICK_NS
     state = blocks.mocap_filter.update(tick.frame)
     draft = blocks.predictor.update(state)
     planned = setpoint_at(blocks.plan, tick.frame.t)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from q2q_control.legacy import PWM_MAX, LegacyScale, legacy_setpoints
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array, SwarmCommand
+from q2q_sim.episodes import Mask
 from q2q_sim.streams import stream
 
 LEVEL_AFTER_NS = 500_000_000
@@ -77,12 +78,15 @@ class Radio:
         self._obeyed = np.zeros((n, 4))
         self._obeyed[:, 0] = np.where(self._locked, 0.0, at_start)
 
-    def send(self, now_ns: int, rows: Rows, command: SwarmCommand) -> None:
-        """Send the command of the tick at now_ns; row k of it is for vehicle rows[k]."""
+    def send(self, now_ns: int, rows: Rows, command: SwarmCommand, jammed: Mask) -> None:
+        """Send the command of the tick at now_ns; row k of it is for vehicle rows[k].
+
+        Packets to vehicles that are `jammed` (n,) are lost besides those that are lost anyway.
+        """
         due = self._next_ns[rows] <= now_ns
         next_ns = np.maximum(self._next_ns[rows], now_ns - self._gap_ns) + self._gap_ns
         self._next_ns[rows[due]] = next_ns[due]
-        kept = np.flatnonzero(due & ~self._lost(rows))
+        kept = np.flatnonzero(due & ~self._lost(rows) & ~jammed[rows])
         values, rows = self._coded(command)[kept], rows[kept]
         arrival_ns = now_ns + self._latency_ns
         if self._params.jitter == 0.0:
@@ -107,7 +111,7 @@ class Radio:
         self._obeyed = out[-1].copy()
         return out
 
-    def _lost(self, rows: Rows) -> NDArray[np.bool_]:
+    def _lost(self, rows: Rows) -> Mask:
         if self._params.loss == 0.0:
             return np.zeros(len(rows), dtype=np.bool_)
         return self._loss.random(len(self._next_ns))[rows] < self._params.loss

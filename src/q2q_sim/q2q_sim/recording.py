@@ -36,9 +36,9 @@ class FlightRecording:
             for key, width in _WIDTHS.items()
         }
 
-    def frame(self, tick: int, frame: MocapFrame) -> None:
-        """Write what motion capture saw."""
-        self._stamps[tick] = frame.t
+    def frame(self, tick: int, stamp_ns: int, frame: MocapFrame) -> None:
+        """Write what came from motion capture in the tick at stamp_ns."""
+        self._stamps[tick] = stamp_ns * 1e-9
         rows = index_of(frame.names, self._names)
         self._arrays["mocap_pos"][tick, rows] = frame.pos
         self._arrays["mocap_quat"][tick, rows] = frame.quat

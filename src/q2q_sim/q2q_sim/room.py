@@ -25,6 +25,7 @@ from q2q_model.signals import (
     index_of,
 )
 from q2q_sim.disturbance import Disturbance
+from q2q_sim.fault_injection import FaultInjection
 from q2q_sim.imu import Imu
 from q2q_sim.quadcopter import ACC
 from q2q_sim.radio import Radio, RadioParams
@@ -45,6 +46,9 @@ class Tick:
     """Hold what can be known of one tick."""
 
     stamp_ns: int
+    """When it is: it names the tick."""
+    frame_stamp_ns: int
+    """The stamp the frame carries: another one only where a fault makes it late, repeated or wrong."""
     truth: SwarmState
     truth_interference: Interference
     frame: MocapFrame
@@ -65,6 +69,7 @@ class Room:
         self._vicon = Vicon(scenario.vicon, n, TICK_S, seed)
         self._imu = Imu(scenario.imu, n, seed)
         self._disturbance = Disturbance(scenario.disturbance, n, TICK_S, seed)
+        self._faults = FaultInjection(scenario.faults, scenario.names, TICK_NS, seed)
         hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
         self._radio = Radio(_with_camera_latency(scenario), hover, vehicle.thrust_max, seed)
         self._tick = 0
@@ -85,11 +90,14 @@ class Room:
         if self._seen is None:
             stamp_ns = self._tick * TICK_NS
             truth = self._swarm.truth(stamp_ns * 1e-9)
+            seen = self._vicon.observe(truth)
+            delivery = self._faults.deliver(seen, stamp_ns, self._vicon.injected)
             self._seen = Tick(
                 stamp_ns=stamp_ns,
+                frame_stamp_ns=delivery.stamp_ns,
                 truth=truth,
                 truth_interference=self._true_draft(truth),
-                frame=self._vicon.observe(truth),
+                frame=delivery.frame,
                 imu=self._imu.read(truth, self._swarm.state[:, ACC]),
             )
         return self._seen
@@ -103,9 +111,9 @@ class Room:
         self.capture()  # every tick is looked at once, so that its noise does not depend on who asks
         now_ns = self._tick * TICK_NS
         if command is not None:
-            self._radio.send(now_ns, self._rows_of(command), command)
+            self._radio.send(now_ns, self._rows_of(command), command, self._faults.jammed(now_ns))
         obeyed = self._radio.obeyed(now_ns, TICK_NS // STEPS, STEPS)
-        self._swarm.step(obeyed, self._disturbance.step())
+        self._swarm.step(obeyed, self._faults.weakened(self._disturbance.step(), now_ns))
         self._tick += 1
         self._seen = None
 

@@ -11,6 +11,7 @@ A document (parsed YAML) becomes a Scenario here, every value checked; `q2q_sim.
     reading: stop_and_go      # of eq. (17): stop_and_go or free
     vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}
     overrides: {pid: {thrust_max: 6.6}}
+    faults: [{kind: outlier, start: 10, duration: 0.1, vehicles: [cf1], size: 1}, ...]   # q2q_sim.faults
 """
 
 from collections.abc import Mapping
@@ -28,6 +29,7 @@ from q2q_planner.minsnap import Reading
 from q2q_planner.potential_field import PotentialFieldParams
 from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
 from q2q_sim.disturbance import DisturbanceParams
+from q2q_sim.faults import Fault, check_vehicles, fault_from_document
 from q2q_sim.imu import ImuParams
 from q2q_sim.radio import RadioParams
 from q2q_sim.settings import Overrides, setting_by_name
@@ -47,7 +49,7 @@ LONGEST = 3600.0
 READINGS: dict[str, Reading] = {"stop_and_go": "stop_and_go", "free": "free"}
 KEYS = (
     "description", "duration", "vehicle", "wake", "model", "room", "reading", "vehicles", "overrides",
-    "vicon", "radio", "imu", "disturbance",
+    "vicon", "radio", "imu", "disturbance", "faults",
 )  # fmt: skip
 
 
@@ -70,6 +72,7 @@ class Scenario:
     radio: RadioParams = field(default_factory=RadioParams)
     imu: ImuParams = field(default_factory=ImuParams)
     disturbance: DisturbanceParams = field(default_factory=DisturbanceParams)
+    faults: tuple[Fault, ...] = ()
     overrides: Overrides = field(default_factory=dict)
     """Parameters of blocks that differ from their defaults: {block: {parameter: value}}."""
 
@@ -82,6 +85,7 @@ class Scenario:
             height = vehicle.waypoints[0].pos[2]
             if height < 0.0:
                 raise ValueError(f"{vehicle.name}, waypoint 0: z = {height} m: the ground is at 0")
+        check_vehicles(self.faults, self.names)
         for block, values in self.overrides.items():
             overridden(BLOCKS[block], values, block)
 
@@ -115,6 +119,7 @@ def scenario_from_document(name: str, document: object) -> Scenario:
         radio=overridden(room.radio, entries.get("radio", {}), "radio"),
         imu=overridden(room.imu, entries.get("imu", {}), "imu"),
         disturbance=overridden(room.disturbance, entries.get("disturbance", {}), "disturbance"),
+        faults=_faults(entries.get("faults", [])),
         overrides=_merged(room.overrides, entries.get("overrides", {})),
     )
 
@@ -161,6 +166,12 @@ def _merged(room: Overrides, own: object) -> Overrides:
         block: _values(BLOCKS[block], values, f"overrides.{block}") for block, values in entries.items()
     }
     return {block: {**room.get(block, {}), **blocks.get(block, {})} for block in sorted({*room, *blocks})}
+
+
+def _faults(value: object) -> tuple[Fault, ...]:
+    if not isinstance(value, list):
+        raise ValueError(f"faults = {value!r}: a list is expected")  # noqa: TRY004  a bad document
+    return tuple(fault_from_document(one) for one in value)
 
 
 def _reading(value: object) -> Reading:

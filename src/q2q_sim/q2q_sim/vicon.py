@@ -39,6 +39,9 @@ class Injected(IntFlag):
     SWAP = 4
     DROPOUT = 8
     STALE = 16
+    NAN = 32
+    STAMP = 64
+    """The frame came late, again, out of order, or with a wrong stamp (q2q_sim.faults)."""
 
 
 Flags = NDArray[np.uint8]

@@ -9,6 +9,7 @@ from q2q_sim.radio import Radio, RadioParams
 TICK_NS, STEP_NS, STEPS = 10_000_000, 2_000_000, 5
 THRUST_MAX, HOVER = 0.6, 0.33
 ROW = np.array([0])
+CLEAR = np.zeros(50, dtype=np.bool_)
 
 
 def _command(thrust: float, roll: float = 0.0, n: int = 1) -> SwarmCommand:
@@ -33,21 +34,21 @@ def _tick(radio: Radio, k: int) -> np.ndarray:
 
 def test_a_perfect_radio_hands_over_what_was_asked_at_once() -> None:
     radio = _radio(RadioParams())
-    radio.send(0, ROW, _command(0.4, roll=0.1))
+    radio.send(0, ROW, _command(0.4, roll=0.1), CLEAR)
     np.testing.assert_array_equal(_tick(radio, 0), [[0.4, 0.1, -0.05, 0.25]] * STEPS)
 
 
 @pytest.mark.parametrize(("latency", "steps"), [(0.002, 1), (0.009, 5), (0.026, 13)])
 def test_a_command_is_obeyed_from_the_first_step_after_its_latency(latency: float, steps: int) -> None:
     radio = _radio(RadioParams(latency=latency))
-    radio.send(0, ROW, _command(0.5))
+    radio.send(0, ROW, _command(0.5), CLEAR)
     thrust = np.concatenate([_tick(radio, k)[:, 0] for k in range(4)])
     np.testing.assert_array_equal(thrust, [HOVER] * steps + [0.5] * (20 - steps))
 
 
 def test_without_packets_it_levels_after_half_a_second_and_cuts_after_two() -> None:
     radio = _radio(RadioParams())
-    radio.send(0, ROW, _command(0.5, roll=0.2))
+    radio.send(0, ROW, _command(0.5, roll=0.2), CLEAR)
     first = {"tilted": 0, "level": 0, "cut": 0}
     for k in range(250):
         obeyed = _tick(radio, k)[0]
@@ -60,11 +61,11 @@ def test_without_packets_it_levels_after_half_a_second_and_cuts_after_two() -> N
 
 def test_after_a_cut_thrust_stays_locked_until_a_packet_without_thrust() -> None:
     radio = _radio(RadioParams())
-    radio.send(0, ROW, _command(0.5))
+    radio.send(0, ROW, _command(0.5), CLEAR)
     _tick(radio, 0)
     _tick(radio, 300)
     for k, thrust, obeyed in ((301, 0.5, 0.0), (302, 0.0, 0.0), (303, 0.5, 0.5)):
-        radio.send(k * TICK_NS, ROW, _command(thrust))
+        radio.send(k * TICK_NS, ROW, _command(thrust), CLEAR)
         assert _tick(radio, k)[-1, 0] == obeyed
 
 
@@ -72,7 +73,7 @@ def test_a_locked_vehicle_keeps_its_motors_off_until_unlocked() -> None:
     radio = _radio(RadioParams(unlocked=False))
     assert _tick(radio, 0)[0, 0] == 0.0
     for k, thrust, obeyed in ((1, 0.4, 0.0), (2, 0.0, 0.0), (3, 0.4, 0.4)):
-        radio.send(k * TICK_NS, ROW, _command(thrust))
+        radio.send(k * TICK_NS, ROW, _command(thrust), CLEAR)
         assert _tick(radio, k)[-1, 0] == obeyed
 
 
@@ -81,7 +82,7 @@ def test_lost_packets_leave_the_last_command_and_are_as_many_as_said() -> None:
     radio = _radio(RadioParams(loss=loss), n=n)
     heard = 0
     for k in range(ticks):
-        radio.send(k * TICK_NS, np.arange(n), _command(0.1 + 0.001 * k, n=n))
+        radio.send(k * TICK_NS, np.arange(n), _command(0.1 + 0.001 * k, n=n), CLEAR)
         heard += int((radio.obeyed(k * TICK_NS, STEP_NS, STEPS)[-1, :, 0] == 0.1 + 0.001 * k).sum())
     share = heard / (n * ticks)
     assert share == pytest.approx(1.0 - loss, abs=4.0 * np.sqrt(loss * (1.0 - loss) / (n * ticks)))  # 4 sigma
@@ -91,25 +92,31 @@ def test_a_slower_radio_sends_as_many_packets_as_it_can() -> None:
     radio = _radio(RadioParams(rate=60.0))
     heard = set()
     for k in range(1000):
-        radio.send(k * TICK_NS, ROW, _command(0.1 + 0.0001 * k))
+        radio.send(k * TICK_NS, ROW, _command(0.1 + 0.0001 * k), CLEAR)
         heard.add(float(_tick(radio, k)[-1, 0]))
     assert len(heard) == pytest.approx(600, abs=1)
 
 
 def test_quantised_packets_carry_whole_pwm_and_32_bit_degrees() -> None:
     radio = _radio(RadioParams(quantised=True))
-    radio.send(0, ROW, _command(0.4321, roll=0.1))
+    radio.send(0, ROW, _command(0.4321, roll=0.1), CLEAR)
     obeyed = _tick(radio, 0)[0]
     pwm = obeyed[0] / THRUST_MAX * 60000
     assert pwm == pytest.approx(round(pwm), abs=1e-6)
     assert obeyed[0] == pytest.approx(0.4321, abs=0.5 * THRUST_MAX / 60000)
     assert obeyed[1] == pytest.approx(0.1, rel=2.0**-24)
     assert obeyed[1] != 0.1
-    radio.send(TICK_NS, ROW, _command(THRUST_MAX * 999 / 60000))
+    radio.send(TICK_NS, ROW, _command(THRUST_MAX * 999 / 60000), CLEAR)
     assert _tick(radio, 1)[0, 0] == 0.0  # below the firmware's least thrust
 
 
 def test_a_burst_for_some_vehicles_leaves_the_others_alone() -> None:
     radio = _radio(RadioParams(), n=3)
-    radio.send(0, np.array([2, 0]), _command(0.5, n=2))
+    radio.send(0, np.array([2, 0]), _command(0.5, n=2), CLEAR)
+    np.testing.assert_array_equal(radio.obeyed(0, STEP_NS, STEPS)[0, :, 0], [0.5, HOVER, 0.5])
+
+
+def test_a_jammed_vehicle_hears_nothing_and_the_others_all() -> None:
+    radio = _radio(RadioParams(), n=3)
+    radio.send(0, np.arange(3), _command(0.5, n=3), np.array([False, True, False]))
     np.testing.assert_array_equal(radio.obeyed(0, STEP_NS, STEPS)[0, :, 0], [0.5, HOVER, 0.5])
