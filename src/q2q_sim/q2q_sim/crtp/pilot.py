@@ -1,0 +1,120 @@
+"""Pilot a fleet in simulated time: cflib's own encoders drive it without a network, a thread or a clock.
+
+`Wire` is what cflib's Commander, HighLevelCommander, Localization and Supervisor take for a Crazyflie when
+they only send; `Pilot` is a swarm that flies by its own firmware, tick by tick.
+"""
+
+from collections.abc import Callable, Hashable
+from typing import Protocol
+
+import numpy as np
+
+from q2q_model.signals import Array
+from q2q_model.vehicle import CRAZYFLIE_2_0, Vehicle
+from q2q_sim.crtp.fleet import Fleet, Sent
+from q2q_sim.crtp.vehicle import LOCAL
+from q2q_sim.onboard.firmware import Build, Firmware
+from q2q_sim.onboard.setpoint import Setpoint
+from q2q_sim.swarm import Swarm
+from q2q_sim.wake import Wake
+
+STILL = (0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
+"""No moving air, rotors that give what is asked."""
+ECHO = b"\xfc\x00"
+"""Asks a vehicle to send it back: keeps a client known."""
+TICKS_PER_S = 100
+
+
+class SentPacket(Protocol):
+    """Match cflib's CRTPPacket."""
+
+    header: int
+    data: bytearray
+
+
+class Wire:
+    """Take packets as cflib's Crazyflie does; keep what was sent and answered."""
+
+    def __init__(self, deliver: Callable[[bytes], list[bytes]]) -> None:
+        self._deliver = deliver
+        self.sent: list[bytes] = []
+        self.answers: list[bytes] = []
+        self.link = self
+        self.platform = self
+        self.needs_resending = False
+        self.version = 12
+        """CRTP protocol version that the encoders are told."""
+
+    def get_protocol_version(self) -> int:
+        """Return the version of the protocol."""
+        return self.version
+
+    def add_port_callback(self, _: int, __: object) -> None:
+        """Take a listener: answers are kept, not delivered."""
+
+    def add_callback(self, _: object) -> None:
+        """Take a listener: connections do not change here."""
+
+    @property
+    def disconnected(self) -> "Wire":
+        """Return what listeners to the end of the connection are added to."""
+        return self
+
+    @property
+    def connection_requested(self) -> "Wire":
+        """Return what listeners to its beginning are added to."""
+        return self
+
+    def send_packet(self, packet: SentPacket, **_: object) -> None:
+        """Deliver a packet at once."""
+        datagram = bytes([packet.header]) + bytes(packet.data)
+        self.sent.append(datagram)
+        self.answers += self._deliver(datagram)
+
+
+class Pilot:
+    """Hold a swarm that flies by its own firmware."""
+
+    def __init__(
+        self,
+        start: Array,
+        vehicle: Vehicle = CRAZYFLIE_2_0,
+        wake: Wake = Wake.NONE,
+        build: Build | None = None,
+    ) -> None:
+        """Place vehicles cf1, cf2, ... at rest at `start` (n, 4): x, y, z [m], yaw [rad]."""
+        names = tuple(f"cf{k + 1}" for k in range(len(start)))
+        self.swarm = Swarm(names, vehicle, np.array(start, dtype=np.float64), wake)
+        self.fleet = Fleet(self.swarm, vehicle, build or Build())
+        self.drive = np.tile(STILL, (len(start), 1))
+        self.out: list[Sent] = []
+        """What was due to clients since the beginning."""
+
+    def wire(self, vehicle: int = 0, client: Hashable = LOCAL) -> Wire:
+        """Return what cflib's encoders take for a Crazyflie."""
+        return Wire(lambda datagram: self.fleet.vehicles[vehicle].handle(datagram, client))
+
+    def firmware(self, vehicle: int = 0) -> Firmware:
+        """Return the firmware of a vehicle."""
+        return self.fleet.vehicles[vehicle].firmware
+
+    def pos(self, vehicle: int = 0) -> Array:
+        """Return where a vehicle is [m], world, (3,)."""
+        return np.array(self.swarm.state[vehicle, :3])
+
+    def fly(self, seconds: float, each: Callable[[float], None] = lambda _: None) -> None:
+        """Let time pass; `each` is called with the time [s] before every tick."""
+        for _ in range(round(seconds * TICKS_PER_S)):
+            each(self.firmware().seconds)
+            self.fleet.fly(self.drive)
+            self.out += self.fleet.outgoing()
+
+    def hold(self, setpoint: Setpoint) -> Callable[[float], None]:
+        """Return what sends a setpoint to all before every tick, as a client that stays in touch."""
+
+        def each(_: float) -> None:
+            for vehicle in self.fleet.vehicles:
+                vehicle.handle(ECHO)
+                vehicle.firmware.obey(setpoint)
+
+        return each

@@ -1,0 +1,14 @@
+"""Pilots of simulated vehicles that speak CRTP."""
+
+import numpy as np
+import pytest
+
+from q2q_sim.crtp.pilot import Pilot
+
+
+@pytest.fixture
+def grounded() -> Pilot:
+    """Return one vehicle on the ground, half a second after its start: ready to fly."""
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(0.5)
+    return pilot

@@ -1,0 +1,117 @@
+"""The UDP endpoint: floods, dead and many clients, a link that delays, ports that are taken."""
+
+import socket
+import struct
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from q2q_sim.crtp.link_model import LinkParams
+from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+
+VERSION = b"\xdd\x00"
+PATIENCE_S = 20.0
+"""An answer that has not come by then never does [s]."""
+
+
+@pytest.fixture
+def pilot() -> Pilot:
+    made = Pilot(np.array([[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]))
+    made.fly(0.5)
+    return made
+
+
+@pytest.fixture
+def endpoint(pilot: Pilot) -> Iterator[CrtpEndpoint]:
+    with CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, LinkParams()) as opened:
+        yield opened
+
+
+def client_of(endpoint: CrtpEndpoint, vehicle: int = 0) -> socket.socket:
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    made.settimeout(PATIENCE_S)
+    made.connect(("127.0.0.1", int(endpoint.uris[vehicle].rpartition(":")[2])))
+    return made
+
+
+def answer(client: socket.socket, datagram: bytes) -> bytes:
+    """Return the answer on the same port, passing over whatever else arrives."""
+    client.send(datagram)
+    while True:
+        got = client.recv(64)
+        if got[0] & 0xF3 == datagram[0] & 0xF3:
+            return got
+
+
+def test_a_probe_is_answered_at_every_vehicles_port(endpoint: CrtpEndpoint) -> None:
+    for vehicle in (0, 1):
+        with client_of(endpoint, vehicle) as client:
+            assert answer(client, b"\xff") == b"\xff"
+
+
+def test_ten_thousand_datagrams_of_garbage_starve_neither_the_room_nor_a_sound_client(
+    endpoint: CrtpEndpoint, pilot: Pilot
+) -> None:
+    rng = np.random.default_rng(0)
+    garbage = [rng.bytes(int(size)) for size in rng.integers(0, 200, 500)]
+    with client_of(endpoint) as noisy, client_of(endpoint) as sound:
+        for number in range(10_000):
+            noisy.send(garbage[number % len(garbage)])
+            if number % 100 == 0:
+                endpoint.fly(pilot.drive)
+        assert answer(sound, VERSION) == VERSION + struct.pack("<I", 12)
+    assert np.isfinite(pilot.swarm.state).all()
+    assert pilot.fleet.vehicles[0].refusals.count > 0
+    assert pilot.fleet.vehicles[1].refusals.count == 0
+
+
+def test_logs_reach_their_client_and_a_client_that_is_gone_disturbs_nobody(
+    endpoint: CrtpEndpoint, pilot: Pilot
+) -> None:
+    gone, alive = client_of(endpoint), client_of(endpoint)
+    for client in (gone, alive):
+        assert answer(client, b"\x5d\x06\x01\x07\x00\x00")[-1] == 0
+        assert answer(client, b"\x5d\x03\x01\x01")[-1] == 0
+    gone.close()
+    for _ in range(50):
+        endpoint.fly(pilot.drive)
+    stamps = []
+    while len(stamps) < 50:
+        got = alive.recv(64)
+        if got[0] == 0x5E:
+            stamps.append(int.from_bytes(got[2:5], "little"))
+    alive.close()
+    assert np.diff(stamps).tolist() == [10] * 49
+
+
+def test_a_delayed_link_answers_late_but_answers(pilot: Pilot) -> None:
+    now = [0.0]
+    link = LinkParams(latency=0.05)
+    opened = CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, link, now=lambda: now[0])
+    with opened as endpoint, client_of(endpoint) as client:
+        client.send(VERSION)
+        while endpoint.traffic.received == 0:
+            endpoint.fly(pilot.drive)
+        assert endpoint.traffic.sent == 0
+        now[0] = 0.06  # the request has arrived, its answer is under way
+        endpoint.fly(pilot.drive)
+        now[0] = 0.12
+        while endpoint.traffic.sent == 0:
+            endpoint.fly(pilot.drive)
+        assert client.recv(64)[:1] in {b"\xdd", b"\x0c"}
+
+
+def test_a_taken_port_closes_what_was_opened_and_says_so(pilot: Pilot) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        second = probe.getsockname()[1]
+        with pytest.raises(OSError, match=f"UDP port {second} of cf2 is taken on 127.0.0.1"):
+            CrtpEndpoint(pilot.fleet, pilot.swarm.names, second - 1, LinkParams())
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
+            again.bind(("127.0.0.1", second - 1))
+
+
+def test_ports_are_open_on_loopback_only(endpoint: CrtpEndpoint) -> None:
+    assert all(uri.startswith("udp://127.0.0.1:") for uri in endpoint.uris)

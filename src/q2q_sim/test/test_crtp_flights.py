@@ -1,0 +1,134 @@
+"""Whole flights over CRTP in simulated time: clients' own words in, trajectories out."""
+
+import numpy as np
+import pytest
+
+from q2q_model.rotations import identity_quat
+from q2q_model.signals import Array
+from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.onboard.firmware import Build
+from q2q_sim.onboard.supervisor_rules import State
+from q2q_sim.wake import Wake
+
+commander = pytest.importorskip("cflib.crazyflie.commander", reason="cflib is not installed").Commander
+high_level = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
+localization = pytest.importorskip("cflib.crazyflie.localization").Localization
+
+MELLINGER = 2
+
+
+@pytest.mark.parametrize("controller", [1, MELLINGER])
+def test_take_off_go_to_and_land_end_where_they_should(grounded: Pilot, controller: int) -> None:
+    grounded.firmware().parameters.set("stabilizer.controller", controller)
+    pilot = high_level(grounded.wire())
+    pilot.takeoff(1.0, 2.0)
+    grounded.fly(4.0)
+    np.testing.assert_allclose(grounded.pos(), [0.0, 0.0, 1.0], atol=0.12)  # the PID's integral overshoots
+    pilot.go_to(0.6, -0.4, 1.2, 0.0, 3.0)
+    grounded.fly(5.0)
+    np.testing.assert_allclose(grounded.pos(), [0.6, -0.4, 1.2], atol=0.08)
+    pilot.land(0.0, 2.0)
+    grounded.fly(5.0)
+    np.testing.assert_allclose(grounded.pos(), [0.6, -0.4, 0.0], atol=0.08)
+    assert grounded.firmware().supervisor.state == State.LANDED
+
+
+def test_a_client_that_dies_in_flight_leaves_its_vehicle_level_then_on_the_ground_then_free() -> None:
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
+    stick = commander(pilot.wire())
+
+    def hover(_: float) -> None:
+        stick.send_position_setpoint(0.0, 0.0, 1.0, 0.0)
+
+    pilot.fly(3.0, hover)
+    pilot.fly(1.0)
+    assert pilot.firmware().supervisor.state == State.LEVEL_OUT
+    assert pilot.pos()[2] > 0.5
+    pilot.fly(2.5)  # cut at 2 s, half a second of fall, silent for long: somebody pulls the battery
+    assert pilot.pos()[2] == 0.0
+    pilot.fly(0.5)
+    assert pilot.firmware().supervisor.state == State.READY_TO_FLY
+    high_level(pilot.wire()).takeoff(0.5, 1.0)
+    pilot.fly(2.5)
+    assert pilot.pos()[2] == pytest.approx(0.5, abs=0.1)
+
+
+def test_after_full_state_the_high_level_commander_lands_from_where_the_vehicle_is() -> None:
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
+    pilot.firmware().parameters.set("stabilizer.controller", MELLINGER)
+    wire = pilot.wire()
+    stick, plan = commander(wire), high_level(wire)
+    quat, still = identity_quat(), (0.0, 0.0, 0.0)
+
+    def hold(_: float) -> None:
+        stick.send_full_state_setpoint((0.3, 0.2, 1.0), still, still, quat, 0.0, 0.0, 0.0)
+
+    pilot.fly(4.0, hold)
+    np.testing.assert_allclose(pilot.pos(), [0.3, 0.2, 1.0], atol=0.03)
+    stick.send_notify_setpoint_stop()
+    plan.land(0.0, 2.0)
+    heights = []
+    pilot.fly(2.0, lambda _: heights.append(pilot.pos()[2]))
+    assert np.max(np.abs(np.diff(heights))) < 0.02  # no drop: 10 ms at most at 2 m/s
+    pilot.fly(2.0)
+    np.testing.assert_allclose(pilot.pos(), [0.3, 0.2, 0.0], atol=0.05)
+
+
+def test_an_estimator_fed_by_a_client_flies_as_well_and_lags_by_what_the_client_lags() -> None:
+    pilot = Pilot(np.zeros((1, 4)), build=Build(positioning_deck=False))
+    pilot.firmware().parameters.set("stabilizer.controller", MELLINGER)
+    wire = pilot.wire()
+    place, plan = localization(wire), high_level(wire)
+    pilot.fly(0.5, lambda _: place.send_extpos(pilot.pos()))
+    plan.takeoff(1.0, 2.0)
+    pilot.fly(4.0, lambda _: place.send_extpose(pilot.pos(), pilot.swarm.state[0, 6:10]))
+    np.testing.assert_allclose(pilot.pos(), [0.0, 0.0, 1.0], atol=0.03)
+    assert pilot.firmware().external.quat == pytest.approx(pilot.swarm.state[0, 6:10], abs=1e-6)
+
+
+def under_a_source(aware: bool) -> Array:
+    """Return the height of a vehicle that holds 1 m on Mellinger's loop while another hovers 0.5 m above."""
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.5, 0.0]]), wake=Wake.PAPER)
+    sticks = [commander(pilot.wire(k)) for k in (0, 1)]
+    for k in (0, 1):
+        pilot.firmware(k).parameters.set("stabilizer.controller", MELLINGER)
+    heights: list[float] = []
+
+    def hold(_: float) -> None:
+        eta = pilot.swarm.draft()
+        for k, stick in enumerate(sticks):
+            acc = -eta[k] if aware else np.zeros(3)
+            stick.send_full_state_setpoint(
+                (0.0, 0.0, 1.0 + 0.5 * k), (0, 0, 0), acc, identity_quat(), 0, 0, 0
+            )
+        heights.append(pilot.pos(0)[2])
+
+    pilot.fly(4.0, hold)
+    return np.array(heights)
+
+
+def test_acc_minus_eta_on_mellingers_loop_takes_the_draft_out() -> None:
+    ignoring, aware = (under_a_source(one) for one in (False, True))
+    rms = [float(np.sqrt(np.mean((one - 1.0) ** 2))) for one in (ignoring, aware)]
+    assert rms[0] > 0.008  # 0.392 m/s^2 over a stiffness of 37 /s^2 is 1 cm
+    assert rms[1] < 0.25 * rms[0]  # what is left is the rotors' lag of 0.07 s at the start
+
+
+def test_two_vehicles_hear_their_own_commands_only() -> None:
+    pilot = Pilot(np.array([[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]))
+    pilot.fly(0.5)
+    high_level(pilot.wire(1)).takeoff(1.0, 1.0)
+    pilot.fly(3.0)
+    assert pilot.pos(0)[2] == 0.0
+    assert pilot.pos(1)[2] == pytest.approx(1.0, abs=0.12)
+
+
+def test_vehicles_that_start_in_the_air_are_held_until_their_first_thrust() -> None:
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.4]]))
+    pilot.fly(3.0)
+    np.testing.assert_array_equal(pilot.pos(), [0.0, 0.0, 1.0])
+    stick = commander(pilot.wire())
+    pilot.fly(0.5, lambda _: stick.send_setpoint(0.0, 0.0, 0.0, 0))
+    np.testing.assert_array_equal(pilot.pos(), [0.0, 0.0, 1.0])
+    pilot.fly(0.5, lambda _: stick.send_setpoint(0.0, 0.0, 0.0, 20000))
+    assert pilot.pos()[2] < 0.9

@@ -1,0 +1,153 @@
+"""Garbage, floods, many clients, reboots: no crash, no stuck vehicle, a clear word."""
+
+import struct
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from q2q_sim.crtp.link_model import DelayLine, LinkParams, Radios, is_stream
+from q2q_sim.crtp.packet import MAX_DATA, MalformedError, Packet, datagram_of, packet_of
+from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.vehicle import MOST_CLIENTS
+from q2q_sim.onboard.supervisor_rules import State
+
+PORTS = st.sampled_from([0, 2, 3, 4, 5, 6, 7, 8, 9, 13, 15])
+ANY = st.one_of(
+    st.binary(max_size=64),
+    st.builds(lambda port, channel, data: bytes([port << 4 | 12 | channel]) + data, PORTS,
+              st.integers(0, 3), st.binary(max_size=MAX_DATA)),
+)  # fmt: skip
+
+
+@given(st.integers(0, 15), st.integers(0, 3), st.binary(max_size=MAX_DATA))
+def test_packets_survive_the_wire(port: int, channel: int, data: bytes) -> None:
+    assert packet_of(datagram_of(Packet(port, channel, data))) == Packet(port, channel, data)
+
+
+@pytest.mark.parametrize("size", [0, 32, 64])
+def test_datagrams_of_no_packets_size_are_refused(size: int) -> None:
+    with pytest.raises(MalformedError, match="1 to 31"):
+        packet_of(bytes(size))
+
+
+@settings(
+    deadline=None,
+    max_examples=300,
+)
+@given(st.lists(ANY, max_size=30))
+def test_no_datagram_crashes_a_vehicle_or_makes_its_answers_too_long(datagrams: list[bytes]) -> None:
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(0.3)
+    for number, datagram in enumerate(datagrams):
+        for answer in pilot.fleet.vehicles[0].handle(datagram, client=number % 3):
+            assert 1 <= len(answer) <= 1 + MAX_DATA
+    pilot.fly(0.1)
+    assert np.isfinite(pilot.swarm.state).all()
+    assert all(1 <= len(one.datagram) <= 1 + MAX_DATA for one in pilot.out)
+    # a sound client still gets its answer
+    assert pilot.fleet.vehicles[0].handle(b"\xdd\x00") == [b"\xdd\x00" + struct.pack("<I", 12)]
+
+
+def test_senseless_setpoints_are_refused_with_a_word_and_the_old_one_stays(grounded: Pilot) -> None:
+    vehicle = grounded.fleet.vehicles[0]
+    vehicle.handle(b"\x7c\x07" + struct.pack("<ffff", 0.0, 0.0, 1.0, 0.0))
+    before = vehicle.firmware.commander.setpoint
+    for bad in (
+        b"\x7c\x07" + struct.pack("<ffff", float("nan"), 0.0, 1.0, 0.0),
+        b"\x7c\x07" + struct.pack("<fff", 0.0, 0.0, 1.0),
+        b"\x7c\x63" + bytes(16),
+        b"\x7c\x03" + bytes(16),
+        b"\x3c" + struct.pack("<fff", 0.0, 0.0, 0.0),
+        b"\x6c" + struct.pack("<fff", float("inf"), 0.0, 0.0),
+        b"\xac\x00",
+    ):
+        assert vehicle.handle(bad) == []
+    assert vehicle.firmware.commander.setpoint == before
+    assert vehicle.refusals.count == 7
+    assert "nothing listens" in vehicle.refusals.last
+
+
+def test_a_probe_is_answered_and_makes_no_client(grounded: Pilot) -> None:
+    vehicle = grounded.fleet.vehicles[0]
+    grounded.fly(1.5)
+    assert vehicle.handle(b"\xff", client="probe") == [b"\xff"]
+    assert vehicle.clients == ()
+
+
+def test_two_clients_have_their_own_logs_and_are_told_of_each_other(grounded: Pilot) -> None:
+    vehicle = grounded.fleet.vehicles[0]
+    for client in ("one", "two"):
+        vehicle.handle(b"\x5d\x05", client)
+        vehicle.handle(b"\x5d\x06\x01\x07\x00\x00", client)
+        vehicle.handle(b"\x5d\x03\x01\x01", client)
+    vehicle.handle(b"\x5d\x05", "two")  # resets its own blocks only
+    grounded.out.clear()
+    grounded.fly(0.1)
+    assert {one.client for one in grounded.out if one.datagram[0] == 0x5E} == {"one"}
+    words = {client: b"".join(one.datagram[1:] for one in grounded.out
+                              if one.client == client and one.datagram[0] == 0x0C)
+             for client in ("one", "two")}  # fmt: skip
+    assert b"2 clients; all may command" in words["one"]
+    assert b"2 clients; all may command" in words["two"]
+
+
+def test_a_silent_client_is_forgotten_and_many_clients_do_not_pile_up(grounded: Pilot) -> None:
+    vehicle = grounded.fleet.vehicles[0]
+    for client in range(100):
+        vehicle.handle(b"\xfc", client)
+    assert len(vehicle.clients) == MOST_CLIENTS
+    grounded.fly(1.2)
+    assert vehicle.clients == ()
+
+
+def test_the_radios_reboot_command_starts_a_locked_vehicle_anew(grounded: Pilot) -> None:
+    vehicle = grounded.fleet.vehicles[0]
+    vehicle.handle(b"\x9d\x03")
+    grounded.fly(0.2)
+    assert vehicle.firmware.supervisor.state == State.LOCKED
+    assert vehicle.handle(b"\xff\xfe\x02") == [b"\xff"]
+    assert vehicle.firmware.supervisor.state == State.LOCKED
+    vehicle.handle(b"\xff\xfe\x03")
+    grounded.fly(0.4)
+    assert vehicle.firmware.supervisor.state == State.READY_TO_FLY
+
+
+def test_a_radio_sends_one_packet_at_a_time_for_all_its_vehicles() -> None:
+    radios = Radios(LinkParams(latency=0.005, rate=1000.0, per_radio=2), vehicles=4, seed=0)
+    times = [radios.arrival(row, b"\x3c", 1.0) for row in (0, 1, 0, 2)]
+    np.testing.assert_allclose(times, [1.006, 1.007, 1.008, 1.006])
+
+
+def test_a_packet_that_would_wait_too_long_is_dropped() -> None:
+    radios = Radios(LinkParams(rate=100.0, patience=0.05), vehicles=1, seed=0)
+    arrived = [radios.arrival(0, b"\x3c", 0.0) for _ in range(10)]
+    assert [one is not None for one in arrived] == [True] * 6 + [False] * 4
+
+
+def test_losses_end_streams_and_delay_answers() -> None:
+    radios = Radios(LinkParams(latency=0.01, loss=0.3), vehicles=1, seed=1)
+    streamed = [radios.arrival(0, b"\x3c", 0.0) for _ in range(4000)]
+    lost = sum(one is None for one in streamed) / 4000
+    assert lost == pytest.approx(0.3, abs=0.03)  # 4 standard deviations
+    answers = [radios.arrival(0, b"\x2c", 0.0) for _ in range(4000)]
+    assert None not in answers
+    # geometric: 0.01 s times the mean number of tries, 1 / 0.7
+    assert np.mean([one for one in answers if one is not None]) == pytest.approx(0.01 / 0.7, rel=0.03)
+
+
+def test_streams_are_setpoints_positions_and_log_data() -> None:
+    assert [is_stream(bytes([head])) for head in (0x3C, 0x6D, 0x7C, 0x5E)] == [True] * 4
+    assert not any(is_stream(bytes([head])) for head in (0x5D, 0x2C, 0x8C, 0x9D, 0xFC))
+
+
+@given(st.lists(st.floats(0.0, 1.0), max_size=30), st.floats(0.0, 1.0))
+def test_a_delay_line_gives_what_has_arrived_in_order_of_arrival(arrivals: list[float], t: float) -> None:
+    line: DelayLine[int] = DelayLine()
+    for number, arrival in enumerate(arrivals):
+        line.push(arrival, number)
+    expected = sorted((one, k) for k, one in enumerate(arrivals) if one <= t)
+    assert line.due(t) == [k for _, k in expected]
+    rest = [one for one in arrivals if one > t]
+    assert line.next_arrival == (min(rest) if rest else None)

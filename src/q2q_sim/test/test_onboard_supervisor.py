@@ -1,0 +1,216 @@
+"""Arming, watchdogs, emergency stop, tumbling: what the supervisor allows, and when."""
+
+import numpy as np
+import pytest
+
+from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.supervisor_bits import Info, supervisor_info
+from q2q_sim.onboard.airframe import airframe_of
+from q2q_sim.onboard.battery import LOW_POWER, Battery
+from q2q_sim.onboard.estimator import Estimator
+from q2q_sim.onboard.firmware import Build
+from q2q_sim.onboard.parameters import Parameters
+from q2q_sim.onboard.setpoint import Mode, Setpoint
+from q2q_sim.onboard.supervisor import Look, Supervisor
+from q2q_sim.onboard.supervisor_rules import Condition, Rule, State, next_state
+
+HOVER = Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.0, 0.0, 1.0))
+LOOK_S = 0.04
+"""The supervisor looks 25 times a second."""
+
+
+def hovering(**build: bool) -> Pilot:
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]), build=Build(**build))
+    pilot.fly(3.0, pilot.hold(HOVER))
+    return pilot
+
+
+def state(pilot: Pilot) -> State:
+    return pilot.firmware().supervisor.state
+
+
+def test_rules_fire_on_set_on_clear_and_on_all_clear_but_not_while_blocked() -> None:
+    a, b, c = Condition.ARMED, Condition.TUMBLED, Condition.CRASHED
+    assert Rule(State.LOCKED).fires(Condition.NONE)
+    assert Rule(State.LOCKED, if_set=a | b).fires(b)
+    assert not Rule(State.LOCKED, if_set=a | b).fires(c)
+    assert Rule(State.LOCKED, if_clear=a).fires(b)
+    assert not Rule(State.LOCKED, if_clear=a).fires(a | b)
+    assert Rule(State.LOCKED, if_all_clear=a | b).fires(c)
+    assert not Rule(State.LOCKED, if_all_clear=a | b).fires(b)
+    assert not Rule(State.LOCKED, unless=c).fires(c)
+
+
+@pytest.mark.parametrize("start", list(State))
+def test_an_emergency_stop_ends_every_state_that_may_run_motors_within_two_looks(start: State) -> None:
+    after = next_state(next_state(start, Condition.EMERGENCY_STOP), Condition.EMERGENCY_STOP)
+    if start in {State.READY_TO_FLY, State.FLYING, State.LEVEL_OUT, State.ARMING}:
+        assert after == State.LOCKED
+
+
+def test_the_stock_build_arms_itself_and_the_other_waits_for_the_word() -> None:
+    stock, careful = (Pilot(np.zeros((1, 4)), build=Build(auto_arming=auto)) for auto in (True, False))
+    for pilot in (stock, careful):
+        pilot.fly(0.5)
+    assert state(stock) == State.READY_TO_FLY
+    assert state(careful) == State.CHECKS_PASSED
+    assert supervisor_info(careful.firmware()) & Info.CAN_BE_ARMED
+    assert careful.firmware().supervisor.request_arming(arm=True)
+    careful.fly(0.2)
+    assert state(careful) == State.READY_TO_FLY
+
+
+def test_an_armed_vehicle_that_does_not_fly_disarms_after_30_s() -> None:
+    pilot = Pilot(np.zeros((1, 4)), build=Build(auto_arming=False))
+    pilot.fly(0.5)
+    pilot.firmware().supervisor.request_arming(arm=True)
+    pilot.fly(29.0)
+    assert pilot.firmware().supervisor.armed
+    pilot.fly(2.0)
+    assert not pilot.firmware().supervisor.armed
+    assert state(pilot) == State.CHECKS_PASSED
+
+
+def test_half_a_second_without_setpoint_levels_out_and_two_cut_the_motors() -> None:
+    pilot = hovering()
+    tilted = Setpoint(
+        roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, attitude_deg=(8.0, 0.0, 0.0), thrust_pwm=33000
+    )
+    pilot.firmware().obey(tilted)
+    pilot.fly(0.5)
+    assert state(pilot) == State.FLYING
+    assert pilot.firmware().flown.attitude_deg[0] == 8.0
+    pilot.fly(LOOK_S + 0.01)
+    assert state(pilot) == State.LEVEL_OUT
+    assert pilot.firmware().flown.attitude_deg == (0.0, 0.0, 0.0)
+    assert pilot.firmware().flown.thrust_pwm == 33000
+    pilot.fly(1.4)
+    assert pilot.firmware().supervisor.motors_may_run
+    pilot.fly(0.1 + 2 * LOOK_S)
+    assert state(pilot) == State.LOCKED
+    assert not pilot.firmware().supervisor.motors_may_run
+    pilot.fly(1.5, pilot.hold(HOVER))
+    assert pilot.pos()[2] == 0.0  # locked: it fell, and obeys nobody
+    assert state(pilot) == State.LOCKED
+
+
+def test_a_new_setpoint_in_time_ends_the_levelling() -> None:
+    pilot = hovering()
+    pilot.fly(1.0)
+    assert state(pilot) == State.LEVEL_OUT
+    pilot.fly(0.1, pilot.hold(HOVER))
+    assert state(pilot) == State.FLYING
+
+
+@pytest.mark.parametrize("how", ["stop", "watchdog", "parameter"])
+def test_emergency_stops_stop_the_motors_for_good(how: str) -> None:
+    pilot = hovering()
+    one = pilot.firmware()
+    if how == "stop":
+        one.supervisor.stop()
+    elif how == "watchdog":
+        one.supervisor.feed(one.now_ms)
+        pilot.fly(0.9, pilot.hold(HOVER))
+        assert state(pilot) == State.FLYING
+        pilot.fly(0.1, pilot.hold(HOVER))
+    else:
+        one.parameters.set("stabilizer.stop", 1)
+    pilot.fly(2 * LOOK_S + 0.01, pilot.hold(HOVER))
+    assert state(pilot) == State.LOCKED
+    pilot.fly(2.0, pilot.hold(HOVER))
+    assert pilot.pos()[2] == 0.0
+
+
+def look(now_ms: int, acc_z: float, *, running: bool = True) -> Look:
+    return Look(now_ms=now_ms, acc=(0.0, 0.0, acc_z), setpoint_ms=now_ms, motors_running=running)
+
+
+@pytest.mark.parametrize(("acc_z", "after_ms"), [(-1.0, 100), (0.4, 1000)])
+def test_a_vehicle_that_lies_on_its_side_or_back_has_crashed_until_it_is_recovered_upright(
+    acc_z: float, after_ms: int
+) -> None:
+    parameters, one = Parameters(airframe_of(CRAZYFLIE_2_0)), Supervisor(auto_arming=True)
+    for now in range(0, 1000, 40):
+        one.update(look(now, 1.0), parameters)
+    assert one.state == State.FLYING
+    fell = 1000
+    for now in range(fell, fell + after_ms + 1, 40):
+        one.update(look(now, acc_z), parameters)
+        assert one.state == State.FLYING
+    one.update(look(fell + after_ms + 40, acc_z), parameters)
+    assert one.state == State.CRASHED
+    assert not one.recover()
+    one.update(look(5000, 1.0, running=False), parameters)
+    assert one.state == State.CRASHED
+    assert one.recover()
+    one.update(look(5040, 1.0, running=False), parameters)
+    assert one.state == State.CHECKS_NOT_PASSED
+
+
+def test_falling_freely_is_no_tumbling() -> None:
+    parameters, one = Parameters(airframe_of(CRAZYFLIE_2_0)), Supervisor(auto_arming=True)
+    for now in range(0, 4000, 40):
+        one.update(look(now, 1.0 if now < 1000 else 0.05), parameters)
+    assert one.state == State.FLYING
+
+
+def test_the_supervisor_port_answers_cflib(grounded: Pilot) -> None:
+    supervisor = pytest.importorskip("cflib.crazyflie.supervisor").Supervisor
+    wire = grounded.wire()
+    client = supervisor(wire)
+    client.send_arming_request(do_arm=False)
+    assert wire.answers[-1][1:] == b"\x81\x01\x00"
+    grounded.fly(0.3)  # the stock build arms itself again
+    client.send_arming_request(do_arm=True)
+    assert wire.answers[-1][1:] == b"\x81\x01\x01"
+    (bits,) = grounded.fleet.vehicles[0].handle(b"\x9c\x0c")
+    assert client.decode_bitfield(int.from_bytes(bits[2:], "little")) == [
+        "Is armed", "Is auto armed", "Can fly", "Finished HL trajectory",
+    ]  # fmt: skip
+    assert grounded.fleet.vehicles[0].handle(b"\x9c\x04")[0][1:] == b"\x84\x01"
+    client.send_emergency_stop()
+    grounded.fly(0.2)
+    assert state(grounded) == State.LOCKED
+
+
+def test_the_estimate_follows_external_positions_and_knows_how_sure_it_is() -> None:
+    truth, noise = np.array([1.0, 2.0, 0.5]), np.array([0.5, 0.5, 1.0])
+    one = Estimator(np.zeros(6))
+    one.forget(np.zeros(3), truth)
+    np.testing.assert_allclose(one.drift[:3], -truth)
+    one.correct(truth, truth, 0.01)
+    np.testing.assert_allclose(one.drift[:3], 0.0, atol=1e-3)  # 100 m (z: 1 m) of doubt against 1 cm
+    sure = one.variance[:3].max()
+    for _ in range(100):
+        one.predict(noise)
+    assert one.variance[:3].min() > sure
+    rng = np.random.default_rng(0)
+    errors = []
+    for _ in range(2000):
+        one.predict(noise)
+        one.correct(truth + 0.01 * rng.standard_normal(3), truth, 0.01)
+        errors.append(one.drift[:3].copy())
+    measured = np.var(errors[200:], axis=0)
+    assert (measured < one.variance[:3]).all()  # a still vehicle is better known than the filter dares to say
+    assert (one.variance[:3] < 0.01**2).all()
+
+
+def test_external_positions_matter_without_a_deck_only() -> None:
+    for deck in (True, False):
+        pilot = Pilot(np.zeros((1, 4)), build=Build(positioning_deck=deck))
+        pilot.fly(1.0, lambda _, one=pilot: one.firmware().locate((3.0, 4.0, 0.0)))
+        expected = [0.0, 0.0] if deck else [3.0, 4.0]
+        np.testing.assert_allclose(pilot.firmware().pos[:2], expected, atol=1e-2)
+
+
+def test_a_battery_lasts_for_its_hover_time_and_says_when_it_is_low() -> None:
+    one = Battery()
+    assert (one.volt, one.level) == (4.2, 90)
+    for _ in range(4200):
+        one.drain(1.0, 0.05, 3.2)
+    assert (one.volt, one.level) == (pytest.approx(3.92, abs=0.01), pytest.approx(55, abs=5))
+    for _ in range(4200):
+        one.drain(1.0, 0.05, 3.2)
+    assert one.volt == pytest.approx(3.0)
+    assert one.state == LOW_POWER
