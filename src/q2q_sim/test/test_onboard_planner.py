@@ -26,7 +26,7 @@ GOAL = st.builds(
 
 
 def firmware_formula(start: Numbers, end: Numbers, T: float) -> Array:
-    """Return the coefficients as modules/src/pptraj.c (poly7_nojerk) states them, from value, slope, curve."""
+    """Return the coefficients as modules/src/pptraj.c (poly7_nojerk) states them, of value, slope, curve."""
     (x0, dx0, ddx0), (xf, dxf, ddxf) = start, end
     gap = x0 - xf
     return np.array(
