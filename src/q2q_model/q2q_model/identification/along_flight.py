@@ -1,0 +1,63 @@
+"""Evaluate an interaction model along a recorded flight, all ticks at once.
+
+The same sum as the online predictor's (q2q_model.interaction.predictor), which a test holds it to:
+
+    eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau))
+
+Offline a vehicle's past is the whole record; before its start the first sample counts.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.interaction.model import InteractionModel, Source
+from q2q_model.signals import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Hold the motion of a swarm over time, without gaps."""
+
+    t: Array
+    """[s], rising, (T,)."""
+    pos: Array
+    """[m], world, (T, n, 3)."""
+    vel: Array
+    """[m/s], world, (T, n, 3)."""
+    axis: Array
+    """Body z, world, (T, n, 3)."""
+
+
+def eta_along(model: InteractionModel, motion: Motion) -> Array:
+    """Return eta [m/s^2], world, (T, n, 3)."""
+    ticks, n = motion.pos.shape[:2]
+    everywhere = np.arange(ticks)
+    return np.stack([eta_felt(model, motion, i, everywhere) for i in range(n)], axis=1)
+
+
+def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.intp]) -> Array:
+    """Return eta of vehicle i at ticks `rows` (k,), [m/s^2], (k, 3)."""
+    eta = np.zeros((rows.size, 3))
+    for j in range(motion.pos.shape[1]):
+        if j != i:
+            rel_pos = motion.pos[rows, j] - motion.pos[rows, i]
+            near = _in_reach(model, rel_pos, motion.vel[:, j])
+            left = motion.t[rows[near]] - model.delay(rel_pos[near])
+            pos, vel, axis = (_at(motion.t, x[:, j], left) for x in (motion.pos, motion.vel, motion.axis))
+            source = Source(vel=vel, axis=axis)
+            eta[near] += model.acceleration(pos - motion.pos[rows[near], i], source)
+    return eta
+
+
+def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np.bool_]:
+    """Return where the source may push, (k,): the model's reach, and how far the source may have moved."""
+    moved = model.max_delay * float(np.linalg.norm(vel, axis=-1).max(initial=0.0))
+    across = np.hypot(rel_pos[:, 0], rel_pos[:, 1])
+    wide, tall = model.reach.horizontal + moved, model.reach.vertical + moved
+    return np.asarray((across <= wide) & (np.abs(rel_pos[:, 2]) <= tall))
+
+
+def _at(t: Array, values: Array, when: Array) -> Array:
+    return np.stack([np.interp(when, t, column) for column in values.T], axis=-1)

@@ -1,0 +1,195 @@
+"""Fit the jet to what was measured: to pushes (draft_force) or to altitudes (14), by least squares.
+
+Free are strength, decay, width, its spread, the upper share, and slowness 1 / travel_speed; given are the
+form of the decay and whether the air keeps its source's speed and slope. The residual of
+
+    pushes:     y - eta                        on exposed and upper rows
+    altitudes:  z - z_free - (h * eta)         every tenth tick: the loop is far slower
+
+Intervals are from the sandwich covariance B^-1 M B^-1, B = J'J, M = sum over blocks of (J'r)(J'r)': residuals
+within a block of time may depend on each other (Cameron, Miller, A practitioner's guide to cluster-robust
+inference, 2015); a draft's turbulence does.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from q2q_model.identification.along_flight import Motion, eta_along, eta_felt
+from q2q_model.identification.altitude_loop import AltitudeLoop
+from q2q_model.identification.altitude_record import AltitudeRecord
+from q2q_model.identification.draft_force import ForceSamples
+from q2q_model.identification.impulse_response import draft_response, free_response
+from q2q_model.interaction.jet import Jet
+from q2q_model.signals import Array
+
+THINNING = 10
+"""Every tenth tick of 100 Hz: 10 Hz for a loop of 0.9 rad/s."""
+BLOCK = 2.0
+"""Length of a block of dependent residuals [s]: a passage."""
+FASTEST = 50.0
+"""Travel speeds above this are no delay at all [m/s]: 10 ms over half a metre, one tick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """Hold an estimate with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class JetForm:
+    """Hold what is chosen before fitting."""
+
+    decay: str = "exponential"
+    carried: float = 1.0
+    delayed: bool = True
+    spreading: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class JetFit:
+    """Hold a fitted jet."""
+
+    jet: Jet
+    intervals: tuple[tuple[str, Interval], ...]
+    """Of each fitted parameter; slowness is in s/m."""
+    mse: float
+    """Mean square of the residuals."""
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """Hold residuals and the block each belongs to."""
+
+    value: Array
+    block: Array
+
+
+def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm) -> JetFit:
+    """Return the jet that explains measured pushes; samples of whole flights."""
+
+    def residuals(jet: Jet) -> Residuals:
+        parts, blocks = [], []
+        for k, one in enumerate(samples):
+            rows = np.nonzero(one.exposed | one.upper)[0]
+            parts.append(one.y[rows] - eta_felt(jet, one.motion, one.vehicle, rows)[:, 2])
+            blocks.append(1e6 * k + np.floor(one.motion.t[rows] / BLOCK))
+        return Residuals(np.concatenate(parts), np.concatenate(blocks))
+
+    fit = _fit(residuals, form)
+    return replace(fit, jet=replace(fit.jet, relative_std=_relative_std(fit.jet, samples)))
+
+
+def fit_to_altitudes(records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm) -> JetFit:
+    """Return the jet that explains measured altitudes under a closed loop."""
+    motions = [Motion(one.t, one.pos, one.vel, one.axis) for one in records]
+    targets = [one.deviation - free_deviation(one, loop) for one in records]
+
+    def residuals(jet: Jet) -> Residuals:
+        parts, blocks = [], []
+        for k, (record, motion, target) in enumerate(zip(records, motions, targets, strict=True)):
+            moved = draft_response(loop, record.dt, eta_along(jet, motion)[..., 2])
+            parts.append((target - moved)[::THINNING].ravel())
+            block = 1e6 * k + np.floor(record.t[::THINNING] / BLOCK)
+            blocks.append(np.repeat(block, moved.shape[1]))
+        return Residuals(np.concatenate(parts), np.concatenate(blocks))
+
+    return _fit(residuals, form)
+
+
+def free_deviation(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
+    """Return z - z_ref [m], (T, n), of a flight without drafts, from its measured start."""
+    start = np.stack([record.deviation[0], record.vel[0, :, 2] - record.ref[0, :, 1]])
+    jerk = np.gradient(record.ref[..., 2], record.dt, axis=0)
+    return free_response(loop, record.dt, start, jerk)
+
+
+def _fit(residuals: Callable[[Jet], Residuals], form: JetForm) -> JetFit:
+    names, start = _free_parameters(form)
+    low, high = (np.array([_BOUNDS[name][side] for name in names]) for side in (0, 1))
+    found = least_squares(
+        lambda x: residuals(_jet(form, names, x)).value,
+        start,
+        bounds=(low, high),
+        x_scale=np.array([_SCALES[name] for name in names]),
+        diff_step=1e-4,  # the residual has corners where a pair enters the reach
+        xtol=1e-6,
+        ftol=1e-8,
+    )
+    jet = _jet(form, names, found.x)
+    error = 1.96 * np.sqrt(np.diag(_sandwich(found.jac, residuals(jet))))
+    intervals = tuple(
+        (name, Interval(float(x), float(x - e), float(x + e)))
+        for name, x, e in zip(names, found.x, error, strict=True)
+    )
+    return JetFit(jet=jet, intervals=intervals, mse=float(np.mean(found.fun**2)))
+
+
+_BOUNDS = {
+    "strength": (-5.0, 15.0),
+    "decay_rate": (-2.0, 10.0),
+    "virtual_origin": (0.02, 5.0),
+    "width": (0.015, 0.4),
+    "spread": (0.0, 0.4),
+    "upper_ratio": (-0.8, 0.8),
+    "slowness": (0.0, 0.8),
+}
+_SCALES = {
+    "strength": 1.0,
+    "decay_rate": 1.0,
+    "virtual_origin": 0.3,
+    "width": 0.05,
+    "spread": 0.1,
+    "upper_ratio": 0.2,
+    "slowness": 0.2,
+}
+
+
+def _free_parameters(form: JetForm) -> tuple[list[str], Array]:
+    start = {"strength": 1.5, "width": 0.07, "upper_ratio": 0.02}
+    start |= {"decay_rate": 1.0} if form.decay == "exponential" else {"virtual_origin": 0.5}
+    start |= {"spread": 0.05} if form.spreading else {}
+    start |= {"slowness": 0.15} if form.delayed else {}
+    return list(start), np.array(list(start.values()))
+
+
+def _jet(form: JetForm, names: Sequence[str], x: Array) -> Jet:
+    values = dict(zip(names, (float(v) for v in x), strict=True))
+    slowness = values.pop("slowness", 0.0)
+    return Jet(
+        reference_gap=0.4,
+        decay=form.decay,
+        carried=form.carried,
+        travel_speed=1.0 / slowness if slowness * FASTEST > 1.0 else 0.0,
+        range=1.5,
+        **({"spread": 0.0} | values),
+    )
+
+
+def _sandwich(jacobian: Array, residuals: Residuals) -> Array:
+    _, block = np.unique(residuals.block, return_inverse=True)
+    scores = np.zeros((block.max() + 1, jacobian.shape[1]))
+    np.add.at(scores, block, jacobian * residuals.value[:, None])
+    bread = np.linalg.pinv(jacobian.T @ jacobian)
+    return np.asarray(bread @ (scores.T @ scores) @ bread)
+
+
+def _relative_std(jet: Jet, samples: Sequence[ForceSamples]) -> float:
+    """Return the miss over the push where the push is strong: there turbulence rules, not the sensor."""
+    misses, pushes = [], []
+    for one in samples:
+        rows = np.nonzero(one.exposed)[0]
+        eta = eta_felt(jet, one.motion, one.vehicle, rows)[:, 2]
+        misses.append(one.y[rows] - eta)
+        pushes.append(eta)
+    miss, push = np.concatenate(misses), np.concatenate(pushes)
+    strong = np.abs(push) > 0.5 * np.abs(push).max(initial=0.0)
+    if not strong.any():
+        return 0.0
+    return float(np.sqrt(np.mean(miss[strong] ** 2) / np.mean(push[strong] ** 2)))

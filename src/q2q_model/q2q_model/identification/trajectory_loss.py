@@ -1,0 +1,177 @@
+"""Give the training loss (16) and its exact gradient without solving a differential equation.
+
+    loss = sum over t, i of (z_i - zhat_i)^2,   zhat_i = z_free,i + (h * eta_i)
+    eta_i = sum over j of eta(dxy_ij, zhat_j - zhat_i)
+
+eta vanishes but for the few samples S in which a pair is near; h is the loop's impulse response
+(q2q_model.identification.impulse_response). So with eta on S as the unknown
+
+    zhat_S = z_free,S + H eta        H = Toeplitz(h) on S: strictly causal, a fixed point in a few sweeps
+    loss_i = r'r - 2 q_i . eta_i + eta_i' G eta_i,  G = K'K, q = K'r, K = Toeplitz(h) from S to all samples
+
+and the gradient follows from the adjoint of the fixed point,
+lambda = 2 (G eta - q) + H' (d eta / d zhat)' lambda. Nothing is left out: the value is that of an exact
+solver with eta linear between samples.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| S | active | samples in which some pair is within reach |
+| r | | measured altitude minus free response [m] |
+| z_free | free | altitude without draft [m], on S |
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.identification.altitude_loop import AltitudeLoop
+from q2q_model.identification.altitude_record import AltitudeRecord
+from q2q_model.identification.impulse_response import free_response, impulse_response
+from q2q_model.identification.network_gradient import evaluate, pullback
+from q2q_model.interaction.envelope_network import EnvelopeNetwork
+from q2q_model.signals import Array
+
+WIDE = 6.0
+"""Widths of the envelope beyond which eta is zero: there it is 1.5e-8 of its peak [-]."""
+MOST_ACTIVE = 2500
+"""Samples of one flight that are solved at once; H would take 50 MB. Longer encounters are thinned."""
+SETTLED = 1e-10
+"""Change of eta at which the fixed point is reached [m/s^2]; a few thousandths of it act on zhat."""
+SWEEPS = 60
+"""Most sweeps: H is strictly causal, and a loop slower than its encounters contracts by half or more."""
+
+Rows = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """Hold what the loss needs of one flight."""
+
+    name: str
+    i: Rows
+    """Vehicle that feels, for each ordered pair, (p,)."""
+    j: Rows
+    """Vehicle that causes, (p,)."""
+    across: Array
+    """Horizontal distance [m], (S, p), measured."""
+    free: Array
+    """(S, n)."""
+    H: Array
+    G: Array
+    """(S, S)."""
+    q: Array
+    """(S, n)."""
+    rr: Array
+    """r'r [m^2], (n,)."""
+    ticks: int
+    """T."""
+
+
+@dataclass(frozen=True, slots=True)
+class LossValue:
+    """Hold the loss, its gradient and its parts."""
+
+    mse: Array
+    """Mean square error of each vehicle of each flight [m^2], (flights, n)."""
+    loss: float
+    """Mean over flights of the sum over vehicles [m^2]."""
+    gradient: Array
+    """By theta."""
+
+
+def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, float]) -> Passage:
+    """Return the loss's matrices for one flight.
+
+    Args:
+        record: the flight.
+        loop: the altitude loop of every vehicle.
+        reach: horizontal and vertical distance [m] beyond which eta is zero.
+    """
+    n = len(record.names)
+    i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
+    rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)
+    across = np.hypot(rel[..., 0], rel[..., 1])
+    active = np.nonzero(((across < reach[0]) & (np.abs(rel[..., 2]) < reach[1])).any(axis=1))[0]
+    if active.size > MOST_ACTIVE:
+        raise ValueError(
+            f"flight {record.name}: {active.size} samples with a pair in reach, {MOST_ACTIVE} allowed; "
+            "cut the flight into passages, or use the jet, which has no such bound"
+        )
+    start = np.stack([record.deviation[0], record.vel[0, :, 2] - record.ref[0, :, 1]])
+    jerk = np.gradient(record.ref[..., 2], record.dt, axis=0)
+    free = free_response(loop, record.dt, start, jerk)
+    r = record.deviation - free
+    h = impulse_response(loop, record.dt, record.t.size)
+    lag = np.arange(record.t.size)[:, None] - active
+    K = np.where(lag >= 0, h[lag], 0.0)  # (T, S)
+    return Passage(
+        name=record.name,
+        i=i,
+        j=j,
+        across=across[active],
+        free=(record.ref[..., 0] + free)[active],
+        H=K[active],
+        G=K.T @ K,
+        q=K.T @ r,
+        rr=(r * r).sum(axis=0),
+        ticks=record.t.size,
+    )
+
+
+def trajectory_loss(model: EnvelopeNetwork, passages: Sequence[Passage]) -> LossValue:
+    """Return the loss of a model on flights, with its exact gradient."""
+    etas = [solve_eta(model, one) for one in passages]
+    mse = np.stack([mean_square(one, eta) for one, eta in zip(passages, etas, strict=True)])
+    parts = [_gradient(model, one, eta) / one.ticks for one, eta in zip(passages, etas, strict=True)]
+    gradient = np.asarray(np.sum(parts, axis=0) / len(passages))
+    return LossValue(mse=mse, loss=float(mse.sum(axis=1).mean()), gradient=gradient)
+
+
+def mean_square(one: Passage, eta: Array) -> Array:
+    """Return the mean square error of every vehicle's altitude [m^2], (n,), under eta (S, n)."""
+    squares = one.rr - 2.0 * (one.q * eta).sum(axis=0) + (eta * (one.G @ eta)).sum(axis=0)
+    return np.asarray(squares / one.ticks)
+
+
+def solve_eta(model: EnvelopeNetwork, one: Passage) -> Array:
+    """Return eta [m/s^2] on the active samples, (S, n), at the simulated heights."""
+    eta = np.zeros_like(one.free)
+    for _ in range(SWEEPS):
+        before = eta
+        eta = _felt(one, evaluate(model, one.across.ravel(), _heights(one, eta).ravel()).eta)
+        if eta.size == 0 or np.abs(eta - before).max() < SETTLED:
+            return eta
+    raise ValueError(f"flight {one.name}: the simulated heights do not settle; is the model diverging?")
+
+
+def _gradient(model: EnvelopeNetwork, one: Passage, eta: Array) -> Array:
+    at = evaluate(model, one.across.ravel(), _heights(one, eta).ravel())
+    slope = at.slope.reshape(one.across.shape)
+    direct = 2.0 * (one.G @ eta - one.q)
+    adjoint = direct
+    for _ in range(SWEEPS):
+        before = adjoint
+        pushed = one.H.T @ (slope * adjoint[:, one.i])  # (S, p)
+        adjoint = direct.copy()
+        for k, (i, j) in enumerate(zip(one.i, one.j, strict=True)):
+            adjoint[:, j] += pushed[:, k]
+            adjoint[:, i] -= pushed[:, k]
+        if adjoint.size == 0 or np.abs(adjoint - before).max() <= 1e-9 * np.abs(adjoint).max():
+            break
+    return pullback(model, at, adjoint[:, one.i].ravel())
+
+
+def _heights(one: Passage, eta: Array) -> Array:
+    """Return simulated zhat_j - zhat_i [m], (S, p)."""
+    z = one.free + one.H @ eta
+    return np.asarray(z[:, one.j] - z[:, one.i])
+
+
+def _felt(one: Passage, of_pairs: Array) -> Array:
+    """Return the sum over causes, (S, n), of eta of pairs (S * p,)."""
+    eta = np.zeros_like(one.free)
+    for k, i in enumerate(one.i):
+        eta[:, i] += of_pairs.reshape(one.across.shape)[:, k]
+    return eta
