@@ -199,7 +199,7 @@ def test_samples_that_are_no_numbers_are_missing_samples():
     for tick, value in enumerate((np.nan, np.inf, -np.inf, 1e308), start=50):
         pos = _truth(tick)[0].copy()
         pos[0, 1] = value
-        state = block.update(_frame(tick, pos, np.array([[0, 0, 0, np.nan], [0, 0, 0, 1.0]])))
+        state = block.update(_frame(tick, pos, np.array([[0, 0, 0, value], [0, 0, 0, 1.0]])))
         assert list(state.status) == [COASTING, TRACKED]
         assert np.isfinite(state.pos).all()
         assert np.isfinite(state.quat).all()

@@ -53,6 +53,8 @@ class AttitudeTracks:
         self._seen: Mask = np.zeros(count, dtype=bool)
         self._time: Array = np.zeros(count)
         self._refused_since: Array = np.full(count, np.inf)
+        self._whole_at: float | None = None  # the last tick, if every vehicle's sample was taken
+        self._nobody: Mask = np.zeros(count, dtype=bool)
         self.quat: Array = identity_quat((count,))
         """Orientation x y z w, (n, 4); level for a vehicle never seen."""
         self.ang_vel_body: Array = np.zeros((count, 3))
@@ -60,8 +62,10 @@ class AttitudeTracks:
 
     def grow(self, extra: int) -> None:
         """Add vehicles that were never seen."""
+        self._settle()
         self._seen, self._time = padded(self._seen, extra), padded(self._time, extra)
         self._refused_since = np.append(self._refused_since, np.full(extra, np.inf))
+        self._nobody = padded(self._nobody, extra)
         self.quat = np.concatenate([self.quat, identity_quat((extra,))])
         self.ang_vel_body = padded(self.ang_vel_body, extra)
 
@@ -72,32 +76,48 @@ class AttitudeTracks:
 
     def update(self, t: float, measured: Array) -> Mask:
         """Take one tick's quaternions (n, 4), NaN where absent; return which were there but refused."""
+        if not np.abs(measured).max(initial=0.0) <= 1.0 + UNIT_TOLERANCE:  # also NaN
+            measured = np.where(np.abs(measured) <= 1.0 + UNIT_TOLERANCE, measured, np.nan)
         length = np.sqrt((measured * measured).sum(axis=1))
-        if not (np.abs(length - 1.0) <= UNIT_TOLERANCE).all():  # also NaN
+        if not (np.abs(length - 1.0) <= UNIT_TOLERANCE).all():
             length = np.where(np.abs(length - 1.0) <= UNIT_TOLERANCE, length, np.nan)
         quat = measured / length[:, None]
         turn = quat_between(self.quat, quat)
         quat *= np.copysign(1.0, turn[:, 3:])
-        elapsed = t - self._time
-        unwatched = np.minimum(t, self._refused_since) - self._time
-        believable = self._params.turn_max + self._params.turn_rate_max * unwatched
-        near = np.abs(turn[:, 3]) >= np.cos(0.5 * np.minimum(believable, np.pi))
-        stale = elapsed > self._params.coast_s + SAME_INSTANT
-        if near.all() and self._seen.all() and not stale.any():
-            self.ang_vel_body = self._rate(turn, elapsed)
-            self.quat = quat
-            self._time[:] = t
-            self._refused_since[:] = np.inf
-            return ~near
-        return self._sort_out(t, quat, turn, (near & self._seen, stale))
+        if not self._glide(t, quat, turn):
+            return self._sort_out(t, quat, turn)
+        return self._nobody
+
+    def _glide(self, t: float, quat: Array, turn: Array) -> bool:
+        """Take a whole tick after a whole tick, where nothing is unusual; else return False."""
+        elapsed = np.inf if self._whole_at is None else t - self._whole_at
+        if elapsed > self._params.coast_s:
+            return False
+        believable = self._params.turn_max + self._params.turn_rate_max * elapsed
+        if not np.abs(turn[:, 3]).min(initial=1.0) >= np.cos(0.5 * min(believable, np.pi)):  # also NaN
+            return False
+        raw = vector_from_quat(turn) / elapsed
+        blend = elapsed / (elapsed + self._params.rate_filter_s)
+        self.ang_vel_body = self.ang_vel_body + blend * (raw - self.ang_vel_body)
+        self.quat, self._whole_at = quat, t
+        return True
+
+    def _settle(self) -> None:
+        """Write down, vehicle by vehicle, what `_glide` left aside."""
+        if self._whole_at is not None:
+            self._time[:], self._refused_since[:], self._whole_at = self._whole_at, np.inf, None
 
     def _rate(self, turn: Array, elapsed: Array) -> Array:
         raw = vector_from_quat(turn) / elapsed[:, None]
         blend = elapsed / (elapsed + self._params.rate_filter_s)
         return self.ang_vel_body + blend[:, None] * (raw - self.ang_vel_body)
 
-    def _sort_out(self, t: float, quat: Array, turn: Array, judged: tuple[Mask, Mask]) -> Mask:
-        near, stale = judged
+    def _sort_out(self, t: float, quat: Array, turn: Array) -> Mask:
+        self._settle()
+        elapsed = np.minimum(t, self._refused_since) - self._time
+        believable = self._params.turn_max + self._params.turn_rate_max * elapsed
+        near = self._seen & (np.abs(turn[:, 3]) >= np.cos(0.5 * np.minimum(believable, np.pi)))
+        stale = t - self._time > self._params.coast_s + SAME_INSTANT
         whole = ~np.isnan(quat[:, 3])
         refused = whole & ~near & self._seen
         self._refused_since = np.where(refused, np.minimum(self._refused_since, t), self._refused_since)
@@ -111,4 +131,5 @@ class AttitudeTracks:
         self._time = np.where(taken, t, self._time)
         self._refused_since = np.where(taken, np.inf, self._refused_since)
         self._seen |= taken
+        self._whole_at = t if taken.all() else None
         return refused & ~fresh

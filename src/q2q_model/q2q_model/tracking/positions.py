@@ -139,26 +139,31 @@ class PositionTracks:
             measured: Positions [m], (n, 3); NaN where absent.
             repeated: Whose pose is the last one again to the last digit, (n,); None where nobody's is.
         """
-        verdict = self._glide(t, measured) if repeated is None else None
+        verdict = self._glide(t, measured, repeated)
         if verdict is not None:
             return verdict
         ahead = self._expect(t)
         inside = np.where(np.abs(measured) <= self._params.limits.pos_max, measured, np.nan)
         if repeated is not None:
-            moved = np.abs(ahead.state[:, 0] - self._state[:, 0]).max(axis=1) > REPEAT_STEP
-            inside = np.where((repeated & moved & ~ahead.lost)[:, None], np.nan, inside)
+            inside = np.where((self._stale(repeated, ahead.state) & ~ahead.lost)[:, None], np.nan, inside)
         fits = self._judge(inside, ahead)
         if fits.all() and self._seen.all() and not ahead.lost.any():
             return self._follow(t, inside, ahead)
         self._steady = None
         return self._sort_out(t, inside, ahead, fits)
 
-    def _glide(self, t: float, measured: Array) -> Verdict | None:
+    def _stale(self, repeated: Mask, expected: Array) -> Mask:
+        moved = np.abs(expected[:, 0] - self._state[:, 0]).max(axis=1) > REPEAT_STEP
+        return np.asarray(repeated & moved)
+
+    def _glide(self, t: float, measured: Array, repeated: Mask | None) -> Verdict | None:
         """Take a whole tick with the gains of the last, where nothing is unusual; else return None."""
         steady = self._steady
         if steady is None or abs(t - steady.t - steady.dt) > SAME_INSTANT:
             return None
         expected = steady.moved @ self._state
+        if repeated is not None and self._stale(repeated, expected).any():
+            return None
         miss = measured - expected[:, 0]
         step = measured - self._state[:, 0]
         calm = np.abs(miss).max() <= steady.gate and np.abs(step).max() <= steady.reach  # false for NaN
