@@ -7,11 +7,12 @@ paper (paper/NOTES.md, what reproduces; acts at once):
     P = A ((z0 + .5) / (z0 + dz))^2 exp(-dxy^2 / 2 s^2),  s = s0 + ks dz
     A .392, z0 .33, s0 .06, ks .08, u .2
 measured (two real Crazyflies 2.1, feed-forward off):
-    P = A exp(-beta (dz - .4)) exp(-dxy^2 / 2 s^2) T_j / (m g),  s = .054 + .06 (dz - .4)
+    P = A exp(-beta (dz - .4)) exp(-dxy^2 / 2 s^2) T_j / (m g),  s = .054 + .03 (dz - .4)
     A 2.5, beta .95, u .02
     it travels down at 7.5 m/s: r_j and T_j are those of tau = dz / 7.5 ago
-    the width .054 m is that of the whole fit, its growth that of the force between the rows dz .30-.35 m
-    (.060 m) and .50-.60 m (.075 m); u: the upper vehicles' mean is -.01 and +.05 m/s^2, never above 2 % of g.
+    A, beta and the width .054 m are those of the three-parameter fit; on the same flights (dc19) the R2 of the
+    vertical acceleration is .853 so, .865 with the delay, .866 with a growth of the width of .03, less with
+    more; u: the upper vehicles' mean is -.01 and +.05 m/s^2, never above 2 % of g.
 none: P = 0.
 
 Both are accelerations of vehicles whose own weight carries the source: a source of weight m_j g pushes
@@ -48,7 +49,7 @@ PAPER_DZ = 0.5
 """Height difference at which the push is A [m]: the same."""
 MEASURED_A, MEASURED_BETA, MEASURED_DZ = 2.5, 0.95, 0.4
 """[m/s^2], [1/m], [m]: three-parameter fit of the real flights, feed-forward off."""
-MEASURED_S, MEASURED_KS, MEASURED_UPPER = 0.054, 0.06, 0.02
+MEASURED_S, MEASURED_KS, MEASURED_UPPER = 0.054, 0.03, 0.02
 """[m], [m/m], [-]: see above."""
 MEASURED_SPEED = 7.5
 """Speed at which the draft travels down [m/s]: lag 25 ms at dz 0.15 m to over 110 ms at 0.8 m."""
