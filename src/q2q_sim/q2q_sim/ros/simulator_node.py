@@ -4,6 +4,9 @@
 |---|---|
 | lockstep | the command of the tick: the same seed gives the same flight, faster than real time |
 | live | the wall clock, 100 Hz |
+
+With `crtp` the vehicles fly by their own firmware and wait for CRTP clients (docs/real_vehicles.md): live,
+until the node is ended; `command` is not read.
 """
 
 import json
@@ -29,6 +32,8 @@ from q2q_sim import scenarios
 from q2q_sim.flight_clock import FlightClock, as_fields
 from q2q_sim.lockstep import CommandGate, Patience
 from q2q_sim.room import TICK_S, Room, Tick
+from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+from q2q_sim.ros.crtp_room import open_crtp, rehearse_crtp
 from q2q_sim.scenario import Scenario
 
 STALL_LOOK_S = 0.05
@@ -49,6 +54,7 @@ class SimulatorParams:
     seed: int = tunable(0, "seed of everything random", low=0, read_only=True)
     pace: str = tunable("lockstep", "what makes time pass", choices=("lockstep", "live"), read_only=True)
     autostart: bool = tunable(True, "fly at once; else wait for ~/start", read_only=True)  # noqa: FBT003
+    crtp: bool = tunable(False, "fly live by CRTP clients instead of commands", read_only=True)  # noqa: FBT003
     again_s: float = tunable(
         2.0, "lockstep: ask for a lost tick again after", unit="s", low=0.01, high=60.0, read_only=True
     )
@@ -73,10 +79,15 @@ class Simulator:
         self._patience = Patience(self._params.again_s, self._params.give_up_s)
         self._clock = FlightClock()
         self._health = Health()
+        self._crtp = self._opened(node) if self._params.crtp else None
         self._flying = False
         self._command: SwarmCommand | None = None
         self._tick: Tick | None = None
         self._wire(node)
+
+    def _opened(self, node: Node) -> CrtpEndpoint:
+        rehearse_crtp(self._scenario)
+        return open_crtp(node, self._room, self._scenario, self._health)
 
     def _wire(self, node: Node) -> None:
         self._node = node
@@ -85,9 +96,10 @@ class Simulator:
         }
         self._clock_writer = node.create_publisher(Clock, "/clock", TICK)
         self._summary = node.create_publisher(String, "flight_summary", LATCHED)
-        node.create_subscription(MESSAGES[SwarmCommand], "command", self._on_command, TICK, raw=True)
+        if self._crtp is None:
+            node.create_subscription(MESSAGES[SwarmCommand], "command", self._on_command, TICK, raw=True)
         node.create_service(Trigger, "~/start", self._on_start)
-        live = self._params.pace == "live"
+        live = self._params.pace == "live" or self._crtp is not None
         node.create_timer(TICK_S if live else STALL_LOOK_S, self._on_beat if live else self._on_stall)
         publish_health(node, self._health)
         if self._params.autostart:
@@ -149,7 +161,17 @@ class Simulator:
         elif self._patience.asks_again(now):
             self._publish("mocap", self._tick.frame)
 
+    def close(self) -> None:
+        """Close the ports of CRTP clients."""
+        if self._crtp is not None:
+            self._crtp.close()
+
     def _advance(self) -> None:
+        if self._crtp is not None:
+            self._room.fly(self._crtp.fly)
+            self._health.ticks += 1
+            self._show_tick()
+            return
         if self._command is None:
             self._clock.missed()
             self._health.missed += 1
@@ -178,4 +200,4 @@ def rehearse(scenario: Scenario) -> None:
 
 def main() -> None:
     """Run the node `simulator`."""
-    run("simulator", Simulator)
+    run("simulator", Simulator, Simulator.close)

@@ -1,0 +1,87 @@
+"""Open a simulator's room to CRTP clients, and say on `/diagnostics` who talks to its vehicles."""
+
+from dataclasses import dataclass
+
+from rclpy.node import Node
+
+from q2q_model.health import Health
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.parameters import declare
+from q2q_sim.crtp.fleet import Fleet
+from q2q_sim.crtp.link_model import LinkParams
+from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
+from q2q_sim.room import Room
+from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+from q2q_sim.scenario import Scenario
+
+TELL_S = 1.0
+"""How often clients are told of [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class CrtpNodeParams:
+    """Hold the simulator's parameters of the CRTP endpoint."""
+
+    crtp_port: int = tunable(
+        19850, "UDP port of the first vehicle; 0 lets the system choose", low=0, high=65535, read_only=True
+    )
+    crtp_start: str = tunable(
+        "ground",
+        "where vehicles wait: below their first waypoint, or held at it",
+        choices=("ground", "air"),
+        read_only=True,
+    )
+    crtp_positioning: str = tunable(
+        "deck",
+        "how vehicles know their place: by themselves, or told by clients",
+        choices=("deck", "external"),
+        read_only=True,
+    )
+    crtp_auto_arming: bool = tunable(True, "vehicles arm themselves, as the stock build does", read_only=True)  # noqa: FBT003
+    crtp_latency: float = tunable(0.0, "of the link, each way", unit="s", low=0.0, high=0.5, read_only=True)
+    crtp_loss: float = tunable(0.0, "share of transmissions lost", low=0.0, high=0.9, read_only=True)
+    crtp_rate: float = tunable(
+        0.0, "packets of one radio, both ways; 0 is no limit", unit="Hz", low=0.0, high=1e5, read_only=True
+    )
+    crtp_per_radio: int = tunable(15, "vehicles that share one radio", low=1, high=1000, read_only=True)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+def open_crtp(node: Node, room: Room, scenario: Scenario, health: Health) -> CrtpEndpoint:
+    """Return the endpoint of a room that has not begun; its vehicles wait for clients.
+
+    Raises:
+        OSError: a port is taken.
+    """
+    asked = declare(node, CrtpNodeParams())
+    waiting = CrtpRoomParams(asked.crtp_start, asked.crtp_positioning, asked.crtp_auto_arming)
+    link = LinkParams(
+        latency=asked.crtp_latency,
+        loss=asked.crtp_loss,
+        rate=asked.crtp_rate,
+        per_radio=asked.crtp_per_radio,
+    )
+    fleet = fleet_in(room, scenario, waiting)
+    endpoint = CrtpEndpoint(fleet, scenario.names, asked.crtp_port, link)
+    for name, uri in zip(scenario.names, endpoint.uris, strict=True):
+        node.get_logger().info(f"{name} listens at {uri}")
+    node.create_timer(TELL_S, lambda: _tell(fleet, endpoint, health))
+    return endpoint
+
+
+def rehearse_crtp(scenario: Scenario) -> None:
+    """Fly a room by its own firmware for a tick and forget it, so that the first real one is not slow."""
+    room = Room(scenario, seed=0)
+    room.fly(fleet_in(room, scenario, CrtpRoomParams()).fly)
+
+
+def _tell(fleet: Fleet, endpoint: CrtpEndpoint, health: Health) -> None:
+    passed = endpoint.traffic
+    health.extra["crtp_packets"] = f"{passed.received} in, {passed.sent} out, {passed.dropped} dropped"
+    for vehicle in fleet.vehicles:
+        seen = f"{len(vehicle.clients)} clients, {vehicle.refusals.count} refused"
+        last = vehicle.refusals.last
+        health.extra[f"crtp_{vehicle.name}"] = f"{seen}: {last}" if last else seen
