@@ -25,13 +25,14 @@ table of constants; small values pass between functions as tuples.
 """
 
 import math
+from functools import partial
 
 import numpy as np
-from numba import njit
 
 from q2q_control.allocation import rotor_frame
 from q2q_control.allocation_kernel import allocate, packed_frame
 from q2q_control.attitude import AttitudeParams, attitude_torque, packed_gains
+from q2q_model.compiled import compiled
 from q2q_model.rotations import quat_from_euler
 from q2q_model.signals import Array
 from q2q_model.vehicle import GRAVITY, Vehicle
@@ -172,9 +173,9 @@ def _advance(row: Array, command: Four, drive: Array, body: Array, wanted: Array
         stand(row, body)
 
 
-part = njit(cache=True, inline="always")
+part = partial(compiled, inline="always")
 half_turn, torque, tilt, onboard = part(_half_turn), part(_torque), part(_tilt), part(_wanted)
-push, turn, stand = part(_push), part(_turn), njit(cache=True)(_stand)
-advance = njit(cache=True)(_advance)
+push, turn, stand = part(_push), part(_turn), compiled(_stand)
+advance = compiled(_advance)
 """Move one vehicle by a step: state row (21,), command (thrust, roll, pitch, yaw rate), drive (7,), body
 (6, 3), room for wanted rotor thrusts (4,)."""

@@ -11,10 +11,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from q2q_control.attitude import AttitudeParams
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle import GRAVITY, Vehicle
 from q2q_sim.quadcopter import MASS_ROW, POS, QUAT, RATE, ROTORS, VEL, Four, advance, body_of, state_at_rest
@@ -122,11 +122,11 @@ def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Arr
         remember(state, ring, rows[n] % ring.shape[0], body[5, 0] * GRAVITY)
 
 
-seen, late_draft = njit(cache=True)(_seen), njit(cache=True)(_late_draft)
-sort_by_x, remember = njit(cache=True)(_sort_by_x), njit(cache=True)(_remember)
-drafts = njit(cache=True)(_drafts)
+seen, late_draft = compiled(_seen), compiled(_late_draft)
+sort_by_x, remember = compiled(_sort_by_x), compiled(_remember)
+drafts = compiled(_drafts)
 """Write eta_z of every vehicle: (state, ring, rows, kind, step)."""
-run = njit(cache=True, nogil=True)(_run)
+run = compiled(_run, nogil=True)
 """Take steps: (state, (kind, ring, rows), commands, drive, body); releases the interpreter while it runs."""
 
 

@@ -10,9 +10,9 @@ measured (two real Crazyflies 2.1, feed-forward off):
     P = A exp(-beta (dz - .4)) exp(-dxy^2 / 2 s^2) T_j / (m g),  s = .054 + .03 (dz - .4)
     A 2.5, beta .95, u .02
     it travels down at 7.5 m/s: r_j and T_j are those of tau = dz / 7.5 ago
-    A, beta and the width .054 m are those of the three-parameter fit; on the same flights (dc19) the R2 of the
-    vertical acceleration is .853 so, .865 with the delay, .866 with a growth of the width of .03, less with
-    more; u: the upper vehicles' mean is -.01 and +.05 m/s^2, never above 2 % of g.
+    A, beta and the width .054 m are those of the three-parameter fit; on the same flights (dc19) the R2 of
+    the vertical acceleration is .853 so, .865 with the delay, .866 with a growth of the width of .03, less
+    with more; u: the upper vehicles' mean is -.01 and +.05 m/s^2, never above 2 % of g.
 none: P = 0.
 
 Both are accelerations of vehicles whose own weight carries the source: a source of weight m_j g pushes
@@ -32,7 +32,7 @@ Where the pair changes roles, |dz| < b, the two shares blend by a cubic, so that
 import math
 from enum import IntEnum
 
-from numba import njit
+from q2q_model.compiled import compiled
 
 
 class Wake(IntEnum):
@@ -117,8 +117,8 @@ def _reach(kind: int, gap: float) -> float:
     return float(EDGE * width(kind, gap) + FASTEST * delay(kind, gap))
 
 
-width = njit(cache=True)(_width)
-push = njit(cache=True)(_push)
-pair_eta = njit(cache=True)(_pair_eta)
-delay = njit(cache=True)(_delay)
-reach = njit(cache=True)(_reach)
+width = compiled(_width)
+push = compiled(_push)
+pair_eta = compiled(_pair_eta)
+delay = compiled(_delay)
+reach = compiled(_reach)

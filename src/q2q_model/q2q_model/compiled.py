@@ -1,0 +1,69 @@
+"""Compile hot loops, and keep their machine code only as long as all that it was made of stays the same.
+
+numba's own cache looks at the file of a function and at nothing else: where a called function or a constant
+changes in another file, the old code runs on, silently. Here the key of the cache also holds a digest of all
+that the function uses, through any number of files: bytecode and constants of itself and of the compiled
+functions it calls, and the numbers it reads by name (not as `module.NAME`: import the name). Use it in place
+of `njit(cache=True)` wherever a loop calls compiled functions, or reads constants, of another file.
+"""
+
+from collections.abc import Callable, Iterator
+from hashlib import sha256
+from types import CodeType, FunctionType
+from typing import Any
+
+from numba import njit
+from numba.core.caching import FunctionCache
+from numba.core.dispatcher import Dispatcher
+
+
+def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN401  numba's dispatcher
+    """Return the compiled function; `options` are those of numba.njit but `cache`."""
+    made = njit(**options)(function)
+    made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
+    return made
+
+
+class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
+    """Keep compiled code under a key that changes with everything it uses."""
+
+    def _index_key(self, signature: Any, codegen: Any) -> tuple[object, ...]:  # noqa: ANN401
+        return (*super()._index_key(signature, codegen), digest_of(self._py_func))
+
+
+def digest_of(function: FunctionType) -> str:
+    """Return a digest of a function and of all compiled functions and constants that it uses."""
+    found = sha256()
+    for part in _parts(function, set()):
+        found.update(part.encode() + b"\0")
+    return found.hexdigest()
+
+
+def _parts(function: FunctionType, seen: set[FunctionType]) -> Iterator[str]:
+    if function in seen:
+        return
+    seen.add(function)
+    for cell in function.__closure__ or ():
+        yield repr(cell.cell_contents)
+    for code in _codes(function.__code__):
+        yield code.co_code.hex()
+        yield repr([const for const in code.co_consts if not isinstance(const, CodeType)])
+        for name in code.co_names:
+            yield from _parts_of(name, function.__globals__.get(name), seen)
+
+
+def _parts_of(name: str, value: object, seen: set[FunctionType]) -> Iterator[str]:
+    yield name
+    if isinstance(value, Dispatcher):
+        yield repr(sorted(value.targetoptions.items()))
+        yield from _parts(value.py_func, seen)
+    elif isinstance(value, bool | int | float | str | tuple):
+        yield repr(value)
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    """Yield a function's code and that of the functions within it."""
+    yield code
+    for const in code.co_consts:
+        if isinstance(const, CodeType):
+            yield from _codes(const)

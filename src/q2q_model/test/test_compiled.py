@@ -1,0 +1,55 @@
+"""Prove that compiled code is kept, and that it is made again when anything it uses has changed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from q2q_model.compiled import digest_of
+
+MAIN = """
+from q2q_model.compiled import compiled
+from callee import twice, OFFSET
+
+def _run(x):
+    return twice(x) + OFFSET
+
+run = compiled(_run)
+print(run(1.0), sum(run.stats.cache_hits.values()))
+"""
+CALLEE = """
+from numba import njit
+OFFSET = {offset}
+def _twice(x):
+    return {factor} * x
+twice = njit(_twice)
+"""
+
+
+def _answer(folder: Path, factor: float, offset: float) -> str:
+    """Return what a fresh interpreter prints: the result, and how often the cache was used."""
+    (folder / "callee.py").write_text(CALLEE.format(factor=factor, offset=offset))
+    (folder / "main.py").write_text(MAIN) if not (folder / "main.py").exists() else None
+    paths = [str(folder), *sys.path]
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(paths),
+        "NUMBA_CACHE_DIR": str(folder / "cache"),
+    }
+    command = [sys.executable, "-B", str(folder / "main.py")]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def test_code_is_kept_until_a_function_or_a_constant_of_another_file_changes(tmp_path: Path) -> None:
+    assert _answer(tmp_path, 2.0, 0.5) == "2.5 0"
+    assert _answer(tmp_path, 2.0, 0.5) == "2.5 1"
+    assert _answer(tmp_path, 3.0, 0.5) == "3.5 0"
+    assert _answer(tmp_path, 3.0, 0.7) == "3.7 0"
+    assert _answer(tmp_path, 2.0, 0.5) == "2.5 1"
+
+
+def test_recursion_does_not_go_on_for_ever() -> None:
+    def down(n: int) -> int:
+        return 0 if n == 0 else down(n - 1)
+
+    assert len(digest_of(down)) == 64
