@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_model.vehicle import CRAZYFLIE_2_0
@@ -48,6 +48,7 @@ def test_the_measured_wake_is_the_fitted_law_at_its_reference_height() -> None:
 
 
 @DRAFTS
+@settings(deadline=None)
 @given(dz=st.floats(-0.3, 0.3), step=st.floats(1e-6, 1e-3))
 def test_the_change_of_roles_is_smooth(kind: Wake, dz: float, step: float) -> None:
     # the steepest slope is that of the cubic, 0.75 / b times the whole change, plus the laws' own
