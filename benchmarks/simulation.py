@@ -34,7 +34,7 @@ def run() -> list[Row]:
     for wake in (Wake.PAPER, Wake.MEASURED):
         for count in SIZES:
             compiled, plain = _rates(count, wake)
-            name = f"{count} vehicles, {wake.name.lower()} wake"
+            name = f"{count} {'vehicle' if count == 1 else 'vehicles'}, {wake.name.lower()} wake"
             rows.append(Row(name, compiled, "drone-steps/s", "numpy twin", compiled / plain))
             rows.append(Row(f"{name}, numpy twin", plain, "drone-steps/s"))
             real_time = PHYSICS_RATE * count
