@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from q2q_model.interaction.model import InteractionModel, level_source
+from q2q_model.interaction.model import InteractionModel, at_rest
 from q2q_model.signals import Array
 
 STEP = 0.01
@@ -84,8 +84,8 @@ def _strength(model: InteractionModel) -> Array:
     across = np.arange(0.0, reach.horizontal + MARGIN + STEP, STEP)
     gap = np.arange(0.0, reach.vertical + MARGIN + STEP, STEP)
     rel_pos = np.stack(np.meshgrid(across, [0.0], gap, indexing="ij"), axis=-1)[:, 0]  # (rows, columns, 3)
-    level = level_source(rel_pos)
-    pushes = [np.linalg.norm(model.acceleration(sign * rel_pos, level), axis=-1) for sign in (1.0, -1.0)]
+    still = at_rest(rel_pos)
+    pushes = [np.linalg.norm(model.acceleration(sign * rel_pos, still), axis=-1) for sign in (1.0, -1.0)]
     within = (across[:, None] <= reach.horizontal) & (gap <= reach.vertical)
     return np.where(within, np.maximum(*pushes), 0.0)
 

@@ -7,12 +7,12 @@ import pytest
 
 from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
 from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
-from q2q_model.interaction.model import InteractionModel, Source, level_source
+from q2q_model.interaction.model import InteractionModel, PairMotion, at_rest
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.interaction.roles import lower_share, smooth_gap
 
 ABOVE = np.array([0.0, 0.0, 0.5])
-LEVEL = level_source(ABOVE)
+LEVEL = at_rest(ABOVE)
 ROUNDING = 1e-12
 
 
@@ -79,7 +79,7 @@ def test_a_law_is_negligible_beyond_its_reach_sideways(law: InteractionModel):
 def test_a_law_has_no_jump_where_the_vehicles_change_roles(law: InteractionModel):
     dz = np.linspace(-0.2, 0.2, 4001)
     rel_pos = np.stack([0.02 + 0.0 * dz, 0.0 * dz, dz], axis=-1)
-    eta = law.acceleration(rel_pos, level_source(rel_pos))[:, 2]
+    eta = law.acceleration(rel_pos, at_rest(rel_pos))[:, 2]
     largest = np.abs(eta).max() + 1e-9
     assert np.abs(np.diff(eta)).max() < 0.01 * largest  # a jump of roles would be of order 1
     assert np.abs(np.diff(eta, 2)).max() < 1e-3 * largest  # nor a corner
@@ -90,10 +90,10 @@ def test_a_batch_of_pairs_is_the_same_as_a_loop(law: InteractionModel):
     rng = np.random.default_rng(5)
     rel_pos, vel, axis = rng.normal(size=(3, 3, 4, 3)) * 0.3
     axis[..., 2] = 1.0
-    everyone = Source(vel, axis)
+    everyone = PairMotion(vel, axis, -vel)
     batch = law.acceleration(rel_pos, everyone), law.delay(rel_pos), law.deviation(rel_pos, everyone)
     for k in np.ndindex(3, 4):
-        one = Source(vel[k], axis[k])
+        one = PairMotion(vel[k], axis[k], -vel[k])
         alone = law.acceleration(rel_pos[k], one), law.delay(rel_pos[k]), law.deviation(rel_pos[k], one)
         for whole, single in zip(batch, alone, strict=True):
             np.testing.assert_allclose(whole[k], single, rtol=1e-13)  # numpy may sum in another order
@@ -124,7 +124,7 @@ def test_a_parameter_out_of_bounds_is_refused_by_name():
 
 def test_a_source_leaning_to_x_aims_its_draft_to_minus_x():
     """Body z leans to +x by 0.2, so the air goes to -x: 0.1 m aside after half a metre."""
-    leaning = Source(vel=np.zeros(3), axis=np.array([0.2, 0.0, 1.0]))
+    leaning = replace(LEVEL, source_axis=np.array([0.2, 0.0, 1.0]))
     hit = CARRYING.acceleration(np.array([0.1, 0.0, 0.5]), leaning)  # source 0.1 m ahead in x
     straight = CARRYING.acceleration(ABOVE, LEVEL)
     np.testing.assert_allclose(hit, straight, rtol=1e-12)
@@ -135,11 +135,20 @@ def test_air_thrown_from_a_moving_source_moves_on_with_it():
     """With c = 1 at steady speed the draft stays under its source: retarded place plus v tau."""
     vel = np.array([0.8, -0.4, 0.0])
     tau = 0.5 / MEASURED_LAW.travel_speed
-    moving = Source(vel=vel, axis=np.array([0.0, 0.0, 1.0]))
+    moving = replace(LEVEL, source_vel=vel)
     under = CARRYING.acceleration(ABOVE - vel * tau, moving)
     np.testing.assert_allclose(under, CARRYING.acceleration(ABOVE, LEVEL), rtol=1e-12)
 
 
 def test_an_upside_down_source_throws_no_draft_to_infinity():
-    tumbled = Source(vel=np.zeros(3), axis=np.array([1.0, 0.0, -0.1]))
+    tumbled = replace(LEVEL, source_axis=np.array([1.0, 0.0, -0.1]))
     assert np.isfinite(CARRYING.acceleration(ABOVE, tumbled)).all()
+
+
+def test_a_climbing_vehicle_meets_the_air_faster_and_one_that_sinks_with_it_feels_nothing():
+    still = CARRYING.acceleration(ABOVE, LEVEL)[2]
+    climbing = replace(LEVEL, vel=np.array([0.0, 0.0, 0.75]))  # a tenth of the air's 7.5 m/s
+    assert CARRYING.acceleration(ABOVE, climbing)[2] == pytest.approx(1.1 * still)
+    sinking = replace(LEVEL, vel=np.array([0.0, 0.0, -9.0]))
+    assert CARRYING.acceleration(ABOVE, sinking)[2] == 0.0
+    assert MEASURED_LAW.acceleration(ABOVE, climbing)[2] == MEASURED_LAW.acceleration(ABOVE, LEVEL)[2]

@@ -9,7 +9,7 @@ import pytest
 from q2q_model.identification.altitude_loop import PAPER_LOOP
 from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
 from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
-from q2q_model.interaction.model import InteractionModel, level_source
+from q2q_model.interaction.model import InteractionModel, at_rest
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.level_set import LevelSet, level_set
 from q2q_model.model_file import Fit, ModelFile, ModelFileError, RoleScores, decode, encode, load, save
@@ -40,8 +40,8 @@ def test_a_saved_model_predicts_the_same_to_the_last_digit(law: InteractionModel
     save(path, ModelFile(law, Cylinder(0.2, 0.9), PAPER_LOOP, FIT))
     again = load(path)
     rel_pos = np.random.default_rng(10).normal(size=(20, 3)) * 0.3
-    expected = law.acceleration(rel_pos, level_source(rel_pos))
-    np.testing.assert_array_equal(again.interaction.acceleration(rel_pos, level_source(rel_pos)), expected)
+    expected = law.acceleration(rel_pos, at_rest(rel_pos))
+    np.testing.assert_array_equal(again.interaction.acceleration(rel_pos, at_rest(rel_pos)), expected)
     assert (again.zone, again.gains, again.fit) == (Cylinder(0.2, 0.9), PAPER_LOOP, FIT)
 
 

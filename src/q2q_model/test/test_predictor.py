@@ -7,12 +7,12 @@ import pytest
 
 from q2q_model.interaction.history import StateHistory
 from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
-from q2q_model.interaction.model import Source, level_source
+from q2q_model.interaction.model import at_rest
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.interaction.predictor import InteractionPredictor
 from q2q_model.signals import Interference, InterferenceStatus, SwarmState, TrackStatus
 
-LEVEL = level_source(np.zeros(3))
+LEVEL = at_rest(np.zeros(3))
 
 
 def state(t: float, pos: list[list[float]], vel: list[list[float]] | None = None) -> SwarmState:
@@ -145,13 +145,13 @@ def test_exchanging_the_model_acts_at_the_next_stamp():
 
 
 def test_history_interpolates_a_straight_line_exactly_however_long_it_runs():
-    history, moving = StateHistory(1, span=0.5), Source(np.array([[2.0, 0.0, 0.0]]), LEVEL.axis[None])
+    history, vel, axis = StateHistory(1, span=0.5), np.array([[2.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]])
     for k in range(1000):  # many times the first capacity
-        history.push(0.01 * k, np.array([[0.02 * k, 0.0, 1.0]]), moving)
+        history.push(0.01 * k, np.array([[0.02 * k, 0.0, 1.0]]), vel, axis)
     times = np.array([9.503, 9.7777, 9.99])
-    pos, source = history.at(times, np.zeros(3, dtype=np.intp))
+    pos, found, _ = history.at(times, np.zeros(3, dtype=np.intp))
     np.testing.assert_allclose(pos[:, 0], 2.0 * times, rtol=1e-12)
-    np.testing.assert_allclose(source.vel[:, 0], 2.0)
+    np.testing.assert_allclose(found[:, 0], 2.0)
     assert history.oldest == pytest.approx(9.49)  # one sample beyond the span, so that it is covered
     assert history.newest == pytest.approx(9.99)
 
@@ -159,8 +159,8 @@ def test_history_interpolates_a_straight_line_exactly_however_long_it_runs():
 def test_history_grows_when_the_span_holds_more_than_its_first_capacity():
     history = StateHistory(1, span=3.0)
     for k in range(1000):
-        history.push(0.01 * k, np.array([[0.01 * k, 0.0, 0.0]]), level_source(np.zeros((1, 3))))
-    pos, _ = history.at(np.array([7.0, 0.0]), np.zeros(2, dtype=np.intp))
+        history.push(0.01 * k, np.array([[0.01 * k, 0.0, 0.0]]), np.zeros((1, 3)), np.zeros((1, 3)))
+    pos, _, _ = history.at(np.array([7.0, 0.0]), np.zeros(2, dtype=np.intp))
     np.testing.assert_allclose(pos[:, 0], [7.0, 6.99], rtol=1e-12)  # older than held: the oldest counts
 
 
@@ -170,8 +170,8 @@ def test_a_leaning_source_is_aimed_by_its_orientation():
     roll = np.array([np.sin(0.1), 0.0, 0.0, np.cos(0.1)])  # 0.2 rad: body z leans to -y, air goes to +y
     leaning = replace(now, quat=np.stack([now.quat[0], roll]))
     answer = InteractionPredictor(law).update(leaning)
-    source = Source(np.zeros(3), np.array([0, -np.sin(0.2), np.cos(0.2)]))
-    expected = law.acceleration(np.array([0, 0, 0.5]), source)
+    aside = replace(LEVEL, source_axis=np.array([0, -np.sin(0.2), np.cos(0.2)]))
+    expected = law.acceleration(np.array([0, 0, 0.5]), aside)
     np.testing.assert_allclose(answer.acc[0], expected, rtol=1e-9)
     assert abs(answer.acc[0, 2]) < 0.5 * abs(InteractionPredictor(law).update(now).acc[0, 2])
     unknown = replace(now, quat=np.full((2, 4), np.nan))

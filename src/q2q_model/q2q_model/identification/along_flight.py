@@ -2,7 +2,7 @@
 
 The same sum as the online predictor's (q2q_model.interaction.predictor), which a test holds it to:
 
-    eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau))
+    eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau), v_i(t))
 
 Offline a vehicle's past is the whole record; before its start the first sample counts.
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.interaction.model import InteractionModel, Source
+from q2q_model.interaction.model import InteractionModel, PairMotion
 from q2q_model.signals import Array
 
 
@@ -46,8 +46,8 @@ def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.i
             near = _in_reach(model, rel_pos, motion.vel[:, j])
             left = motion.t[rows[near]] - model.delay(rel_pos[near])
             pos, vel, axis = (_at(motion.t, x[:, j], left) for x in (motion.pos, motion.vel, motion.axis))
-            source = Source(vel=vel, axis=axis)
-            eta[near] += model.acceleration(pos - motion.pos[rows[near], i], source)
+            pair = PairMotion(source_vel=vel, source_axis=axis, vel=motion.vel[rows[near], i])
+            eta[near] += model.acceleration(pos - motion.pos[rows[near], i], pair)
     return eta
 
 

@@ -52,6 +52,16 @@ class AltitudeRecord:
         """Return z - z_ref [m], (T, n)."""
         return self.pos[..., 2] - self.ref[..., 0]
 
+    @property
+    def start(self) -> Array:
+        """Return z - z_ref [m] and its rate [m/s] at the first tick, (2, n)."""
+        return np.stack([self.deviation[0], self.vel[0, :, 2] - self.ref[0, :, 1]])
+
+    @property
+    def jerk(self) -> Array:
+        """Return z_ref''' [m/s^3], (T, n)."""
+        return np.asarray(np.gradient(self.ref[..., 2], self.dt, axis=0))
+
 
 def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     """Return the record of a flight whose vehicles are all of one kind.

@@ -6,9 +6,7 @@ form of the decay and whether the air keeps its source's speed and slope. The re
     pushes:     y - eta                        on exposed and upper rows
     altitudes:  z - z_free - (h * eta)         every tenth tick: the loop is far slower
 
-Intervals are from the sandwich covariance B^-1 M B^-1, B = J'J, M = sum over blocks of (J'r)(J'r)': residuals
-within a block of time may depend on each other (Cameron, Miller, A practitioner's guide to cluster-robust
-inference, 2015); a draft's turbulence does.
+Intervals let residuals of two seconds hang together, as a draft's turbulence does (interval.py).
 """
 
 from collections.abc import Callable, Sequence
@@ -22,6 +20,7 @@ from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.altitude_record import AltitudeRecord
 from q2q_model.identification.draft_force import ForceSamples
 from q2q_model.identification.impulse_response import draft_response, free_response
+from q2q_model.identification.interval import Interval, intervals, sandwich
 from q2q_model.interaction.jet import Jet
 from q2q_model.signals import Array
 
@@ -29,17 +28,12 @@ THINNING = 10
 """Every tenth tick of 100 Hz: 10 Hz for a loop of 0.9 rad/s."""
 BLOCK = 2.0
 """Length of a block of dependent residuals [s]: a passage."""
-FASTEST = 50.0
-"""Travel speeds above this are no delay at all [m/s]: 10 ms over half a metre, one tick."""
+FASTEST = 500.0
+"""Travel speeds above this are no delay at all [m/s]: a tenth of a tick over half a metre."""
 
-
-@dataclass(frozen=True, slots=True)
-class Interval:
-    """Hold an estimate with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
+TURBULENT = 0.25
+"""Miss beyond which a row counts by its size, not its square [m/s^2]: the spread of y in clear air on real
+flights is 0.2 to 0.3; larger misses are eddies, which come and go and tell little of the mean."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,14 +76,14 @@ def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm) -> JetFit:
             blocks.append(1e6 * k + np.floor(one.motion.t[rows] / BLOCK))
         return Residuals(np.concatenate(parts), np.concatenate(blocks))
 
-    fit = _fit(residuals, form)
+    fit = _fit(residuals, form, "soft_l1")
     return replace(fit, jet=replace(fit.jet, relative_std=_relative_std(fit.jet, samples)))
 
 
 def fit_to_altitudes(records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm) -> JetFit:
     """Return the jet that explains measured altitudes under a closed loop."""
     motions = [Motion(one.t, one.pos, one.vel, one.axis) for one in records]
-    targets = [one.deviation - free_deviation(one, loop) for one in records]
+    targets = [one.deviation - free_response(loop, one.dt, one.start, one.jerk) for one in records]
 
     def residuals(jet: Jet) -> Residuals:
         parts, blocks = [], []
@@ -103,14 +97,7 @@ def fit_to_altitudes(records: Sequence[AltitudeRecord], loop: AltitudeLoop, form
     return _fit(residuals, form)
 
 
-def free_deviation(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
-    """Return z - z_ref [m], (T, n), of a flight without drafts, from its measured start."""
-    start = np.stack([record.deviation[0], record.vel[0, :, 2] - record.ref[0, :, 1]])
-    jerk = np.gradient(record.ref[..., 2], record.dt, axis=0)
-    return free_response(loop, record.dt, start, jerk)
-
-
-def _fit(residuals: Callable[[Jet], Residuals], form: JetForm) -> JetFit:
+def _fit(residuals: Callable[[Jet], Residuals], form: JetForm, loss: str = "linear") -> JetFit:
     names, start = _free_parameters(form)
     low, high = (np.array([_BOUNDS[name][side] for name in names]) for side in (0, 1))
     found = least_squares(
@@ -121,14 +108,13 @@ def _fit(residuals: Callable[[Jet], Residuals], form: JetForm) -> JetFit:
         diff_step=1e-4,  # the residual has corners where a pair enters the reach
         xtol=1e-6,
         ftol=1e-8,
+        loss=loss,
+        f_scale=TURBULENT,
     )
     jet = _jet(form, names, found.x)
-    error = 1.96 * np.sqrt(np.diag(_sandwich(found.jac, residuals(jet))))
-    intervals = tuple(
-        (name, Interval(float(x), float(x - e), float(x + e)))
-        for name, x, e in zip(names, found.x, error, strict=True)
-    )
-    return JetFit(jet=jet, intervals=intervals, mse=float(np.mean(found.fun**2)))
+    covariance = sandwich(found.jac, found.fun, residuals(jet).block)
+    spread = tuple(zip(names, intervals(found.x, covariance), strict=True))
+    return JetFit(jet=jet, intervals=spread, mse=float(np.mean(found.fun**2)))
 
 
 _BOUNDS = {
@@ -170,14 +156,6 @@ def _jet(form: JetForm, names: Sequence[str], x: Array) -> Jet:
         range=1.5,
         **({"spread": 0.0} | values),
     )
-
-
-def _sandwich(jacobian: Array, residuals: Residuals) -> Array:
-    _, block = np.unique(residuals.block, return_inverse=True)
-    scores = np.zeros((block.max() + 1, jacobian.shape[1]))
-    np.add.at(scores, block, jacobian * residuals.value[:, None])
-    bread = np.linalg.pinv(jacobian.T @ jacobian)
-    return np.asarray(bread @ (scores.T @ scores) @ bread)
 
 
 def _relative_std(jet: Jet, samples: Sequence[ForceSamples]) -> float:

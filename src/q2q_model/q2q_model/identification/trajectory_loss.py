@@ -99,9 +99,7 @@ def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, floa
             f"flight {record.name}: {active.size} samples with a pair in reach, {MOST_ACTIVE} allowed; "
             "cut the flight into passages, or use the jet, which has no such bound"
         )
-    start = np.stack([record.deviation[0], record.vel[0, :, 2] - record.ref[0, :, 1]])
-    jerk = np.gradient(record.ref[..., 2], record.dt, axis=0)
-    free = free_response(loop, record.dt, start, jerk)
+    free = free_response(loop, record.dt, record.start, record.jerk)
     r = record.deviation - free
     h = impulse_response(loop, record.dt, record.t.size)
     lag = np.arange(record.t.size)[:, None] - active

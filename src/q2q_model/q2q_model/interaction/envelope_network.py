@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.interaction.model import Reach, Source
+from q2q_model.interaction.model import PairMotion, Reach
 from q2q_model.interaction.roles import lower_share, smooth_gap
 from q2q_model.signals import Array
 
@@ -82,7 +82,7 @@ class EnvelopeNetwork:
         """Return zeros [s], (...,)."""
         return np.zeros(rel_pos.shape[:-1])
 
-    def acceleration(self, rel_pos: Array, source: Source) -> Array:  # noqa: ARG002
+    def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:  # noqa: ARG002
         """Return eta [m/s^2], world, (..., 3); (15) looks at the distance alone."""
         dz = rel_pos[..., 2]
         across, gap, share = np.hypot(rel_pos[..., 0], rel_pos[..., 1]), smooth_gap(dz), lower_share(dz)
@@ -91,6 +91,6 @@ class EnvelopeNetwork:
         eta[..., 2] = envelope * (share * self.lower(across, gap) + (1.0 - share) * self.upper(across, gap))
         return eta
 
-    def deviation(self, rel_pos: Array, source: Source) -> Array:  # noqa: ARG002
+    def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:  # noqa: ARG002
         """Return NaN [m/s^2], (..., 3): the paper's model does not know its error."""
         return np.full(rel_pos.shape, np.nan)

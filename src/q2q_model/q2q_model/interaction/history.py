@@ -8,7 +8,6 @@ whatever the length.
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.interaction.model import Source
 from q2q_model.signals import Array
 
 FIRST_CAPACITY = 64
@@ -34,18 +33,18 @@ class StateHistory:
         """Return the newest stamp held [s]; minus infinity when there is none."""
         return float(self._stamps[self._end - 1]) if self._end > self._start else -np.inf
 
-    def push(self, t: float, pos: Array, source: Source) -> None:
+    def push(self, t: float, pos: Array, vel: Array, axis: Array) -> None:
         """Store the states (n, 3) of time t [s], which must be later than the newest."""
         if self._end == self._stamps.size:
             self._make_room()
         self._stamps[self._end] = t
-        np.concatenate((pos, source.vel, source.axis), axis=1, out=self._samples[self._end])
+        np.concatenate((pos, vel, axis), axis=1, out=self._samples[self._end])
         self._end += 1
         while self._end - self._start > 2 and self._stamps[self._start + 1] <= t - self._span:
             self._start += 1
 
-    def at(self, t: Array, vehicles: NDArray[np.intp]) -> tuple[Array, Source]:
-        """Return positions and states (p, 3) of rows `vehicles` (p,) at times t (p,) [s], interpolated.
+    def at(self, t: Array, vehicles: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+        """Return pos, vel and axis (p, 3) of rows `vehicles` (p,) at times t (p,) [s], interpolated.
 
         Outside the samples held, the oldest or the newest counts. NaN where a sample used is NaN.
         """
@@ -76,5 +75,5 @@ class StateHistory:
         self._start, self._end = 0, held
 
 
-def _parts(sample: Array) -> tuple[Array, Source]:
-    return sample[:, :3], Source(vel=sample[:, 3:6], axis=sample[:, 6:])
+def _parts(sample: Array) -> tuple[Array, Array, Array]:
+    return sample[:, :3], sample[:, 3:6], sample[:, 6:]

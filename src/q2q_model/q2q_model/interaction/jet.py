@@ -1,17 +1,19 @@
 """Describe the draft as a round jet with a handful of named numbers.
 
-    eta_lower = -A decay(gap) exp(-r^2 / (2 s(gap)^2)),   s(gap) = s0 + ks gap
+    eta_lower = -A decay(gap) exp(-r^2 / (2 s(gap)^2)) (1 + c v_i,z tau / gap),   s(gap) = s0 + ks gap
     eta_upper = -ratio eta_lower
     decay = ((z0 + gap_ref) / (z0 + gap))^2      "power": a free round jet, whose speed falls as 1/distance
           = exp(-beta (gap - gap_ref))           "exponential": what real flights fit best
     tau = gap / travel_speed                     the air takes its time down
 
-    r = |rel_xy + c (v_xy tau - gap b_xy / b_z)|  distance from the jet's axis where it passes the vehicle
+    r = |rel_xy + c (v_j,xy tau - gap b_xy / b_z)|  distance from the jet's axis where it passes the vehicle
 
-rel_pos is r_j(t - tau) - r_i(t). Air is thrown along -b, the source's body z, from a place that moves with v:
-it keeps that speed and that slope on its way down (c = 1), or is taken to fall straight (c = 0), as the paper
-does. On real flights c = 1 fits: left free, the share of slope kept came out at 0.997 (family dc21) and 1.13
-(dc19), and it explains more than a third of what a straight fall leaves unexplained.
+rel_pos is r_j(t - tau) - r_i(t). Air is thrown along -b, the source's body z, from a place that moves with
+v_j: it keeps that speed and that slope on its way down (c = 1), or is taken to fall straight (c = 0), as the
+paper does. A vehicle that climbs at v_i,z meets the air, which comes at travel_speed, by so much faster.
+
+On real flights c = 1 fits: left free, the share of slope kept came out at 0.997 (family dc21) and 1.13
+(dc19). It explains more than a third of what a straight fall leaves unexplained.
 
 Only z is pushed. `PAPER_LAW` is the synthetic draft that reproduces the paper's Table 6; `MEASURED_LAW` is
 the three-parameter law with delay of two Crazyflie 2.1 (flights recorded for Neural-Swarm2, T-RO 2021) whose
@@ -25,14 +27,14 @@ feed-forward was off.
 | z0 | virtual_origin | jet's origin above its source [m] |
 | beta | decay_rate | [1/m] |
 | s0, ks | width, spread | standard deviation across at the source [m], and its growth [m/m] |
-| c | carried | share of the source's speed and slope that the air keeps [-] |
+| c | carried | share of the source's speed and slope that the air keeps [-]; 0 looks at no motion |
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.interaction.model import Reach, Source
+from q2q_model.interaction.model import PairMotion, Reach
 from q2q_model.interaction.roles import lower_share, smooth_gap
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array
@@ -55,7 +57,7 @@ class Jet:
     width: float = tunable(0.06, "standard deviation across, at the source", unit="m", low=0.002, high=1)
     spread: float = tunable(0.08, "growth of the width with the gap", unit="m/m", low=0, high=1)
     upper_ratio: float = tunable(0.2, "upper vehicle's share, upwards", low=-1, high=1)
-    travel_speed: float = tunable(0.0, "speed of the push; 0 means at once", unit="m/s", low=0, high=100)
+    travel_speed: float = tunable(0.0, "speed of the push; 0 means at once", unit="m/s", low=0, high=1e3)
     carried: float = tunable(0.0, "share of the source's speed and slope that the air keeps", low=0, high=1)
     relative_std: float = tunable(0.0, "standard deviation over push; 0 means unknown", low=0, high=10)
     range: float = tunable(3.0, "largest gap that is looked at", unit="m", low=0.1, high=10)
@@ -81,37 +83,43 @@ class Jet:
             return np.zeros(rel_pos.shape[:-1])
         return np.asarray(np.clip(rel_pos[..., 2], 0.0, self.range) / self.travel_speed)
 
-    def acceleration(self, rel_pos: Array, source: Source) -> Array:
+    def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return eta [m/s^2], world, (..., 3)."""
         share = lower_share(rel_pos[..., 2])
         eta = np.zeros(rel_pos.shape)
-        eta[..., 2] = (self.upper_ratio * (1.0 - share) - share) * self.push(rel_pos, source)
+        eta[..., 2] = (self.upper_ratio * (1.0 - share) - share) * self.push(rel_pos, motion)
         return eta
 
-    def deviation(self, rel_pos: Array, source: Source) -> Array:
+    def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return one standard deviation [m/s^2], (..., 3): known along z only, a share of the push."""
         std = np.full(rel_pos.shape, np.nan)
         if self.relative_std > 0.0:
-            std[..., 2] = self.relative_std * np.abs(self.acceleration(rel_pos, source)[..., 2])
+            std[..., 2] = self.relative_std * np.abs(self.acceleration(rel_pos, motion)[..., 2])
         return std
 
-    def push(self, rel_pos: Array, source: Source) -> Array:
+    def push(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return the push on a lower vehicle, downwards [m/s^2], (...,), of the height difference alone."""
         gap = smooth_gap(rel_pos[..., 2])
-        off_axis = rel_pos[..., :2] + self._drift(rel_pos, source)
+        off_axis = rel_pos[..., :2] + self._drift(rel_pos, motion)
         r2 = off_axis[..., 0] ** 2 + off_axis[..., 1] ** 2
         gaussian = np.exp(-r2 / (2.0 * (self.width + self.spread * gap) ** 2))
-        return np.asarray(self.strength * self._decay(gap) * gaussian)
+        return np.asarray(self.strength * self._decay(gap) * gaussian * self._meeting(motion))
 
-    def _drift(self, rel_pos: Array, source: Source) -> Array:
+    def _meeting(self, motion: PairMotion) -> Array | float:
+        """Return how much faster a climbing vehicle meets the air [-]; never backwards."""
+        if self.carried == 0.0 or self.travel_speed == 0.0:
+            return 1.0
+        return np.maximum(1.0 + self.carried * motion.vel[..., 2] / self.travel_speed, 0.0)
+
+    def _drift(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return how far aside the air has come on its way [m], (..., 2)."""
         if self.carried == 0.0:
             return np.zeros(2)
         fall = np.maximum(rel_pos[..., 2:], 0.0)
-        slope = source.axis[..., :2] / np.maximum(source.axis[..., 2:], 0.5)
+        slope = motion.source_axis[..., :2] / np.maximum(motion.source_axis[..., 2:], 0.5)
         slope = slope / np.maximum(np.linalg.norm(slope, axis=-1, keepdims=True) / STEEPEST, 1.0)
         return np.asarray(
-            self.carried * (source.vel[..., :2] * self.delay(rel_pos)[..., None] - fall * slope)
+            self.carried * (motion.source_vel[..., :2] * self.delay(rel_pos)[..., None] - fall * slope)
         )
 
     def _decay(self, gap: Array) -> Array:

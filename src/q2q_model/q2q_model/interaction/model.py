@@ -1,6 +1,6 @@
 """Say what an interaction model is: a law for one pair, and how late its push arrives.
 
-eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau)),
+eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau), v_i(t)),
 tau = delay(r_j(t) - r_i(t)),
 
 with b the body z axis: a rotor throws its air along -b, so a tilted source aims its draft aside.
@@ -28,19 +28,26 @@ class Reach:
     """[m]"""
 
 
+UP = np.array([0.0, 0.0, 1.0])
+"""Body z of a level vehicle."""
+
+
 @dataclass(frozen=True, slots=True)
-class Source:
-    """Hold what a source was doing when its air left it."""
+class PairMotion:
+    """Hold how the two of a pair move: the source when its air left it, the vehicle that feels it now."""
 
+    source_vel: Array
+    """Velocity of j [m/s], world, (..., 3)."""
+    source_axis: Array
+    """Body z of j, unit length, world, (..., 3)."""
     vel: Array
-    """Velocity [m/s], world, (..., 3)."""
-    axis: Array
-    """Body z, unit length, world, (..., 3)."""
+    """Velocity of i [m/s], world, (..., 3)."""
 
 
-def level_source(rel_pos: Array) -> Source:
-    """Return a source at rest and level, one for each relative position (..., 3)."""
-    return Source(vel=np.zeros_like(rel_pos), axis=np.zeros_like(rel_pos) + np.array([0.0, 0.0, 1.0]))
+def at_rest(rel_pos: Array) -> PairMotion:
+    """Return level vehicles at rest, a pair for each relative position (..., 3)."""
+    still = np.zeros_like(rel_pos)
+    return PairMotion(source_vel=still, source_axis=still + UP, vel=still)
 
 
 class InteractionModel(Protocol):
@@ -57,8 +64,8 @@ class InteractionModel(Protocol):
     def delay(self, rel_pos: Array) -> Array:
         """Return the transport delay tau [s], (...,), of the push of a source at rel_pos [m], (..., 3)."""
 
-    def acceleration(self, rel_pos: Array, source: Source) -> Array:
-        """Return eta [m/s^2], world, (..., 3), for retarded rel_pos [m], (..., 3), and source."""
+    def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
+        """Return eta [m/s^2], world, (..., 3), for retarded rel_pos [m], (..., 3), and motion."""
 
-    def deviation(self, rel_pos: Array, source: Source) -> Array:
+    def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return one standard deviation of the prediction [m/s^2], (..., 3); NaN where unknown."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.interaction.model import Reach, Source
+from q2q_model.interaction.model import PairMotion, Reach
 from q2q_model.signals import Array
 
 
@@ -26,10 +26,10 @@ class NoInteraction:
         """Return zeros [s], (...,)."""
         return np.zeros(rel_pos.shape[:-1])
 
-    def acceleration(self, rel_pos: Array, source: Source) -> Array:  # noqa: ARG002
+    def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:  # noqa: ARG002
         """Return zeros [m/s^2], (..., 3)."""
         return np.zeros(rel_pos.shape)
 
-    def deviation(self, rel_pos: Array, source: Source) -> Array:  # noqa: ARG002
+    def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:  # noqa: ARG002
         """Return NaN [m/s^2], (..., 3): nothing is known."""
         return np.full(rel_pos.shape, np.nan)

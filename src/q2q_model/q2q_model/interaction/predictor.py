@@ -1,6 +1,6 @@
 """Predict every vehicle's draft, tick by tick, from an interaction model and the swarm's states.
 
-    eta_i(t) = sum over j in reach of law(r_j(t - tau_ij) - r_i(t), v_j(t - tau_ij), b_j(t - tau_ij))
+    eta_i(t) = sum over j in reach of law(r_j(t - tau_ij) - r_i(t), v_j(t - tau_ij), b_j(t - tau_ij), v_i(t))
 
 Pushes of several sources add up; so do the variances of their predictions. The air keeps the place where it
 left its source, so a law with delay needs the sources' past: their states are remembered as long as the law's
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.interaction.history import StateHistory
-from q2q_model.interaction.model import InteractionModel, Reach, Source
+from q2q_model.interaction.model import UP, InteractionModel, PairMotion, Reach
 from q2q_model.neighbours import pairs_in_reach
 from q2q_model.rotations import rotate
 from q2q_model.signals import (
@@ -60,12 +60,12 @@ class InteractionPredictor:
         """Return the draft on every vehicle of `state`, in its order."""
         if self._last is not None and state.t == self._last.t and state.names == self._last.names:
             return self._last
-        now = _sources(state)
-        self._remember(state, now)
-        self._last = self._predict(state, now)
+        axis = _body_z(state)
+        self._remember(state, axis)
+        self._last = self._predict(state, axis)
         return self._last
 
-    def _remember(self, state: SwarmState, now: Source) -> None:
+    def _remember(self, state: SwarmState, axis: Array) -> None:
         if state.t < self._history.oldest:
             self.reset()
         if state.names != self._names:
@@ -74,18 +74,18 @@ class InteractionPredictor:
             self._history = self._history.reordered(rows) if self._names else fresh
             self._names = state.names
         if state.t > self._history.newest:
-            self._history.push(state.t, state.pos, now)
+            self._history.push(state.t, state.pos, state.vel, axis)
 
-    def _predict(self, state: SwarmState, now: Source) -> Interference:
+    def _predict(self, state: SwarmState, axis: Array) -> Interference:
         n = len(state.names)
         acc, variance = np.zeros((n, 3)), np.zeros((n, 3))
         status = np.full(n, InterferenceStatus.VALID, dtype=np.uint8)
         seen = _finite_rows(state.pos, state.vel)
         i, j = pairs_in_reach(np.where(seen[:, None], state.pos, np.nan), self._reach(state.vel[seen]))
         if i.size:
-            rel_pos, source, stale = self._retarded(state, now, i, j)
-            np.add.at(acc, i, self.model.acceleration(rel_pos, source))
-            np.add.at(variance, i, self.model.deviation(rel_pos, source) ** 2)
+            rel_pos, motion, stale = self._retarded(state, axis, i, j)
+            np.add.at(acc, i, self.model.acceleration(rel_pos, motion))
+            np.add.at(variance, i, self.model.deviation(rel_pos, motion) ** 2)
             status[i[stale]] = InterferenceStatus.STALE_SOURCE
         unknown = ~seen if self.model.reach.horizontal > 0.0 else np.ones(n, dtype=np.bool_)
         status[unknown], variance[unknown] = InterferenceStatus.NO_MODEL, np.nan
@@ -100,29 +100,23 @@ class InteractionPredictor:
         return Reach(reach.horizontal + moved, reach.vertical + moved)
 
     def _retarded(
-        self, state: SwarmState, now: Source, i: Rows, j: Rows
-    ) -> tuple[Array, Source, NDArray[np.bool_]]:
-        """Return rel_pos (p, 3) and source when the air left, and whether they are guesswork (p,)."""
+        self, state: SwarmState, axis: Array, i: Rows, j: Rows
+    ) -> tuple[Array, PairMotion, NDArray[np.bool_]]:
+        """Return rel_pos (p, 3) and motion as the air left, and whether they are guesswork (p,)."""
         stale = np.not_equal(state.status[j], TrackStatus.TRACKED)
-        rel_pos, source = state.pos[j] - state.pos[i], Source(now.vel[j], now.axis[j])
+        rel_pos, now = state.pos[j] - state.pos[i], PairMotion(state.vel[j], axis[j], state.vel[i])
         if self.model.max_delay == 0.0:
-            return rel_pos, source, stale
-        past_pos, past = self._history.at(state.t - self.model.delay(rel_pos), j)
-        lost = ~_finite_rows(past_pos, past.vel)
+            return rel_pos, now, stale
+        pos, vel, leaning = self._history.at(state.t - self.model.delay(rel_pos), j)
+        lost = ~_finite_rows(pos, vel)
         if lost.any():
-            past_pos = np.where(lost[:, None], state.pos[j], past_pos)
-            vel = np.where(lost[:, None], source.vel, past.vel)
-            past = Source(vel, np.where(lost[:, None], source.axis, past.axis))
-        return past_pos - state.pos[i], past, stale | lost
+            pos[lost], vel[lost], leaning[lost] = state.pos[j][lost], state.vel[j][lost], axis[j][lost]
+        return pos - state.pos[i], PairMotion(vel, leaning, now.vel), stale | lost
 
 
-UP = np.array([0.0, 0.0, 1.0])
-"""Body z of a level vehicle."""
-
-
-def _sources(state: SwarmState) -> Source:
+def _body_z(state: SwarmState) -> Array:
     axis = rotate(state.quat, UP)
-    return Source(vel=state.vel, axis=np.where(np.isfinite(axis), axis, UP))
+    return np.where(np.isfinite(axis), axis, UP)
 
 
 def _finite_rows(pos: Array, vel: Array) -> NDArray[np.bool_]:
