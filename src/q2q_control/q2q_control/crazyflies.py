@@ -1,0 +1,68 @@
+"""Read Crazyswarm2's `crazyflies.yaml`: which vehicles there are, and where.
+
+    robots:
+      cf1: {enabled: true, uri: radio://0/80/2M/E7E7E7E701, initial_position: [0, 0, 0], type: cf21}
+
+Other keys (robot_types, all, firmware_params) are Crazyswarm2's business and are passed over.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+
+
+@dataclass(frozen=True, slots=True)
+class Crazyflie:
+    """Hold one enabled vehicle."""
+
+    name: str
+    uri: str
+    start: tuple[float, float, float]
+    """Initial position [m], world."""
+
+
+def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
+    """Return the enabled vehicles of a parsed `crazyflies.yaml`, in its order.
+
+    Raises:
+        ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI stands twice.
+    """
+    robots = _mapping(_mapping(document, "crazyflies.yaml").get("robots"), "robots")
+    read = [_crazyflie(str(name), _mapping(entry, str(name))) for name, entry in robots.items()]
+    enabled = tuple(one for one in read if one is not None)
+    if not enabled:
+        raise ValueError("robots: none is enabled; set `enabled: true`")
+    for one in enabled:
+        twins = [other.name for other in enabled if other.uri == one.uri]
+        if len(twins) > 1:
+            raise ValueError(f"{' and '.join(twins)} have the same uri {one.uri}: each needs its own")
+    return enabled
+
+
+def _crazyflie(name: str, entry: Mapping[object, object]) -> Crazyflie | None:
+    enabled = entry.get("enabled", False)
+    if enabled not in {True, False}:
+        raise ValueError(f"{name}: enabled = {enabled!r}: true or false is expected")
+    if not enabled:
+        return None
+    uri = entry.get("uri")
+    if not isinstance(uri, str) or "://" not in uri:
+        raise ValueError(f"{name}: uri = {uri!r}: something like radio://0/80/2M/E7E7E7E701 is expected")
+    return Crazyflie(name, uri, _position(name, entry.get("initial_position", [0.0, 0.0, 0.0])))
+
+
+def _position(name: str, value: object) -> tuple[float, float, float]:
+    if isinstance(value, list) and len(value) == 3 and all(_is_number(one) for one in value):
+        x, y, z = (float(one) for one in value)
+        return x, y, z
+    raise ValueError(f"{name}: initial_position = {value!r}: three numbers [m] are expected")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+
+
+def _mapping(value: object, where: str) -> Mapping[object, object]:
+    if isinstance(value, Mapping):
+        return value
+    raise ValueError(f"{where}: got {value!r}, expected names with values")

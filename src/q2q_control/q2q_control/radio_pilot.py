@@ -1,0 +1,215 @@
+"""Decide, vehicle by vehicle, what goes over the radio: arm, fly, land, or keep silent.
+
+    OFFLINE <-> READY -- start --> ARMING -- armed --> FLYING -- land, low battery --> LANDING --> READY
+                                                          |  link lost: OFFLINE, silent until a new start
+
+| event | what happens |
+|---|---|
+| start | refused, with the reason: a vehicle is offline, locked, low, without fresh state, or flying |
+| armed | sticks: one without thrust unlocks the motors; then every tick's command is sent |
+| arming takes longer than arm_s | back to READY |
+| link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
+| battery below volt_land for volt_land_s | that vehicle lands by itself, whatever is commanded |
+| state older than stale_s | no place is sent; the firmware's estimate coasts |
+
+A vehicle's place is sent once a frame, and only where it was measured in that frame.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from q2q_control.radio_link import LinkHealth, VehicleLink
+from q2q_control.radio_words import ZERO_STICK, FullState, Stick
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.signals import Names, SwarmState, TrackStatus
+
+
+class Phase(Enum):
+    """Name what a vehicle is doing."""
+
+    OFFLINE = "offline"
+    READY = "ready"
+    ARMING = "arming"
+    FLYING = "flying"
+    LANDING = "landing"
+
+
+@dataclass(frozen=True, slots=True)
+class RadioPilotParams:
+    """Hold when to refuse, and when to land."""
+
+    stale_s: float = tunable(0.1, "a state older than this is none", unit="s", low=0.01, high=2.0)
+    arm_s: float = tunable(2.0, "longest time for arming", unit="s", low=0.1, high=30.0)
+    volt_start: float = tunable(3.6, "least battery to start with", unit="V", low=0.0, high=20.0)
+    volt_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)
+    volt_land_s: float = tunable(2.0, "for how long", unit="s", low=0.0, high=60.0)
+    land_s: float = tunable(3.0, "duration of a landing", unit="s", low=0.5, high=60.0)
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Say whether a wish was granted, and why not."""
+
+    granted: bool
+    reason: str = ""
+
+
+@dataclass(slots=True)
+class _Vehicle:
+    """Hold what the pilot remembers of a vehicle."""
+
+    phase: Phase = Phase.OFFLINE
+    since: float = 0.0
+    """When the phase began [s]."""
+    seen: float = -np.inf
+    """When the last state came that was measured [s]."""
+    low_since: float = np.inf
+    """Since when the battery is low [s]."""
+
+
+class RadioPilot:
+    """Hold the phase of every vehicle."""
+
+    def __init__(self, links: Mapping[str, VehicleLink], params: RadioPilotParams, *, by_stick: bool) -> None:
+        """Fly vehicles over their links, by sticks or by full states."""
+        self._links = dict(links)
+        self._params = params
+        self._by_stick = by_stick
+        self._vehicles = {name: _Vehicle() for name in links}
+        self._last_stamp = -np.inf
+        self._said: list[str] = []
+
+    @property
+    def phases(self) -> dict[str, Phase]:
+        """Return every vehicle's phase."""
+        return {name: one.phase for name, one in self._vehicles.items()}
+
+    def said(self) -> list[str]:
+        """Return, and forget, what happened since the last call, a line each."""
+        lines, self._said = self._said, []
+        return lines
+
+    def start(self, t: float) -> Verdict:
+        """Arm all vehicles at time t [s], or none."""
+        for name, one in self._vehicles.items():
+            reason = self._refusal(name, one, t)
+            if reason:
+                return Verdict(granted=False, reason=f"{name} {reason}")
+        for name, one in self._vehicles.items():
+            self._enter(name, Phase.ARMING, t)
+            one.low_since = np.inf
+            self._links[name].arm()
+        return Verdict(granted=True)
+
+    def land(self, t: float) -> Verdict:
+        """Let all flying vehicles land by themselves."""
+        flying = [name for name, one in self._vehicles.items() if one.phase in {Phase.FLYING, Phase.ARMING}]
+        for name in flying:
+            self._land(name, t)
+        return Verdict(granted=bool(flying), reason="" if flying else "no vehicle flies")
+
+    def stop(self, t: float) -> None:
+        """Stop all motors for good, whoever flies."""
+        for name, link in self._links.items():
+            link.stop()
+            if self._vehicles[name].phase is not Phase.OFFLINE:
+                self._enter(name, Phase.READY, t)
+
+    def watch(self, t: float) -> None:
+        """Look at links and batteries at time t [s]."""
+        for name, one in self._vehicles.items():
+            self._watch(name, one, self._links[name].health(), t)
+
+    def places(self, state: SwarmState, t: float, *, send: bool = True) -> None:
+        """Take a frame's state that came at time t [s]; send the places measured in it, once."""
+        fresh = state.status == TrackStatus.TRACKED
+        again = state.t == self._last_stamp or not send
+        self._last_stamp = state.t
+        for row, name in enumerate(state.names):
+            if name not in self._vehicles or not fresh[row] or not np.isfinite(state.pos[row]).all():
+                continue
+            self._vehicles[name].seen = t
+            if not again and self._vehicles[name].phase is not Phase.OFFLINE:
+                self._links[name].send_place(state.pos[row].tolist(), state.quat[row].tolist())
+
+    def fly_sticks(self, names: Names, sticks: list[Stick]) -> None:
+        """Send a tick's sticks to the vehicles that fly."""
+        for name, stick in zip(names, sticks, strict=True):
+            if self._flies(name):
+                self._links[name].send_stick(stick)
+
+    def fly_full_states(self, names: Names, wanted: list[FullState]) -> None:
+        """Send a tick's full states to the vehicles that fly."""
+        for name, one in zip(names, wanted, strict=True):
+            if self._flies(name):
+                self._links[name].send_full_state(one)
+
+    def _flies(self, name: str) -> bool:
+        return name in self._vehicles and self._vehicles[name].phase is Phase.FLYING
+
+    def _refusal(self, name: str, one: _Vehicle, t: float) -> str:
+        """Return why a vehicle may not start; empty where it may."""
+        health = self._links[name].health()
+        if not health.connected:
+            return "is offline: check its URI, its battery and the radio"
+        if one.phase in {Phase.ARMING, Phase.FLYING, Phase.LANDING}:
+            return f"is {one.phase.value} already"
+        if health.locked:
+            return "is locked: restart it"
+        if health.volt < self._params.volt_start:
+            return f"has {health.volt:.2f} V: {self._params.volt_start:.2f} V is the least to start with"
+        if not t - one.seen <= self._params.stale_s:
+            return f"has no state younger than {self._params.stale_s} s: check motion capture"
+        return ""
+
+    def _watch(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
+        if not health.connected:
+            if one.phase is not Phase.OFFLINE:
+                self._enter(name, Phase.OFFLINE, t)
+            return
+        if one.phase is Phase.OFFLINE:
+            self._enter(name, Phase.READY, t)
+        elif one.phase is Phase.ARMING:
+            self._arm(name, one, health, t)
+        elif one.phase is Phase.FLYING:
+            self._watch_flight(name, one, health, t)
+        elif one.phase is Phase.LANDING and t - one.since > self._params.land_s:
+            self._enter(name, Phase.READY, t)
+
+    def _arm(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
+        if health.armed:
+            if self._by_stick:
+                self._links[name].send_stick(ZERO_STICK)
+            self._enter(name, Phase.FLYING, t)
+        elif t - one.since > self._params.arm_s:
+            self._enter(name, Phase.READY, t)
+            self._said.append(f"{name} did not arm within {self._params.arm_s} s")
+
+    def _watch_flight(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
+        if health.locked:
+            self._enter(name, Phase.READY, t)
+            self._said.append(f"{name} has stopped for good and must be restarted")
+            return
+        one.low_since = min(one.low_since, t) if health.volt < self._params.volt_land else np.inf
+        if t - one.low_since >= self._params.volt_land_s:
+            self._said.append(f"{name} has {health.volt:.2f} V and lands")
+            self._land(name, t)
+
+    def _land(self, name: str, t: float) -> None:
+        self._links[name].land(self._params.land_s)
+        self._enter(name, Phase.LANDING, t)
+
+    def _enter(self, name: str, phase: Phase, t: float) -> None:
+        one = self._vehicles[name]
+        if one.phase is Phase.FLYING and phase is Phase.OFFLINE:
+            self._said.append(f"{name} is lost in flight: its firmware levels out, then cuts its motors")
+        elif one.phase is not phase:
+            self._said.append(f"{name} is {phase.value}")
+        one.phase, one.since = phase, t

@@ -1,0 +1,200 @@
+"""Fly vehicles over cflib: `command` or `reference_safe` in, packets out; pose, battery, link quality back.
+
+| mode | inputs | sent every tick |
+|---|---|---|
+| command | `command`, `state` | roll, pitch, yaw rate, thrust |
+| setpoint | `reference_safe`, `state`, and `interference` if aware | full state with acc = acc_ref - eta |
+
+Services: `~/start`, `~/land`, `~/stop` (motors off, for good). q2q_control.radio_pilot says what is refused
+and what happens by itself.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+
+import yaml
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from q2q_control.crazyflies import Crazyflie, crazyflies_from_document
+from q2q_control.legacy import LegacyScale
+from q2q_control.radio_pilot import RadioPilot, RadioPilotParams, Verdict
+from q2q_control.radio_words import full_states, sticks
+from q2q_control.ros.cflib_links import CflibLink
+from q2q_control.ros.radio_topics import RadioTopics
+from q2q_model.cdr import SignalReader, header_stamp_ns
+from q2q_model.health import Health
+from q2q_model.layout import Signal
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.parameters import declare
+from q2q_model.ros.qos import TICK
+from q2q_model.ros.run import run
+from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.tick_join import TickJoin
+from q2q_model.vehicle import vehicle_by_name
+
+WATCH_S = 0.02
+"""How often links and batteries are looked at [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class RadioNodeParams:
+    """Hold the node's own parameters."""
+
+    crazyflies: str = tunable("", "crazyflies.yaml; else `vehicles` and `uris`", read_only=True)
+    vehicles: tuple[str, ...] = tunable((), "names of the vehicles", read_only=True)
+    uris: tuple[str, ...] = tunable((), "their URIs, in the same order", read_only=True)
+    mode: str = tunable("command", "what is sent", choices=("command", "setpoint"), read_only=True)
+    aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
+    places: bool = tunable(True, "send external poses from `state`", read_only=True)  # noqa: FBT003
+    vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
+    firmware_params: tuple[str, ...] = tunable(
+        (), "parameters to set once connected, each `group.name=value`", read_only=True
+    )
+    pose_hz: float = tunable(
+        10.0,
+        "largest rate of <name>/onboard_pose and its like",
+        unit="Hz",
+        low=0.0,
+        high=10.0,
+        read_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+        if len(self.vehicles) != len(self.uris):
+            raise ValueError(f"{len(self.vehicles)} vehicles and {len(self.uris)} uris: each needs its own")
+
+
+class Radio:
+    """Hold links and pilot, and pass signals on."""
+
+    def __init__(self, node: Node) -> None:
+        """Open the links.
+
+        Raises:
+            ValueError: no vehicles, a wrong file or parameter, cflib is missing.
+            OSError: a file cannot be read.
+        """
+        self._node = node
+        asked, limits = declare(node, RadioNodeParams()), declare(node, RadioPilotParams())
+        self._asked = asked
+        self._scale = LegacyScale(vehicle_by_name(asked.vehicle).thrust_max)
+        params = firmware_params(asked.firmware_params, asked.mode)
+        self._links = {one.name: CflibLink(one.name, one.uri, params) for one in _crazyflies(asked)}
+        self._pilot = RadioPilot(self._links, limits, by_stick=asked.mode == "command")
+        self._health = Health()
+        self._topics = RadioTopics(node, tuple(self._links), asked.pose_hz)
+        self._subscribe()
+        for name, act in (("start", self._on_start), ("land", self._on_land), ("stop", self._on_stop)):
+            node.create_service(Trigger, f"~/{name}", act)
+        node.create_timer(WATCH_S, self._watch)
+        publish_health(node, self._health)
+
+    def close(self) -> None:
+        """Let flying vehicles land, then close the links."""
+        self._pilot.land(monotonic())
+        for link in self._links.values():
+            link.close()
+
+    def _subscribe(self) -> None:
+        inputs: dict[str, type[Signal]] = {"command": SwarmCommand}
+        if self._asked.mode == "setpoint":
+            inputs = {"reference_safe": SwarmSetpoint}
+            if self._asked.aware:
+                inputs["interference"] = Interference
+        self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
+        for topic, signal in inputs.items():
+            self._listen(topic, signal)
+        self._listen("state", SwarmState)
+
+    def _listen(self, topic: str, signal: type[Signal]) -> None:
+        reader = SignalReader(signal)
+
+        def receive(data: bytes) -> None:
+            try:
+                self._take(topic, header_stamp_ns(data), reader.read(data))
+            except ValueError as refusal:
+                self._health.refuse(f"{topic}: {refusal}")
+
+        self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
+
+    def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
+        if isinstance(value, SwarmState):
+            self._pilot.places(value, monotonic(), send=self._asked.places)
+            return
+        tick = self._join.put(topic, stamp_ns, value)
+        self._health.missed = self._join.missed
+        if tick is None:
+            return
+        self._health.ticks += 1
+        first, draft = tick[0], tick[1] if len(tick) > 1 else None
+        if isinstance(first, SwarmCommand):
+            self._pilot.fly_sticks(first.names, sticks(first, self._scale))
+        elif isinstance(first, SwarmSetpoint) and (draft is None or isinstance(draft, Interference)):
+            self._pilot.fly_full_states(first.names, full_states(first, draft))
+
+    def _watch(self) -> None:
+        self._pilot.watch(monotonic())
+        for name, link in self._links.items():
+            link.keep_open()
+            self._topics.publish(name, link.health(), link.pose)
+            for line in link.said():
+                self._node.get_logger().info(f"{name}: {line}")
+        for line in self._pilot.said():
+            self._node.get_logger().info(line)
+        self._health.extra |= {f"phase_{name}": phase.value for name, phase in self._pilot.phases.items()}
+
+    def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        others = self._topics.other_radios()
+        if others:
+            return _answer(response, Verdict(granted=False, reason=f"another radio node runs: {others}"))
+        return _answer(response, self._pilot.start(monotonic()))
+
+    def _on_land(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        return _answer(response, self._pilot.land(monotonic()))
+
+    def _on_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._pilot.stop(monotonic())
+        return _answer(response, Verdict(granted=True, reason="motors stopped; restart the vehicles"))
+
+
+def firmware_params(asked: tuple[str, ...], mode: str) -> dict[str, float]:
+    """Return the parameters to set on a vehicle: Mellinger's controller for full states, then what is asked.
+
+    Raises:
+        ValueError: an entry is not `group.name=value`.
+    """
+    params = {"stabilizer.controller": 2.0} if mode == "setpoint" else {}
+    for entry in asked:
+        name, _, value = entry.partition("=")
+        try:
+            params[name.strip()] = float(value)
+        except ValueError as wrong:
+            raise ValueError(f"firmware_params: {entry!r}: group.name=value is expected") from wrong
+    return params
+
+
+def _crazyflies(asked: RadioNodeParams) -> tuple[Crazyflie, ...]:
+    if asked.crazyflies:
+        return crazyflies_from_document(yaml.safe_load(Path(asked.crazyflies).read_text(encoding="utf-8")))
+    made = tuple(
+        Crazyflie(name, uri, (0.0, 0.0, 0.0)) for name, uri in zip(asked.vehicles, asked.uris, strict=True)
+    )
+    if not made:
+        raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles and uris")
+    return made
+
+
+def _answer(response: Trigger.Response, verdict: Verdict) -> Trigger.Response:
+    response.success, response.message = verdict.granted, verdict.reason
+    return response
+
+
+def main() -> None:
+    """Run the node `radio`."""
+    run("radio", Radio, Radio.close)

@@ -1,0 +1,66 @@
+"""Publish what vehicles say over the radio: `<name>/onboard_pose`, `<name>/battery`, `<name>/link_quality`.
+
+`<name>/pose` is the mocap filter's; the vehicle's own belief has another name, so that both can be compared.
+"""
+
+import math
+from time import monotonic
+
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
+from rclpy.node import Node
+from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Float32, Header
+
+from q2q_control.radio_link import LinkHealth
+from q2q_control.ros.cflib_links import OnboardPose
+from q2q_model.decimation import Decimation
+from q2q_model.signals import Names
+
+QUEUE = 10
+WORLD = "world"
+
+
+class RadioTopics:
+    """Hold the publishers of every vehicle."""
+
+    def __init__(self, node: Node, names: Names, rate_hz: float) -> None:
+        self._node = node
+        self._due = {name: Decimation(rate_hz) for name in names}
+        self._poses = {
+            name: node.create_publisher(PoseStamped, f"{name}/onboard_pose", QUEUE) for name in names
+        }
+        self._batteries = {
+            name: node.create_publisher(BatteryState, f"{name}/battery", QUEUE) for name in names
+        }
+        self._qualities = {
+            name: node.create_publisher(Float32, f"{name}/link_quality", QUEUE) for name in names
+        }
+
+    def publish(self, name: str, health: LinkHealth, pose: OnboardPose | None) -> None:
+        """Publish what is known of a vehicle, at most `rate_hz` times a second, while it is connected."""
+        if not health.connected or not self._due[name](monotonic()):
+            return
+        header = Header(stamp=self._node.get_clock().now().to_msg(), frame_id=WORLD)
+        if pose is not None:
+            self._poses[name].publish(PoseStamped(header=header, pose=_pose(pose)))
+        self._batteries[name].publish(BatteryState(header=header, voltage=health.volt, present=True))
+        if not math.isnan(health.quality):
+            self._qualities[name].publish(Float32(data=health.quality))
+
+    def other_radios(self) -> str:
+        """Return the names of other nodes that publish our vehicles' batteries; empty where none do."""
+        mine = self._node.get_name()
+        found = {
+            one.node_name
+            for name in self._batteries
+            for one in self._node.get_publishers_info_by_topic(f"{name}/battery")
+        }
+        counts = [self._node.count_publishers(f"{name}/battery") for name in self._batteries]
+        twins = {mine} if max(counts, default=0) > 1 and found <= {mine} else set()
+        return ", ".join(sorted((found - {mine}) | twins))
+
+
+def _pose(pose: OnboardPose) -> Pose:
+    x, y, z = pose.pos
+    qx, qy, qz, qw = pose.quat
+    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))

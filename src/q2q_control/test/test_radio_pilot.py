@@ -1,0 +1,305 @@
+"""What goes over the radio, and when: words of cflib, refusals, landings, lost links."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from q2q_control.crazyflies import crazyflies_from_document
+from q2q_control.legacy import LegacyScale
+from q2q_control.radio_link import LinkHealth
+from q2q_control.radio_pilot import Phase, RadioPilot, RadioPilotParams
+from q2q_control.radio_words import ZERO_STICK, FullState, Stick, full_states, sticks
+from q2q_model.rotations import euler_from_quat
+from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState, TrackStatus
+
+NAMES = ("cf1", "cf2")
+WELL = LinkHealth(connected=True, volt=4.0, armed=True)
+PARAMS = RadioPilotParams()
+
+
+@dataclass
+class _FakeLink:
+    """Write down what is sent."""
+
+    now: LinkHealth = WELL
+    sent: list[object] = field(default_factory=list)
+
+    def health(self) -> LinkHealth:
+        return self.now
+
+    def send_stick(self, stick: Stick) -> None:
+        self.sent.append(stick)
+
+    def send_full_state(self, wanted: FullState) -> None:
+        self.sent.append(wanted)
+
+    def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
+        self.sent.append(("place", tuple(pos), tuple(quat)))
+
+    def arm(self) -> None:
+        self.sent.append("arm")
+
+    def land(self, duration: float) -> None:
+        self.sent.append(("land", duration))
+
+    def stop(self) -> None:
+        self.sent.append("stop")
+
+
+@dataclass
+class _Bench:
+    """Hold two vehicles' links and the pilot, at a time that tests move."""
+
+    links: dict[str, _FakeLink] = field(default_factory=lambda: {name: _FakeLink() for name in NAMES})
+    t: float = 100.0
+
+    def __post_init__(self) -> None:
+        self.pilot = RadioPilot(self.links, PARAMS, by_stick=True)
+        self.pilot.watch(self.t)
+
+    def see(self, status: TrackStatus = TrackStatus.TRACKED) -> None:
+        self.pilot.places(state(self.t, status), self.t)
+
+    def fly(self) -> None:
+        self.see()
+        assert self.pilot.start(self.t).granted
+        self.pilot.watch(self.t)
+        assert set(self.pilot.phases.values()) == {Phase.FLYING}
+
+    def sticks(self) -> None:
+        self.pilot.fly_sticks(NAMES, [Stick(1.0, 2.0, 3.0, 30000)] * 2)
+
+
+def state(t: float, status: TrackStatus = TrackStatus.TRACKED) -> SwarmState:
+    zero, quat = np.zeros((2, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    pos = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    return SwarmState(t, NAMES, pos, zero, quat, zero, np.zeros(2), np.full(2, status, dtype=np.uint8))
+
+
+@given(*[st.floats(-0.5, 0.5)] * 3, st.floats(0.0, 0.6))
+def test_sticks_have_cflibs_signs_and_the_houses_scale(
+    roll: float, pitch: float, yaw_rate: float, thrust: float
+) -> None:
+    one = np.ones(1)
+    command = SwarmCommand(
+        0.0, ("cf1",), thrust * one, roll * one, pitch * one, yaw_rate * one, np.zeros(1, np.uint8)
+    )
+    (stick,) = sticks(command, LegacyScale(0.6))
+    assert stick.roll_deg == pytest.approx(math.degrees(roll))
+    assert stick.pitch_deg == pytest.approx(math.degrees(pitch))
+    assert stick.yaw_rate_deg == pytest.approx(-math.degrees(yaw_rate))
+    assert stick.pwm == pytest.approx(thrust * 100_000.0, abs=0.5)
+
+
+def test_full_states_carry_the_acceleration_less_the_draft_of_the_same_vehicle() -> None:
+    rows = np.arange(6.0).reshape(2, 3)
+    setpoint = SwarmSetpoint(
+        0.0,
+        NAMES,
+        rows,
+        rows + 10,
+        rows + 20,
+        np.array([0.3, -0.4]),
+        np.array([0.1, 0.2]),
+        np.zeros(2, np.uint8),
+    )
+    draft = Interference(
+        0.0,
+        ("cf2", "cf9"),
+        np.array([[0.0, 0.0, -1.5], [9.0, 9.0, 9.0]]),
+        np.zeros((2, 3)),
+        np.zeros(2, np.uint8),
+    )
+    first, second = full_states(setpoint, draft)
+    assert first.acc == (20.0, 21.0, 22.0)
+    assert second.acc == (23.0, 24.0, 26.5)
+    assert (second.pos, second.vel, second.ang_vel) == ((3.0, 4.0, 5.0), (13.0, 14.0, 15.0), (0.0, 0.0, 0.2))
+    np.testing.assert_allclose(euler_from_quat(np.array(second.quat)), [0.0, 0.0, -0.4], atol=1e-12)
+    assert full_states(setpoint, None)[1].acc == (23.0, 24.0, 25.0)
+
+
+def test_a_draft_that_is_no_number_is_none_and_large_numbers_are_cut() -> None:
+    rows = np.full((1, 3), 40.0)
+    setpoint = SwarmSetpoint(
+        0.0, ("cf1",), rows, -rows, rows, np.zeros(1), np.zeros(1), np.zeros(1, np.uint8)
+    )
+    nan = np.full((1, 3), np.nan)
+    (one,) = full_states(setpoint, Interference(0.0, ("cf1",), nan, nan, np.zeros(1, np.uint8)))
+    assert (one.pos, one.vel, one.acc) == ((32.767,) * 3, (-32.767,) * 3, (32.767,) * 3)
+
+
+def test_a_start_arms_unlocks_and_flies_and_nothing_is_sent_before() -> None:
+    bench = _Bench()
+    bench.sticks()
+    bench.see()
+    bench.links["cf1"].now = replace(WELL, armed=False)
+    assert bench.pilot.start(bench.t).granted
+    bench.pilot.watch(bench.t)
+    bench.sticks()
+    flying = [one for one in bench.links["cf2"].sent if not isinstance(one, tuple)]
+    assert flying == ["arm", ZERO_STICK, Stick(1.0, 2.0, 3.0, 30000)]
+    assert [one for one in bench.links["cf1"].sent if not isinstance(one, tuple)] == ["arm"]
+    bench.pilot.watch(bench.t + 2.1)
+    assert bench.pilot.phases["cf1"] is Phase.READY
+    assert "cf1 did not arm within 2.0 s" in bench.pilot.said()
+
+
+@pytest.mark.parametrize(
+    ("health", "said"),
+    [
+        (LinkHealth(connected=False), "cf1 is offline"),
+        (replace(WELL, locked=True), "cf1 is locked: restart it"),
+        (replace(WELL, volt=3.5), "cf1 has 3.50 V: 3.60 V is the least"),
+    ],
+)
+def test_a_start_is_refused_with_the_reason_and_arms_nobody(health: LinkHealth, said: str) -> None:
+    bench = _Bench()
+    bench.see()
+    bench.links["cf1"].now = health
+    verdict = bench.pilot.start(bench.t)
+    assert not verdict.granted
+    assert said in verdict.reason
+    assert "arm" not in bench.links["cf1"].sent + bench.links["cf2"].sent
+
+
+@pytest.mark.parametrize("why", ["never", "old", "coasting"])
+def test_a_start_without_a_fresh_measured_state_is_refused(why: str) -> None:
+    bench = _Bench()
+    if why == "old":
+        bench.see()
+        bench.t += PARAMS.stale_s + 0.01
+    if why == "coasting":
+        bench.see(TrackStatus.COASTING)
+    assert "no state younger than 0.1 s" in bench.pilot.start(bench.t).reason
+
+
+def test_a_second_start_is_refused_and_changes_nothing() -> None:
+    bench = _Bench()
+    bench.fly()
+    before = list(bench.links["cf1"].sent)
+    assert bench.pilot.start(bench.t).reason == "cf1 is flying already"
+    assert bench.links["cf1"].sent == before
+
+
+def test_a_link_lost_in_flight_is_silent_until_a_new_start_and_the_other_flies_on() -> None:
+    bench = _Bench()
+    bench.fly()
+    bench.links["cf1"].now = LinkHealth(connected=False)
+    bench.pilot.watch(bench.t)
+    count = len(bench.links["cf1"].sent)
+    bench.sticks()
+    bench.links["cf1"].now = WELL
+    bench.pilot.watch(bench.t)
+    bench.sticks()
+    assert len(bench.links["cf1"].sent) == count
+    assert bench.pilot.phases == {"cf1": Phase.READY, "cf2": Phase.FLYING}
+    assert any("cf1 is lost in flight" in line for line in bench.pilot.said())
+    assert bench.links["cf2"].sent[-1] == Stick(1.0, 2.0, 3.0, 30000)
+
+
+def test_a_low_battery_lands_its_vehicle_after_a_while_whatever_is_commanded() -> None:
+    bench = _Bench()
+    bench.fly()
+    bench.links["cf2"].now = replace(WELL, volt=3.1)
+    bench.pilot.watch(bench.t)
+    bench.links["cf2"].now = WELL  # a dip under load is forgiven
+    bench.pilot.watch(bench.t + 1.0)
+    bench.links["cf2"].now = replace(WELL, volt=3.1)
+    bench.pilot.watch(bench.t + 1.5)
+    bench.pilot.watch(bench.t + 3.4)
+    assert bench.pilot.phases["cf2"] is Phase.FLYING
+    bench.pilot.watch(bench.t + 3.5)
+    assert bench.pilot.phases == {"cf1": Phase.FLYING, "cf2": Phase.LANDING}
+    bench.sticks()
+    assert bench.links["cf2"].sent[-1] == ("land", PARAMS.land_s)
+    bench.pilot.watch(bench.t + 3.5 + PARAMS.land_s + 0.1)
+    assert bench.pilot.phases["cf2"] is Phase.READY
+
+
+def test_a_battery_that_is_unknown_neither_refuses_nor_lands() -> None:
+    bench = _Bench()
+    for link in bench.links.values():
+        link.now = replace(WELL, volt=math.nan)
+    bench.fly()
+    bench.pilot.watch(bench.t + 100.0)
+    assert set(bench.pilot.phases.values()) == {Phase.FLYING}
+
+
+def test_land_lands_those_who_fly_and_stop_stops_all() -> None:
+    bench = _Bench()
+    assert bench.pilot.land(bench.t).reason == "no vehicle flies"
+    bench.fly()
+    assert bench.pilot.land(bench.t).granted
+    assert set(bench.pilot.phases.values()) == {Phase.LANDING}
+    bench.pilot.stop(bench.t)
+    assert all(link.sent[-1] == "stop" for link in bench.links.values())
+    bench.sticks()
+    assert all(link.sent[-1] == "stop" for link in bench.links.values())
+
+
+def test_a_vehicle_that_stopped_for_good_is_no_longer_flown() -> None:
+    bench = _Bench()
+    bench.fly()
+    bench.links["cf1"].now = replace(WELL, locked=True)
+    bench.pilot.watch(bench.t)
+    assert bench.pilot.phases["cf1"] is Phase.READY
+    assert any("must be restarted" in line for line in bench.pilot.said())
+
+
+def test_places_are_sent_once_a_frame_and_only_where_measured() -> None:
+    bench = _Bench()
+    for t in (1.0, 1.0, 1.01):
+        bench.pilot.places(state(t), bench.t)
+    bench.pilot.places(state(1.02, TrackStatus.COASTING), bench.t)
+    expected = ("place", (4.0, 5.0, 6.0), (0.0, 0.0, 0.0, 1.0))
+    assert bench.links["cf2"].sent == [expected, expected]
+
+
+def test_a_place_that_is_no_number_and_a_stranger_are_passed_over() -> None:
+    bench = _Bench()
+    one = state(1.0)
+    one.pos[0, 1] = np.nan
+    bench.pilot.places(replace(one, names=("cf1", "stranger")), bench.t)
+    assert bench.links["cf1"].sent == bench.links["cf2"].sent == []
+
+
+def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
+    robots = {
+        "cf1": {
+            "enabled": True,
+            "uri": "radio://0/80/2M/E7E7E7E701",
+            "initial_position": [0, 1.5, 0],
+            "type": "cf21",
+        },
+        "cf2": {"enabled": False, "uri": "radio://0/80/2M/E7E7E7E702"},
+        "cf3": {"enabled": True, "uri": "udp://127.0.0.1:19850"},
+    }
+    read = crazyflies_from_document({"fileversion": 3, "robots": robots, "robot_types": {}, "all": {}})
+    assert [(one.name, one.uri, one.start) for one in read] == [
+        ("cf1", "radio://0/80/2M/E7E7E7E701", (0.0, 1.5, 0.0)),
+        ("cf3", "udp://127.0.0.1:19850", (0.0, 0.0, 0.0)),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("robots", "said"),
+    [
+        (None, "robots: got None"),
+        ({"cf1": {"enabled": False}}, "none is enabled"),
+        ({"cf1": {"enabled": "yes"}}, "enabled = 'yes'"),
+        ({"cf1": {"enabled": True}}, "uri = None"),
+        ({"cf1": {"enabled": True, "uri": "udp://x", "initial_position": [1, 2]}}, "three numbers"),
+        (
+            {"cf1": {"enabled": True, "uri": "udp://x"}, "cf2": {"enabled": True, "uri": "udp://x"}},
+            "same uri",
+        ),
+    ],
+)
+def test_wrong_crazyflies_are_refused_by_name(robots: object, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        crazyflies_from_document({"robots": robots})
