@@ -13,7 +13,8 @@ q2q_model.tracking (positions, attitudes, swaps, rivals). This file is about fra
 - A repeated stamp gets the same answer again. An older stamp (stale, reordered) is ignored: it gets the last
   answer again, and ages grow with the next newer frame. A stamp older by more than `clock_jump_s` is a clock
   that was set back, or a bag that starts again: everything is forgotten.
-- The age and the gates grow with a gap of stamps; a gap beyond `coast_s` makes a vehicle start anew.
+- The age and the gates grow with a gap of stamps. After a gap beyond `coast_s` a vehicle is lost, and is
+  tracked again once its samples have stayed together for `reacquire_s`.
 """
 
 from dataclasses import dataclass, fields
@@ -50,8 +51,9 @@ class MocapFilterParams:
     )
     # on real flights (nanobench) the velocity error changes by 10 % from 4 to 16
     jerk_noise: float = tunable(8.0, "root power density of the jerk", unit="m/s^2.5", low=1e-3, high=1e4)
+    # rooms report dropouts of 0.1 to 0.3 s
     coast_s: float = tunable(
-        0.3, "how long a vehicle without samples coasts before it is lost", unit="s", low=0.0, high=10.0
+        0.35, "how long a vehicle without samples coasts before it is lost", unit="s", low=0.0, high=10.0
     )
     reacquire_s: float = tunable(
         0.06, "how long refused samples must stay together to be a true jump", unit="s", low=0.0, high=10.0
@@ -87,7 +89,7 @@ class FilterReport:
     swapped: int = 0
     """Samples taken for the vehicle they fit instead of the one they name."""
     restarted: int = 0
-    """True jumps believed."""
+    """Tracks begun anew: true jumps, and vehicles found again."""
     attitudes_refused: int = 0
     """Quaternions refused by the gate on turning."""
     not_finite: int = 0

@@ -31,15 +31,29 @@ from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array
 
 Mask = NDArray[np.bool_]
+Rows = NDArray[np.intp]
 
 MEDIAN_REACH = 5
 """Half width of the median [samples]: it outvotes bursts of up to 5 samples, 50 ms at 100 Hz."""
 TELEPORT_SAMPLES = 200
 """What a jump to an unreachable place must bring to be believed [samples]: 2 s at 100 Hz."""
+ENTRY_SAMPLES = 10
+"""A chain may begin a segment so many samples late [samples]: after old frames under new stamps the track
+jumps to where the vehicle is, which is in reach a moment later."""
 GAP = 1.5
 """A step longer than this many median steps is a hole; what lies behind it is a segment of its own."""
 SEGMENTS_BACK = 200
 """How many segments the chain looks back; more breaks than that within one outlier burst is no track."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Links:
+    """Hold the chain that ends with each segment."""
+
+    parent: Rows
+    """Segment before it, -1 where the chain begins."""
+    first: Rows
+    """Its first sample on the chain."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,35 +120,43 @@ def _on_chain(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
     if len(starts) <= 1:
         return np.ones(len(t), dtype=bool)
     ends = np.append(starts[1:], len(t)) - 1
+    links = _Links(np.full(len(starts), -1), starts.copy())
     best = (ends - starts + 1).astype(np.float64)
-    parent = np.full(len(starts), -1)
     for here in range(1, len(starts)):
         before = np.arange(max(0, here - SEGMENTS_BACK), here)
-        step = np.linalg.norm(pos[starts[here]] - pos[ends[before]], axis=-1)
-        reach = limits.jump_max + limits.speed_max * (t[starts[here]] - t[ends[before]])
-        gain = best[before] - np.where(step <= reach, 0.0, TELEPORT_SAMPLES)
+        entry = _entries(t, pos, (starts[here], ends[here]), ends[before], limits)
+        gain = best[before] - np.where(entry < 0, TELEPORT_SAMPLES, entry)
         choice = int(np.argmax(gain))
         if gain[choice] > 0.0:
-            parent[here] = before[choice]
+            links.parent[here] = before[choice]
+            links.first[here] += max(0, entry[choice])
             best[here] += gain[choice]
-    return _walk_back(parent, best, starts, ends)
+    return _walk_back(links, best, ends)
 
 
-def _segment_starts(t: Array, pos: Array, limits: OutlierThresholds) -> NDArray[np.intp]:
+def _entries(t: Array, pos: Array, segment: tuple[int, int], ends: Rows, limits: OutlierThresholds) -> Rows:
+    """Return how many samples into a segment one must go to come from each of `ends`; -1 if too many."""
+    entry = np.full(len(ends), -1)
+    for skipped in range(min(ENTRY_SAMPLES, segment[1] - segment[0] + 1)):
+        at = segment[0] + skipped
+        reach = limits.jump_max + limits.speed_max * (t[at] - t[ends])
+        entry[(entry < 0) & (np.linalg.norm(pos[at] - pos[ends], axis=-1) <= reach)] = skipped
+    return entry
+
+
+def _segment_starts(t: Array, pos: Array, limits: OutlierThresholds) -> Rows:
     step, dt = np.linalg.norm(np.diff(pos, axis=0), axis=-1), np.diff(t)
     hole = dt > GAP * np.median(dt) if len(dt) else dt > 0.0
     breaks = hole | (step > limits.speed_max * dt)
     return np.concatenate([np.zeros(min(len(t), 1), dtype=np.intp), np.flatnonzero(breaks) + 1])
 
 
-def _walk_back(
-    parent: NDArray[np.intp], best: Array, starts: NDArray[np.intp], ends: NDArray[np.intp]
-) -> Mask:
+def _walk_back(links: _Links, best: Array, ends: Rows) -> Mask:
     kept = np.zeros(int(ends[-1]) + 1, dtype=bool)
     here = int(np.argmax(best))
     while here >= 0:
-        kept[starts[here] : ends[here] + 1] = True
-        here = int(parent[here])
+        kept[links.first[here] : ends[here] + 1] = True
+        here = int(links.parent[here])
     return kept
 
 

@@ -5,7 +5,7 @@ last seen at p, tau ago, is taken when it passes all three, with the thresholds 
 
     room      max |r| <= pos_max
     velocity  |r - p| <= jump_max + speed_max tau
-    position  |r - p-| <= jump_max + GATE_SIGMAS sqrt(S)     (not once the vehicle is lost)
+    position  |r - p-| <= jump_max + GATE_SIGMAS sqrt(S)     once lost, none passes
 
 A pose that is the last one again to the last digit, though the vehicle was moving, is an old frame under a
 new stamp: no sample, for as long as the vehicle coasts. A refused sample is tried as another vehicle's marker
@@ -27,8 +27,9 @@ from q2q_model.tracking.memory import padded
 from q2q_model.tracking.rivals import SAME_INSTANT, Rivals
 from q2q_model.tracking.swaps import swapped_sources
 
-GATE_SIGMAS = 3.0
-"""Width of the position gate beyond jump_max, in standard deviations of the prediction."""
+GATE_SIGMAS = 1.0
+"""Width of the position gate beyond jump_max, in standard deviations of the prediction: after a dropout an
+outlier does more harm than the moment that a rival needs to be believed."""
 REPEAT_STEP = 0.002
 """A pose repeated to the last digit is stale where the vehicle should have moved by more [m]: more than
 the rounding of logs in millimetres, and what a hover within a tick does not reach."""
@@ -208,7 +209,7 @@ class PositionTracks:
 
     def _judge(self, measured: Array, ahead: _Ahead) -> Mask:
         miss, step = measured - ahead.state[:, 0], measured - self._state[:, 0]
-        near = (np.sum(miss * miss, axis=1) <= ahead.gate**2) | ahead.lost
+        near = (np.sum(miss * miss, axis=1) <= ahead.gate**2) & ~ahead.lost
         fits = near & (np.sum(step * step, axis=1) <= ahead.reach**2)
         return np.where(self._seen, fits, ~np.isnan(measured).any(axis=1))
 
@@ -221,7 +222,7 @@ class PositionTracks:
         self._rivals.forget(source >= 0)
         jumped = self._rivals.offer(t, measured, orphans & (source < 0) & ~np.isin(self._rows, lent))
         source = np.where(jumped, self._rows, source)
-        fresh = jumped | (fits & (~self._seen | ahead.lost))
+        fresh = jumped | (fits & ~self._seen)
         self._count(fits, lent >= 0, fresh)
         self._take(t, measured[source], ahead, (source >= 0, fresh, jumped))
         return self._verdict(ahead, source, jumped)

@@ -1,0 +1,85 @@
+"""Hold the mocap filter and the batch rule against the simulated VICON, which tells what it injected."""
+
+import numpy as np
+
+from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.outliers import find_outliers
+from q2q_model.rotations import identity_quat
+from q2q_model.signals import Array, Names, SwarmState, TrackStatus
+from q2q_sim.vicon import Injected, Vicon, ViconParams
+
+NAMES: Names = ("cf1", "cf2", "cf3")
+TICK_S = 0.01
+TICKS = 6000
+"""A minute: some 200 of each event a vehicle."""
+ROOM = ViconParams(
+    pos_noise=0.15e-3,
+    angle_noise=3e-3,
+    outlier_rate=1.0,
+    dropout_rate=0.2,
+    flip_rate=0.2,
+    swap_rate=0.2,
+    stale_rate=0.1,
+)
+
+
+def _truth(tick: int) -> SwarmState:
+    t = tick * TICK_S
+    phase = np.array([0.0, 2.0, 4.0])
+    pos = np.stack([np.sin(0.7 * t + phase), np.cos(0.9 * t + phase), 1.0 + 0.5 * phase / 2.0], axis=-1)
+    vel = np.stack([0.7 * np.cos(0.7 * t + phase), -0.9 * np.sin(0.9 * t + phase), 0.0 * phase], axis=-1)
+    zeros, status = np.zeros((3, 3)), np.zeros(3, dtype=np.uint8)
+    return SwarmState(t, NAMES, pos, vel, identity_quat((3,)), zeros, np.zeros(3), status)
+
+
+def _flown() -> tuple[list[SwarmState], list[SwarmState], Array, Array]:
+    """Return truth, filtered states, injected flags (T, n) and what the frames said (T, n, 3)."""
+    vicon, block = Vicon(ROOM, 3, TICK_S, seed=1), MocapFilter(MocapFilterParams(), NAMES)
+    truth = [_truth(tick) for tick in range(TICKS)]
+    states, flags, seen = [], [], np.full((TICKS, 3, 3), np.nan)
+    for tick, true in enumerate(truth):
+        frame = vicon.observe(true)
+        flags.append(vicon.injected.copy())
+        for name, pos in zip(frame.names, frame.pos, strict=True):
+            seen[tick, NAMES.index(name)] = pos
+        states.append(block.update(frame))
+    return truth, states, np.array(flags), seen
+
+
+TRUTH, STATES, FLAGS, SEEN = _flown()
+ERROR = np.array([np.linalg.norm(s.pos - true.pos, axis=-1) for s, true in zip(STATES, TRUTH, strict=True)])
+STATUS = np.array([s.status for s in STATES])
+
+
+def test_every_outlier_is_refused_and_good_samples_are_taken():
+    outliers = (FLAGS & (Injected.OUTLIER | Injected.SWAP) == Injected.OUTLIER) & np.isfinite(SEEN).all(
+        axis=-1
+    )
+    assert outliers.sum() > 100
+    assert np.all(STATUS[outliers] != TrackStatus.TRACKED)
+    good = FLAGS == Injected.NOTHING
+    assert np.mean(STATUS[good] != TrackStatus.TRACKED) <= 0.001  # what the project promises
+
+
+def test_no_fault_moves_the_state_far_from_the_truth():
+    tracked = STATUS == TrackStatus.TRACKED
+    assert ERROR[tracked & (FLAGS == Injected.NOTHING)].max() < 0.06  # the gate: 40 mm, and 3 sigma of a gap
+    # coasting at constant velocity for up to 0.3 s where the acceleration is at most 0.9 m/s^2
+    assert ERROR[STATUS == TrackStatus.COASTING].max() < 0.06
+
+
+def test_no_flip_turns_a_vehicle_over():
+    flipped = FLAGS & Injected.FLIP > 0
+    assert flipped.any()
+    tilt = np.array([s.quat[:, 3] for s in STATES])
+    assert np.abs(tilt).min() > np.cos(0.05)  # mrad of noise; a flip would give 0
+
+
+def test_the_batch_rule_finds_outliers_and_swaps_and_leaves_the_rest():
+    t = TICK_S * np.arange(TICKS)
+    found = find_outliers(t, SEEN)
+    seen = np.isfinite(SEEN).all(axis=-1)
+    moved = np.linalg.norm(SEEN - np.array([true.pos for true in TRUTH]), axis=-1)
+    wrong = seen & (FLAGS & (Injected.OUTLIER | Injected.SWAP) > 0) & (moved > 0.05)
+    assert found[wrong].mean() >= 0.99  # what the project promises
+    assert found[seen & (FLAGS == Injected.NOTHING)].mean() <= 0.001
