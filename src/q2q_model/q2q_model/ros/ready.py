@@ -1,26 +1,31 @@
-"""Say how a node is wired: how many readers each topic it publishes has matched.
+"""Say how a node is wired: what it reads, and how many readers each topic it publishes has matched.
 
-Who starts a flight compares the counts with the graph: a reliable writer that has matched a reader loses
+Who starts a flight adds up who reads what and compares: a reliable writer that has matched a reader loses
 nothing to it, so the first tick may go out once every writer has matched every reader.
 """
 
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from q2q_model.wiring import Wiring
+
 SERVICE = "ready"
 
 
 def offer_ready(node: Node) -> None:
-    """Offer the service `~/ready`: the message lists `topic=matched readers`, separated by blanks."""
+    """Offer the service `~/ready`, whose message is the node's Wiring."""
 
     def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         response.success = True
-        response.message = " ".join(f"{topic}={count}" for topic, count in matched_readers(node).items())
+        response.message = wiring_of(node).as_text()
         return response
 
     node.create_service(Trigger, f"~/{SERVICE}", answer)
 
 
-def matched_readers(node: Node) -> dict[str, int]:
-    """Return, for each topic the node publishes, how many readers its writer has matched."""
-    return {writer.topic_name: writer.get_subscription_count() for writer in node.publishers}
+def wiring_of(node: Node) -> Wiring:
+    """Return what a node reads, and how many readers each of its writers has matched."""
+    return Wiring(
+        reads=tuple(reader.topic_name for reader in node.subscriptions),
+        matched={writer.topic_name: writer.get_subscription_count() for writer in node.publishers},
+    )

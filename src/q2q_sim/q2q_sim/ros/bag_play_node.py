@@ -7,24 +7,31 @@ from importlib import import_module
 from pathlib import Path
 from time import monotonic
 
-from q2q_model.bag import BagReader, RawMessage
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from q2q_model.bag import BagReader, RawMessage
 from q2q_model.cdr import header_stamp_ns
+from q2q_model.health import Health
 from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.messages import header_at
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK
 from q2q_model.ros.run import run
+from q2q_sim.lockstep import Patience
 from q2q_sim.playback import Playback
 from q2q_sim.topics import TYPE_NAMES
 
 TICK_TOPIC = "mocap"
 """The topic whose messages are the ticks that an answer is awaited for."""
+LOOK_S = 0.1
+"""How often a tick without an answer is looked for [s]."""
+AGAIN_S = 2.0
+"""A tick without an answer is played again after [s]."""
 BEAT_S = 0.001
 """How often due messages are looked for [s]."""
 
@@ -63,12 +70,16 @@ class Player:
         self._over = node.create_publisher(String, "playback_over", LATCHED)
         self._messages: Iterator[RawMessage] = iter(())
         self._next: RawMessage | None = None
-        self._tick_ns = -1
+        self._tick: RawMessage | None = None
+        self._patience = Patience(again_s=AGAIN_S, give_up_s=float("inf"))
+        self._health = Health()
+        publish_health(node, self._health)
         self._playback = Playback(0, 0.0, self._params.rate)
         node.create_service(Trigger, "~/start", self._on_start)
         if self._params.answer:
             kind = _class_of(TYPE_NAMES[self._params.answer.strip("/")])
             node.create_subscription(kind, self._params.answer, self._on_answer, TICK, raw=True)
+            node.create_timer(LOOK_S, self._on_stall)
         else:
             node.create_timer(BEAT_S, self._on_beat)
         if self._params.autostart:
@@ -110,15 +121,22 @@ class Player:
             self._play_one()
 
     def _on_answer(self, data: bytes) -> None:
-        if header_stamp_ns(data) == self._tick_ns:
+        if self._tick is not None and header_stamp_ns(data) == header_stamp_ns(self._tick.data):
             self._play_tick()
 
+    def _on_stall(self) -> None:
+        if self._tick is not None and self._patience.asks_again(monotonic()):
+            self._writers[self._tick.topic].publish(self._tick.data)
+
     def _play_tick(self) -> None:
+        self._patience.begin(monotonic())
+        self._tick = None
         while self._next is not None:
             message = self._next
             self._play_one()
             if message.topic.strip("/") == TICK_TOPIC:
-                self._tick_ns = header_stamp_ns(message.data)
+                self._tick = message
+                self._health.ticks += 1
                 return
 
     def _play_one(self) -> None:

@@ -1,7 +1,7 @@
 """Watch a flight from outside: wait until its nodes are wired, start it, follow it, read its summary."""
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from time import monotonic
 from typing import Self
 
@@ -15,9 +15,14 @@ from std_srvs.srv import Trigger
 from q2q_model.ros.qos import LATCHED
 from q2q_model.ros.ready import SERVICE
 from q2q_model.ros.run import make_executor
+from q2q_model.wiring import unmatched, wiring_from_text
 
 POLL_S = 0.05
 """How often the graph is asked [s]."""
+STILL_S = 60.0
+"""A flight that makes no tick for this long has failed [s]."""
+SOURCES = ("/simulator", "/bag_play")
+"""The nodes that make ticks."""
 
 
 class FlightDirector:
@@ -33,6 +38,7 @@ class FlightDirector:
         self._summary: dict[str, float | None] | None = None
         self._ticks = 0
         self._played = False
+        self._moved_at = monotonic()
         self._node.create_subscription(String, "flight_summary", self._on_summary, LATCHED)
         self._node.create_subscription(String, "playback_over", self._on_playback_over, LATCHED)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
@@ -58,13 +64,10 @@ class FlightDirector:
         """
         clients = {name: self._node.create_client(Trigger, f"{name}/{SERVICE}") for name in nodes}
         deadline = monotonic() + timeout_s
-        waiting = dict.fromkeys(clients, "has not answered")
-        while waiting:
+        while waiting := self._waiting(clients):
             if monotonic() > deadline:
-                said = "; ".join(f"{name} {why}" for name, why in waiting.items())
-                raise TimeoutError(f"nodes not wired after {timeout_s:g} s: {said}")
-            waiting = {name: why for name in waiting if (why := self._unwired(clients[name]))}
-            self._spin(POLL_S if waiting else 0.0)
+                raise TimeoutError(f"nodes not wired after {timeout_s:g} s: {'; '.join(waiting)}")
+            self._spin(POLL_S)
 
     def start(self, source: str = "simulator") -> None:
         """Let the simulator fly, or the bag play: whichever node makes the ticks."""
@@ -72,28 +75,36 @@ class FlightDirector:
         if not client.wait_for_service(timeout_sec=5.0):
             raise TimeoutError(f"the service {source}/start does not answer")
         self._call(client)
+        self._moved_at = monotonic()
 
     def wait_summary(self, progress: Callable[[int], None]) -> dict[str, float | None]:
         """Return the flight's timing once it is over; call `progress` with the ticks flown meanwhile."""
         while self._summary is None:
-            self._spin(POLL_S)
+            self._follow()
             progress(self._ticks)
         return self._summary
 
     def wait_playback(self) -> None:
         """Return once the bag has been played to its end."""
         while not self._played:
-            self._spin(POLL_S)
+            self._follow()
 
-    def _unwired(self, client: Client) -> str:
-        if not client.service_is_ready():
-            return "has not answered"
-        answer = self._call(client)
-        if answer is None:
-            return "has not answered"
-        counts = (pair.rpartition("=") for pair in answer.message.split())
-        short = [topic for topic, _, n in counts if int(n) < self._node.count_subscribers(topic)]
-        return f"waits for readers of {', '.join(short)}" if short else ""
+    def _follow(self) -> None:
+        """Wait a moment; raise TimeoutError where the source of ticks makes none for too long."""
+        before = self._ticks
+        self._spin(POLL_S)
+        if self._ticks != before:
+            self._moved_at = monotonic()
+        if monotonic() - self._moved_at > STILL_S:
+            raise TimeoutError(f"no tick for {STILL_S:g} s after tick {self._ticks}; see the nodes' logs")
+
+    def _waiting(self, clients: Mapping[str, Client]) -> list[str]:
+        """Return what is not wired yet, in words."""
+        answers = {name: self._call(client) for name, client in clients.items() if client.service_is_ready()}
+        wirings = {name: wiring_from_text(answer.message) for name, answer in answers.items() if answer}
+        silent = [f"{name} has not answered" for name in clients if name not in wirings]
+        short = unmatched(wirings).items()
+        return silent or [f"{name} waits for readers of {', '.join(topics)}" for name, topics in short]
 
     def _call(self, client: Client) -> Trigger.Response | None:
         future = client.call_async(Trigger.Request())
@@ -120,5 +131,5 @@ class FlightDirector:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name.endswith("/simulator"):
+            if status.name.endswith(SOURCES):
                 self._ticks = int(next((pair.value for pair in status.values if pair.key == "ticks"), "0"))

@@ -1,0 +1,26 @@
+"""When the nodes of a flight are wired."""
+
+from q2q_model.wiring import Wiring, unmatched, wiring_from_text
+
+SOURCE = Wiring(reads=("/command",), matched={"/mocap": 2})
+FILTER = Wiring(reads=("/mocap",), matched={"/state": 1})
+PID = Wiring(reads=("/state", "/mocap"), matched={"/command": 1})
+
+
+def test_nodes_are_wired_once_every_writer_has_matched_all_that_read_its_topic() -> None:
+    assert unmatched({"source": SOURCE, "filter": FILTER, "pid": PID}) == {}
+
+
+def test_a_reader_that_no_writer_has_matched_yet_is_missed_by_the_writers_name() -> None:
+    late = Wiring(reads=("/mocap",), matched={})
+    nodes = {"source": SOURCE, "filter": FILTER, "pid": PID, "late": late}
+    assert unmatched(nodes) == {"source": ["/mocap"]}
+
+
+def test_a_strangers_reader_more_than_ours_does_no_harm() -> None:
+    assert unmatched({"source": Wiring(("/state",), {"/mocap": 5}), "filter": FILTER}) == {}
+
+
+def test_wiring_survives_its_text() -> None:
+    for wiring in (SOURCE, FILTER, PID, Wiring((), {})):
+        assert wiring_from_text(wiring.as_text()) == wiring

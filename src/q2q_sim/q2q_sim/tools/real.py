@@ -1,0 +1,102 @@
+"""Fly a real recorded flight through the nodes: its mocap through filter and interference; score the draft.
+
+The observed draft is the vertical force that the flight's log shows, by the rule of
+q2q_model.identification.draft_force; the predicted one comes out of the node `interference`.
+"""
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from q2q_model.bag import read_flight_log
+from q2q_model.identification.along_flight import Motion
+from q2q_model.identification.draft_force import ForceSamples, ForceScore, force_samples, pooled
+from q2q_model.identification.recorded_push import motion_of, push_of_log
+from q2q_model.signals import Array, Names
+from q2q_sim.flight_table import flight_table
+from q2q_sim.tools import figures
+from q2q_sim.tools.bag_import import read_columns, write_bag
+from q2q_sim.tools.replay import replay
+
+DATA = Path("neural_swarm")
+"""Where the flights lie within Q2Q_DATA."""
+DEFAULT_MODEL = "measured_law"
+OUT = Path("out/real")
+
+
+def fly_real(name: str, model: str, json_file: Path | None) -> int:
+    """Replay a real flight, print how well its draft was predicted, and draw it; return the exit status."""
+    chosen = model or DEFAULT_MODEL
+    table = flight_table(read_columns(find_flight(name)))
+    with TemporaryDirectory(prefix="q2q-real-") as scratch:
+        bag = Path(scratch) / name
+        write_bag(table, bag)
+        flight = replay(bag, chosen, Path(scratch) / "nodes")
+        log = read_flight_log(bag)
+    at = np.searchsorted(flight.t, log.t)
+    seen = motion_of(flight)
+    motion = Motion(log.t, seen.pos[at], seen.vel[at], seen.axis[at])
+    samples = force_samples(push_of_log(name, log, motion))
+    found = scored(samples, flight.eta[at, :, 2])
+    picture = figures.save(draw(samples, log.names, flight.eta[at, :, 2]), OUT / f"{name}.png")
+    tell(name, chosen, found)
+    print(f"plot: {picture}")
+    if json_file:
+        json_file.write_text(json.dumps({"flight": name, "model": chosen, **asdict(found)}, indent=1) + "\n")
+    return 0
+
+
+def scored(samples: Sequence[ForceSamples], eta_z: Array) -> ForceScore:
+    """Score predicted vertical drafts [m/s^2], (T, n), as they came out of the node."""
+    y = [one.y[one.exposed] for one in samples]
+    misses = [one.y[one.exposed] - eta_z[one.exposed, one.vehicle] for one in samples]
+    return pooled(y, misses, samples)
+
+
+def tell(name: str, model: str, found: ForceScore) -> None:
+    """Print the score in words."""
+    if found.r2_exposed is None or found.rmse_exposed_mps2 is None:
+        print(f"{name}: no sample lies under another vehicle; nothing to score")
+        return
+    print(f"{name}, model {model}, {found.n} samples under another vehicle:")
+    print(f"  R2 {found.r2_exposed:.3f}, rmse {found.rmse_exposed_mps2:.3f} m/s^2")
+    if found.mean_upper_mps2 is not None:
+        print(f"  upper vehicles feel {found.mean_upper_mps2:+.3f} m/s^2 in the mean")
+
+
+def find_flight(name: str) -> Path:
+    """Return the file of a real flight.
+
+    Raises:
+        ValueError: Q2Q_DATA is no folder of flights, or has no flight of this name.
+    """
+    folder = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / DATA
+    known = sorted(path.stem for path in folder.glob("*.parquet"))
+    if not known:
+        raise ValueError(f"no recorded flights in {folder}: set Q2Q_DATA to the folder that holds {DATA}/")
+    if name not in known:
+        raise ValueError(f"no flight {name!r} in {folder}; there are {', '.join(known)}")
+    return folder / f"{name}.parquet"
+
+
+def draw(samples: Sequence[ForceSamples], names: Names, predicted: Array) -> Figure:
+    """Draw observed and predicted vertical draft, one panel a vehicle."""
+    figure = Figure(figsize=(9.0, 2.8 * len(samples)), layout="constrained")
+    panels = figure.subplots(len(samples), 1, sharex=True, squeeze=False)[:, 0]
+    for one, axes in zip(samples, panels, strict=True):
+        t = one.motion.t
+        axes.plot(t, one.y, color="#bbbbbb", linewidth=0.6, label="observed")
+        under = np.where(one.exposed, one.y, np.nan)
+        axes.plot(t, under, color="#1f77b4", linewidth=0.9, label="observed, under another")
+        axes.plot(t, predicted[:, one.vehicle], color="#c0392b", label="predicted")
+        axes.set_ylabel(f"{names[one.vehicle]}: draft z [m/s²]")
+        axes.grid(alpha=0.3)
+    panels[0].legend(loc="lower right", ncols=3)
+    panels[-1].set_xlabel("t [s]")
+    return figure
