@@ -8,9 +8,12 @@ from q2q_model.signals import Names, SwarmCommand
 class CommandGate:
     """Gather a tick's commands until every vehicle has one: one controller for all, or one a vehicle."""
 
-    def __init__(self, names: Names) -> None:
+    def __init__(self, names: Names, *, exact: bool = True) -> None:
+        """Take the vehicles; exact: only commands of the awaited tick count, else all newer than the last."""
         self._names = names
+        self._exact = exact
         self._stamp_ns = 0
+        self._done_ns = -1
         self._rows: dict[str, tuple[SwarmCommand, int]] = {}
 
     def expect(self, stamp_ns: int) -> None:
@@ -25,11 +28,12 @@ class CommandGate:
             ValueError: the command names a vehicle that does not exist.
         """
         check_known(command.names, self._names)
-        if stamp_ns != self._stamp_ns:
+        if stamp_ns != self._stamp_ns if self._exact else stamp_ns <= self._done_ns:
             return None
         self._rows |= {name: (command, row) for row, name in enumerate(command.names)}
         if len(self._rows) < len(self._names):
             return None
+        self._done_ns = stamp_ns
         return _gathered(self._names, self._rows)
 
 

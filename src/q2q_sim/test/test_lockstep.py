@@ -38,6 +38,15 @@ def test_a_command_for_another_tick_does_not_count() -> None:
     assert gate.offer(10, command(("cf1",), 1.0)) is None
 
 
+def test_live_a_late_or_a_fallback_command_counts_and_an_older_one_does_not() -> None:
+    gate = CommandGate(("cf1",), exact=False)
+    gate.expect(30)
+    assert gate.offer(20, command(("cf1",), 1.0)) is not None
+    gate.expect(40)
+    assert gate.offer(20, command(("cf1",), 1.0)) is None
+    assert gate.offer(57, command(("cf1",), 1.0)) is not None
+
+
 def test_a_command_for_a_vehicle_that_does_not_exist_is_refused_by_name() -> None:
     gate = CommandGate(("cf1", "cf2"))
     with pytest.raises(ValueError, match="unknown vehicle cf9; flying are cf1, cf2"):

@@ -75,7 +75,7 @@ class Simulator:
         self._scenario = scenarios.load(self._params.scenario)
         rehearse(self._scenario)
         self._room = Room(self._scenario, self._params.seed)
-        self._gate = CommandGate(self._scenario.names)
+        self._gate = CommandGate(self._scenario.names, exact=self._params.pace == "lockstep")
         self._patience = Patience(self._params.again_s, self._params.give_up_s)
         self._clock = FlightClock()
         self._health = Health()
@@ -119,26 +119,27 @@ class Simulator:
 
     def _show_tick(self) -> None:
         self._tick = self._room.capture()
-        self._gate.expect(self._tick.stamp_ns)
+        self._gate.expect(self._tick.frame_stamp_ns)
         now = perf_counter()
         self._patience.begin(now)
         self._clock.frame_out(now)
-        self._publish("mocap", self._tick.frame)
-        self._publish("truth", self._tick.truth)
-        self._publish("truth_interference", self._tick.truth_interference)
-        self._publish("imu", self._tick.imu)
+        self._publish_frame(self._tick)
+        self._publish("truth", self._tick.truth, self._tick.stamp_ns)
+        self._publish("truth_interference", self._tick.truth_interference, self._tick.stamp_ns)
+        self._publish("imu", self._tick.imu, self._tick.stamp_ns)
         self._clock_writer.publish(Clock(clock=header_at(self._tick.stamp_ns).stamp))
 
-    def _publish(self, topic: str, signal: Signal) -> None:
-        if self._tick is not None:
-            self._writers[topic].publish(encode(signal, self._tick.stamp_ns))
+    def _publish_frame(self, tick: Tick) -> None:
+        self._publish("mocap", tick.frame, tick.frame_stamp_ns)
+
+    def _publish(self, topic: str, signal: Signal, stamp_ns: int) -> None:
+        self._writers[topic].publish(encode(signal, stamp_ns))
 
     def _on_command(self, data: bytes) -> None:
         try:
             whole = self._gate.offer(header_stamp_ns(data), decode(data, SwarmCommand))
         except ValueError as refusal:
-            self._health.refuse(f"command: {refusal}")
-            self._node.get_logger().error(f"command refused: {refusal}", throttle_duration_sec=1.0)
+            self._refuse(refusal)
             return
         if whole is None or not self._flying or self._command is not None:
             return
@@ -147,6 +148,10 @@ class Simulator:
         self._command = whole
         if self._params.pace == "lockstep":
             self._advance()
+
+    def _refuse(self, refusal: ValueError) -> None:
+        self._health.refuse(f"command: {refusal}")
+        self._node.get_logger().error(f"command refused: {refusal}", throttle_duration_sec=1.0)
 
     def _on_beat(self) -> None:
         if self._flying:
@@ -159,7 +164,7 @@ class Simulator:
         if self._patience.gives_up(now):
             self._advance()
         elif self._patience.asks_again(now):
-            self._publish("mocap", self._tick.frame)
+            self._publish_frame(self._tick)
 
     def close(self) -> None:
         """Close the ports of CRTP clients."""
@@ -175,7 +180,11 @@ class Simulator:
         if self._command is None:
             self._clock.missed()
             self._health.missed += 1
-        self._room.advance(self._command)
+        try:
+            self._room.advance(self._command)
+        except ValueError as refusal:  # not finite: the vehicles obey what they last heard
+            self._refuse(refusal)
+            self._room.advance(None)
         self._command = None
         self._health.ticks += 1
         if self._room.tick * TICK_S >= self._scenario.duration:
