@@ -7,6 +7,8 @@ were considered outliers ... replaced by interpolating neighboring points". The 
 Sample k at r_k is an outlier when one of these holds:
 
     room       max |r_k| > pos_max, or r_k is not a number (a gap: found, never a neighbour)
+    repeat     r_k is r_(k-1) to the last digit, though the vehicle was moving, and the run of such samples
+               ends in a forbidden step: old frames under new stamps
     velocity   r_k is not on the chain: the subset of samples in which every two successive ones i, j
                obey |r_j - r_i| <= jump_max + speed_max (t_j - t_i), chosen to keep the most samples
     position   |r_k - median of the chain's samples k-w .. k+w| > jump_max
@@ -37,23 +39,13 @@ MEDIAN_REACH = 5
 """Half width of the median [samples]: it outvotes bursts of up to 5 samples, 50 ms at 100 Hz."""
 TELEPORT_SAMPLES = 200
 """What a jump to an unreachable place must bring to be believed [samples]: 2 s at 100 Hz."""
-ENTRY_SAMPLES = 10
-"""A chain may begin a segment so many samples late [samples]: after old frames under new stamps the track
-jumps to where the vehicle is, which is in reach a moment later."""
+REPEAT_STEP = 0.002
+"""A pose repeated to the last digit is old where the vehicle should have moved by more [m]: more than the
+rounding of logs in millimetres, and what a hover within a tick does not reach."""
 GAP = 1.5
 """A step longer than this many median steps is a hole; what lies behind it is a segment of its own."""
 SEGMENTS_BACK = 200
 """How many segments the chain looks back; more breaks than that within one outlier burst is no track."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Links:
-    """Hold the chain that ends with each segment."""
-
-    parent: Rows
-    """Segment before it, -1 where the chain begins."""
-    first: Rows
-    """Its first sample on the chain."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +100,7 @@ def _outliers_of_track(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
     with np.errstate(invalid="ignore"):
         inside = np.all(np.abs(pos) <= limits.pos_max, axis=-1)
     kept = np.flatnonzero(inside)
+    kept = kept[~_old_frames(t[kept], pos[kept], limits)]
     kept = kept[_on_chain(t[kept], pos[kept], limits)]
     kept = kept[~_off_median(t[kept], pos[kept], limits)]
     bad = np.ones(len(t), dtype=bool)
@@ -120,28 +113,18 @@ def _on_chain(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
     if len(starts) <= 1:
         return np.ones(len(t), dtype=bool)
     ends = np.append(starts[1:], len(t)) - 1
-    links = _Links(np.full(len(starts), -1), starts.copy())
+    parent = np.full(len(starts), -1)
     best = (ends - starts + 1).astype(np.float64)
     for here in range(1, len(starts)):
         before = np.arange(max(0, here - SEGMENTS_BACK), here)
-        entry = _entries(t, pos, (starts[here], ends[here]), ends[before], limits)
-        gain = best[before] - np.where(entry < 0, TELEPORT_SAMPLES, entry)
+        step = np.linalg.norm(pos[starts[here]] - pos[ends[before]], axis=-1)
+        reach = limits.jump_max + limits.speed_max * (t[starts[here]] - t[ends[before]])
+        gain = best[before] - np.where(step <= reach, 0.0, TELEPORT_SAMPLES)
         choice = int(np.argmax(gain))
         if gain[choice] > 0.0:
-            links.parent[here] = before[choice]
-            links.first[here] += max(0, entry[choice])
+            parent[here] = before[choice]
             best[here] += gain[choice]
-    return _walk_back(links, best, ends)
-
-
-def _entries(t: Array, pos: Array, segment: tuple[int, int], ends: Rows, limits: OutlierThresholds) -> Rows:
-    """Return how many samples into a segment one must go to come from each of `ends`; -1 if too many."""
-    entry = np.full(len(ends), -1)
-    for skipped in range(min(ENTRY_SAMPLES, segment[1] - segment[0] + 1)):
-        at = segment[0] + skipped
-        reach = limits.jump_max + limits.speed_max * (t[at] - t[ends])
-        entry[(entry < 0) & (np.linalg.norm(pos[at] - pos[ends], axis=-1) <= reach)] = skipped
-    return entry
+    return _walk_back(parent, best, (starts, ends))
 
 
 def _segment_starts(t: Array, pos: Array, limits: OutlierThresholds) -> Rows:
@@ -151,13 +134,23 @@ def _segment_starts(t: Array, pos: Array, limits: OutlierThresholds) -> Rows:
     return np.concatenate([np.zeros(min(len(t), 1), dtype=np.intp), np.flatnonzero(breaks) + 1])
 
 
-def _walk_back(links: _Links, best: Array, ends: Rows) -> Mask:
+def _walk_back(parent: Rows, best: Array, segments: tuple[Rows, Rows]) -> Mask:
+    starts, ends = segments
     kept = np.zeros(int(ends[-1]) + 1, dtype=bool)
     here = int(np.argmax(best))
     while here >= 0:
-        kept[links.first[here] : ends[here] + 1] = True
-        here = int(links.parent[here])
+        kept[starts[here] : ends[here] + 1] = True
+        here = int(parent[here])
     return kept
+
+
+def _old_frames(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
+    """Return which samples repeat, to the last digit, one taken in motion, until the track jumps."""
+    step = np.linalg.norm(np.diff(pos, axis=0), axis=-1)
+    same = np.append([False], step == 0.0)[: len(t)]
+    run = np.cumsum(~same)
+    jumps, moves = step > limits.speed_max * np.diff(t), step > REPEAT_STEP
+    return same & np.isin(run, run[:-1][jumps]) & np.isin(run, run[1:][moves])
 
 
 def _off_median(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.outliers import Mask, OutlierThresholds
+from q2q_model.outliers import REPEAT_STEP, Mask, OutlierThresholds
 from q2q_model.signals import Array
 from q2q_model.tracking import white_jerk
 from q2q_model.tracking.memory import padded
@@ -30,9 +30,6 @@ from q2q_model.tracking.swaps import swapped_sources
 GATE_SIGMAS = 1.0
 """Width of the position gate beyond jump_max, in standard deviations of the prediction: after a dropout an
 outlier does more harm than the moment that a rival needs to be believed."""
-REPEAT_STEP = 0.002
-"""A pose repeated to the last digit is stale where the vehicle should have moved by more [m]: more than
-the rounding of logs in millimetres, and what a hover within a tick does not reach."""
 STEADY = 1e-9
 """Relative change of the covariance in a tick below which its gains are settled."""
 
