@@ -67,7 +67,7 @@ def tick_of(flight: Flight) -> float:
 
 def _vehicle(error: Array, thrust: Array, dt: float, weight: float) -> VehicleMetrics:
     """Measure one vehicle by its position error (T, 3) and thrust (T,)."""
-    given = thrust[np.isfinite(thrust)]
+    given = held(thrust)
     known = len(given) > 0
     energy = float(np.sum(given**2)) * dt if known else float("nan")
     return VehicleMetrics(
@@ -77,6 +77,13 @@ def _vehicle(error: Array, thrust: Array, dt: float, weight: float) -> VehicleMe
         u1_energy_above_hover=energy - weight**2 * len(given) * dt,
         u1_max=float(given.max()) if known else float("nan"),
     )
+
+
+def held(thrust: Array) -> Array:
+    """Return commanded thrust from the first command on; a tick without one obeys the last, (<= T,)."""
+    known = np.isfinite(thrust)
+    last = np.maximum.accumulate(np.where(known, np.arange(len(thrust)), -1))
+    return np.asarray(thrust[last[last >= 0]])
 
 
 def _rms(error: Array) -> float:

@@ -8,7 +8,7 @@ import pytest
 from q2q_model.flights import Flight
 from q2q_model.zone import Cylinder
 from q2q_sim import scenarios
-from q2q_sim.metrics import measure
+from q2q_sim.metrics import held, measure
 from q2q_sim.recording import FlightRecording
 
 T = np.arange(1000) * 0.01
@@ -67,3 +67,8 @@ def test_filtered_positions_serve_where_the_truth_is_unknown() -> None:
     flight = _flight(np.full((1000, 1, 3), np.nan), _still(1), np.ones((1000, 1)))
     seen = replace(flight, pos=_still(1) + np.array([0.0, 0.0, 0.1]))
     assert measure(seen, SCENARIO.vehicle).vehicles["cf1"].z_rmse_m == pytest.approx(0.1, rel=1e-12)
+
+
+def test_a_tick_without_a_command_obeys_the_last_one_and_none_is_made_up_before_the_first() -> None:
+    np.testing.assert_array_equal(held(np.array([np.nan, 2.0, np.nan, np.nan, 3.0])), [2.0, 2.0, 2.0, 3.0])
+    assert held(np.full(3, np.nan)).size == 0

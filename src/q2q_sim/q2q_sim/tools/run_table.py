@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from rich.box import SIMPLE_HEAD
+from rich.markup import escape
 from rich.table import Table
 
 from q2q_sim.tools.flight import FlightRun
@@ -36,7 +37,7 @@ def run_table(runs: Sequence[FlightRun]) -> Table:
     title = f"{runs[0].request.scenario}, {runs[0].request.controller}"
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for position, column in enumerate(HEAD):
-        table.add_column(column, justify="left" if position < 2 else "right")
+        table.add_column(escape(column), justify="left" if position < 2 else "right")
     for run in runs:
         for row in _rows(run):
             table.add_row(*row)
