@@ -1,0 +1,168 @@
+"""Joint plans keep every pair out of the zone by proof, at little cost, or say who stands in the way."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import sparse
+from scipy.optimize import nnls
+
+from q2q_model.zone import Cylinder, Ellipsoid
+from q2q_planner.avoidance import AvoidanceParams, InfeasibleError, avoid
+from q2q_planner.certificate import certify
+from q2q_planner.deviation_space import bent, deviation_space
+from q2q_planner.minsnap import minimum_snap, plan_cost, snap_cost
+from q2q_planner.nonnegative_qp import solve_nonnegative_qp
+from q2q_planner.planes import coordinate_descent, settle_active_set
+from q2q_planner.trajectory import derive
+from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+
+SECTION_4_1 = (
+    VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),
+    VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0)))),
+)
+PAPER = Cylinder(0.1, 1.1)
+
+
+def circle(n: int, duration: float = 10.0) -> list[VehicleWaypoints]:
+    """Return n vehicles on a circle of 2 m that all swap with their opposite: every pair meets head on."""
+    angle = 2.0 * np.pi * np.arange(n) / n
+    start = np.stack([2.0 * np.cos(angle), 2.0 * np.sin(angle), np.ones(n)], -1)
+    return [
+        VehicleWaypoints(f"cf{i}", (Waypoint(0, tuple(a)), Waypoint(duration, (-a[0], -a[1], 1.0))))
+        for i, a in enumerate(start)
+    ]
+
+
+def test_section_4_1_avoids_the_zone_at_no_more_than_1_04_times_the_infimum() -> None:
+    found = avoid(SECTION_4_1, PAPER)
+    assert found.plan.certified
+    assert found.certificate.clearance > 0.0
+    assert found.infimum == pytest.approx(1.02115e-3, rel=2e-6)
+    assert found.infimum < found.cost <= 1.04 * found.infimum
+    assert found.cost == pytest.approx(plan_cost(found.plan), rel=1e-12)
+
+
+@pytest.mark.parametrize("zone", [PAPER, Ellipsoid.around(PAPER), Cylinder(0.25, 1.1)])
+def test_an_avoiding_plan_meets_its_waypoints_at_rest_and_stays_smooth(zone: Cylinder | Ellipsoid) -> None:
+    plan = avoid(SECTION_4_1, zone).plan
+    t = np.linspace(0.0, 50.0, 20_001)
+    pos = [trajectory.at(t)[:, :3] for trajectory in plan.trajectories]
+    assert zone.signed_distance(pos[0] - pos[1]).min() > 0.0  # the certificate, seen by samples
+    for vehicle, trajectory in zip(SECTION_4_1, plan.trajectories, strict=True):
+        for waypoint in vehicle.waypoints:
+            at = np.asarray(waypoint.t)
+            assert trajectory.at(at)[:3] == pytest.approx(np.array(waypoint.pos), abs=1e-9)
+            for p in (1, 2, 3):
+                assert trajectory.at(at, p)[:3] == pytest.approx(0.0, abs=1e-9)
+        for p in range(4):
+            derived = derive(trajectory.coefficients, p)[:, :3]
+            ends = (derived * (trajectory.durations[:, None, None] ** np.arange(derived.shape[-1]))).sum(-1)
+            assert ends[:-1] == pytest.approx(derived[1:, :, 0], abs=1e-9)  # C3 at every knot
+
+
+@pytest.mark.parametrize("n", [2, 3, 5, 8])
+def test_a_circle_of_vehicles_that_all_swap_is_sorted_out(n: int) -> None:
+    found = avoid(circle(n), Cylinder(0.2, 1.1))
+    assert certify(found.plan, Cylinder(0.2, 1.1)).holds
+
+
+def test_the_free_reading_costs_less_and_is_certified_too() -> None:
+    through = [
+        VehicleWaypoints(
+            "cf1", (Waypoint(0, (-2, 0, 1)), Waypoint(4, (0.3, 0.4, 1)), Waypoint(9, (2, 0, 1)))
+        ),
+        VehicleWaypoints(
+            "cf2", (Waypoint(0, (2, 0.1, 1)), Waypoint(5, (-0.4, 0, 1)), Waypoint(9, (-2, 0.1, 1)))
+        ),
+    ]
+    free, stopping = avoid(through, PAPER, "free"), avoid(through, PAPER, "stop_and_go")
+    assert free.plan.certified
+    assert free.cost < stopping.cost
+
+
+def test_vehicles_far_apart_get_the_closed_form() -> None:
+    far = [
+        VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 1)))),
+        VehicleWaypoints("cf2", (Waypoint(0, (0, 5, 1)), Waypoint(5, (1, 5, 1)))),
+    ]
+    found = avoid(far, PAPER)
+    assert found.cost == found.infimum
+    assert found.steps == 0
+    assert found.plan.certified
+
+
+def test_waypoints_inside_each_others_zone_are_named() -> None:
+    meeting = [
+        VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 1)), Waypoint(5, (0, 0, 1)), Waypoint(9, (1, 0, 1)))),
+        VehicleWaypoints(
+            "cf2", (Waypoint(0, (0, -1, 1)), Waypoint(5, (0.05, 0, 1.5)), Waypoint(9, (0, 1, 1)))
+        ),
+    ]
+    with pytest.raises(InfeasibleError, match=r"cf1, waypoint 1 and cf2, waypoint 1 lie 0.05 m inside"):
+        avoid(meeting, PAPER)
+
+
+def test_a_vehicle_that_parks_on_the_others_waypoint_is_named() -> None:
+    parked = [
+        VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 1)), Waypoint(2, (0, 0, 1)))),
+        VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 1)), Waypoint(5, (0, 0, 1.5)), Waypoint(9, (0, 1, 1)))),
+    ]
+    with pytest.raises(InfeasibleError, match=r"cf2, waypoint 1 and cf1, waypoint 1 lie 0.1 m inside"):
+        avoid(parked, PAPER)
+
+
+def test_an_impossible_flight_says_which_pair_and_when() -> None:
+    """Two vehicles hold still at their waypoints for 0.2 s so near in time that none can leave the zone."""
+    tight = [
+        VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 1)), Waypoint(5, (0, 0, 1)), Waypoint(5.2, (0, 0, 1)))),
+        VehicleWaypoints(
+            "cf2", (Waypoint(0, (1, 0, 1)), Waypoint(4.9, (0.5, 0, 1)), Waypoint(5.1, (0, 0, 1)))
+        ),
+    ]
+    with pytest.raises(InfeasibleError, match=r"cf\d.* and cf\d.* inside each other's zone at t = [45]"):
+        avoid(tight, PAPER)
+
+
+def test_a_warm_start_ends_where_it_began() -> None:
+    cold = avoid(SECTION_4_1, PAPER)
+    warm = avoid(SECTION_4_1, PAPER, warm=cold.plan)
+    assert warm.steps <= cold.steps
+    assert warm.cost == pytest.approx(cold.cost, rel=1e-3)  # STILL, over some steps
+    renamed = [VehicleWaypoints(name, one.waypoints) for name, one in zip("ab", SECTION_4_1, strict=True)]
+    with pytest.raises(ValueError, match="warm start of cf1, cf2: expected a, b"):
+        avoid(renamed, PAPER, warm=cold.plan)
+
+
+@settings(deadline=None, max_examples=15)
+@given(st.integers(0, 10**6))
+def test_cost_is_length_in_the_space_of_deviations(seed: int) -> None:
+    for reading in ("stop_and_go", "free"):
+        space = deviation_space(SECTION_4_1[0], reading, 4)
+        y = np.random.default_rng(seed).normal(size=(space.dimension, 3)) * 0.01
+        base = minimum_snap(SECTION_4_1[0], reading)
+        curve = bent(base, space, y)
+        assert snap_cost(curve) - snap_cost(base) == pytest.approx(float((y**2).sum()), rel=1e-6)
+        t = np.linspace(0.0, 50.0, 23)
+        assert curve.at(t)[:, :3] - base.at(t)[:, :3] == pytest.approx(space.rows(t) @ y, abs=1e-9)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 10**6), st.integers(1, 30))
+def test_three_solvers_agree_on_the_dual(seed: int, size: int) -> None:
+    generator = np.random.default_rng(seed)
+    root = generator.normal(size=(size, size + 3))
+    gram, asked = root @ root.T + 0.1 * np.eye(size), generator.normal(size=size)
+    lower = np.linalg.cholesky(gram)
+    exact = nnls(lower.T, np.linalg.solve(lower, asked))[0]
+    scale = max(1.0, float(np.abs(exact).max()))
+    assert solve_nonnegative_qp(gram, asked) == pytest.approx(exact, abs=1e-6 * scale)  # its gap of 1e-10
+    sparse_gram = sparse.csr_array(gram)
+    settled = settle_active_set(sparse_gram, asked, coordinate_descent(sparse_gram, asked, np.zeros(size)))
+    assert settled == pytest.approx(exact, abs=1e-5 * scale)  # descent ends at SETTLED
+
+
+def test_the_search_is_the_same_twice() -> None:
+    params = AvoidanceParams(starts=3, seed=4)
+    first, second = (avoid(circle(4), Cylinder(0.2, 1.1), params=params) for _ in range(2))
+    assert first.cost == second.cost
