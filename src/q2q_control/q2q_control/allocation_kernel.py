@@ -4,9 +4,9 @@ The law, signs and priorities are those of `q2q_control.allocation`, which a tes
 """
 
 import numpy as np
-from numba import njit
 
 from q2q_control.allocation import RotorFrame
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 
 
@@ -86,10 +86,10 @@ def _highest_py(rotors: Array) -> float:
     return float(max(rotors[0], rotors[1], rotors[2], rotors[3]))
 
 
-_add_yaw = njit(cache=True)(_add_yaw_py)
-_lowest = njit(cache=True)(_lowest_py)
-_highest = njit(cache=True)(_highest_py)
-_yaw_by_spread = njit(cache=True)(_yaw_by_spread_py)
-_yaw_in_box = njit(cache=True)(_yaw_in_box_py)
-allocate = njit(cache=True)(_allocate_py)
+_add_yaw = compiled(_add_yaw_py)
+_lowest = compiled(_lowest_py)
+_highest = compiled(_highest_py)
+_yaw_by_spread = compiled(_yaw_by_spread_py)
+_yaw_in_box = compiled(_yaw_in_box_py)
+allocate = compiled(_allocate_py)
 """Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s (3,)."""

@@ -29,8 +29,8 @@ from the inertia.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from q2q_model.compiled import compiled
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array
 from q2q_model.vehicle import Vehicle
@@ -98,5 +98,5 @@ def _attitude_torque(
     return roll + (iz - iy) * q * r, pitch + (ix - iz) * p * r, yaw + (iy - ix) * p * q
 
 
-attitude_torque = njit(cache=True)(_attitude_torque)
+attitude_torque = compiled(_attitude_torque)
 """Return tau_x, tau_y, tau_z [N m] of one vehicle for compiled loops; arguments as `attitude_torques`."""

@@ -8,10 +8,10 @@ q2q_control.alignment, entries of `numbers` those of `packed_numbers`.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from q2q_control.thrust_vector import UPRIGHT_MIN, WEIGHT_MIN, ThrustLimits
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 from q2q_model.vehicle import GRAVITY
 
@@ -93,9 +93,9 @@ def _integrate_py(
         integral[k] = min(max(integral[k] + step, -numbers[_INTEGRAL_MAX]), numbers[_INTEGRAL_MAX])
 
 
-_thrust = njit(cache=True)(_thrust_py)
-_yaw_of = njit(cache=True)(_yaw_of_py)
-_tilt = njit(cache=True)(_tilt_py)
-_integrate = njit(cache=True)(_integrate_py)
-pid_rows = njit(cache=True)(_pid_rows_py)
+_thrust = compiled(_thrust_py)
+_yaw_of = compiled(_yaw_of_py)
+_tilt = compiled(_tilt_py)
+_integrate = compiled(_integrate_py)
+pid_rows = compiled(_pid_rows_py)
 """Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,); advance `integral` (n, 3) in place."""

@@ -1,0 +1,148 @@
+"""Solve one tick's horizon for all vehicles: groups, problems, answers.
+
+Vehicles whose drafts matter to each other within the horizon form a group and are solved together, or each
+by itself against the others' predicted paths. Axes that no draft couples are swept all at once; of those,
+the ones that meet a bound are solved one by one.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_control.mpc.chain import Chain
+from q2q_control.mpc.chain_sweep import sweep, sweep_gains
+from q2q_control.mpc.draft_horizon import DraftHorizon
+from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, SOLVED, Answer, Horizon
+from q2q_control.mpc.joint_problem import GroupShape, group_shape, joint_problem
+from q2q_control.mpc.riccati import solve
+
+Rows = NDArray[np.intp]
+InTime = Callable[[], bool]
+
+
+@dataclass(frozen=True, slots=True)
+class SolveRules:
+    """Say how vehicles that interact are solved."""
+
+    joint: bool
+    """Together; else each by itself."""
+    terminal: float
+    """Weight beyond the horizon over the endless one [-]: the endless one knows no bounds."""
+    iterations: int
+    """Recursions of a solve at most."""
+
+
+class HorizonSolver:
+    """Hold the models of the axes, and what problems of equal shape have in common."""
+
+    def __init__(
+        self,
+        models: tuple[Chain, Chain, Chain],
+        coupled: tuple[int, ...],
+        stages: int,
+        rules: SolveRules,
+    ) -> None:
+        """Solve with the chains of x, y, z; drafts couple the axes `coupled`.
+
+        Args:
+            models: x and y must be alike.
+            coupled: axes whose inputs are found together with their drafts.
+            stages: N.
+            rules: how groups are solved.
+        """
+        self._models, self._coupled = models, coupled
+        self._rules = rules
+        self._stages = stages
+        self._side, self._up = sweep_gains(models[0]), sweep_gains(models[2])
+        self._shapes: dict[tuple[int, tuple[int, ...]], GroupShape] = {}
+
+    def solve(
+        self, horizon: Horizon, drafts: DraftHorizon, guess: NDArray[np.int8], in_time: InTime
+    ) -> Answer:
+        """Return the answer; `guess` (n, N, 3) is a pattern of active bounds to start from.
+
+        `in_time` is asked before each problem that needs more than the sweep; False leaves it INTERRUPTED.
+        """
+        n, stages = horizon.push.shape[:2]
+        answer = Answer(
+            pos=np.empty((n, stages + 1, 3)),
+            inputs=np.empty((n, stages, 3)),
+            pattern=np.zeros((n, stages, 3), np.int8),
+            ended=np.full(n, SOLVED, np.int8),
+            iterations=1,
+        )
+        groups = groups_of(drafts.i.tolist(), drafts.j.tolist(), n, joint=self._rules.joint)
+        problems = [(group, self._coupled) for group in groups]
+        problems += self._swept(horizon, answer, [vehicle for group in groups for vehicle in group])
+        most = 1
+        for group, axes in problems:
+            most = max(most, self._solve(horizon, drafts, (group, axes), (guess, answer, in_time)))
+        return Answer(answer.pos, answer.inputs, answer.pattern, answer.ended, most)
+
+    def _swept(
+        self, horizon: Horizon, answer: Answer, grouped: list[int]
+    ) -> list[tuple[list[int], tuple[int, ...]]]:
+        """Sweep all chains that no draft couples; return those that cross a bound, each by itself."""
+        n = len(answer.ended)
+        free = np.ones((n, 3), np.bool_)
+        for axis in self._coupled:
+            free[grouped, axis] = False
+        crossing: list[tuple[list[int], tuple[int, ...]]] = []
+        for columns, gains in ((slice(0, 2), self._side), (slice(2, 3), self._up)):
+            vehicles, axes = np.nonzero(free[:, columns])
+            axes += columns.start
+            inside = sweep(horizon, (vehicles, axes), gains, (answer.pos, answer.inputs))
+            crossing += [([int(vehicles[c])], (int(axes[c]),)) for c in np.flatnonzero(~inside)]
+        return crossing
+
+    def _solve(
+        self,
+        horizon: Horizon,
+        drafts: DraftHorizon,
+        chains: tuple[list[int], tuple[int, ...]],
+        io: tuple[NDArray[np.int8], Answer, InTime],
+    ) -> int:
+        """Solve the chains `axes` of a group into the answer; return the recursions it took."""
+        guess, answer, in_time = io
+        group = np.array(chains[0])
+        if not in_time():
+            answer.ended[group] = INTERRUPTED
+            return 0
+        shape = self._shape(len(group), chains[1])
+        vehicles, axes = np.repeat(group, len(shape.axes)), np.tile(shape.axes, len(group))
+        problem = joint_problem(shape, group, horizon, drafts)
+        start = np.ascontiguousarray(guess[vehicles, :, axes].T)  # (N, chains)
+        found = solve(problem, start, self._rules.iterations)
+        answer.pos[vehicles, :, axes] = found.states[:, 0::3].T
+        answer.inputs[vehicles, :, axes] = found.inputs.T
+        answer.pattern[vehicles, :, axes] = found.pattern.T
+        if not np.isfinite(found.inputs).all():
+            answer.ended[group] = INTERRUPTED
+        elif not found.converged:
+            answer.ended[group] = np.where(answer.ended[group] == SOLVED, CUT_OFF, answer.ended[group])
+        return found.iterations
+
+    def _shape(self, size: int, axes: tuple[int, ...]) -> GroupShape:
+        key = (size, axes)
+        if key not in self._shapes:
+            shape = group_shape(size, axes, self._models, self._stages)
+            self._shapes[key] = replace(shape, terminal=self._rules.terminal * shape.terminal)
+        return self._shapes[key]
+
+
+def groups_of(i: list[int], j: list[int], n: int, *, joint: bool) -> list[list[int]]:
+    """Return the vehicles below `n` that feel a draft, those that pairs join together where `joint`."""
+    label = {feels: feels for feels in i if feels < n}
+    if joint:
+        for a, b in zip(i, j, strict=True):
+            if a >= n or b >= n:
+                continue
+            old, new = max(label[a], label.get(b, b)), min(label[a], label.get(b, b))
+            label.setdefault(b, old)
+            label = {vehicle: new if root == old else root for vehicle, root in label.items()}
+    roots: dict[int, list[int]] = {}
+    for vehicle in sorted(label):
+        roots.setdefault(label[vehicle], []).append(vehicle)
+    return list(roots.values())

@@ -1,0 +1,253 @@
+"""Control with a receding horizon that holds the draft: (26), solved anew every tick.
+
+Every tick: where will the vehicles be when a command given now acts (latency, lags, disturbance: `present`);
+where do the references go (`preview`); which drafts lie ahead on the last predicted paths
+(`draft_horizon`); the inputs that keep the vehicles nearest to their references within thrust, tilt and their
+rates (`planner`); the first of them as thrust, roll and pitch.
+
+    minimise sum_k sum_j (r_j(t_k) - r_j,ref(t_k))^2 + (effort)      of (26), for all vehicles that interact
+    v' = a + eta(r, r(t - tau)) + d,   a' = (u - a) / T              drafts linear along the last prediction
+    0 <= U1 <= U_max, |tilt| <= tilt_max, both with bounded rates
+
+One linearisation and one solve a tick (real-time iteration; Diehl, Bock, Schloeder, SIAM J. Control Optim.
+43, 2005): the next tick goes on from this one's paths. The draft depends on where the others go, so the upper
+vehicle may rise to spare the lower one: that is what joint control buys (Table 7).
+
+| a vehicle's horizon | is flown by | counted as |
+|---|---|---|
+| solved, or its bounds kept though not optimal | its first input | solved, cut_off |
+| not solved in time or not finite, up to shift_time after the last solve | its last plan, shifted | shifted |
+| the same, later | PID with the loop's bandwidths | pid |
+| without usable state or setpoint | q2q_control.row_memory: HOLD, then LEVEL | |
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_control.alignment import QUAT, YAW, YAW_RATE, Aligned, align
+from q2q_control.mpc.chain import ChainWeights, chain
+from q2q_control.mpc.draft_horizon import DraftHorizon, SlopeRule, no_drafts, predict_drafts
+from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, Answer, Horizon
+from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.plan_memory import Plan, PlanMemory
+from q2q_control.mpc.planner import HorizonSolver, SolveRules
+from q2q_control.mpc.predictions import Predictions
+from q2q_control.mpc.present import Present, PresentEstimator, axis_lags
+from q2q_control.mpc.surroundings import Surroundings
+from q2q_control.preview import ReferencePreview, shifted_preview
+from q2q_control.row_memory import HoldThenLevel, RowMemory
+from q2q_control.thrust_vector import ThrustLimits, thrust_vector
+from q2q_model.interaction.model import InteractionModel
+from q2q_model.rotations import yaw_from_quat
+from q2q_model.signals import Array, Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.vehicle import GRAVITY, Vehicle
+
+TICK = 0.01
+"""How long a command acts before the next one comes [s]: the house's tick."""
+FALL = 0.95
+"""Share of its weight that a vehicle may drop at most [-]: some thrust is left to tilt."""
+
+
+@dataclass(frozen=True, slots=True)
+class MpcReport:
+    """Say how the last tick was answered: vehicles by the source of their command."""
+
+    solved: int = 0
+    cut_off: int = 0
+    shifted: int = 0
+    pid: int = 0
+    iterations: int = 0
+    """Most recursions that one problem took."""
+    pairs: int = 0
+    """Pairs whose drafts matter on the horizon."""
+
+
+class Mpc:
+    """Remember plans, thrust, disturbances and where the vehicles were."""
+
+    def __init__(
+        self,
+        params: MpcParams,
+        vehicle: Vehicle,
+        model: InteractionModel,
+        vehicles: Names = (),
+        in_time: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """Control vehicles like `vehicle`: those named, or all of the setpoint.
+
+        Args:
+            params: horizon, weights, limits.
+            vehicle: constants of every vehicle.
+            model: the draft as the controller knows it.
+            vehicles: who is controlled; empty is all of the setpoint.
+            in_time: asked before each problem of a tick; False ends the tick's solving.
+        """
+        self._vehicle, self._vehicles, self._in_time = vehicle, vehicles, in_time
+        self.model = model
+        self.preview: ReferencePreview | None = None
+        """Where the references will go; None lets each setpoint go on by itself."""
+        self._surroundings = Surroundings()
+        self.configure(params)
+
+    def configure(self, params: MpcParams) -> None:
+        """Use other parameters; plans and estimates start anew."""
+        self._params = params
+        xy, z = ChainWeights(params.bandwidth_xy, params.jerk), ChainWeights(params.bandwidth_z, params.jerk)
+        lags = axis_lags(params, self._vehicle)
+        side, up = chain(lags[0], params.step, xy), chain(lags[2], params.step, z)
+        coupled = (0, 1, 2) if params.mode == "full" else (2,)
+        models = (side, side, up)
+        rules = SolveRules(params.joint, params.terminal, params.iterations)
+        self._solver = HorizonSolver(models, coupled, params.steps, rules)
+        self._slopes = SlopeRule(coupled, params.slope_max)
+        allowed = params.thrust_max if params.thrust_limited else self._vehicle.thrust_max
+        self._limits = ThrustLimits(
+            self._vehicle.mass, min(allowed, self._vehicle.thrust_max), params.tilt_max, exact=True
+        )
+        share = [1.0 - float(model.transition[2, 2]) for model in models]
+        rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
+        self._step_max = rates * params.step / np.array(share)
+        hover = min(self._vehicle.hover_thrust, self._limits.thrust_max)
+        self._rows = RowMemory(HoldThenLevel(params.hold_time, hover))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all memory."""
+        self._plans = PlanMemory(self._params.steps, self._params.step)
+        self._present = PresentEstimator(self._params, self._vehicle)
+        self._surroundings.reset()
+        self._rows.reset()
+        self._last: SwarmCommand | None = None
+        self.report = MpcReport()
+        self.told: Predictions | None = None
+
+    def hear(self, said: Predictions) -> None:
+        """Take what neighbours of other controllers say of their paths; it counts until they say more."""
+        self._surroundings.heard = said
+
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+    ) -> SwarmCommand:
+        """Return the tick's command; `interference` None means ignoring the draft."""
+        last, names = self._last, self._vehicles or setpoint.names
+        if last is not None and last.t == setpoint.t and last.names == names:
+            return last
+        if last is not None and setpoint.t < last.t:
+            self.reset()
+        tick = align(state, setpoint, interference, names)
+        present = self._present.update(tick, state)
+        horizon, drafts, plan = self._horizon(
+            tick, present, (state, setpoint), aware=interference is not None
+        )
+        acc = self._answered(tick, horizon, drafts, plan)
+        self._last = self._command(tick, acc)
+        self._present.sent(self._last, tick)
+        return self._last
+
+    def _horizon(
+        self, tick: Aligned, present: Present, signals: tuple[SwarmState, SwarmSetpoint], *, aware: bool
+    ) -> tuple[Horizon, DraftHorizon, Plan]:
+        state, setpoint = signals
+        times = self._stages(present.t)
+        reference = self._reference(tick, setpoint, times)
+        plan = self._plans.shifted(tick.names, present.t)
+        path = reference[..., :3] + plan.offset
+        span = self.model.max_delay if aware else 0.0
+        tracks = self._surroundings.tracks(tick, state, (times, path, plan.inputs), span)
+        drafts = predict_drafts(self.model, tracks, self._slopes) if aware else no_drafts(tracks)
+        push = drafts.eta[: len(tick.names)] + present.disturbance[:, None]
+        low, high = self._bounds(tick)
+        everyone = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
+        horizon = Horizon(present.chains, reference, push, everyone, low, high, self._step_max)
+        return horizon, drafts, plan
+
+    def _bounds(self, tick: Aligned) -> tuple[Array, Array]:
+        """Return the least and largest commanded acceleration of each axis [m/s^2], (n, 3) each."""
+        upright = 1.0 - 2.0 * (tick.table[:, 6] ** 2 + tick.table[:, 7] ** 2)
+        high = np.empty((len(tick.names), 3))
+        high[:, :2] = GRAVITY * math.tan(self._params.tilt_max) / math.sqrt(2.0)  # a square in the circle
+        high[:, 2] = self._limits.thrust_max / self._limits.mass * upright - GRAVITY
+        low = -high
+        low[:, 2] = np.minimum(-FALL * GRAVITY, high[:, 2])
+        return low, high
+
+    def _stages(self, start: float) -> Array:
+        return np.asarray(start + self._params.step * np.arange(self._params.steps + 1), dtype=np.float64)
+
+    def _reference(self, tick: Aligned, setpoint: SwarmSetpoint, times: Array) -> Array:
+        whole = shifted_preview(setpoint, self.preview, times)
+        if setpoint.names == tick.names and tick.usable.all():
+            return whole
+        picked = np.zeros((len(tick.names), *whole.shape[1:]))
+        for row, name in enumerate(tick.names):
+            if tick.usable[row]:
+                picked[row] = whole[setpoint.names.index(name)]
+        return picked
+
+    def _answered(self, tick: Aligned, horizon: Horizon, drafts: DraftHorizon, plan: Plan) -> Array:
+        """Return each vehicle's commanded acceleration [m/s^2], world, (n, 3), and keep its plan."""
+        answer = self._solver.solve(horizon, drafts, plan.pattern, self._in_time)
+        failed = (answer.ended == INTERRUPTED) | ~np.isfinite(answer.inputs).all(axis=(1, 2))
+        age = plan.start - plan.solved
+        shifted = failed & (age <= self._params.shift_time)
+        by_pid = failed & ~shifted
+        acc = np.where(shifted[:, None], plan.inputs[:, 0], answer.inputs[:, 0] + self._lead(horizon))
+        if by_pid.any() or self._params.mode == "altitude":
+            pid = self._pid_acceleration(horizon)
+            acc = np.where(by_pid[:, None], pid, acc)
+            if self._params.mode == "altitude":
+                acc[:, :2] = pid[:, :2]
+        self._keep(tick, horizon, (answer, plan), failed)
+        self.report = MpcReport(
+            solved=int((~failed).sum()),
+            cut_off=int((answer.ended == CUT_OFF).sum()),
+            shifted=int(shifted.sum()),
+            pid=int(by_pid.sum()),
+            iterations=answer.iterations,
+            pairs=len(drafts.i),
+        )
+        return acc
+
+    def _lead(self, horizon: Horizon) -> Array:
+        """Return what is added to the first inputs because they act for a tick and not for their stage.
+
+        An input answers the mean draft and reference of its stage, half a stage ahead; the command acts half
+        a tick ahead. What lies between is taken from the trend of u*, (n, 3) [m/s^2].
+        """
+        step = self._params.step
+        early = 0.5 * max(step - TICK, 0.0) / step
+        rise = horizon.reference[:, 1, 6:9] - horizon.reference[:, 0, 6:9]
+        return np.asarray(early * (horizon.push[:, 1] - horizon.push[:, 0] - rise))
+
+    def _keep(self, tick: Aligned, horizon: Horizon, plans: tuple[Answer, Plan], failed: Array) -> None:
+        answer, old = plans
+        row = failed[:, None, None]
+        offset = np.where(row, old.offset, answer.pos - horizon.reference[..., :3])
+        solved = np.where(failed, old.solved, old.start)
+        inputs, pattern = np.where(row, old.inputs, answer.inputs), np.where(row, old.pattern, answer.pattern)
+        self._plans.keep(
+            tick.names, replace(old, offset=offset, inputs=inputs, pattern=pattern, solved=solved)
+        )
+        times = self._stages(old.start)
+        self.told = Predictions(tick.names, times, horizon.reference[..., :3] + offset)
+
+    def _pid_acceleration(self, horizon: Horizon) -> Array:
+        """Return the acceleration by a PD law of the same bandwidths, draft and disturbance taken off."""
+        w = np.array([self._params.bandwidth_xy, self._params.bandwidth_xy, self._params.bandwidth_z])
+        ref, now = horizon.reference[:, 0], horizon.start
+        feedback = w**2 * (ref[:, :3] - now[..., 0]) + np.sqrt(2.0) * w * (ref[:, 3:6] - now[..., 1])
+        wanted = ref[:, 6:9] + feedback - horizon.push[:, 0]
+        return np.asarray(np.clip(wanted, horizon.low, horizon.high))
+
+    def _command(self, tick: Aligned, acc: Array) -> SwarmCommand:
+        vector = thrust_vector(acc, tick.table[:, QUAT], self._limits)
+        error = tick.table[:, YAW] - yaw_from_quat(tick.table[:, QUAT])
+        wrapped = np.remainder(error + np.pi, 2.0 * np.pi) - np.pi
+        limit = self._params.yaw_rate_max
+        yaw_rate = np.clip(tick.table[:, YAW_RATE] + self._params.k_yaw * wrapped, -limit, limit)
+        values = np.stack([vector.thrust, vector.roll, vector.pitch, yaw_rate], axis=1)
+        full = vector.thrust >= self._limits.thrust_max - 1e-9 * self._limits.thrust_max
+        return self._rows.completed(tick, values, full | (vector.cut_thrust != 0.0) | vector.cut_tilt)

@@ -1,0 +1,97 @@
+"""Know where all vehicles were and will be: the controlled ones and those of other controllers.
+
+A controlled vehicle goes where its last plan says. A vehicle that is not ours goes where it said it would
+(q2q_control.mpc.predictions), or straight on if it said nothing; one that is LOST or not a number pushes
+nobody. The past reaches as far back as drafts travel.
+"""
+
+import numpy as np
+
+from q2q_control.alignment import POS, Aligned
+from q2q_control.mpc.draft_horizon import Tracks
+from q2q_control.mpc.predictions import Predictions, path_at
+from q2q_model.signals import Array, Names, SwarmState, TrackStatus
+from q2q_model.vehicle import GRAVITY
+
+FAR = 1e6
+"""Where a vehicle without state is put [m]."""
+LATER = 1e-9
+"""Two entries of a track are at least this far apart [s]."""
+_LOST = int(TrackStatus.LOST)
+
+
+class Surroundings:
+    """Remember where the vehicles were."""
+
+    def __init__(self) -> None:
+        self.heard: Predictions | None = None
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._names: Names = ()
+        self._when: list[float] = []
+        self._where: list[Array] = []
+
+    def tracks(
+        self, tick: Aligned, state: SwarmState, future: tuple[Array, Array, Array], span: float
+    ) -> Tracks:
+        """Return the tracks of the tick's vehicles, then of the others in `state`.
+
+        Args:
+            tick: the controlled vehicles.
+            state: everybody.
+            future: stages (N + 1,) [s], paths (n, N + 1, 3) [m], inputs (n, N, 3) [m/s^2] of the controlled.
+            span: how far back drafts come from [s].
+        """
+        times, path, inputs = future
+        here = tick.table[:, POS]
+        if not tick.usable.all():
+            lost = ~tick.usable
+            path[lost] = FAR * (1.0 + np.flatnonzero(lost))[:, None, None]
+            here = np.where(lost[:, None], path[:, 0], here)
+        names = tick.names
+        if state.names != names:
+            names, here, path, inputs = self._with_others(state, (times, here, path, inputs), names)
+        self._remember(tick.t, names, here, span)
+        start = max(times[0], tick.t + LATER)
+        when = np.concatenate([self._when, times])
+        when[len(self._when)] = start
+        pos = np.concatenate([np.stack(self._where), path.transpose(1, 0, 2)])
+        lift = inputs + np.array([0.0, 0.0, GRAVITY])
+        axis = lift / np.sqrt((lift * lift).sum(axis=-1, keepdims=True))
+        return Tracks(when, pos, axis, len(self._when))
+
+    def _remember(self, t: float, names: Names, here: Array, span: float) -> None:
+        if names != self._names:
+            self.reset()
+            self._names = names
+        self._when.append(t)
+        self._where.append(here)
+        while len(self._when) > 1 and self._when[1] <= t - span:
+            self._when.pop(0)
+            self._where.pop(0)
+
+    def _with_others(
+        self, state: SwarmState, ours: tuple[Array, Array, Array, Array], names: Names
+    ) -> tuple[Names, Array, Array, Array]:
+        times, here, path, inputs = ours
+        rows = [row for row, name in enumerate(state.names) if name not in names]
+        if not rows:
+            return names, here, path, inputs
+        theirs = np.stack([self._stranger(state, row, times) for row in rows])
+        return (
+            names + tuple(state.names[row] for row in rows),
+            np.concatenate([here, theirs[:, 0]]),
+            np.concatenate([path, theirs]),
+            np.concatenate([inputs, np.zeros((len(rows), *inputs.shape[1:]))]),
+        )
+
+    def _stranger(self, state: SwarmState, row: int, times: Array) -> Array:
+        """Return the path (N + 1, 3) of a vehicle that is not ours."""
+        told = None if self.heard is None else path_at(self.heard, state.names[row], times)
+        if told is not None:
+            return told
+        straight = state.pos[row] + state.vel[row] * (times - state.t)[:, None]
+        known = np.isfinite(straight).all() and state.status[row] != _LOST
+        return straight if known else np.full_like(straight, -FAR * (1.0 + row))

@@ -1,0 +1,118 @@
+"""Estimate position, velocity and the acceleration that nothing explains, from positions and known thrust.
+
+    r+ = r + h v + h^2/2 (a + d),  v+ = v + h (a + d),  d+ = d        a: by thrust, and by the predicted draft
+    r, v, d += L (r_measured - r)
+
+L puts all three poles at exp(-w h) (Luenberger): the estimate follows within some 3 / w, and what a wrong
+draft model, a weak battery or moving air push goes into d. Thrust enters as it was commanded, limits
+included, so nothing winds up while a limit cuts. Subtracted from the command, d leaves no offset behind.
+The velocity knows the thrust and is less late than one filtered from positions alone.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| r v | pos vel | estimates [m], [m/s], world, (n, 3) |
+| d | disturbance | unexplained acceleration [m/s^2], world, (n, 3) |
+| w | bandwidth | [rad/s] |
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals import Array, Names, index_of
+
+GAP_MAX = 0.1
+"""Beyond this time between ticks [s] the estimate starts anew at the measurement."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """Hold what one tick tells about the vehicles."""
+
+    t: float
+    """Stamp of the tick [s]."""
+    names: Names
+    pos: Array
+    """[m], world, (n, 3)."""
+    vel: Array
+    """[m/s], world, (n, 3); it only starts a vehicle."""
+    acc: Array
+    """By thrust and predicted draft, mean since the last tick [m/s^2], world, (n, 3)."""
+    fresh: NDArray[np.bool_]
+    """Rows whose position was measured at this tick, (n,); the others follow the model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Hold what is believed of every vehicle."""
+
+    pos: Array
+    """[m], world, (n, 3)."""
+    vel: Array
+    """[m/s], world, (n, 3)."""
+    disturbance: Array
+    """[m/s^2], world, (n, 3)."""
+
+
+class DisturbanceObserver:
+    """Remember the estimates of named vehicles."""
+
+    def __init__(self, bandwidth: float, disturbance_max: float) -> None:
+        """Follow within about 3 / bandwidth [s]; |d| stays within disturbance_max [m/s^2]."""
+        self._bandwidth = bandwidth
+        self._max = disturbance_max
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all estimates."""
+        self._names: Names = ()
+        self._t = -np.inf
+        self._known = np.zeros(0, np.bool_)
+        self.estimate = Estimate(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
+
+    def update(self, seen: Measurement) -> Estimate:
+        """Return the estimates at the measurement's time, row by row."""
+        if seen.names != self._names:
+            self._reorder(seen.names)
+        step = seen.t - self._t
+        self._t = seen.t
+        if not 0.0 < step <= GAP_MAX:
+            self._known[:] = False
+            step = GAP_MAX  # of no consequence: no row is known
+        before = _moved(self.estimate, seen.acc, step)
+        off = np.where((seen.fresh & self._known)[:, None], seen.pos - before.pos, 0.0)
+        p = math.exp(-self._bandwidth * step)
+        vel_gain, d_gain = 1.5 * (1.0 - p) ** 2 * (1.0 + p) / step, (1.0 - p) ** 3 / step**2
+        known = self._known[:, None]
+        d = np.clip(before.disturbance + d_gain * off, -self._max, self._max)
+        self.estimate = Estimate(
+            np.where(known, before.pos + (1.0 - p**3) * off, seen.pos),
+            np.where(known, before.vel + vel_gain * off, seen.vel),
+            np.where(known, d, 0.0),
+        )
+        self._known |= seen.fresh
+        return self.estimate
+
+    def _reorder(self, names: Names) -> None:
+        rows = index_of(names, self._names)
+        known = np.append(self._known, False)
+        pad = np.zeros((1, 3))
+        old = self.estimate
+        self.estimate = replace(
+            old,
+            pos=np.vstack([old.pos, pad])[rows],
+            vel=np.vstack([old.vel, pad])[rows],
+            disturbance=np.vstack([old.disturbance, pad])[rows],
+        )
+        self._known, self._names = known[rows], names
+
+
+def _moved(estimate: Estimate, acc: Array, step: float) -> Estimate:
+    whole = acc + estimate.disturbance
+    return Estimate(
+        estimate.pos + step * estimate.vel + 0.5 * step * step * whole,
+        estimate.vel + step * whole,
+        estimate.disturbance,
+    )

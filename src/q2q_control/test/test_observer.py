@@ -1,0 +1,88 @@
+"""The observer finds a constant push, follows its own poles, and survives gaps and newcomers."""
+
+import numpy as np
+
+from q2q_control.observer import DisturbanceObserver, Estimate, Measurement
+
+DT = 0.01
+"""[s]"""
+ONE = np.ones(1, np.bool_)
+
+
+def seen(t: float, height: float, acc: float, fresh: bool = True) -> Measurement:
+    """Return a measurement of one vehicle that moves vertically."""
+    return Measurement(
+        t,
+        ("cf1",),
+        np.array([[0.0, 0.0, height]]),
+        np.zeros((1, 3)),
+        np.array([[0.0, 0.0, acc]]),
+        np.array([fresh]),
+    )
+
+
+def falling(push: float, ticks: int, bandwidth: float = 8.0) -> list[Estimate]:
+    """Return the estimates of a vehicle that a constant push accelerates from rest."""
+    observer = DisturbanceObserver(bandwidth, 10.0)
+    return [observer.update(seen(k * DT, 0.5 * push * (k * DT) ** 2, 0.0)) for k in range(ticks)]
+
+
+def test_a_constant_push_is_found_exactly_and_with_its_sign():
+    last = falling(-0.7, 400)[-1]
+    # 32 time constants of 1/8 s: what is left is below rounding of the position, 1e-16 / dt^2
+    assert abs(last.disturbance[0, 2] + 0.7) < 1e-9
+    assert abs(last.vel[0, 2] + 0.7 * 399 * DT) < 1e-9
+    assert np.array_equal(last.disturbance[0, :2], [0.0, 0.0])
+
+
+def test_the_estimate_follows_with_the_three_poles_it_was_given():
+    bandwidth = 8.0
+    errors = np.array([1.0 - e.disturbance[0, 2] for e in falling(1.0, 60, bandwidth)])
+    p = np.exp(-bandwidth * DT)
+    # a triple pole: (E - p)^3 applied to the error sequence leaves nothing
+    residue = errors[3:] - 3 * p * errors[2:-1] + 3 * p**2 * errors[1:-2] - p**3 * errors[:-3]
+    assert np.abs(residue[1:]).max() < 1e-9
+
+
+def test_thrust_that_is_known_is_not_taken_for_a_disturbance():
+    observer = DisturbanceObserver(8.0, 10.0)
+    for k in range(100):
+        estimate = observer.update(seen(k * DT, 0.5 * 2.0 * (k * DT) ** 2, 2.0))
+    assert abs(estimate.disturbance[0, 2]) < 1e-9
+    assert abs(estimate.vel[0, 2] - 2.0 * 99 * DT) < 1e-9
+
+
+def test_without_a_fresh_position_the_estimate_follows_the_model():
+    observer = DisturbanceObserver(8.0, 10.0)
+    for k in range(50):
+        before = observer.update(seen(k * DT, 0.1, 0.0))
+    after = observer.update(seen(50 * DT, 99.0, 0.0, fresh=False))
+    assert np.allclose(after.pos, before.pos, atol=1e-12)
+    assert np.allclose(after.disturbance, before.disturbance)
+
+
+def test_a_gap_starts_anew_and_the_disturbance_stays_within_its_limit():
+    observer = DisturbanceObserver(8.0, 0.5)
+    for k in range(200):
+        estimate = observer.update(seen(k * DT, -0.5 * 3.0 * (k * DT) ** 2, 0.0))
+    assert estimate.disturbance[0, 2] == -0.5
+    again = observer.update(seen(9.0, 1.0, 0.0))
+    assert again.pos[0, 2] == 1.0
+    assert again.disturbance[0, 2] == 0.0
+
+
+def test_estimates_stay_with_their_names():
+    observer = DisturbanceObserver(8.0, 10.0)
+    for k in range(100):
+        observer.update(seen(k * DT, -0.5 * (k * DT) ** 2, 0.0))
+    two = Measurement(
+        1.0,
+        ("cf2", "cf1"),
+        np.array([[0, 0, 1.0], [0, 0, -0.5]]),
+        np.zeros((2, 3)),
+        np.zeros((2, 3)),
+        np.ones(2, np.bool_),
+    )
+    estimate = observer.update(two)
+    assert estimate.disturbance[0, 2] == 0.0
+    assert abs(estimate.disturbance[1, 2] + 1.0) < 0.02  # 8 time constants: e^-8 (1 + 8 + 32)

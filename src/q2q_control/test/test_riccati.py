@@ -1,0 +1,199 @@
+"""The structured solver finds the optimum that dense methods find, and keeps bounds when cut off."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import lsq_linear, minimize
+
+from q2q_control.mpc.chain import ChainWeights, chain, transition
+from q2q_control.mpc.chain_sweep import sweep, sweep_gains
+from q2q_control.mpc.draft_horizon import DraftHorizon
+from q2q_control.mpc.horizon import Horizon
+from q2q_control.mpc.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.lq_problem import LqProblem, cost, dense_matrices, input_matrix
+from q2q_control.mpc.riccati import solve
+from q2q_model.signals import Array
+
+H = 0.05
+"""Stage [s]."""
+FREE_RATE = np.full(3, np.inf)
+MODELS = (
+    chain(0.15, H, ChainWeights(2.0, 1.0)),
+    chain(0.15, H, ChainWeights(2.0, 1.0)),
+    chain(0.07, H, ChainWeights(5.0, 0.5)),
+)
+
+
+def horizon(rng: np.random.Generator, n: int, stages: int, bound: float, step: Array = FREE_RATE) -> Horizon:
+    """Return a question whose answer meets bounds of +-bound [m/s^2] when that is small."""
+    start = rng.normal(size=(n, 3, 3)) * [0.3, 0.3, 0.05]
+    reference = rng.normal(size=(n, stages + 1, 9)) * 0.1
+    limit = np.full((n, 3), bound)
+    path = rng.normal(size=(n, stages + 1, 3))
+    return Horizon(start, reference, rng.normal(size=(n, stages, 3)) * 0.1, path, -limit, limit, step)
+
+
+def pairs(rng: np.random.Generator, n: int, stages: int, slope: float) -> DraftHorizon:
+    """Return slopes between all pairs."""
+    i, j = np.nonzero(~np.eye(n, dtype=bool))
+    return DraftHorizon(np.zeros((n, stages, 3)), i, j, rng.normal(size=(len(i), stages, 3, 3)) * slope)
+
+
+def problem(seed: int, n: int, stages: int, bound: float, step: Array = FREE_RATE) -> LqProblem:
+    """Return a joint problem of n vehicles on z, coupled by slopes of drafts."""
+    rng = np.random.default_rng(seed)
+    asked = horizon(rng, n, stages, bound, step)
+    shape = group_shape(n, (2,), MODELS, stages)
+    return joint_problem(shape, np.arange(n), asked, pairs(rng, n, stages, 0.5))
+
+
+def condensed(asked: LqProblem) -> tuple[Array, Array]:
+    """Return M, b with cost = |M u - b|^2 for all inputs stacked: the dense way."""
+    a, b = dense_matrices(asked), input_matrix(asked)
+    stages, n = asked.low.shape
+    effect, free = np.zeros((3 * n, stages * n)), asked.start.copy()
+    rows: list[Array] = []
+    right: list[Array] = []
+
+    def add(weight: Array, matrix: Array, value: Array) -> None:
+        rows.append(weight @ matrix)
+        right.append(weight @ value)
+
+    for k in range(stages):
+        own = np.zeros((n, stages * n))
+        own[:, k * n : (k + 1) * n] = np.eye(n)
+        add(np.diag(np.sqrt(asked.state_weight.ravel())), effect, asked.target[k] - free)
+        add(np.diag(np.sqrt(asked.input_weight[:, 0])), own, asked.input_target[k])
+        add(np.diag(np.sqrt(asked.input_weight[:, 1])), own - effect[2::3], free[2::3])
+        effect, free = a[k] @ effect + b @ own, a[k] @ free + asked.drift[k]
+    for c in range(n):
+        part = slice(3 * c, 3 * c + 3)
+        root = np.linalg.cholesky(asked.terminal[c]).T
+        add(root, effect[part], asked.target[-1][part] - free[part])
+    return np.concatenate(rows), np.concatenate(right)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(("n", "bound"), [(1, 0.3), (2, 0.3), (2, 1.0), (3, 0.5)])
+def test_bounded_answer_equals_a_dense_bounded_least_squares(seed: int, n: int, bound: float):
+    asked = problem(seed, n, 25, bound)
+    answer = solve(asked, iterations=60)
+    matrix, right = condensed(asked)
+    dense = lsq_linear(matrix, right, (-bound, bound), method="bvls", tol=1e-14)
+    assert answer.converged
+    # bvls stops at a relative cost change of 1e-14: inputs agree to its square root
+    assert np.allclose(answer.inputs.ravel(), dense.x, atol=1e-6)
+    assert cost(asked, answer.states, answer.inputs) == pytest.approx(2.0 * dense.cost, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rate_bounds_are_met_at_the_optimum_that_slsqp_finds(seed: int):
+    step = 0.1
+    asked = problem(seed, 1, 8, 1.0, np.full(3, step))
+    answer = solve(asked, iterations=60)
+    matrix, right = condensed(asked)
+    a, b = dense_matrices(asked), input_matrix(asked)
+
+    def lead(inputs: Array) -> Array:
+        state, leads = asked.start, []
+        for k, u in enumerate(inputs):
+            leads.append(u - state[2])
+            state = a[k] @ state + b @ [u] + asked.drift[k]
+        return np.array(leads)
+
+    found = minimize(
+        lambda u: ((matrix @ u - right) ** 2).sum(),
+        answer.inputs.ravel() * 0.0 + asked.start[2],
+        jac=lambda u: 2.0 * matrix.T @ (matrix @ u - right),
+        bounds=[(-1.0, 1.0)] * 8,
+        constraints=[
+            {"type": "ineq", "fun": lambda u: step - lead(u)},
+            {"type": "ineq", "fun": lambda u: step + lead(u)},
+        ],
+        method="SLSQP",
+        options={"ftol": 1e-13, "maxiter": 500},
+    )
+    assert answer.converged
+    assert np.abs(lead(answer.inputs.ravel())).max() <= step + 1e-9
+    assert np.allclose(answer.inputs.ravel(), found.x, atol=1e-5)  # SLSQP's square root of ftol
+
+
+def test_states_follow_the_dynamics_from_the_start():
+    asked = problem(3, 2, 20, 0.4)
+    answer = solve(asked)
+    a, b = dense_matrices(asked), input_matrix(asked)
+    after = (
+        np.einsum("kij,kj->ki", a, answer.states[:-1]) + answer.inputs @ b.T + asked.drift
+    )  # A x + B u + c
+    assert np.array_equal(answer.states[0], asked.start)
+    assert np.allclose(after, answer.states[1:], atol=1e-12)
+
+
+def test_a_solve_that_is_cut_off_says_so_and_keeps_every_bound():
+    asked = problem(1, 2, 30, 0.2, np.full(3, 0.15))
+    answer = solve(asked, iterations=1)
+    assert not answer.converged
+    assert np.abs(answer.inputs).max() <= 0.2 + 1e-12
+    lead = answer.inputs - answer.states[:-1, 2::3]
+    outside = np.abs(answer.states[:-1, 2::3]) > 0.2  # there the bound wins over the rate
+    assert np.abs(lead[~outside]).max() <= 0.15 + 1e-12
+
+
+def test_the_last_pattern_as_a_guess_needs_one_recursion():
+    asked = problem(2, 2, 40, 0.3)
+    first = solve(asked)
+    again = solve(asked, first.pattern)
+    assert first.iterations > 1
+    assert again.iterations == 1
+    assert np.array_equal(again.inputs, first.inputs)
+
+
+def test_the_sweep_of_separate_chains_equals_the_general_recursion():
+    rng = np.random.default_rng(5)
+    asked = horizon(rng, 4, 40, 100.0)
+    pos, inputs = np.empty((4, 41, 3)), np.empty((4, 40, 3))
+    vehicles, axes = np.arange(4), np.full(4, 2)
+    inside = sweep(asked, (vehicles, axes), sweep_gains(MODELS[2]), (pos, inputs))
+    shape = group_shape(1, (2,), MODELS, 40)
+    none = DraftHorizon(np.zeros((4, 40, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros((0, 40, 3, 3)))
+    assert inside.all()
+    for v in range(4):
+        answer = solve(joint_problem(shape, np.array([v]), asked, none))
+        assert np.allclose(inputs[v, :, 2], answer.inputs[:, 0], atol=1e-10)  # rounding of 40 steps
+        assert np.allclose(pos[v, :, 2], answer.states[:, 0], atol=1e-10)
+
+
+def test_the_sweep_tells_which_chains_cross_a_bound():
+    rng = np.random.default_rng(6)
+    asked = horizon(rng, 6, 40, 3.0)
+    pos, inputs = np.empty((6, 41, 3)), np.empty((6, 40, 3))
+    inside = sweep(asked, (np.arange(6), np.full(6, 2)), sweep_gains(MODELS[2]), (pos, inputs))
+    assert np.array_equal(inside, np.abs(inputs[:, :, 2]).max(axis=1) <= 3.0)
+    assert 0 < inside.sum() < 6
+
+
+@pytest.mark.parametrize("lag", [0.02, 0.07, 0.5])
+def test_a_chain_steps_exactly_as_the_matrix_exponential(lag: float):
+    rates = np.array([[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, -1 / lag, 1 / lag], [0, 0, 0, 0]], dtype=float)
+    exact = expm(rates * H)
+    a, b = transition(lag, H)
+    assert np.allclose(a, exact[:3, :3], atol=1e-14)
+    assert np.allclose(b, exact[:3, 3], atol=1e-14)
+
+
+def test_a_chain_without_lag_is_a_double_integrator():
+    a, b = transition(0.0, H)
+    assert np.allclose(a, [[1, H, 0], [0, 1, 0], [0, 0, 0]])
+    assert np.allclose(b, [0.5 * H**2, H, 1.0])
+
+
+def test_unbounded_weights_place_the_poles_they_promise():
+    fine, bandwidth = 1e-4, 5.0
+    model = chain(0.0, fine, ChainWeights(bandwidth, 0.0))
+    b, p = model.input_gain, model.terminal
+    feedback = (b @ p @ model.transition) / (model.input_weight[0] + b @ p @ b)
+    closed = (model.transition - np.outer(b, feedback))[:2, :2]  # the acceleration has no memory
+    placed = np.log(np.linalg.eigvals(closed)) / fine
+    wanted = np.roots([1.0, np.sqrt(2.0) * bandwidth, bandwidth**2])
+    # sampled at w h = 5e-4: poles err by a few times that
+    assert np.allclose(np.sort_complex(placed), np.sort_complex(wanted), rtol=5e-3)
