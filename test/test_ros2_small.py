@@ -11,7 +11,10 @@ from fresh_checkout import ROOT
 
 ROS2 = ROOT / "scripts/ros2-small/ros2"
 
-NODE = f"""#!{sys.executable}
+# A first line that stands a space in the interpreter's path, as pip writes it.
+NODE = f"""#!/bin/sh
+'''exec' "{sys.executable}" "$0" "$@"
+' '''
 import signal, sys
 if sys.argv[1:2] == ["exit"]:
     sys.exit(int(sys.argv[2]))
@@ -79,6 +82,13 @@ def test_a_wrong_name_gets_the_nearest_and_fails(prefix: Path, arguments: tuple[
     assert done.returncode == 1
     assert message in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_an_executable_that_cannot_start_is_one_line(prefix: Path):
+    (prefix / "lib/toy/node").write_text("#!/no/such/python\n")
+    done = ros2(prefix, "run", "toy", "node")
+    assert done.returncode == 1
+    assert done.stderr == f"ros2 (small): cannot start {prefix}/lib/toy/node: No such file or directory\n"
 
 
 def test_it_says_what_it_is_not(prefix: Path):
