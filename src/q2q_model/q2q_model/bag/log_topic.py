@@ -1,17 +1,39 @@
 """Write and read the topic `log`: q2q_msgs/FlightLog, one message a tick."""
 
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
 from q2q_model.bag.definitions import jazzy_types
 from q2q_model.bag.fault import BagError
 from q2q_model.bag.reader import BagReader
+from q2q_model.bag.source import RawMessage
 from q2q_model.bag.writer import BagWriter
 from q2q_model.flight_log import FlightLog
+from q2q_model.signals import Array
 
 LOG_TOPIC = "/log"
 LOG_TYPE = "q2q_msgs/msg/FlightLog"
+
+
+class _Stamp(Protocol):
+    sec: int
+    nanosec: int
+
+
+class _Header(Protocol):
+    stamp: _Stamp
+
+
+class _Row(Protocol):
+    """Match a decoded q2q_msgs/FlightLog."""
+
+    header: _Header
+    names: list[str]
+    columns: list[str]
+    units: list[str]
+    values: Array
 
 
 def write_log_row(bag: BagWriter, log: FlightLog, row: int) -> None:
@@ -42,8 +64,7 @@ def read_flight_log(path: Path | str) -> FlightLog:
     topic = next((name for name, kind in bag.topics.items() if kind == LOG_TYPE), None)
     if topic is None:
         raise BagError(f"bag {bag.path} has no {LOG_TYPE}; it has {', '.join(bag.topics.values())}")
-    store = jazzy_types()
-    rows = [store.deserialize_cdr(found.data, LOG_TYPE) for found in bag.raw({topic})]
+    rows = [_decoded(bag, found) for found in bag.raw({topic})]
     if not rows:
         raise BagError(f"bag {bag.path} has no message on {topic}")
     heads = {(tuple(row.names), tuple(row.columns), tuple(row.units)) for row in rows}
@@ -51,5 +72,18 @@ def read_flight_log(path: Path | str) -> FlightLog:
         raise BagError(f"bag {bag.path}: vehicles or columns of {topic} change on the way; split it there")
     ((names, columns, units),) = heads
     t = [(row.header.stamp.sec * 1_000_000_000 + row.header.stamp.nanosec) * 1e-9 for row in rows]
+    lengths = {len(row.values) for row in rows}
+    if lengths != {len(names) * len(columns)}:
+        needs = f"{len(names)} vehicles and {len(columns)} columns need {len(names) * len(columns)}"
+        raise BagError(f"bag {bag.path}: {topic} has rows of {sorted(lengths)} numbers; {needs}")
     values = np.stack([row.values for row in rows]).reshape(len(rows), len(names), len(columns))
     return FlightLog(np.array(t), names, columns, units, values)
+
+
+def _decoded(bag: BagReader, found: RawMessage) -> _Row:
+    try:
+        message: _Row = jazzy_types().deserialize_cdr(found.data, LOG_TYPE)
+    except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
+        where = f"topic {found.topic} at {found.stamp_ns} ns"
+        raise BagError(f"bag {bag.path}, {where}: no {LOG_TYPE} ({damage})") from damage
+    return message
