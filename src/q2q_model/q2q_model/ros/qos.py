@@ -1,9 +1,12 @@
-"""Name the three qualities of service of the house."""
+"""Name the qualities of service of the house."""
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 TICK = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Signals of a tick between our nodes: reliable, so that lockstep never loses one."""
+
+TICK_WRITER = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+"""The writer's side of TICK: it keeps what a slow recorder has not taken yet, 10 s of a topic at 100 Hz."""
 
 LATCHED = QoSProfile(
     depth=1,

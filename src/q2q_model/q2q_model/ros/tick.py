@@ -11,7 +11,7 @@ from q2q_model.layout import Signal
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.qos import TICK
+from q2q_model.ros.qos import TICK, TICK_WRITER
 from q2q_model.signals import Names
 from q2q_model.tick_join import TickJoin
 
@@ -32,7 +32,7 @@ class TickWiring(Generic[Made]):
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         self._node = node
         topic, signal = output
-        self._publisher = node.create_publisher(MESSAGES[signal], topic, TICK)
+        self._publisher = node.create_publisher(MESSAGES[signal], topic, TICK_WRITER)
         self._inputs = inputs
         self._after: list[Callable[[int, Made], None]] = []
         publish_health(node, self.health)

@@ -20,7 +20,7 @@ from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.messages import header_at
 from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED, TICK
+from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.ros.run import run
 from q2q_sim.lockstep import Patience
 from q2q_sim.playback import Playback
@@ -98,7 +98,7 @@ class Player:
         }
 
     def _writer(self, topic: str, kind: str) -> Publisher:
-        return self._node.create_publisher(_class_of(kind), topic.strip("/"), TICK)
+        return self._node.create_publisher(_class_of(kind), topic.strip("/"), TICK_WRITER)
 
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._begin()

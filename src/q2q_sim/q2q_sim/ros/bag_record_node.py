@@ -24,6 +24,7 @@ class RecordParams:
     """Hold the node's parameters."""
 
     bag: str = tunable("", "folder to write; must not exist", read_only=True)
+    topics: tuple[str, ...] = tunable((), "topics of the house to record; empty is all", read_only=True)
     extra: tuple[str, ...] = tunable((), "more topics, each as topic:package/msg/Type", read_only=True)
     stamps: str = tunable("receive", "bag time of a message", choices=("receive", "header"), read_only=True)
 
@@ -42,7 +43,7 @@ class Recorder:
         self._health = Health()
         self._by_header = params.stamps == "header"
         self._writer = BagWriter(Path(params.bag))
-        for topic, kind in (TYPE_NAMES | _extra(params.extra)).items():
+        for topic, kind in (_house(params.topics) | _extra(params.extra)).items():
             self._writer.add_topic(f"/{topic}", kind)
             node.create_subscription(_class_of(kind), topic, self._taker(f"/{topic}"), RECORD, raw=True)
         publish_health(node, self._health)
@@ -58,6 +59,13 @@ class Recorder:
             self._health.ticks += 1
 
         return take
+
+
+def _house(chosen: tuple[str, ...]) -> dict[str, str]:
+    strangers = [topic for topic in chosen if topic not in TYPE_NAMES]
+    if strangers:
+        raise ValueError(f"parameter topics: no {', '.join(strangers)}; there are {', '.join(TYPE_NAMES)}")
+    return {topic: kind for topic, kind in TYPE_NAMES.items() if not chosen or topic in chosen}
 
 
 def _extra(words: tuple[str, ...]) -> dict[str, str]:

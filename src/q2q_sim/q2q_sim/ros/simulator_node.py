@@ -25,7 +25,7 @@ from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.messages import MESSAGES, header_at
 from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED, TICK
+from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.ros.run import run
 from q2q_model.signals import Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
 from q2q_sim import scenarios
@@ -92,7 +92,8 @@ class Simulator:
     def _wire(self, node: Node) -> None:
         self._node = node
         self._writers = {
-            topic: node.create_publisher(MESSAGES[kind], topic, TICK) for topic, kind in OUTPUTS.items()
+            topic: node.create_publisher(MESSAGES[kind], topic, TICK_WRITER)
+            for topic, kind in OUTPUTS.items()
         }
         self._clock_writer = node.create_publisher(Clock, "/clock", TICK)
         self._summary = node.create_publisher(String, "flight_summary", LATCHED)

@@ -36,6 +36,8 @@ class FlightRequest:
     seed: int = 0
     model: str = ""
     """Interaction model in place of the scenario's; empty keeps that."""
+    record: tuple[str, ...] = ()
+    """Topics that go into the bag; empty is all."""
 
     @property
     def aware(self) -> bool:
@@ -102,7 +104,13 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
     pace = "live" if request.live else "lockstep"
     return [
         NodeSpec(
-            "q2q_sim", "bag_record", {"bag": str(bag), "stamps": "receive" if request.live else "header"}
+            "q2q_sim",
+            "bag_record",
+            {
+                "bag": str(bag),
+                "stamps": "receive" if request.live else "header",
+                "topics": request.record,
+            },
         ),
         NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),

@@ -63,6 +63,9 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--seed", type=int, default=0, help="seed of everything random")
     made.add_argument("--model", default="", help="interaction model: none, a shipped name, or a .q2q file")
     made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
+    made.add_argument(
+        "--record", nargs="+", default=[], metavar="TOPIC", help="topics for the bag (default: all)"
+    )
     made.add_argument("--json", type=Path, help="write the numbers to this file")
     made.add_argument("--real", metavar="FLIGHT", help="play a recorded flight of Q2Q_DATA instead")
     return made
@@ -106,7 +109,14 @@ def request_of(asked: argparse.Namespace) -> FlightRequest:
     """Return what the command line asks for."""
     mode = "ignoring" if not asked.aware else "aware" if asked.limit else "aware_unlimited"
     return FlightRequest(
-        asked.scenario, mode, asked.controller, asked.replan, asked.live, asked.seed, asked.model
+        asked.scenario,
+        mode,
+        asked.controller,
+        asked.replan,
+        asked.live,
+        asked.seed,
+        asked.model,
+        tuple(asked.record),
     )
 
 
