@@ -1,8 +1,8 @@
 """Turn frozen dataclasses into plain JSON values and back, checking every value on its way in.
 
 A field may be bool, int, float, str, a numpy array, a tuple of one of these, another dataclass, or any of
-them or None. NaN and infinity have no place in JSON: they are refused, not written. Nothing but data is ever
-read: a field's type decides what is made of it, never the file.
+them or None; a mapping can be written, but not read. NaN and infinity have no place in JSON: they are refused,
+not written. Nothing but data is ever read: a field's type decides what is made of it, never the file.
 """
 
 import math
@@ -30,6 +30,8 @@ def to_plain(value: object, path: str = "") -> Plain:
         return {f.name: to_plain(getattr(value, f.name), f"{path}.{f.name}") for f in fields(value)}
     if isinstance(value, np.ndarray):
         return to_plain(value.tolist(), path)
+    if isinstance(value, Mapping):
+        return {str(name): to_plain(item, f"{path}.{name}") for name, item in value.items()}
     if isinstance(value, list | tuple):
         return [to_plain(item, f"{path}[{k}]") for k, item in enumerate(value)]
     if isinstance(value, float) and not math.isfinite(value):

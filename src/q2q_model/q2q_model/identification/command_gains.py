@@ -50,7 +50,8 @@ class GainFit:
     needs_offset: bool
     needs_integral: bool
     rms: float
-    """Robust spread of the residual, in the unit of the equation that was fitted."""
+    """Spread of the residual: acceleration [m/s^2] from commands, altitude [m] from trajectories."""
+    from_commands: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,11 @@ FULL_DUTY = 0.93
 MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
 
 
+def is_force_log(log: FlightLog) -> bool:
+    """Return whether a log shows the vertical push and what tells its good rows."""
+    return {"faz_est", "gap", *MOTORS} <= set(log.columns)
+
+
 def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
     """Return the vertical push that a flight's log shows, at the log's ticks."""
     duty = np.max([log.column(motor) for motor in MOTORS], axis=0)  # (T, n)

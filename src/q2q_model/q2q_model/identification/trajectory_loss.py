@@ -37,12 +37,16 @@ WIDE = 6.0
 """Widths of the envelope beyond which eta is zero: there it is 1.5e-8 of its peak [-]."""
 MOST_ACTIVE = 2500
 """Samples of one flight that are solved at once; H would take 50 MB. Longer encounters are thinned."""
-SETTLED = 1e-10
-"""Change of eta at which the fixed point is reached [m/s^2]; a few thousandths of it act on zhat."""
+SETTLED = 1e-9
+"""Change of eta at which the fixed point is reached [m/s^2]: a nanometre of altitude at most."""
 SWEEPS = 60
 """Most sweeps: H is strictly causal, and a loop slower than its encounters contracts by half or more."""
 
 Rows = NDArray[np.intp]
+
+
+class DivergingModelError(ValueError):
+    """Say that a model pushes harder the more it is followed, so that no altitude solves it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +60,8 @@ class Passage:
     """Vehicle that causes, (p,)."""
     across: Array
     """Horizontal distance [m], (S, p), measured."""
+    dz: Array
+    """Height of j above i [m], (S, p), measured."""
     free: Array
     """(S, n)."""
     H: Array
@@ -109,6 +115,7 @@ def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, floa
         i=i,
         j=j,
         across=across[active],
+        dz=rel[active, :, 2],
         free=(record.ref[..., 0] + free)[active],
         H=K[active],
         G=K.T @ K,
@@ -134,14 +141,18 @@ def mean_square(one: Passage, eta: Array) -> Array:
 
 
 def solve_eta(model: EnvelopeNetwork, one: Passage) -> Array:
-    """Return eta [m/s^2] on the active samples, (S, n), at the simulated heights."""
-    eta = np.zeros_like(one.free)
+    """Return eta [m/s^2] on the active samples, (S, n), at the simulated heights.
+
+    Raises:
+        DivergingModelError: the fixed point is not reached.
+    """
+    eta = _felt(one, evaluate(model, one.across.ravel(), one.dz.ravel()).eta)
     for _ in range(SWEEPS):
         before = eta
         eta = _felt(one, evaluate(model, one.across.ravel(), _heights(one, eta).ravel()).eta)
         if eta.size == 0 or np.abs(eta - before).max() < SETTLED:
             return eta
-    raise ValueError(f"flight {one.name}: the simulated heights do not settle; is the model diverging?")
+    raise DivergingModelError(f"flight {one.name}: the simulated altitudes do not settle in {SWEEPS} sweeps")
 
 
 def _gradient(model: EnvelopeNetwork, one: Passage, eta: Array) -> Array:

@@ -1,0 +1,115 @@
+"""List the interaction models that may explain flights, and pick one by its held-out error.
+
+The jet in several forms, and the paper's networks. Pushes are fitted where they were measured, else
+altitudes. A form with more freedom must lower the error on flights it has not seen by more than `MARGIN`, or
+the plainer one, which stands earlier in the list, is kept.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from q2q_model.identification.altitude_loop import AltitudeLoop
+from q2q_model.identification.evidence import Evidence
+from q2q_model.identification.held_out import Fitter, Score, score_held_out
+from q2q_model.identification.jet_fit import JetFit, JetForm, fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.network_fit import NetworkParams, fit_networks
+from q2q_model.identification.trajectory_loss import WIDE, passage
+from q2q_model.interaction.envelope_network import EnvelopeNetwork
+from q2q_model.interaction.model import InteractionModel
+
+MARGIN = 0.02
+"""Relative gain in held-out error that pays for more freedom [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """Hold one way to explain flights."""
+
+    name: str
+    kind: str
+    """Model type, as in a model file."""
+    parameters: int
+    fit: Fitter
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """Hold a candidate and how it did on flights it had not seen."""
+
+    candidate: Candidate
+    held_out: Score
+
+
+FORMS = {
+    "jet, straight down, power law": JetForm("power", carried=0.0, delayed=False),
+    "jet, straight down, exponential": JetForm("exponential", carried=0.0, delayed=False),
+    "jet, late": JetForm("exponential", carried=0.0, delayed=True),
+    "jet, late and moving with its source": JetForm("exponential", carried=1.0, delayed=True),
+}
+
+
+def candidates(kind: str, flights: Sequence[Evidence], loop: AltitudeLoop) -> list[Candidate]:
+    """Return the candidates of a kind: auto, jet or envelope_network.
+
+    Raises:
+        ValueError: an unknown kind.
+    """
+    kinds = {"auto": (_jets, _networks), "jet": (_jets,), "envelope_network": (_networks,)}
+    if kind not in kinds:
+        raise ValueError(f"unknown model type {kind!r}: choose one of {', '.join(kinds)}")
+    return [one for made in kinds[kind] for one in made(flights, loop)]
+
+
+def try_out(
+    tried: Sequence[Candidate], flights: Sequence[Evidence], loop: AltitudeLoop, tell: Callable[[str], None]
+) -> list[Trial]:
+    """Return how each candidate does on flights left out; `tell` is given each name before its turn."""
+    trials = []
+    for candidate in tried:
+        tell(candidate.name)
+        trials.append(Trial(candidate, score_held_out(candidate.fit, flights, loop)))
+    return trials
+
+
+def best_of(trials: Sequence[Trial]) -> Trial:
+    """Return the trial with the least held-out error, the plainer where two are alike."""
+    best = trials[0]
+    for trial in trials[1:]:
+        if trial.held_out.badness < (1.0 - MARGIN) * best.held_out.badness:
+            best = trial
+    return best
+
+
+def fit_jet(flights: Sequence[Evidence], loop: AltitudeLoop, form: JetForm) -> JetFit:
+    """Return the jet of a form, from pushes where every flight has some, else from altitudes."""
+    pushes = [one for flight in flights for one in flight.pushes]
+    if any(one.exposed.any() for one in pushes):
+        return fit_to_pushes(pushes, form)
+    return fit_to_altitudes([flight.record for flight in flights], loop, form)
+
+
+def _jets(flights: Sequence[Evidence], loop: AltitudeLoop) -> list[Candidate]:
+    del flights
+    return [Candidate(name, "jet", _freedom(form), _jet_fitter(loop, form)) for name, form in FORMS.items()]
+
+
+def _freedom(form: JetForm) -> int:
+    return 4 + form.delayed + form.spreading
+
+
+def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
+    def fit(flights: Sequence[Evidence]) -> InteractionModel:
+        return fit_jet(flights, loop, form).jet
+
+    return fit
+
+
+def _networks(flights: Sequence[Evidence], loop: AltitudeLoop) -> list[Candidate]:
+    params = NetworkParams()
+    reach = (WIDE * params.envelope.eps, WIDE * params.envelope.d)
+    passages = {one.name: passage(one.record, loop, reach) for one in flights}
+
+    def fit(chosen: Sequence[Evidence]) -> EnvelopeNetwork:
+        return fit_networks([passages[one.name] for one in chosen], params)
+
+    return [Candidate("the paper's two networks", "envelope_network", 322, fit)]

@@ -1,0 +1,145 @@
+"""Measure how far vehicles leave their altitude when one is above the other, and read d from it (3.1).
+
+    dev = mean over T_eps of |z_1,ref - z_1| + |z_2,ref - z_2|,    T_eps = { t : dxy(t) <= eps, steady }
+    dev(dz_av) = alpha exp(-beta |dz_av|),   d: where that has fallen to `allowed`
+
+Readings. The sum is over both absolute values. Each vehicle's median deviation in clear air is taken off
+first: on real flights it is 15-40 mm and would be a floor. Intervals come from drawing whole flights anew
+(Efron, Tibshirani, An introduction to the bootstrap, 1993). dev measures the time of overlap more than the
+distance, so d is a rough number: beside it stands the zone as a threshold on the learned draft.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| eps | eps | horizontal distance that counts as overlap [m] |
+| alpha, beta | alpha, beta | dev at dz = 0 [m] and its rate of fall [1/m] |
+| d | d | half height of the zone [m] |
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.identification.altitude_record import AltitudeRecord
+from q2q_model.identification.interval import Interval
+from q2q_model.signals import Array
+
+DRAWS = 500
+"""Bootstrap draws: ends of a 95 % interval to a few percent of its width."""
+FEWEST = 5
+"""Rows of overlap that make a mean: 50 ms at 100 Hz."""
+
+
+@dataclass(frozen=True, slots=True)
+class DeviationParams:
+    """Hold what section 3.1 chose."""
+
+    eps: float = 0.1
+    """[m]; the discs of two Crazyflies (92 mm) do not overlap beyond."""
+    steady: float = 15.0
+    """Time from which a flight counts [s]; section 3.1."""
+    clear: float = 0.5
+    """Horizontal distance beyond which a vehicle flies in clear air [m]."""
+    allowed: float = 0.02
+    """Deviation that controllers may be left with [m]: a fifth of eps."""
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Overlap:
+    """Hold one flight's mean over its overlap."""
+
+    flight: str
+    gap: float
+    """|dz_av| [m]."""
+    dev: float
+    """[m]"""
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class DecayFit:
+    """Hold the fitted decay and the half height it gives."""
+
+    overlaps: tuple[Overlap, ...]
+    alpha: Interval
+    beta: Interval
+    d: Interval
+    extrapolated: bool
+    """d lies beyond the largest gap that was flown."""
+
+
+def overlap_of(record: AltitudeRecord, params: DeviationParams) -> Overlap | None:
+    """Return a flight's dev and mean gap over its closest pair; None without overlap."""
+    best: tuple[int, float, float] | None = None
+    n = len(record.names)
+    late = record.t - record.t[0] >= min(params.steady, 0.5 * (record.t[-1] - record.t[0]))
+    bias = _clear_bias(record, params.clear)
+    for i in range(n):
+        for j in range(i + 1, n):
+            rel = record.pos[:, j] - record.pos[:, i]
+            rows = late & (np.hypot(rel[:, 0], rel[:, 1]) <= params.eps)
+            count = int(rows.sum())
+            if count >= FEWEST and (best is None or count > best[0]):
+                away = np.abs(record.deviation - bias)[rows]
+                best = count, float(np.abs(rel[rows, 2].mean())), float((away[:, i] + away[:, j]).mean())
+    if best is None:
+        return None
+    return Overlap(flight=record.name, gap=best[1], dev=best[2], seconds=best[0] * record.dt)
+
+
+def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None = None) -> DecayFit:
+    """Return the decay of dev with the gap, and d.
+
+    Raises:
+        ValueError: fewer than two flights have vehicles above each other.
+    """
+    given = params or DeviationParams()
+    overlaps = tuple(o for record in records if (o := overlap_of(record, given)) is not None)
+    if len(overlaps) < 2:
+        raise ValueError(
+            f"{len(overlaps)} of {len(records)} flights have vehicles within {given.eps} m of each other "
+            "horizontally, 2 needed to see dev fall with height"
+        )
+    gaps, devs = np.array([o.gap for o in overlaps]), np.array([o.dev for o in overlaps])
+    best = _decay(gaps, devs, given.allowed)
+    rng = np.random.default_rng(given.seed)
+    drawn = rng.integers(0, gaps.size, (DRAWS, gaps.size))
+    apart = np.ptp(gaps[drawn], axis=1) > 0.1 * np.ptp(gaps)
+    draws = [_decay(gaps[rows], devs[rows], given.allowed) for rows in drawn[apart]] or [best]
+    low, high = np.percentile(np.array(draws), [2.5, 97.5], axis=0)
+    alpha, beta, d = (
+        Interval(float(v), float(min(a, v)), float(max(b, v)))
+        for v, a, b in zip(best, low, high, strict=True)
+    )
+    return DecayFit(overlaps, alpha, beta, d, extrapolated=bool(d.value > gaps.max()))
+
+
+RATES = np.linspace(-2.0, 10.0, 601)
+"""beta that are tried [1/m]; a finer step would not show within any interval."""
+FARTHEST = 10.0
+"""d of a deviation that does not fall [m]: more than any flight room is high."""
+
+
+def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, float]:
+    """Return alpha, beta and d of the best alpha exp(-beta gap); alpha is linear, beta is searched."""
+    shape = np.exp(-RATES[:, None] * gaps)
+    alphas = (shape @ devs) / (shape * shape).sum(axis=1)
+    best = int(np.argmin(((alphas[:, None] * shape - devs) ** 2).sum(axis=1)))
+    alpha, beta = float(alphas[best]), float(RATES[best])
+    if alpha <= allowed:
+        return alpha, beta, 0.0
+    d = float(np.log(alpha / allowed)) / beta if beta > 0.0 else FARTHEST
+    return alpha, beta, min(d, FARTHEST)
+
+
+def _clear_bias(record: AltitudeRecord, clear: float) -> Array:
+    """Return every vehicle's mean deviation in clear air [m], (n,)."""
+    n = len(record.names)
+    bias = np.zeros(n)
+    for i in range(n):
+        rel = record.pos[:, [j for j in range(n) if j != i]] - record.pos[:, i : i + 1]
+        alone = (np.hypot(rel[..., 0], rel[..., 1]) > clear).all(axis=1)
+        if alone.sum() >= FEWEST:
+            bias[i] = np.median(record.deviation[alone, i])
+    return bias

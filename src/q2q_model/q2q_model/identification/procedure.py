@@ -1,0 +1,155 @@
+"""Go from recorded flights to gains, zone and interaction model: sections 2.2 to 3.2 in order.
+
+flights -> repaired records -> gains (12)-(13) -> thrust lag -> dev, alpha, beta, d -> candidates for eta
+-> held-out errors -> the model, fitted on all flights -> its zone |eta| >= threshold
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from q2q_model.flight_log import FlightLog
+from q2q_model.flights import Flight
+from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.candidates import Candidate, Trial, best_of, candidates, try_out
+from q2q_model.identification.command_gains import GainFit, gains_from_commands
+from q2q_model.identification.deviation import DecayFit, fit_decay
+from q2q_model.identification.draft_force import ForceRecord, ForceSamples, force_samples
+from q2q_model.identification.evidence import Evidence
+from q2q_model.identification.held_out import Score, score_on
+from q2q_model.identification.recorded_push import is_force_log, motion_of, push_of_log, push_of_sensors
+from q2q_model.identification.thrust_lag import thrust_lag
+from q2q_model.identification.trajectory_gains import gains_from_trajectories
+from q2q_model.interaction.model import InteractionModel
+from q2q_model.level_set import LevelSet, level_set
+from q2q_model.model_file import Fit, ModelFile
+from q2q_model.vehicle import CRAZYFLIE_2_0, Vehicle
+from q2q_model.zone import Cylinder
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Hold one flight as it comes out of a bag."""
+
+    flight: Flight
+    log: FlightLog | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ProcedureParams:
+    """Hold what the user may choose."""
+
+    model_type: str = "auto"
+    threshold: float = 0.1
+    """|eta| on the learned zone's boundary [m/s^2]: 1 % of gravity, 5 cm after a second."""
+    vehicle: Vehicle = CRAZYFLIE_2_0
+
+
+@dataclass(frozen=True, slots=True)
+class Identification:
+    """Hold all that was found."""
+
+    evidence: tuple[Evidence, ...]
+    gains: GainFit
+    decay: DecayFit | None
+    trials: tuple[Trial, ...]
+    chosen: Candidate
+    train: Score
+    held_out: Score
+    zone: LevelSet | None
+    file: ModelFile
+    remarks: tuple[str, ...]
+
+
+def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tell) -> Identification:
+    """Return gains, zone and model of flights; `tell` is given the name of each step as it begins.
+
+    Raises:
+        ValueError: the flights lack what a step needs; the message says which flight and what to record.
+    """
+    tell("records")
+    records = [altitude_record(one.flight, params.vehicle) for one in recordings]
+    tell("gains")
+    gains, remarks = _gains(records)
+    lag = thrust_lag([one.flight for one in recordings], params.vehicle) or params.vehicle.thrust_lag
+    loop = replace(gains.loop, lag=lag if gains.from_commands else 0.0)
+    tell("pushes")
+    pushes = [_pushes(one, params.vehicle, lag) for one in recordings]
+    evidence = [Evidence(*pair) for pair in zip(records, pushes, strict=True)]
+    tell("zone")
+    decay, said = _decay(records)
+    trials = try_out(candidates(params.model_type, evidence, loop), evidence, loop, tell)
+    best = best_of(trials)
+    tell("final fit")
+    model = best.candidate.fit(evidence)
+    zone, more = _learned_zone(model, params.threshold)
+    fit = Fit(
+        method=best.candidate.name,
+        flights=tuple(one.name for one in evidence),
+        train_mse_m2=(train := score_on(model, evidence, loop)).mse_m2,
+        heldout_mse_m2=best.held_out.mse_m2,
+        heldout_r2=best.held_out.r2,
+    )
+    return Identification(
+        evidence=tuple(evidence),
+        gains=gains,
+        decay=decay,
+        trials=tuple(trials),
+        chosen=best.candidate,
+        train=train,
+        held_out=best.held_out,
+        zone=zone,
+        file=ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit),
+        remarks=(*remarks, *said, *more),
+    )
+
+
+def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:
+    """Return a flight's measured pushes, from its log or its sensors; None where it has neither."""
+    if one.log is not None and is_force_log(one.log):
+        return push_of_log(one.flight.name, one.log, motion_of(one.flight))
+    return push_of_sensors(one.flight, vehicle, lag)
+
+
+def _pushes(one: Recording, vehicle: Vehicle, lag: float) -> tuple[ForceSamples, ...]:
+    record = force_record(one, vehicle, lag)
+    return tuple(force_samples(record)) if record is not None else ()
+
+
+def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:
+    try:
+        return gains_from_commands(records), []
+    except ValueError as missing:
+        found = gains_from_trajectories(records)
+        spread = dict(found.intervals)
+        fit = GainFit(
+            loop=found.loop,
+            k_p=spread["k_p"],
+            k_d=spread["k_d"],
+            needs_offset=False,
+            needs_integral=False,
+            rms=float(found.mse.mean() ** 0.5),
+            from_commands=False,
+        )
+        return fit, [f"gains are from trajectories, drafts and lag included: {missing}"]
+
+
+def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str]]:
+    try:
+        decay = fit_decay(records)
+    except ValueError as missing:
+        return None, [f"no zone from dev: {missing}"]
+    flown = max(overlap.gap for overlap in decay.overlaps)
+    if decay.extrapolated:
+        return decay, [
+            f"d = {decay.d.value:.2f} m lies beyond the largest gap flown, {flown:.2f} m: it is extrapolated"
+        ]
+    return decay, []
+
+
+def _learned_zone(model: InteractionModel, threshold: float) -> tuple[LevelSet | None, list[str]]:
+    try:
+        return level_set(model, threshold), []
+    except ValueError as empty:
+        return None, [f"no zone from the learned draft, the paper's is kept: {empty}"]

@@ -1,0 +1,81 @@
+"""Score an interaction model against the pushes that recorded flights measured.
+
+The rule is that of q2q_model.identification.draft_force. Flights from which no push can be read (neither a
+log of forces nor accelerometer and thrust commands) are named and left out.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from q2q_model.bag import BagError
+from q2q_model.identification.draft_force import ForceSamples, ForceScore, force_samples, score
+from q2q_model.identification.procedure import Recording, force_record
+from q2q_model.identification.thrust_lag import thrust_lag
+from q2q_model.tools.command_line import CommandLine
+from q2q_model.tools.models import find_model
+from q2q_model.tools.recordings import read_recordings
+from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
+
+EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --json scores.json"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Evaluate as the command line says; return 0, or 1 after an error."""
+    given = _command_line().parse_known_args(arguments)[0]  # ros2 run adds --ros-args
+    try:
+        law = find_model(given.model).interaction
+        recordings, repairs = read_recordings(given.bags)
+        samples = _samples(recordings, vehicle_by_name(given.vehicle))
+        scores = {name: score(law, found) for name, found in samples.items()}
+        pooled = score(law, [one for found in samples.values() for one in found])
+        text = {"flights": {name: asdict(one) for name, one in scores.items()}, "pooled": asdict(pooled)}
+        if given.json:
+            given.json.write_text(json.dumps(text, indent=1) + "\n")
+    except (BagError, ValueError, OSError) as wrong:
+        print(f"evaluate: {wrong}", file=sys.stderr)
+        return 1
+    for repair in repairs:
+        print(f"evaluate: mended: {repair}", file=sys.stderr)
+    for name, one in scores.items():
+        print(_line(name, one))
+    print(_line("pooled", pooled))
+    return 0
+
+
+def _command_line() -> CommandLine:
+    parser = CommandLine("evaluate", __doc__, EXAMPLE)
+    parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="recorded flights, at least one")
+    parser.add_argument("--model", required=True, help="none, a shipped name, or a .q2q file")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="scores to write")
+    parser.add_argument("--vehicle", default="crazyflie_2_0", choices=tuple(VEHICLES), help="whose mass")
+    return parser
+
+
+def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
+    lag = thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
+    found: dict[str, list[ForceSamples]] = {}
+    for one in recordings:
+        record = force_record(one, vehicle, lag)
+        if record is None:
+            print(f"evaluate: {one.flight.name} shows no pushes: left out", file=sys.stderr)
+        else:
+            found[one.flight.name] = force_samples(record)
+    if not found:
+        raise ValueError(
+            "no flight shows pushes: record imu and command, or a log with faz_est, gap and pwm1-4"
+        )
+    return found
+
+
+def _line(name: str, one: ForceScore) -> str:
+    if one.r2_exposed is None:
+        return f"{name:32} no sample lies under another vehicle"
+    upper = "" if one.mean_upper_mps2 is None else f", upper {one.mean_upper_mps2:+.3f} m/s^2"
+    return f"{name:32} R2 {one.r2_exposed:6.3f}, rmse {one.rmse_exposed_mps2:.3f} m/s^2, n {one.n}{upper}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,133 @@
+"""Learn gains, interference zone and interaction model from recorded flights."""
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from q2q_model.bag import BagError
+from q2q_model.identification.procedure import Identification, ProcedureParams, identify
+from q2q_model.model_file import save
+from q2q_model.plain_values import Plain, PlainValueError, to_plain
+from q2q_model.tools.command_line import CommandLine
+from q2q_model.tools.identify_report import report, summary
+from q2q_model.tools.recordings import read_recordings
+from q2q_model.vehicle import VEHICLES, vehicle_by_name
+
+EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
+  ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet"""
+STEPS = 12
+"""Steps of a run with all candidates; the bar is a guide, not a promise."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Identify as the command line says; return 0, or 1 after an error."""
+    given = _command_line().parse_known_args(arguments)[0]  # ros2 run adds --ros-args
+    console = Console(stderr=True)
+    try:
+        found, seconds = _run(given.bags, _params(given), console)
+        save(given.out, found.file)
+        wanted = given.json or given.out.with_suffix(".json")
+        wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
+        pictures = [] if given.no_plots else _draw(found, wanted.with_suffix(""))
+    except (BagError, ValueError, OSError) as wrong:
+        print(f"identify: {wrong}", file=sys.stderr)
+        return 1
+    print(summary(found))
+    print(f"model: {given.out}\nreport: {wanted}")
+    for picture in pictures:
+        print(f"plot: {picture}")
+    return 0
+
+
+def _command_line() -> CommandLine:
+    parser = CommandLine("identify", __doc__, EXAMPLE)
+    parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="recorded flights, at least one")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="model file to write (.q2q)")
+    parser.add_argument(
+        "--json", type=Path, metavar="FILE", help="report to write; default: beside the model"
+    )
+    parser.add_argument(
+        "--model-type",
+        default="auto",
+        choices=("auto", "jet", "envelope_network"),
+        help="auto picks by held-out error",
+    )
+    parser.add_argument("--vehicle", default="crazyflie_2_0", choices=tuple(VEHICLES), help="whose mass")
+    parser.add_argument(
+        "--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]"
+    )
+    parser.add_argument("--no-plots", action="store_true", help="draw nothing")
+    return parser
+
+
+def _params(given: object) -> ProcedureParams:
+    values = vars(given)
+    return ProcedureParams(
+        model_type=values["model_type"],
+        threshold=values["threshold"],
+        vehicle=vehicle_by_name(values["vehicle"]),
+    )
+
+
+@dataclass(slots=True)
+class _Steps:
+    """Hold how long each step took, on the bar and for the report."""
+
+    progress: Progress
+    seconds: dict[str, float] = field(default_factory=dict)
+    began: float = field(default_factory=time.process_time)
+    name: str = ""
+
+    def tell(self, name: str) -> None:
+        """Begin a step."""
+        self._close()
+        self.name, self.began = name, time.process_time()
+        for task in self.progress.task_ids:
+            self.progress.update(task, description=name, advance=1)
+
+    def _close(self) -> None:
+        if self.name:
+            self.seconds[self.name] = time.process_time() - self.began
+
+    def finish(self) -> dict[str, float]:
+        """Return the CPU seconds of every step."""
+        self._close()
+        return self.seconds
+
+
+def _run(
+    bags: Sequence[Path], params: ProcedureParams, console: Console
+) -> tuple[Identification, dict[str, float]]:
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        progress.add_task("read", total=STEPS)
+        steps = _Steps(progress)
+        steps.tell("read")
+        recordings, repairs = read_recordings(bags)
+        for repair in repairs:
+            progress.console.print(f"identify: mended: {repair}", highlight=False)
+        found = identify(recordings, params, steps.tell)
+        return found, steps.finish()
+
+
+def _as_json(found: Identification, seconds: dict[str, float]) -> Plain:
+    try:
+        return to_plain(report(found, seconds))
+    except PlainValueError as wrong:
+        raise ValueError(f"the report holds a number that is none: {wrong}") from wrong
+
+
+def _draw(found: Identification, folder: Path) -> list[Path]:
+    from q2q_model.tools.identify_figures import draw_all
+
+    return draw_all(found, folder)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

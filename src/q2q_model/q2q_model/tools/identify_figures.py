@@ -1,0 +1,102 @@
+"""Draw what identification found, as the paper's Figs 4 to 9."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from q2q_model.identification.along_flight import eta_along
+from q2q_model.identification.altitude_loop import AltitudeLoop
+from q2q_model.identification.evidence import Evidence, is_lower
+from q2q_model.identification.impulse_response import draft_response, free_response
+from q2q_model.identification.procedure import Identification
+from q2q_model.interaction.model import InteractionModel, at_rest
+from q2q_model.signals import Array
+
+DPI = 130
+MEASURED, SIMULATED, REFERENCE = "#1f77b4", "#c0392b", "#555555"
+
+
+def draw_all(found: Identification, stem: Path) -> list[Path]:
+    """Draw every figure that the flights allow; return the files, all beginning with `stem`."""
+    figures = {} if found.decay is None else {"fig4_dev": _decay_figure(found)}
+    loop = found.file.gains
+    flight = max(found.evidence, key=_largest_push)
+    if loop is not None:
+        calm = min(found.evidence, key=_largest_push)
+        figures["fig5_gains"] = _altitude_figure(calm, loop, None, "learned loop, no draft")
+        figures["fig6_7_altitude"] = _altitude_figure(
+            flight, loop, found.file.interaction, "learned loop and draft"
+        )
+    figures["fig8_9_draft"] = _draft_figure(found.file.interaction)
+    paths = [stem.with_name(f"{stem.name}_{name}.png") for name in figures]
+    for path, figure in zip(paths, figures.values(), strict=True):
+        figure.savefig(path, dpi=DPI)
+    return paths
+
+
+def _largest_push(flight: Evidence) -> float:
+    return float(np.abs(flight.record.deviation).max())
+
+
+def _decay_figure(found: Identification) -> Figure:
+    figure, axes = _axes(
+        "Deviation under another vehicle (Fig 4)", "average height difference [m]", "dev [m]"
+    )
+    decay = found.decay
+    if decay is not None:
+        gaps = np.array([overlap.gap for overlap in decay.overlaps])
+        axes.plot(gaps, [overlap.dev for overlap in decay.overlaps], "o", color=MEASURED, label="flights")
+        along = np.linspace(0.0, 1.5 * gaps.max(), 200)
+        curve = decay.alpha.value * np.exp(-decay.beta.value * along)
+        axes.plot(along, curve, color=SIMULATED, label="alpha exp(-beta dz)")
+        axes.legend()
+    return figure
+
+
+def _altitude_figure(
+    flight: Evidence, loop: AltitudeLoop, model: InteractionModel | None, title: str
+) -> Figure:
+    record, n = flight.record, len(flight.record.names)
+    deviation = free_response(loop, record.dt, record.start, record.jerk)
+    if model is not None:
+        deviation = deviation + draft_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
+    figure = Figure(figsize=(9.0, 2.8 * n), layout="constrained")
+    figure.suptitle(f"{record.name}: {title}")
+    for i, axes in enumerate(figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]):
+        role = "lower" if is_lower(record)[i] else "upper"
+        axes.plot(record.t, record.ref[:, i, 0], "--", color=REFERENCE, label="reference")
+        axes.plot(record.t, record.pos[:, i, 2], color=MEASURED, label="measured")
+        axes.plot(record.t, record.ref[:, i, 0] + deviation[:, i], color=SIMULATED, label="simulated")
+        axes.set_ylabel(f"{record.names[i]} ({role}): z [m]")
+        axes.grid(alpha=0.3)
+        axes.legend(loc="upper right")
+    return figure
+
+
+def _draft_figure(model: InteractionModel) -> Figure:
+    """Draw eta of the lower and the upper vehicle over where the other is (Figs 8 and 9)."""
+    figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+    across = np.linspace(0.0, 0.4, 81)
+    for axes, sign, title in zip(figure.subplots(1, 2), (1.0, -1.0), ("lower", "upper"), strict=True):
+        gap = np.linspace(0.1, 1.5, 141)
+        eta = _grid(model, across, sign * gap)
+        drawn = axes.pcolormesh(across, gap, eta, cmap="viridis", shading="auto")
+        figure.colorbar(drawn, ax=axes, label="eta z [m/s²]")
+        axes.set(title=f"draft on the {title} vehicle", xlabel="across [m]", ylabel="height difference [m]")
+    return figure
+
+
+def _grid(model: InteractionModel, across: Array, dz: Array) -> Array:
+    x, z = np.meshgrid(across, dz)
+    rel_pos = np.stack([x, np.zeros_like(x), z], axis=-1)
+    return np.asarray(model.acceleration(rel_pos, at_rest(rel_pos))[..., 2])
+
+
+def _axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
+    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    axes = figure.add_subplot()
+    axes.set(title=title, xlabel=x, ylabel=y)
+    axes.grid(alpha=0.3)
+    return figure, axes

@@ -1,0 +1,94 @@
+"""Put what identification found into the JSON of `identify`, and into a few lines of text."""
+
+from dataclasses import asdict
+
+from q2q_model.identification.candidates import Trial
+from q2q_model.identification.deviation import DeviationParams
+from q2q_model.identification.procedure import Identification
+from q2q_model.model_file import RoleScores
+from q2q_model.plain_values import Plain
+
+
+def report(found: Identification, seconds: dict[str, float]) -> dict[str, object]:
+    """Return the report as the documentation of `identify` lays it out."""
+    loop = found.file.gains
+    return {
+        "outliers": {
+            "found": sum(one.record.outliers for one in found.evidence),
+            "samples": sum(one.record.samples for one in found.evidence),
+        },
+        "gains": {
+            "k_p": found.gains.k_p.as_list(),
+            "k_d": found.gains.k_d.as_list(),
+            "k_i": found.gains.loop.k_i,
+            "offset_mps2": found.gains.loop.offset,
+            "lag_s": loop.lag if loop else 0.0,
+            "needs_offset": found.gains.needs_offset,
+            "needs_integral": found.gains.needs_integral,
+            "source": "commands" if found.gains.from_commands else "trajectories",
+        },
+        "zone": _zone(found),
+        "model": {
+            "type": found.chosen.kind,
+            "name": found.chosen.name,
+            "parameters": found.chosen.parameters,
+            "train_mse_m2": _roles(found.train.mse_m2),
+            "train_r2": _roles(found.train.r2),
+            "heldout_mse_m2": _roles(found.held_out.mse_m2),
+            "heldout_r2": _roles(found.held_out.r2),
+        },
+        "candidates": [_candidate(trial) for trial in found.trials],
+        "remarks": list(found.remarks),
+        "seconds": seconds | {"total": sum(seconds.values())},
+    }
+
+
+def summary(found: Identification) -> str:
+    """Return the findings in words."""
+    gains, held = found.gains, found.held_out
+    lines = [
+        f"{len(found.evidence)} flights, {sum(one.record.outliers for one in found.evidence)} outliers",
+        f"K_p {gains.k_p.value:.5f} [{gains.k_p.low:.5f}, {gains.k_p.high:.5f}]",
+        f"K_d {gains.k_d.value:.5f} [{gains.k_d.low:.5f}, {gains.k_d.high:.5f}]",
+    ]
+    if found.decay is not None:
+        d = found.decay.d
+        lines.append(f"zone from dev: d {d.value:.2f} m [{d.low:.2f}, {d.high:.2f}]")
+    if found.zone is not None:
+        lines.append(
+            f"zone from the draft, |eta| >= {found.zone.threshold} m/s^2: "
+            f"{found.zone.eps:.2f} m sideways, {found.zone.d:.2f} m up and down"
+        )
+    lines.append(f"model: {found.chosen.name} ({found.chosen.parameters} parameters)")
+    if held.r2.lower is not None:
+        lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's draft")
+    return "\n".join(lines + [f"note: {remark}" for remark in found.remarks])
+
+
+def _zone(found: Identification) -> dict[str, object]:
+    decay, learned = found.decay, found.zone
+    return {
+        "eps_m": DeviationParams().eps,
+        "d_m": decay.d.as_list() if decay else None,
+        "alpha_m": decay.alpha.as_list() if decay else None,
+        "beta_per_m": decay.beta.as_list() if decay else None,
+        "extrapolated": decay.extrapolated if decay else None,
+        "dev": [asdict(overlap) for overlap in decay.overlaps] if decay else [],
+        "learned": {"threshold_mps2": learned.threshold, "eps_m": learned.eps, "d_m": learned.d}
+        if learned
+        else None,
+    }
+
+
+def _roles(scores: RoleScores) -> Plain:
+    return {"lower": scores.lower, "upper": scores.upper}
+
+
+def _candidate(trial: Trial) -> dict[str, object]:
+    return {
+        "name": trial.candidate.name,
+        "type": trial.candidate.kind,
+        "parameters": trial.candidate.parameters,
+        "heldout_mse_m2": _roles(trial.held_out.mse_m2),
+        "heldout_r2": _roles(trial.held_out.r2),
+    }
