@@ -17,7 +17,7 @@ venv_hash() {
     cd "$ROOT" && cat requirements/{build,ros,run,constraints}.txt scripts/setup.d/{make_venv.sh,repair_cmake_exports.py}
   } 2>/dev/null | sha256sum
 }
-dev_hash() { { venv_hash && cat "$ROOT"/requirements/{dev,train}.txt; } | sha256sum; }
+dev_hash() { { venv_hash && cat "$ROOT"/requirements/{dev,radio,train}.txt; } | sha256sum; }
 
 # What .venv was made from.
 origin() { printf '%s ' "$ROS_KIND" && "$1" -I -S -c 'import sys; print(sys.version.replace("\n", " "))' 2>/dev/null; }
@@ -83,6 +83,8 @@ ensure_dev() {
   say "step 2b of 3: packages of the tests and checks"
   logged "the packages of requirements/dev.txt could not be installed" \
     pip_install -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
+  pip_install -r "$ROOT/requirements/radio.txt" >"$LOG" 2>&1 ||
+    say "cflib does not go with this Python's packages: no real vehicles, and tests of their clients skip"
   say "step 2c of 3: torch, CPU build"
   pip_install -r "$ROOT/requirements/train.txt" >"$LOG" 2>&1 ||
     pip_install --extra-index-url https://download.pytorch.org/whl/cpu -r "$ROOT/requirements/train.txt" >"$LOG" 2>&1 ||
