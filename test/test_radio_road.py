@@ -135,8 +135,10 @@ def _direct(mode: Mode) -> Array:
 
 
 def test_sticks_over_the_air_fly_the_room_as_the_direct_link_does() -> None:
-    """Rounding to PWM stands for 0.2 mm (0.1 mN on 0.65 kg over K_p 0.81), and the firmware's tick for 10 ms
-    more of delay, in which nothing climbs by more than 0.2 mm.
+    """What the link explains: rounding and the firmware's tick.
+
+    Rounding to PWM stands for 0.2 mm (0.1 mN on 0.65 kg over K_p 0.81), the tick for 10 ms more of delay, in
+    which nothing climbs by more than 0.2 mm.
     """
     over_the_air, direct = _rms(flown(_room(), "aware", "stick")), _direct("aware")
     assert direct[0] > 0.02
