@@ -1,0 +1,50 @@
+"""Parse command lines: help with an example, and the nearest right word for a wrong one."""
+
+import argparse
+import re
+from difflib import get_close_matches
+from typing import NoReturn
+
+WRONG_CHOICE = re.compile(r"invalid choice: '([^']*)'")
+UNKNOWN = re.compile(r"unrecognized arguments: (.*)")
+
+
+class CommandLine(argparse.ArgumentParser):
+    """Parse as argparse does, and answer a wrong option or choice with the nearest right one."""
+
+    def __init__(self, program: str, description: str | None, example: str) -> None:
+        """Take the program's name, what it does and one or more lines that show how to call it."""
+        super().__init__(
+            prog=program,
+            description=description,
+            epilog=f"example:\n{example}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
+
+    def error(self, message: str) -> NoReturn:
+        """End with status 2 and one line that names the nearest right word."""
+        self.exit(2, f"{self.prog}: {message}{self._hint(message)}; see --help\n")
+
+    def _hint(self, message: str) -> str:
+        near = nearest(wrong_words(message), self.words())
+        return f"; did you mean {near}?" if near else ""
+
+    def words(self) -> list[str]:
+        """Return every option and choice this command line knows."""
+        options = [word for action in self._actions for word in action.option_strings]
+        choices = [str(word) for action in self._actions for word in action.choices or ()]
+        return options + choices
+
+
+def wrong_words(message: str) -> list[str]:
+    """Return the words that an argparse message complains of, without their values."""
+    unknown = UNKNOWN.search(message)
+    words = unknown[1].split() if unknown else WRONG_CHOICE.findall(message)
+    return [word.partition("=")[0] for word in words]
+
+
+def nearest(wrong: list[str], known: list[str]) -> str:
+    """Return the known word nearest to the first wrong one that has any; empty where none is near."""
+    found = (match for word in wrong for match in get_close_matches(word, known, n=1))
+    return next(found, "")

@@ -1,0 +1,46 @@
+"""A wrong word is answered with the nearest right one, and help shows an example."""
+
+import pytest
+
+from q2q_model.tools.command_line import CommandLine, nearest
+
+
+def made() -> CommandLine:
+    line = CommandLine("tool", "Does things.", "  tool --seed 3")
+    line.add_argument("--seed", type=int, help="seed")
+    line.add_argument("--controller", choices=("pid", "mpc"), help="who")
+    return line
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [(["--sede", "3"], "--seed"), (["--contoller=pid"], "--controller"), (["--controller", "pdi"], "pid")],
+)
+def test_a_misspelt_word_is_answered_with_the_nearest_one(
+    words: list[str], hint: str, capsys: pytest.CaptureFixture[str]
+):
+    with pytest.raises(SystemExit) as ended:
+        made().parse_args(words)
+    assert ended.value.code == 2
+    told = capsys.readouterr().err
+    assert f"did you mean {hint}?" in told
+    assert told.count("\n") == 1
+
+
+def test_a_wrong_number_gets_no_hint(capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit):
+        made().parse_args(["--seed", "x"])
+    told = capsys.readouterr().err
+    assert "invalid int value" in told
+    assert "did you mean" not in told
+
+
+def test_help_shows_the_example(capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as ended:
+        made().parse_args(["--help"])
+    assert ended.value.code == 0
+    assert "  tool --seed 3\n" in capsys.readouterr().out
+
+
+def test_nothing_is_near_to_a_word_unlike_all():
+    assert nearest(["--qqqqqq"], ["--seed", "--controller"]) == ""

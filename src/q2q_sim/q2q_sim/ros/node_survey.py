@@ -1,0 +1,170 @@
+"""Survey the nodes of the house: topics, types, qualities of service, services and parameters of each.
+
+Every module `q2q_*.ros.*_node` is built on a StandInNode as its `main` would build it, once in each way of
+`WAYS`, and fed one tick, so that topics of a vehicle appear too. The union is the node's interface.
+"""
+
+from collections.abc import Callable
+from contextlib import ExitStack, redirect_stderr
+from dataclasses import dataclass
+from importlib import import_module
+from io import StringIO
+from pathlib import Path
+from pkgutil import iter_modules
+from tempfile import TemporaryDirectory
+from types import ModuleType
+from unittest.mock import MagicMock, patch
+
+from q2q_model.bag import BagWriter
+from q2q_model.cdr import encode
+from q2q_model.parameters import ParameterValue
+from q2q_model.rehearsal import rehearsal
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.ready import offer_ready
+from q2q_planner import plan_file
+from q2q_sim import assembly, scenarios
+from q2q_sim.ros.stand_in import Declared, Port, StandInNode
+from q2q_sim.topics import TICK_TOPICS, TYPE_NAMES
+
+PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
+VEHICLE = "cf1"
+"""The vehicle whose topics stand for everybody's."""
+ANY_VEHICLE = "<name>"
+SCENARIO = "table6"
+
+Way = dict[str, ParameterValue]
+
+
+@dataclass(frozen=True, slots=True)
+class NodeInterface:
+    """Hold all that a user of a node sees."""
+
+    package: str
+    executable: str
+    words: str
+    """The node module's docstring."""
+    ports: tuple[tuple[Port, str], ...]
+    """Each with the parameters that it takes to have it; empty for always."""
+    parameters: tuple[tuple[Declared, bool], ...]
+    """Each with whether the node heeds it in flight."""
+
+
+def survey() -> list[NodeInterface]:
+    """Return the interface of every node, by package and executable."""
+    return [_surveyed(package, module) for package in PACKAGES for module in node_modules(package)]
+
+
+def node_modules(package: str) -> list[str]:
+    """Return the node modules of a package, sorted."""
+    path = import_module(f"{package}.ros").__path__
+    return sorted(found.name for found in iter_modules(path) if found.name.endswith("_node"))
+
+
+def ways(executable: str, folder: Path) -> list[Way]:
+    """Return the ways to start a node that differ in topics or parameters; `folder` has what they need."""
+    link: Way = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
+    known: dict[str, list[Way]] = {
+        "trajectory": [{"plan": str(folder / "plan.json")}],
+        "pid": [{"aware": True, "live": True}, {"aware": False, "live": True}],
+        "radio": [
+            link | {"mode": "command"},
+            link | {"mode": "setpoint", "aware": True},
+            link | {"mode": "setpoint", "aware": False},
+        ],
+        "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
+        "bag_record": [{"bag": str(folder / "made")}],
+        "bag_play": [
+            {"bag": str(folder / "bag"), "answer": "command", "clock": False},
+            {"bag": str(folder / "bag"), "answer": "", "clock": False},
+            {"bag": str(folder / "bag"), "answer": "", "clock": True},
+        ],
+    }
+    return known.get(executable, [{}])
+
+
+SILENT = {"radio": "CflibLink"}
+"""What of a node's module reaches hardware: a stand-in takes its place."""
+
+
+def _surveyed(package: str, name: str) -> NodeInterface:
+    module = import_module(f"{package}.ros.{name}")
+    executable = name.removesuffix("_node")
+    with TemporaryDirectory(prefix="q2q-survey-") as scratch:
+        folder = Path(scratch)
+        plan_file.save(folder / "plan.json", assembly.plan_of(scenarios.load(SCENARIO)))
+        _write_bag(folder / "bag")
+        chosen = ways(executable, folder)
+        built = [_built(module, executable, way) for way in chosen]
+    return NodeInterface(
+        package=package,
+        executable=executable,
+        words=(module.__doc__ or "").strip(),
+        ports=tuple(_ports(built, chosen)),
+        parameters=tuple(
+            {one.name: (one, node.heeds(one.name)) for node in built for one in node.parameters}.values()
+        ),
+    )
+
+
+def _built(module: ModuleType, executable: str, way: Way) -> StandInNode:
+    """Return the stand-in after `main` of a node module has built on it and one tick has passed."""
+    node = StandInNode(executable, way)
+    with ExitStack() as stack:
+        if executable in SILENT:
+            stack.enter_context(patch.object(module, SILENT[executable], MagicMock()))
+        runner = stack.enter_context(patch.object(module, "run"))
+        module.main()
+        build: Callable[[StandInNode], object] = runner.call_args.args[1]
+        kept = build(node)
+        offer_ready(node)
+        with redirect_stderr(StringIO()):
+            _feed(node)
+        for end in runner.call_args.args[2:]:
+            end(kept)
+    return node
+
+
+def _feed(node: StandInNode) -> None:
+    kinds = {message: kind for kind, message in MESSAGES.items()}
+    for message, receive in node.readers:
+        if message in kinds:
+            receive(encode(rehearsal(kinds[message], 0.0, (VEHICLE,)), 0))
+
+
+def _write_bag(folder: Path) -> None:
+    writer = BagWriter(folder)
+    for topic, kind in TYPE_NAMES.items():
+        writer.add_topic(f"/{topic}", kind)
+        writer.write_raw(f"/{topic}", 0, encode(rehearsal(TICK_TOPICS[topic], 0.0, (VEHICLE,)), 0))
+    writer.close()
+
+
+def _ports(built: list[StandInNode], chosen: list[Way]) -> list[tuple[Port, str]]:
+    """Return every port once, with the parameters common to the ways that have it, if not all have it."""
+    owners: dict[Port, list[Way]] = {}
+    for node, way in zip(built, chosen, strict=True):
+        for port in dict.fromkeys(_of_any_vehicle(port) for port in node.ports):
+            owners.setdefault(port, []).append(way)
+    return [
+        (port, "" if len(having) == len(chosen) else _told(having, chosen)) for port, having in owners.items()
+    ]
+
+
+def _told(having: list[Way], chosen: list[Way]) -> str:
+    """Return the parameters that all these ways share and no other way has; empty where there is no other."""
+    lacking = [way for way in chosen if way not in having]
+    if not lacking:
+        return ""
+    shared = {key: value for key, value in having[0].items() if all(way.get(key) == value for way in having)}
+    telling = {key: value for key, value in shared.items() if all(way.get(key) != value for way in lacking)}
+    return ", ".join(f"`{key}`: {_plain(value)}" for key, value in telling.items())
+
+
+def _plain(value: ParameterValue) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _of_any_vehicle(port: Port) -> Port:
+    if not port.name.startswith(f"{VEHICLE}/"):
+        return port
+    return Port(port.way, f"{ANY_VEHICLE}/{port.name.removeprefix(VEHICLE + '/')}", port.kind, port.quality)

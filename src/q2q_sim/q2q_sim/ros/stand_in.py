@@ -1,0 +1,168 @@
+"""Stand in for a ROS node and write down what a block wires to it: nothing goes over any wire.
+
+A block that is built on a StandInNode declares, subscribes, publishes and serves as in flight, so its
+interface can be read off without a graph, without a wait, the same each time.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.qos import QoSProfile
+
+from q2q_model.parameters import ParameterValue
+from q2q_model.ros.parameters import UNBOUNDED
+
+ENDLESS = 2**62
+"""Stands for no bound of a whole number (q2q_model.ros.parameters)."""
+
+Receive = Callable[..., None]
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """Hold one topic or service of a node."""
+
+    way: str
+    """reads, publishes or serves."""
+    name: str
+    kind: str
+    """package/msg/Type or package/srv/Type."""
+    quality: str
+    """Quality of service in words; empty for a service."""
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """Hold one declared parameter."""
+
+    name: str
+    default: object
+    words: str
+    """What it means, with its unit."""
+    allowed: str
+    """What it may be, in words; empty for anything of its type."""
+    read_only: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Valued:
+    """Hold what `declare_parameter` returns."""
+
+    value: object
+
+
+@dataclass(frozen=True, slots=True)
+class Update:
+    """Hold a parameter that is set in flight."""
+
+    name: str
+    value: object
+
+
+class Deaf:
+    """Take what a publisher, logger or timer takes, and do nothing."""
+
+    def publish(self, _: object) -> None:
+        """Forget a message."""
+
+    def info(self, _: str, **__: object) -> None:
+        """Forget a line."""
+
+    def error(self, _: str, **__: object) -> None:
+        """Forget a line."""
+
+    def warning(self, _: str, **__: object) -> None:
+        """Forget a line."""
+
+
+class StandInNode:
+    """Hold what was declared, and the callbacks of what is read."""
+
+    def __init__(self, name: str, given: Mapping[str, ParameterValue]) -> None:
+        """Take the node's name and the parameters a user would have set."""
+        self._name = name
+        self._given = given
+        self.ports: list[Port] = []
+        self.parameters: list[Declared] = []
+        self.readers: list[tuple[type, Receive]] = []
+        self._changed: list[Callable[[list[Update]], SetParametersResult]] = []
+
+    def create_publisher(self, kind: type, topic: str, qos: QoSProfile | int) -> Deaf:
+        """Write down a published topic."""
+        self.ports.append(Port("publishes", topic, type_name(kind, "msg"), quality(qos)))
+        return Deaf()
+
+    def create_subscription(
+        self, kind: type, topic: str, receive: Receive, qos: QoSProfile | int, **_: object
+    ) -> None:
+        """Write down a topic that is read, and who reads it."""
+        self.ports.append(Port("reads", topic, type_name(kind, "msg"), quality(qos)))
+        self.readers.append((kind, receive))
+
+    def create_service(self, kind: type, name: str, _: Receive) -> None:
+        """Write down a service."""
+        self.ports.append(Port("serves", name, type_name(kind, "srv"), ""))
+
+    def create_timer(self, _: float, __: Callable[[], None]) -> None:
+        """Let no time pass."""
+
+    def declare_parameter(self, name: str, default: object, descriptor: ParameterDescriptor) -> Valued:
+        """Write down a parameter; return what the user would have set, else its default."""
+        self.parameters.append(
+            Declared(name, default, descriptor.description, allowed(descriptor), bool(descriptor.read_only))
+        )
+        fallback = default if isinstance(default, bool | int | float | str | list) else None
+        return Valued(self._given.get(name, fallback))
+
+    def add_on_set_parameters_callback(self, changed: Callable[[list[Update]], SetParametersResult]) -> None:
+        """Write down who heeds parameters in flight."""
+        self._changed.append(changed)
+
+    def heeds(self, name: str) -> bool:
+        """Return whether the node looks at a parameter in flight: whether it refuses nonsense for it."""
+        return any(_refuses(changed, Update(name, None)) for changed in self._changed)
+
+    def get_logger(self) -> Deaf:
+        """Return a logger that forgets."""
+        return Deaf()
+
+    def get_name(self) -> str:
+        """Return the node's name."""
+        return self._name
+
+    def get_fully_qualified_name(self) -> str:
+        """Return the node's name in the root namespace."""
+        return f"/{self._name}"
+
+
+def _refuses(changed: Callable[[list[Update]], SetParametersResult], update: Update) -> bool:
+    try:
+        return not changed([update]).successful
+    except TypeError:
+        return True
+
+
+def allowed(descriptor: ParameterDescriptor) -> str:
+    """Return what a parameter may be, in words; empty for anything of its type."""
+    if descriptor.additional_constraints:
+        return str(descriptor.additional_constraints)
+    for bounds in (*descriptor.floating_point_range, *descriptor.integer_range):
+        low, high = bounds.from_value, bounds.to_value
+        if high >= UNBOUNDED or high >= ENDLESS:
+            return f"{low:g} or more"
+        return f"up to {high:g}" if low <= -UNBOUNDED else f"{low:g} to {high:g}"
+    return ""
+
+
+def type_name(kind: type, folder: str) -> str:
+    """Return package/msg/Type of a generated class."""
+    return f"{kind.__module__.partition('.')[0]}/{folder}/{kind.__name__}"
+
+
+def quality(qos: QoSProfile | int) -> str:
+    """Return a quality of service in words; a bare depth is reliable and volatile, as in rclpy."""
+    if isinstance(qos, int):
+        return f"reliable, volatile, depth {qos}"
+    words = (qos.reliability.name, qos.durability.name)
+    return f"{', '.join(word.lower().replace('_', ' ') for word in words)}, depth {qos.depth}"
