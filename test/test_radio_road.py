@@ -24,7 +24,7 @@ from q2q_model.signals import Array
 from q2q_model.tools.models import find_model
 from q2q_planner.trajectory import setpoint_at
 from q2q_sim import scenarios
-from q2q_sim.assembly import Mode, blocks_of
+from q2q_sim.assembly import Mode, Options, blocks_of
 from q2q_sim.closed_loop import FlightOptions, fly
 from q2q_sim.crtp.link_model import DelayLine, LinkParams, Radios
 from q2q_sim.crtp.pilot import STILL, Wire
@@ -86,7 +86,7 @@ class _Road:
 def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", seed: int = 0) -> Array:
     """Return every vehicle's height error [m], (T, n), of a flight by stick or by full state."""
     model = find_model(scenario.model).interaction
-    blocks = blocks_of(scenario, mode, model, replan=False)
+    blocks = blocks_of(scenario, Options(mode), model)
     road = _Road(scenario, seed, positioning)
     names = scenario.names
     pilot = RadioPilot(

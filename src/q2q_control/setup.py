@@ -26,6 +26,7 @@ setup(
     entry_points={
         "console_scripts": [
             "pid = q2q_control.ros.pid_node:main",
+            "mpc = q2q_control.ros.mpc_node:main",
             "radio = q2q_control.ros.radio_node:main",
         ],
     },

@@ -29,7 +29,7 @@ class FallbackParams:
         check_bounds(self)
         if not self.hold_s <= self.level_s <= self.silent_s:
             raise ValueError(
-                f"fallback ages hold_s {self.hold_s}, level_s {self.level_s}, silent_s {self.silent_s}: must rise"
+                f"hold_s {self.hold_s}, level_s {self.level_s}, silent_s {self.silent_s}: these must rise"
             )
 
 

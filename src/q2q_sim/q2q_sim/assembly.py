@@ -7,24 +7,57 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 from q2q_control.controller import Controller
+from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.receding import Mpc
 from q2q_control.pid import Pid, PidParams
+from q2q_control.plan_samples import Curve, sampled_preview
 from q2q_model.interaction.model import InteractionModel
 from q2q_model.interaction.predictor import InteractionPredictor
 from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.parameters import ParameterValue
+from q2q_model.zone import Zone
+from q2q_planner.avoidance import avoid
 from q2q_planner.minsnap import minimum_snap_plan
 from q2q_planner.potential_field import PotentialField, PotentialFieldParams
 from q2q_planner.replanner import Replanner
+from q2q_planner.safe_replanner import SafeReplanner, SafeReplannerParams
 from q2q_planner.trajectory import SwarmPlan
 from q2q_sim.room import TICK_S
 from q2q_sim.scenario import Scenario, block_params
 
-__all__ = ["TICK_S", "Blocks", "Mode", "blocks_of", "plan_of"]
+__all__ = ["TICK_S", "Blocks", "Mode", "Options", "blocks_of", "plan_of"]
 
 Mode = Literal["ignoring", "aware", "aware_unlimited"]
 MODES: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
+CONTROLLERS = ("pid", "mpc")
+REPLANNERS = ("none", "paper", "safe")
 
 NodeParameters = dict[str, ParameterValue]
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Hold the choices between blocks."""
+
+    mode: str = "aware"
+    controller: str = "pid"
+    replan: str = "none"
+
+    def __post_init__(self) -> None:
+        """Refuse choices there are not."""
+        _check("mode", self.mode, MODES)
+        _check("controller", self.controller, CONTROLLERS)
+        _check("replan", self.replan, REPLANNERS)
+
+    @property
+    def aware(self) -> bool:
+        """Return whether the draft is compensated."""
+        return self.mode != "ignoring"
+
+    @property
+    def limited(self) -> bool:
+        """Return whether the scenario's thrust limit holds."""
+        return self.mode != "aware_unlimited"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +71,15 @@ class Blocks:
     controller: Controller
 
 
-def plan_of(scenario: Scenario) -> SwarmPlan:
-    """Return the scenario's minimum-snap plan."""
-    return minimum_snap_plan(scenario.waypoints, scenario.reading)
+def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
+    """Return the scenario's minimum-snap plan; with a zone, one that is proven to keep every pair out of it.
+
+    Raises:
+        InfeasibleError: no such plan was found.
+    """
+    if zone is None:
+        return minimum_snap_plan(scenario.waypoints, scenario.reading)
+    return avoid(scenario.waypoints, zone, scenario.reading).plan
 
 
 def filter_params(scenario: Scenario) -> MocapFilterParams:
@@ -53,40 +92,73 @@ def replanner_params(scenario: Scenario, *, enabled: bool) -> PotentialFieldPara
     return replace(block_params("replanner", PotentialFieldParams(), scenario.overrides), enabled=enabled)
 
 
+def safe_replanner_params(scenario: Scenario) -> SafeReplannerParams:
+    """Return the parameters of the replanner with a promise."""
+    return block_params("safe_replanner", SafeReplannerParams(), scenario.overrides)
+
+
 def pid_params(scenario: Scenario, *, limited: bool) -> PidParams:
     """Return the PID's parameters, with or without the scenario's thrust limit."""
     return replace(block_params("pid", PidParams(), scenario.overrides), thrust_limited=limited)
 
 
-def blocks_of(scenario: Scenario, mode: Mode, model: InteractionModel, *, replan: bool) -> Blocks:
-    """Return fresh blocks for a flight with the PID.
+def mpc_params(scenario: Scenario, *, limited: bool) -> MpcParams:
+    """Return the MPC's parameters: it knows the room's latency, and the thrust limit where there is one."""
+    latency = scenario.vicon.latency + scenario.radio.latency
+    params = replace(MpcParams(), latency=latency)
+    return replace(block_params("mpc", params, scenario.overrides), thrust_limited=limited)
 
-    Raises:
-        ValueError: unknown mode.
-    """
-    if mode not in MODES:
-        raise ValueError(f"unknown mode {mode!r}: choose one of {', '.join(MODES)}")
+
+def blocks_of(
+    scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan | None = None
+) -> Blocks:
+    """Return fresh blocks for a flight; `plan` in place of the scenario's own."""
+    flown = plan or plan_of(scenario)
     return Blocks(
-        plan=plan_of(scenario),
+        plan=flown,
         mocap_filter=MocapFilter(filter_params(scenario), scenario.names),
         predictor=InteractionPredictor(model),
-        replanner=PotentialField(replanner_params(scenario, enabled=replan)),
-        controller=Pid(pid_params(scenario, limited=mode != "aware_unlimited"), scenario.vehicle),
+        replanner=_replanner(scenario, options),
+        controller=_controller(scenario, options, model, flown),
     )
+
+
+def _replanner(scenario: Scenario, options: Options) -> Replanner:
+    if options.replan == "safe":
+        return SafeReplanner(safe_replanner_params(scenario))
+    return PotentialField(replanner_params(scenario, enabled=options.replan == "paper"))
+
+
+def _controller(scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan) -> Controller:
+    if options.controller == "pid":
+        return Pid(pid_params(scenario, limited=options.limited), scenario.vehicle)
+    mpc = Mpc(mpc_params(scenario, limited=options.limited), scenario.vehicle, model)
+    curves = [Curve(one.durations, one.coefficients) for one in plan.trajectories]
+    mpc.preview = sampled_preview(plan.names, curves, 0.0)
+    return mpc
+
+
+def _check(what: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise ValueError(f"unknown {what} {value!r}: choose one of {', '.join(known)}")
 
 
 def filter_parameters(scenario: Scenario) -> NodeParameters:
     """Return the parameters of the node mocap_filter."""
-    own: NodeParameters = {"vehicles": scenario.names}
-    return own | asdict(filter_params(scenario))
+    return {"vehicles": scenario.names} | asdict(filter_params(scenario))
 
 
-def replanner_parameters(scenario: Scenario, *, enabled: bool) -> NodeParameters:
+def replanner_parameters(scenario: Scenario, options: Options) -> NodeParameters:
     """Return the parameters of the node replanner."""
-    return asdict(replanner_params(scenario, enabled=enabled))
+    safe = {f"safe.{key}": value for key, value in asdict(safe_replanner_params(scenario)).items()}
+    law = "safe" if options.replan == "safe" else "paper"
+    paper = asdict(replanner_params(scenario, enabled=options.replan == "paper"))
+    return {"law": law} | paper | safe
 
 
-def controller_parameters(scenario: Scenario, *, aware: bool, limited: bool) -> NodeParameters:
-    """Return the parameters of the node pid."""
-    own: NodeParameters = {"vehicle": scenario.vehicle.name, "aware": aware}
-    return own | asdict(pid_params(scenario, limited=limited))
+def controller_parameters(scenario: Scenario, options: Options) -> dict[str, ParameterValue]:
+    """Return the parameters of the node pid or mpc."""
+    own: dict[str, ParameterValue] = {"vehicle": scenario.vehicle.name, "aware": options.aware}
+    if options.controller == "pid":
+        return own | asdict(pid_params(scenario, limited=options.limited))
+    return own | {"model": scenario.model} | asdict(mpc_params(scenario, limited=options.limited))

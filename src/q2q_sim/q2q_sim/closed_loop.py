@@ -11,8 +11,8 @@ from q2q_model.flights import Flight
 from q2q_model.interaction.model import InteractionModel
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.signals import SwarmCommand
-from q2q_planner.trajectory import setpoint_at
-from q2q_sim.assembly import TICK_S, Blocks, Mode, blocks_of
+from q2q_planner.trajectory import SwarmPlan, setpoint_at
+from q2q_sim.assembly import TICK_S, Blocks, Mode, Options, blocks_of
 from q2q_sim.recording import FlightRecording
 from q2q_sim.room import TICK_NS, Room, Tick
 from q2q_sim.scenario import Scenario
@@ -24,10 +24,13 @@ class FlightOptions:
 
     mode: Mode = "aware"
     controller: str = "pid"
-    replan: bool = False
+    replan: str = "none"
+    """none, paper or safe."""
     seed: int = 0
     model: InteractionModel = field(default_factory=NoInteraction)
     """What the predictor is given; the scenario's: q2q_model.tools.models.find_model(scenario.model)."""
+    plan: SwarmPlan | None = None
+    """Flown in place of the scenario's own."""
 
 
 def fly(scenario: Scenario, options: FlightOptions) -> Flight:
@@ -36,9 +39,8 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
     Raises:
         ValueError: an unknown mode or controller, or a seed below 0.
     """
-    if options.controller != "pid":
-        raise ValueError(f"unknown controller {options.controller!r}: choose pid")
-    blocks = blocks_of(scenario, options.mode, options.model, replan=options.replan)
+    choice = Options(options.mode, options.controller, options.replan)
+    blocks = blocks_of(scenario, choice, options.model, options.plan)
     room = Room(scenario, options.seed)
     recording = FlightRecording(scenario.names, ticks_of(scenario))
     while room.tick * TICK_S < scenario.duration:

@@ -20,6 +20,7 @@ from difflib import get_close_matches
 from math import isfinite
 from typing import TypeVar
 
+from q2q_control.mpc.params import MpcParams
 from q2q_control.pid import PidParams
 from q2q_model.mocap_filter import MocapFilterParams
 from q2q_model.parameters import ParameterValue, ParamsClass, with_overrides
@@ -27,6 +28,7 @@ from q2q_model.signals import Names
 from q2q_model.vehicle import Vehicle, vehicle_by_name
 from q2q_planner.minsnap import Reading
 from q2q_planner.potential_field import PotentialFieldParams
+from q2q_planner.safe_replanner import SafeReplannerParams
 from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
 from q2q_sim.disturbance import DisturbanceParams
 from q2q_sim.faults import Fault, check_vehicles, fault_from_document
@@ -41,7 +43,9 @@ P = TypeVar("P", bound=ParamsClass)
 BLOCKS: dict[str, ParamsClass] = {
     "mocap_filter": MocapFilterParams(),
     "replanner": PotentialFieldParams(),
+    "safe_replanner": SafeReplannerParams(),
     "pid": PidParams(),
+    "mpc": MpcParams(),
 }
 """Blocks whose parameters a scenario may override."""
 LONGEST = 3600.0

@@ -28,8 +28,8 @@ def test_every_scenario_loads_plans_and_says_what_it_is(name: str) -> None:
     assert wake_by_name(scenario.wake)
     for parameters in (
         assembly.filter_parameters(scenario),
-        assembly.replanner_parameters(scenario, enabled=False),
-        assembly.controller_parameters(scenario, aware=True, limited=True),
+        assembly.replanner_parameters(scenario, assembly.Options()),
+        assembly.controller_parameters(scenario, assembly.Options()),
     ):
         assert all(isinstance(value, bool | int | float | str | tuple) for value in parameters.values())
 

@@ -5,6 +5,7 @@ blocks while the radio is busy: what is to be sent waits in a mailbox where a ne
 older one, so that a slow radio costs rate, not delay.
 """
 
+import logging
 import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -24,9 +25,9 @@ if TYPE_CHECKING:
 HEALTH_MS, POSE_MS = 100, 100
 """Periods of the log blocks."""
 SILENT_S = 1.0
-"""A link that has logged nothing for this long is lost [s]."""
+"""A link over which nothing has come for this long is lost [s]."""
 AGAIN_S = 3.0
-"""A lost link is opened again after this [s]."""
+"""One over which nothing has come for this long is opened again [s]."""
 ARMED, LOCKED = 2, 64
 """Bits of supervisor.info."""
 
@@ -50,8 +51,11 @@ class _Known:
     quality: float = math.nan
     pose: OnboardPose | None = None
     heard: float = -math.inf
-    """When it last said something [s]."""
+    """When a packet last came [s]."""
     words: list[str] = field(default_factory=list)
+    """Whole lines."""
+    line: str = ""
+    """What its console has begun."""
 
 
 class Mailbox:
@@ -105,15 +109,15 @@ class Mailbox:
 class CflibLink:
     """Hold the link to one vehicle; it opens itself again when it is lost."""
 
-    def __init__(self, name: str, uri: str, firmware_params: Mapping[str, float]) -> None:
-        """Open the link; `firmware_params` are set once it is connected.
+    def __init__(self, name: str, uri: str, firmware_params: Mapping[str, float], cache: str = "") -> None:
+        """Open the link; `firmware_params` are set once it is connected, tables are kept in the folder `cache`.
 
         Raises:
             ValueError: cflib is not installed.
         """
         self._uri = uri
         self._params = dict(firmware_params)
-        self._crazyflie = _crazyflie()
+        self._crazyflie = _crazyflie(cache)
         self._known = _Known()
         self._open = False
         self._opened_at = -math.inf
@@ -121,8 +125,9 @@ class CflibLink:
         self._sender = CflibSender(one.commander, one.high_level_commander, one.loc, one.supervisor)
         one.fully_connected.add_callback(self._connected)
         one.disconnected.add_callback(self._lost)
+        one.packet_received.add_callback(self._heard)
         one.connection_failed.add_callback(lambda _, why: self._known.words.append(str(why).splitlines()[0]))
-        one.console.receivedChar.add_callback(lambda text: self._known.words.append(text.strip()))
+        one.console.receivedChar.add_callback(self._read)
         one.link_statistics.link_quality_updated.add_callback(self._quality)
         self._mailbox = Mailbox(name)
         self.keep_open()
@@ -198,11 +203,17 @@ class CflibLink:
         places = {f"stateEstimate.{axis}": "float" for axis in ("x", "y", "z")}
         turns = {f"stateEstimate.{part}": "FP16" for part in ("qx", "qy", "qz", "qw")}
         self._log("pose", POSE_MS, places | turns, self._on_pose)
-        self._known.heard = monotonic()
         self._open = True
 
     def _lost(self, _: str) -> None:
         self._open = False
+
+    def _heard(self, _: object) -> None:
+        self._known.heard = monotonic()
+
+    def _read(self, text: str) -> None:
+        *lines, self._known.line = (self._known.line + text).split("\n")
+        self._known.words += lines
 
     def _log(self, name: str, period_ms: int, variables: Mapping[str, str], take: "_Take") -> None:
         config = _log_config(name, period_ms)
@@ -214,7 +225,6 @@ class CflibLink:
 
     def _on_health(self, data: Mapping[str, float]) -> None:
         self._known.volt, self._known.info = data["pm.vbat"], int(data["supervisor.info"])
-        self._known.heard = monotonic()
 
     def _on_pose(self, data: Mapping[str, float]) -> None:
         pos = tuple(data[f"stateEstimate.{axis}"] for axis in ("x", "y", "z"))
@@ -228,7 +238,7 @@ class CflibLink:
 _Take = Callable[[Mapping[str, float]], None]
 
 
-def _crazyflie() -> "Crazyflie":
+def _crazyflie(cache: str) -> "Crazyflie":
     """Return a new Crazyflie; raise ValueError where cflib is missing."""
     try:
         import cflib.crtp
@@ -237,8 +247,9 @@ def _crazyflie() -> "Crazyflie":
         raise ValueError(
             "cflib is not installed: `pip install cflib==0.1.34`, or scripts/setup --dev"
         ) from missing
+    logging.getLogger("cflib").setLevel(logging.ERROR)  # it warns of every lost link; the node says so itself
     cflib.crtp.init_drivers()
-    return Crazyflie()
+    return Crazyflie(rw_cache=cache or None)
 
 
 def _log_config(name: str, period_ms: int) -> "LogConfig":

@@ -54,6 +54,9 @@ class RadioNodeParams:
     firmware_params: tuple[str, ...] = tunable(
         (), "parameters to set once connected, each `group.name=value`", read_only=True
     )
+    toc_cache: str = tunable(
+        "", "folder for the vehicles' tables: connects faster the next time", read_only=True
+    )
     pose_hz: float = tunable(
         10.0,
         "largest rate of <name>/onboard_pose and its like",
@@ -85,7 +88,9 @@ class Radio:
         self._asked = asked
         self._scale = LegacyScale(vehicle_by_name(asked.vehicle).thrust_max)
         params = firmware_params(asked.firmware_params, asked.mode)
-        self._links = {one.name: CflibLink(one.name, one.uri, params) for one in _crazyflies(asked)}
+        self._links = {
+            one.name: CflibLink(one.name, one.uri, params, asked.toc_cache) for one in _crazyflies(asked)
+        }
         self._pilot = RadioPilot(self._links, limits, by_stick=asked.mode == "command")
         self._health = Health()
         self._topics = RadioTopics(node, tuple(self._links), asked.pose_hz)

@@ -22,22 +22,22 @@ UNBOUNDED = 1.7e308
 """Stands for no bound in a FloatingPointRange, which has no other word for it."""
 
 
-def declare(node: Node, params: P) -> P:
-    """Declare every field of `params` as a ROS parameter; return what the user set.
+def declare(node: Node, params: P, prefix: str = "") -> P:
+    """Declare every field of `params` as a ROS parameter under a prefix; return what the user set.
 
     Raises ValueError that names the parameter, the value and what is allowed.
     """
-    values = {entry.name: _declared(node, params, entry) for entry in fields(params)}
+    values = {entry.name: _declared(node, params, entry, prefix) for entry in fields(params)}
     return with_overrides(params, values)
 
 
-def on_change(node: Node, params: P, apply: Callable[[P], None]) -> None:
+def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "") -> None:
     """Call `apply` with the new Params whenever parameters of `params` are set while flying."""
     current = [params]
-    known = {entry.name for entry in fields(params)}
+    known = {prefix + entry.name: entry.name for entry in fields(params)}
 
     def changed(updates: list[Parameter]) -> SetParametersResult:
-        overrides = {one.name: _plain(one.value) for one in updates if one.name in known}
+        overrides = {known[one.name]: _plain(one.value) for one in updates if one.name in known}
         try:
             current[0] = with_overrides(current[0], overrides)
             apply(current[0])
@@ -48,17 +48,17 @@ def on_change(node: Node, params: P, apply: Callable[[P], None]) -> None:
     node.add_on_set_parameters_callback(changed)
 
 
-def _declared(node: Node, params: ParamsClass, entry: Field[Any]) -> Any:  # noqa: ANN401
+def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str) -> Any:  # noqa: ANN401
     default = getattr(params, entry.name)
     spec = tunable_of(entry)
     plain = list(default) if isinstance(default, tuple) else default
     if plain == []:
         plain = Parameter.Type.STRING_ARRAY
     try:
-        value = node.declare_parameter(entry.name, plain, _descriptor(spec, default)).value
+        value = node.declare_parameter(prefix + entry.name, plain, _descriptor(spec, default)).value
     except InvalidParameterValueException as refusal:
         allowed = ", ".join(spec.choices) or f"{spec.low} to {spec.high} {spec.unit}".rstrip()
-        raise ValueError(f"parameter {entry.name}: allowed is {allowed}; {refusal}") from refusal
+        raise ValueError(f"parameter {prefix}{entry.name}: allowed is {allowed}; {refusal}") from refusal
     return default if value is None else _plain(value)
 
 

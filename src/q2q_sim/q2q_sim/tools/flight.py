@@ -10,6 +10,7 @@ from pathlib import Path
 
 from q2q_model.bag import read_flight
 from q2q_model.flights import Flight
+from q2q_model.tools.models import find_model
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
 from q2q_sim.flight_clock import FlightTiming, timing_of
@@ -31,7 +32,10 @@ class FlightRequest:
     mode: str = "aware"
     """ignoring, aware (with the thrust limit) or aware_unlimited."""
     controller: str = "pid"
-    replan: bool = False
+    replan: str = "none"
+    """none, paper or safe."""
+    plan: str = "none"
+    """none, or avoid: plan around the zone of the interaction model."""
     live: bool = False
     seed: int = 0
     model: str = ""
@@ -40,14 +44,9 @@ class FlightRequest:
     """Topics that go into the bag; empty is all."""
 
     @property
-    def aware(self) -> bool:
-        """Return whether the draft is compensated."""
-        return self.mode != "ignoring"
-
-    @property
-    def limited(self) -> bool:
-        """Return whether the scenario's thrust limit holds."""
-        return self.mode != "aware_unlimited"
+    def options(self) -> assembly.Options:
+        """Return the choices between blocks; raise ValueError for one there is not."""
+        return assembly.Options(self.mode, self.controller, self.replan)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +99,8 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
 def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:
     """Return the nodes of a flight with their parameters; write the plan they fly."""
     plan = folder / "plan.json"
-    plan_file.save(plan, assembly.plan_of(scenario))
+    zone = find_model(scenario.model).zone if request.plan == "avoid" else None
+    plan_file.save(plan, assembly.plan_of(scenario, zone))
     pace = "live" if request.live else "lockstep"
     return [
         NodeSpec(
@@ -115,12 +115,11 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
         NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
         NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
-        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, enabled=request.replan)),
+        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, request.options)),
         NodeSpec(
             "q2q_control",
             request.controller,
-            assembly.controller_parameters(scenario, aware=request.aware, limited=request.limited)
-            | {"live": request.live},
+            assembly.controller_parameters(scenario, request.options) | {"live": request.live},
         ),
         NodeSpec(
             "q2q_sim",

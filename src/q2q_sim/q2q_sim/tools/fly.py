@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from q2q_sim import scenarios
+from q2q_sim.assembly import CONTROLLERS, REPLANNERS
 from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
 from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
@@ -53,12 +54,23 @@ def parser() -> argparse.ArgumentParser:
     )
     made.add_argument("scenario", nargs="?", help="scenario name or YAML file; see --list")
     made.add_argument("--list", action="store_true", help="name the scenarios, one line each")
-    made.add_argument("--controller", default="pid", choices=("pid",), help="who computes the commands")
+    made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="who computes the commands")
     _either(made, "aware", "ignoring", "compensate the draft, or ignore it", default=True)
     _either(
         made, "limit", "no-limit", "hold the scenario's thrust limit, or only the vehicle's", default=True
     )
-    _either(made, "replan", "no-replan", "let the online replanner move the setpoints", default=False)
+    made.add_argument(
+        "--replan",
+        nargs="?",
+        const="paper",
+        default="none",
+        choices=REPLANNERS,
+        help="law of the online replanner (--replan alone: paper)",
+    )
+    made.add_argument("--no-replan", dest="replan", action="store_const", const="none", help="--replan none")
+    made.add_argument(
+        "--plan", default="none", choices=("none", "avoid"), help="plan ahead around the model's zone, or not"
+    )
     _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as the commands come", default=False)
     made.add_argument("--seed", type=int, default=0, help="seed of everything random")
     made.add_argument("--model", default="", help="interaction model: none, a shipped name, or a .q2q file")
@@ -109,14 +121,15 @@ def request_of(asked: argparse.Namespace) -> FlightRequest:
     """Return what the command line asks for."""
     mode = "ignoring" if not asked.aware else "aware" if asked.limit else "aware_unlimited"
     return FlightRequest(
-        asked.scenario,
-        mode,
-        asked.controller,
-        asked.replan,
-        asked.live,
-        asked.seed,
-        asked.model,
-        tuple(asked.record),
+        scenario=asked.scenario,
+        mode=mode,
+        controller=asked.controller,
+        replan=asked.replan,
+        plan=asked.plan,
+        live=asked.live,
+        seed=asked.seed,
+        model=asked.model,
+        record=tuple(asked.record),
     )
 
 

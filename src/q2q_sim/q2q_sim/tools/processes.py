@@ -105,7 +105,18 @@ class Processes:
 def _plain(parameters: Mapping[str, ParameterValue]) -> dict[str, object]:
     """Return what YAML can say; an empty list is left out, as ROS cannot tell its type."""
     lists = {key: list(value) if isinstance(value, tuple) else value for key, value in parameters.items()}
-    return {key: value for key, value in lists.items() if value != []}
+    return _nested({key: value for key, value in lists.items() if value != []})
+
+
+def _nested(flat: Mapping[str, object]) -> dict[str, object]:
+    """Return parameters named `a.b` as {a: {b: ...}}, as parameter files want them."""
+    made: dict[str, object] = {key: value for key, value in flat.items() if "." not in key}
+    for group in dict.fromkeys(key.partition(".")[0] for key in flat if "." in key):
+        prefix = f"{group}."
+        made[group] = {
+            key.removeprefix(prefix): value for key, value in flat.items() if key.startswith(prefix)
+        }
+    return made
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int:

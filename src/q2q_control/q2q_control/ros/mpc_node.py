@@ -1,0 +1,92 @@
+"""Run the MPC as a node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out."""
+
+from dataclasses import dataclass
+
+from q2q_msgs.msg import Plan
+from rclpy.node import Node
+
+from q2q_control.fallback import FallbackParams
+from q2q_control.legacy import LegacyScale
+from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.receding import Mpc
+from q2q_control.plan_samples import sampled_preview
+from q2q_control.preview import SampledPreview
+from q2q_control.ros.command_watch import CommandWatch
+from q2q_control.ros.legacy_topics import LegacyTopics
+from q2q_control.ros.plan_curves import curves_of
+from q2q_model.layout import Signal
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.parameters import declare, on_change
+from q2q_model.ros.qos import LATCHED
+from q2q_model.ros.run import run
+from q2q_model.ros.tick import TickWiring
+from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.tools.models import find_model
+from q2q_model.vehicle import vehicle_by_name
+
+
+@dataclass(frozen=True, slots=True)
+class MpcNodeParams:
+    """Hold the parameters of the node that are not the controller's."""
+
+    vehicle: str = tunable("crazyflie_2_0", "vehicle constants to use", read_only=True)
+    vehicles: tuple[str, ...] = tunable(
+        (), "vehicles to command; empty is all of the setpoint", read_only=True
+    )
+    aware: bool = tunable(default=True, description="hold the draft in the model", read_only=True)
+    model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
+    live: bool = tunable(default=False, description="fall back by the wall clock", read_only=True)
+    legacy_hz: float = tunable(
+        10.0,
+        "largest rate of <name>/cmd_vel_legacy; 0 is none",
+        unit="Hz",
+        low=0.0,
+        high=1000.0,
+        read_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+def build(node: Node) -> TickWiring[SwarmCommand]:
+    """Wire the MPC into a node; its parameters may change in flight."""
+    own = declare(node, MpcNodeParams())
+    vehicle = vehicle_by_name(own.vehicle)
+    params = declare(node, MpcParams())
+    block = Mpc(params, vehicle, find_model(own.model).interaction, own.vehicles)
+    on_change(node, params, block.configure)
+    inputs: dict[str, type[Signal]] = {"state": SwarmState, "reference_safe": SwarmSetpoint}
+    if own.aware:
+        inputs["interference"] = Interference
+    wiring = TickWiring(node, inputs, ("command", SwarmCommand))
+    wiring.then(LegacyTopics(node, LegacyScale(vehicle.thrust_max), own.legacy_hz).publish)
+    if own.live:
+        CommandWatch(node, wiring, declare(node, FallbackParams()), vehicle.hover_thrust)
+
+    def take_plan(message: Plan) -> None:
+        block.preview = preview_of(message)
+
+    def update(state: SwarmState, setpoint: SwarmSetpoint, draft: Interference | None = None) -> SwarmCommand:
+        command = block.update(state, setpoint, draft)
+        report = block.report
+        wiring.health.fallbacks += int(report.shifted + report.pid > 0)
+        wiring.health.extra["iterations"] = str(report.iterations)
+        return command
+
+    node.create_subscription(Plan, "plan", take_plan, LATCHED)
+    wiring.rehearse(update, block.reset, own.vehicles)
+    wiring.start(update)
+    return wiring
+
+
+def preview_of(message: Plan) -> SampledPreview:
+    """Return the preview of the plan in a message."""
+    start = message.header.stamp
+    return sampled_preview(tuple(message.names), curves_of(message), start.sec + start.nanosec * 1e-9)
+
+
+def main() -> None:
+    """Run the node `mpc`."""
+    run("mpc", build)
