@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.altitude_record import AltitudeRecord
@@ -33,6 +33,8 @@ HUBER = 1.345
 """Spreads beyond which a row weighs less; 95 % efficient for normal errors (Huber 1981)."""
 RESOLUTION = 1e-6
 """Acceleration below which no term is worth having and no row can be trusted [m/s^2]: 1e-7 of g."""
+ROUNDS = 10
+"""Of reweighting: each shrinks what is left by more than half."""
 BLOCK = 1.0
 """Length of a block of dependent errors [s]."""
 
@@ -130,13 +132,13 @@ def _is_needed(system: _Equation, used: list[int], term: int) -> bool:
     rows = weight.sum() * (1.0 - rho) / (1.0 + rho)
     freedom = max(rows - len(used) - 1, 1.0)
     ratio = (less - more) / max(more, rows * RESOLUTION**2) * freedom
-    return bool(f_distribution.sf(ratio, 1, freedom) < NEEDED)
+    return bool(fdtrc(1, freedom, max(ratio, 0.0)) < NEEDED)
 
 
 def _robust(system: _Equation, used: list[int]) -> tuple[Array, Array]:
     """Return the parameters and the Huber weight of every row, by reweighting."""
     weight = np.ones_like(system.target)
-    for _ in range(20):
+    for _ in range(ROUNDS):
         root = np.sqrt(weight)
         columns, target = root[:, None] * system.columns[:, used], root * system.target
         value: Array = np.linalg.lstsq(columns, target, rcond=None)[0].astype(np.float64)

@@ -45,12 +45,15 @@ def fit_networks(passages: Sequence[Passage], params: NetworkParams | None = Non
     """Return networks fitted to flights by ridge regression and L-BFGS."""
     given = params or NetworkParams()
     zone = given.envelope
+    near: tuple[Array, ...] | None = None
 
     def loss(theta: Array) -> tuple[float, Array]:
+        nonlocal near
         try:
-            value = trajectory_loss(unpack(theta, zone.eps, zone.d), passages)
+            value = trajectory_loss(unpack(theta, zone.eps, zone.d), passages, near)
         except DivergingModelError:  # a line search that stepped too far: turn it back
             return FORBIDDEN, np.zeros_like(theta)
+        near = value.etas
         return value.loss + given.decay * float(theta @ theta), value.gradient + 2.0 * given.decay * theta
 
     start = pack(ridge_start(passages, given))
@@ -81,10 +84,11 @@ def adam(
 ) -> Iterator[tuple[EnvelopeNetwork, float]]:
     """Yield the networks before each of Adam's steps, with their loss (16), for ever."""
     theta, first, second = pack(start), np.zeros(1), np.zeros(1)
-    step = 0
+    step, near = 0, None
     while True:
         model = unpack(theta, start.eps, start.d)
-        value = trajectory_loss(model, passages)
+        value = trajectory_loss(model, passages, near)
+        near = value.etas
         yield model, value.loss
         step += 1
         first = BETA1 * first + (1.0 - BETA1) * value.gradient

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares, minimize
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.altitude_record import AltitudeRecord
@@ -102,7 +102,7 @@ def is_better(more: TrajectoryGains, less: TrajectoryGains, level: float = 0.01)
     extra = len(more.intervals) - len(less.intervals)
     freedom = max(more.rows - len(more.intervals), 1.0)
     ratio = (less.mse.sum() - more.mse.sum()) / more.mse.sum() * freedom / extra
-    return bool(f_distribution.sf(ratio, extra, freedom) < level)
+    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < level)
 
 
 def _misses(records: Sequence[AltitudeRecord], loop: AltitudeLoop) -> list[Array]:

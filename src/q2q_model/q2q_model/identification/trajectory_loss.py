@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.altitude_record import AltitudeRecord
 from q2q_model.identification.impulse_response import free_response, impulse_response
-from q2q_model.identification.network_gradient import evaluate, pullback
+from q2q_model.identification.network_gradient import Evaluation, evaluate, pullback
 from q2q_model.interaction.envelope_network import EnvelopeNetwork
 from q2q_model.signals import Array
 
@@ -85,6 +85,8 @@ class LossValue:
     """Mean over flights of the sum over vehicles [m^2]."""
     gradient: Array
     """By theta."""
+    etas: tuple[Array, ...]
+    """eta on the active samples of each flight: a start for the next, nearby evaluation."""
 
 
 def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, float]) -> Passage:
@@ -125,13 +127,26 @@ def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, floa
     )
 
 
-def trajectory_loss(model: EnvelopeNetwork, passages: Sequence[Passage]) -> LossValue:
-    """Return the loss of a model on flights, with its exact gradient."""
-    etas = [solve_eta(model, one) for one in passages]
+def trajectory_loss(
+    model: EnvelopeNetwork, passages: Sequence[Passage], near: Sequence[Array] | None = None
+) -> LossValue:
+    """Return the loss of a model on flights, with its exact gradient.
+
+    Args:
+        model: the networks.
+        passages: the flights.
+        near: eta of a similar model, from which the fixed point is nearer.
+    """
+    starts = near or [_felt(one, evaluate(model, one.across.ravel(), one.dz.ravel()).eta) for one in passages]
+    solved = [_solve(model, one, start) for one, start in zip(passages, starts, strict=True)]
+    etas = tuple(_felt(one, at.eta) for one, at in zip(passages, solved, strict=True))
     mse = np.stack([mean_square(one, eta) for one, eta in zip(passages, etas, strict=True)])
-    parts = [_gradient(model, one, eta) / one.ticks for one, eta in zip(passages, etas, strict=True)]
+    parts = [
+        pullback(model, at, _adjoint(one, at, eta)) / one.ticks
+        for one, at, eta in zip(passages, solved, etas, strict=True)
+    ]
     gradient = np.asarray(np.sum(parts, axis=0) / len(passages))
-    return LossValue(mse=mse, loss=float(mse.sum(axis=1).mean()), gradient=gradient)
+    return LossValue(mse=mse, loss=float(mse.sum(axis=1).mean()), gradient=gradient, etas=etas)
 
 
 def mean_square(one: Passage, eta: Array) -> Array:
@@ -140,23 +155,22 @@ def mean_square(one: Passage, eta: Array) -> Array:
     return np.asarray(squares / one.ticks)
 
 
-def solve_eta(model: EnvelopeNetwork, one: Passage) -> Array:
-    """Return eta [m/s^2] on the active samples, (S, n), at the simulated heights.
+def _solve(model: EnvelopeNetwork, one: Passage, eta: Array) -> Evaluation:
+    """Return the pairs' evaluation at the simulated heights, by sweeps from `eta` (S, n).
 
     Raises:
         DivergingModelError: the fixed point is not reached.
     """
-    eta = _felt(one, evaluate(model, one.across.ravel(), one.dz.ravel()).eta)
     for _ in range(SWEEPS):
-        before = eta
-        eta = _felt(one, evaluate(model, one.across.ravel(), _heights(one, eta).ravel()).eta)
+        at = evaluate(model, one.across.ravel(), _heights(one, eta).ravel())
+        before, eta = eta, _felt(one, at.eta)
         if eta.size == 0 or np.abs(eta - before).max() < SETTLED:
-            return eta
+            return at
     raise DivergingModelError(f"flight {one.name}: the simulated altitudes do not settle in {SWEEPS} sweeps")
 
 
-def _gradient(model: EnvelopeNetwork, one: Passage, eta: Array) -> Array:
-    at = evaluate(model, one.across.ravel(), _heights(one, eta).ravel())
+def _adjoint(one: Passage, at: Evaluation, eta: Array) -> Array:
+    """Return the loss's derivative by each pair's eta, (S * p,), all that follows from it included."""
     slope = at.slope.reshape(one.across.shape)
     direct = 2.0 * (one.G @ eta - one.q)
     adjoint = direct
@@ -169,7 +183,7 @@ def _gradient(model: EnvelopeNetwork, one: Passage, eta: Array) -> Array:
             adjoint[:, i] -= pushed[:, k]
         if adjoint.size == 0 or np.abs(adjoint - before).max() <= 1e-9 * np.abs(adjoint).max():
             break
-    return pullback(model, at, adjoint[:, one.i].ravel())
+    return adjoint[:, one.i].ravel()
 
 
 def _heights(one: Passage, eta: Array) -> Array:
