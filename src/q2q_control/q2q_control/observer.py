@@ -3,20 +3,26 @@
     r+ = r + h v + h^2/2 (a + d),  v+ = v + h (a + d),  d+ = d        a: by thrust, and by the predicted draft
     r, v, d += L (r_measured - r)
 
-L puts all three poles at exp(-w h) (Luenberger): the estimate follows within some 3 / w, and what a wrong
-draft model, a weak battery or moving air push goes into d. Thrust enters as it was commanded, limits
-included, so nothing winds up while a limit cuts. Subtracted from the command, d leaves no offset behind.
-The velocity knows the thrust and is less late than one filtered from positions alone.
+L puts two poles at exp(-w_s h), for position and velocity, and one at exp(-w_d h) (Luenberger): what a wrong
+draft model, a weak battery or moving air push goes into d within some 3 / w_d, while position and velocity
+follow their measurements sooner. With the poles' sums s1, s2, s3 (of one, two, three of them):
+
+    L = (l1, l2 / h, l3 / h^2),  l1 = 1 - s3,  l3 = 1 - s1 + s2 - s3,  l2 = 3 - s1 - l1 - l3 / 2
+
+Thrust enters as it was commanded, limits included, so nothing winds up while a limit cuts. Subtracted from
+the command, d leaves no offset behind. The velocity knows the thrust and is less late than one filtered from
+positions alone.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | r v | pos vel | estimates [m], [m/s], world, (n, 3) |
 | d | disturbance | unexplained acceleration [m/s^2], world, (n, 3) |
-| w | bandwidth | [rad/s] |
+| w_s w_d | state_bandwidth, disturbance_bandwidth | [rad/s] |
 """
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,9 +65,9 @@ class Estimate:
 class DisturbanceObserver:
     """Remember the estimates of named vehicles."""
 
-    def __init__(self, bandwidth: float, disturbance_max: float) -> None:
-        """Follow within about 3 / bandwidth [s]; |d| stays within disturbance_max [m/s^2]."""
-        self._bandwidth = bandwidth
+    def __init__(self, state_bandwidth: float, disturbance_bandwidth: float, disturbance_max: float) -> None:
+        """Place the poles [rad/s]; |d| stays within disturbance_max [m/s^2]."""
+        self._poles = (state_bandwidth, disturbance_bandwidth)
         self._max = disturbance_max
         self.reset()
 
@@ -83,13 +89,12 @@ class DisturbanceObserver:
             step = GAP_MAX  # of no consequence: no row is known
         before = _moved(self.estimate, seen.acc, step)
         off = np.where((seen.fresh & self._known)[:, None], seen.pos - before.pos, 0.0)
-        p = math.exp(-self._bandwidth * step)
-        vel_gain, d_gain = 1.5 * (1.0 - p) ** 2 * (1.0 + p) / step, (1.0 - p) ** 3 / step**2
+        gain = observer_gain(self._poles[0], self._poles[1], step)
         known = self._known[:, None]
-        d = np.clip(before.disturbance + d_gain * off, -self._max, self._max)
+        d = np.clip(before.disturbance + gain[2] * off, -self._max, self._max)
         self.estimate = Estimate(
-            np.where(known, before.pos + (1.0 - p**3) * off, seen.pos),
-            np.where(known, before.vel + vel_gain * off, seen.vel),
+            np.where(known, before.pos + gain[0] * off, seen.pos),
+            np.where(known, before.vel + gain[1] * off, seen.vel),
             np.where(known, d, 0.0),
         )
         self._known |= seen.fresh
@@ -107,6 +112,18 @@ class DisturbanceObserver:
             disturbance=np.vstack([old.disturbance, pad])[rows],
         )
         self._known, self._names = known[rows], names
+
+
+@lru_cache(maxsize=64)
+def observer_gain(
+    state_bandwidth: float, disturbance_bandwidth: float, step: float
+) -> tuple[float, float, float]:
+    """Return L [-, 1/s, 1/s^2] of a step [s] for two poles of the state and one of the disturbance [rad/s]."""
+    fast, slow = math.exp(-state_bandwidth * step), math.exp(-disturbance_bandwidth * step)
+    l1 = 1.0 - fast * fast * slow
+    l3 = (1.0 - fast) ** 2 * (1.0 - slow)  # 1 - s1 + s2 - s3
+    l2 = 3.0 - (2.0 * fast + slow) - l1 - 0.5 * l3
+    return l1, l2 / step, l3 / step**2
 
 
 def _moved(estimate: Estimate, acc: Array, step: float) -> Estimate:

@@ -105,8 +105,11 @@ class Pid:
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()
-        dt = min(setpoint.t - last.t, DT_MAX) if last is not None else 0.0
-        tick = align(state, setpoint, interference, names)
+        return self.answer(align(state, setpoint, interference, names))
+
+    def answer(self, tick: Aligned) -> SwarmCommand:
+        """Return the command of a tick that is newer than all before."""
+        dt = min(tick.t - self._last.t, DT_MAX) if self._last is not None else 0.0
         if tick.names != self._names:
             self._reorder(tick.names)
         values, saturated = pid_rows(tick.table, self._integral, self._numbers, max(dt, 0.0))

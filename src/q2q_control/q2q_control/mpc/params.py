@@ -33,7 +33,12 @@ class MpcParams:
         0.12, "tilt behind its command, without the rotors' lag", unit="s", low=0.0, high=1.0
     )
     observe: bool = tunable(default=True, description="estimate and cancel unexplained acceleration")
-    observer_bandwidth: float = tunable(6.0, "poles of the estimate", unit="rad/s", low=0.1, high=50.0)
+    state_bandwidth: float = tunable(
+        20.0, "how quickly estimated position and velocity follow", unit="rad/s", low=0.1, high=100.0
+    )
+    observer_bandwidth: float = tunable(
+        3.0, "how quickly unexplained acceleration is believed", unit="rad/s", low=0.01, high=50.0
+    )
     disturbance_max: float = tunable(
         3.0, "largest unexplained acceleration believed", unit="m/s^2", low=0.0, high=9.81
     )

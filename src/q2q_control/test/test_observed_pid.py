@@ -1,0 +1,103 @@
+"""The PID with an observer cancels what is unexplained; the feed-forward is the paper's compensation."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_control.disturbance_tracker import TrackerParams
+from q2q_control.feedforward import compensated_setpoint
+from q2q_control.observed_pid import ObservedPid
+from q2q_control.pid import Pid, PidParams
+from q2q_model.rotations import matrix_from_quat, quat_from_euler
+from q2q_model.signals import Array, Interference, Names, SwarmSetpoint, SwarmState
+from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
+
+DT = 0.01
+"""[s]"""
+GAINS = PidParams(k_p_z=10.0, k_d_z=5.0)
+
+
+def rest(names: Names, t: float) -> tuple[SwarmState, SwarmSetpoint, Interference]:
+    """Return vehicles at rest on their setpoints."""
+    n = len(names)
+    zero, flag, level = np.zeros((n, 3)), np.zeros(n, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+    state = SwarmState(t, names, zero, zero, level, zero, np.zeros(n), flag)
+    setpoint = SwarmSetpoint(t, names, zero, zero, zero, np.zeros(n), np.zeros(n), flag)
+    return state, setpoint, Interference(t, names, zero, zero, flag)
+
+
+def heights(controller: Pid | ObservedPid, push: float, latency: int) -> Array:
+    """Return the heights [m] of a vehicle without lag, pushed by `push` [m/s^2], commanded late."""
+    height, climb, seen = 0.0, 0.0, []
+    acting = [TEXTBOOK_065.hover_thrust] * latency
+    for k in range(600):
+        state, setpoint, _ = rest(("cf1",), k * DT)
+        state = replace(state, pos=np.array([[0, 0, height]]), vel=np.array([[0, 0, climb]]))
+        acting.append(controller.update(state, setpoint, None).thrust[0])
+        acc = acting.pop(0) / TEXTBOOK_065.mass - GRAVITY + push
+        height, climb = height + DT * climb + 0.5 * DT**2 * acc, climb + DT * acc
+        seen.append(height)
+    return np.array(seen)
+
+
+def test_a_constant_push_leaves_an_offset_with_the_pd_and_none_with_the_observer():
+    push = -0.5
+    plain = heights(Pid(GAINS, TEXTBOOK_065), push, 2)
+    observed = heights(ObservedPid(GAINS, TrackerParams(latency=0.02), TEXTBOOK_065), push, 2)
+    assert plain[-1] == pytest.approx(push / GAINS.k_p_z, rel=1e-3)
+    assert abs(observed[-1]) < 1e-5  # poles of 6 and 3 rad/s: 18 time constants
+    assert abs(observed.min()) < abs(plain.min())
+
+
+def test_saturation_for_seconds_winds_nothing_up():
+    params = replace(GAINS, thrust_limited=True)
+    pid = ObservedPid(params, TrackerParams(latency=0.0), TEXTBOOK_065)
+    height, climb, seen = 0.0, 0.0, []
+    for k in range(2500):
+        state, setpoint, _ = rest(("cf1",), k * DT)
+        state = replace(state, pos=np.array([[0, 0, height]]), vel=np.array([[0, 0, climb]]))
+        push = -0.5 if k < 400 else 0.0  # 6.6 N leave 0.344 m/s^2
+        acc = pid.update(state, setpoint, None).thrust[0] / TEXTBOOK_065.mass - GRAVITY + push
+        height, climb = height + DT * climb + 0.5 * DT**2 * acc, climb + DT * acc
+        seen.append(height)
+    # free of the push it climbs at 0.344 m/s^2 as the PD alone would: no stored error throws it over
+    assert max(seen) < 0.05 * abs(min(seen))
+    assert abs(seen[-1]) < 1e-4
+
+
+def test_thrust_lag_and_tilt_are_explained_and_not_taken_for_disturbance():
+    pid = ObservedPid(GAINS, TrackerParams(latency=0.0), CRAZYFLIE_2_0)
+    quat = quat_from_euler([0.2], [0.1], [0.5])
+    axis = matrix_from_quat(quat)[0, :, 2]
+    thrust, pos, vel = CRAZYFLIE_2_0.hover_thrust, np.zeros(3), np.zeros(3)
+    keep = np.exp(-DT / CRAZYFLIE_2_0.thrust_lag)
+    for k in range(150):
+        state, setpoint, _ = rest(("cf1",), k * DT)
+        state = replace(state, pos=pos[None].copy(), vel=vel[None].copy(), quat=quat)
+        setpoint = replace(setpoint, pos=pos[None] + [[0.0, 0.0, 0.05 * np.sin(0.2 * k)]])
+        command = pid.update(state, setpoint, None)
+        after = command.thrust[0] + keep * (thrust - command.thrust[0])
+        mean = command.thrust[0] + (thrust - command.thrust[0]) * (1.0 - keep) * CRAZYFLIE_2_0.thrust_lag / DT
+        acc = axis * mean / CRAZYFLIE_2_0.mass - [0.0, 0.0, GRAVITY]
+        pos, vel, thrust = pos + DT * vel + 0.5 * DT**2 * acc, vel + DT * acc, after
+    # thrust within a tick is not constant: the position is off by its curvature, 1e-6 m
+    assert np.abs(pid._tracker._observer.estimate.disturbance).max() < 0.02
+
+
+def test_compensated_acceleration_is_the_papers_compensation_on_stock_firmware():
+    _, setpoint, draft = rest(("cf1", "cf2"), 0.0)
+    setpoint = replace(setpoint, acc=np.array([[0.1, 0.2, 0.3], [0.0, 0.0, 0.0]]))
+    draft = replace(draft, names=("cf2", "cf1"), acc=np.array([[0.0, 0.0, 0.1], [0.0, 0.0, -0.4]]))
+    out = compensated_setpoint(setpoint, draft)
+    assert np.allclose(out.acc, [[0.1, 0.2, 0.7], [0.0, 0.0, -0.1]])
+    aware = Pid(GAINS, TEXTBOOK_065).update(rest(("cf1", "cf2"), 0.0)[0], setpoint, draft)
+    stock = Pid(GAINS, TEXTBOOK_065).update(rest(("cf1", "cf2"), 0.0)[0], out, None)
+    assert np.allclose(stock.thrust, aware.thrust, rtol=1e-14)
+
+
+def test_a_draft_that_is_missing_or_no_number_leaves_the_acceleration():
+    _, setpoint, draft = rest(("cf1", "cf2"), 0.0)
+    assert compensated_setpoint(setpoint, None) is setpoint
+    half = replace(draft, names=("cf1",), acc=np.array([[np.nan, 0.0, -1.0]]))
+    assert np.array_equal(compensated_setpoint(setpoint, half).acc, [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
