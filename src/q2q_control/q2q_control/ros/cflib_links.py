@@ -110,7 +110,7 @@ class CflibLink:
     """Hold the link to one vehicle; it opens itself again when it is lost."""
 
     def __init__(self, name: str, uri: str, firmware_params: Mapping[str, float], cache: str = "") -> None:
-        """Open the link; `firmware_params` are set once it is connected, tables are kept in the folder `cache`.
+        """Open the link; `firmware_params` are set once it is connected, `cache` keeps the tables.
 
         Raises:
             ValueError: cflib is not installed.
