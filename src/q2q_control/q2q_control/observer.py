@@ -115,11 +115,9 @@ class DisturbanceObserver:
 
 
 @lru_cache(maxsize=64)
-def observer_gain(
-    state_bandwidth: float, disturbance_bandwidth: float, step: float
-) -> tuple[float, float, float]:
-    """Return L [-, 1/s, 1/s^2] of a step [s] for two poles of the state and one of the disturbance [rad/s]."""
-    fast, slow = math.exp(-state_bandwidth * step), math.exp(-disturbance_bandwidth * step)
+def observer_gain(state: float, disturbance: float, step: float) -> tuple[float, float, float]:
+    """Return L [-, 1/s, 1/s^2] of a step [s] for poles at `state`, twice, and `disturbance` [rad/s]."""
+    fast, slow = math.exp(-state * step), math.exp(-disturbance * step)
     l1 = 1.0 - fast * fast * slow
     l3 = (1.0 - fast) ** 2 * (1.0 - slow)  # 1 - s1 + s2 - s3
     l2 = 3.0 - (2.0 * fast + slow) - l1 - 0.5 * l3
