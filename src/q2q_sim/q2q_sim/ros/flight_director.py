@@ -9,6 +9,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.client import Client
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -30,7 +31,7 @@ class FlightDirector:
 
     def __init__(self, check: Callable[[], None]) -> None:
         """Take a check that is called while waiting; it raises when a process has died."""
-        rclpy.init()
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # signals are the tool's business
         self._node = Node("flight_director")
         self._executor = make_executor()
         self._executor.add_node(self._node)
@@ -56,7 +57,9 @@ class FlightDirector:
         """Return the ticks the simulator has flown, as it last said."""
         return self._ticks
 
-    def wait_wired(self, nodes: Iterable[str], timeout_s: float) -> None:
+    def wait_wired(
+        self, nodes: Iterable[str], timeout_s: float, meanwhile: Callable[[], None] = lambda: None
+    ) -> None:
         """Return once every writer of the named nodes has matched every reader in the graph.
 
         Raises:
@@ -67,6 +70,7 @@ class FlightDirector:
         while waiting := self._waiting(clients):
             if monotonic() > deadline:
                 raise TimeoutError(f"nodes not wired after {timeout_s:g} s: {'; '.join(waiting)}")
+            meanwhile()
             self._spin(POLL_S)
 
     def start(self, source: str = "simulator") -> None:
@@ -116,8 +120,6 @@ class FlightDirector:
 
     def _spin(self, seconds: float) -> None:
         self._check()
-        if not rclpy.ok():
-            raise KeyboardInterrupt
         until = monotonic() + seconds
         self._executor.spin_once(timeout_sec=seconds)
         while (rest := until - monotonic()) > 0.0:

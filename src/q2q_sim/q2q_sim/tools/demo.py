@@ -7,15 +7,15 @@ The flight is the one of the paper's sections 5.1 and 5.2 (scenario table6): Q1 
 import argparse
 import json
 import shutil
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_sim.tools.figures import Curve, altitude_figure, save, thrust_figure
 from q2q_sim.tools.flight import FlightRequest, FlightRun
-from q2q_sim.tools.fly import end_by_keyboard, fly_with_progress, warn_plainly
+from q2q_sim.tools.fly import fly_with_progress, warn_plainly
 from q2q_sim.tools.fly import show as print_runs
+from q2q_sim.tools.interruption import Interruption
 from q2q_sim.tools.page import Picture, page
 from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
@@ -38,7 +38,6 @@ def main(arguments: list[str] | None = None) -> int:
     made.add_argument("--out", type=Path, default=Path("out/demo"), help="folder of what is left behind")
     made.add_argument("--json", type=Path, help="write the numbers to this file")
     asked = made.parse_args(arguments)
-    end_by_keyboard(signal.SIGTERM)
     warn_plainly("demo")
     try:
         show(asked.out, asked.json)
@@ -54,8 +53,11 @@ def main(arguments: list[str] | None = None) -> int:
 def show(out: Path, json_file: Path | None) -> None:
     """Fly the three modes; print the table; leave bags, pictures, page and JSON."""
     shutil.rmtree(out / "bags", ignore_errors=True)
+    interruption, nodes = Interruption(), out / "nodes"
     runs = [
-        fly_with_progress(FlightRequest(SCENARIO, mode), out / "nodes" / mode, out / "bags" / mode)
+        fly_with_progress(
+            FlightRequest(SCENARIO, mode), out / "nodes" / mode, out / "bags" / mode, interruption
+        )
         for mode in MODE_WORDS
     ]
     print_runs(runs)

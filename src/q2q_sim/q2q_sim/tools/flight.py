@@ -88,7 +88,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
         for spec in specs:
             processes.start(spec)
         with FlightDirector(processes.check) as director:
-            director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S)
+            director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S, lambda: progress(0.0))
             director.start()
             total = scenario.duration / assembly.TICK_S
             summary = director.wait_summary(lambda ticks: progress(ticks / total))

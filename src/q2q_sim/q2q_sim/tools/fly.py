@@ -2,13 +2,11 @@
 
 import argparse
 import json
-import signal
 import sys
 import tempfile
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from types import FrameType
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
@@ -16,6 +14,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from q2q_sim import scenarios
 from q2q_sim.assembly import CONTROLLERS, REPLANNERS
 from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
+from q2q_sim.tools.interruption import Interruption
 from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
 from q2q_sim.tools.run_table import run_notes, run_table
@@ -31,7 +30,6 @@ EXAMPLE = """examples:
 def main(arguments: list[str] | None = None) -> int:
     """Fly as the command line says; return the exit status."""
     asked = parser().parse_args(arguments)
-    end_by_keyboard(signal.SIGTERM)
     warn_plainly("fly")
     try:
         return _run(asked)
@@ -135,17 +133,25 @@ def request_of(asked: argparse.Namespace) -> FlightRequest:
 
 def _fly(asked: argparse.Namespace) -> FlightRun:
     request = request_of(asked)
+    interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
         bag = asked.bag or Path(scratch) / "bag"
-        return fly_with_progress(request, Path(scratch) / "nodes", bag)
+        return fly_with_progress(request, Path(scratch) / "nodes", bag, interruption)
 
 
-def fly_with_progress(request: FlightRequest, folder: Path, bag: Path) -> FlightRun:
-    """Fly with a progress bar on the terminal."""
+def fly_with_progress(
+    request: FlightRequest, folder: Path, bag: Path, interruption: Interruption
+) -> FlightRun:
+    """Fly with a progress bar on the terminal; a signal ends the flight."""
     columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
     with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task(f"{request.scenario} {request.mode}", total=1.0)
-        run = fly(request, folder, bag, lambda share: bar.update(task, completed=share))
+
+        def follow(share: float) -> None:
+            interruption.check()
+            bar.update(task, completed=share)
+
+        run = fly(request, folder, bag, follow)
         bar.update(task, completed=1.0)
     return run
 
@@ -153,15 +159,6 @@ def fly_with_progress(request: FlightRequest, folder: Path, bag: Path) -> Flight
 def warn_plainly(program: str) -> None:
     """Let warnings be one line each, without the place in the code."""
     warnings.formatwarning = lambda message, *_, **__: f"{program}: warning: {message}\n"
-
-
-def end_by_keyboard(number: signal.Signals) -> None:
-    """Let a signal end the program as Ctrl-C does: every node is ended on the way out."""
-
-    def interrupt(_: int, __: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    signal.signal(number, interrupt)
 
 
 if __name__ == "__main__":

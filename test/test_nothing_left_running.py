@@ -1,0 +1,71 @@
+"""Whatever ends a flight, its nodes end with it."""
+
+import os
+import select
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+NODES = 7
+PATIENCE_S = 90.0
+
+
+def start_flight() -> subprocess.Popen[str]:
+    environment = {key: value for key, value in os.environ.items() if key != "ROS_DOMAIN_ID"}
+    return subprocess.Popen(
+        [sys.executable, "-m", "q2q_sim.tools.fly", "table6", "--live"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
+
+
+def nodes_of(flight: subprocess.Popen[str]) -> list[int]:
+    """Return the process ids of a flight's nodes once all are started."""
+    children = Path(f"/proc/{flight.pid}/task/{flight.pid}/children")
+    while flight.poll() is None:
+        found = [int(word) for word in children.read_text().split()]
+        if len(found) >= NODES:
+            return found
+        try:
+            flight.wait(0.02)
+        except subprocess.TimeoutExpired:
+            continue
+    raise AssertionError(flight.communicate()[1])
+
+
+def ends(node: int) -> bool:
+    """Return whether a process ends within PATIENCE_S; a process that is gone has ended."""
+    try:
+        handle = os.pidfd_open(node)
+    except ProcessLookupError:
+        return True
+    try:
+        return bool(select.select([handle], [], [], PATIENCE_S)[0])
+    finally:
+        os.close(handle)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_flight_that_is_ended_leaves_no_node_behind(number: signal.Signals) -> None:
+    flight = start_flight()
+    nodes = nodes_of(flight)
+    flight.send_signal(number)
+    _, said = flight.communicate(timeout=PATIENCE_S)
+    assert all(ends(node) for node in nodes)
+    assert "Traceback" not in said
+    assert flight.returncode == (-signal.SIGKILL if number == signal.SIGKILL else 130)
+
+
+def test_a_node_that_is_killed_in_flight_is_named_and_the_others_end() -> None:
+    flight = start_flight()
+    nodes = nodes_of(flight)
+    os.kill(nodes[1], signal.SIGKILL)
+    _, said = flight.communicate(timeout=PATIENCE_S)
+    assert all(ends(node) for node in nodes)
+    assert flight.returncode == 1
+    assert "mocap_filter ended with status -9" in said
