@@ -53,7 +53,7 @@ def main(arguments: list[str] | None = None) -> int:
 def show(out: Path, json_file: Path | None) -> None:
     """Fly the three modes; print the table; leave bags, pictures, page and JSON."""
     shutil.rmtree(out / "bags", ignore_errors=True)
-    interruption, nodes = Interruption(), out / "nodes"
+    interruption = Interruption()
     runs = [
         fly_with_progress(
             FlightRequest(SCENARIO, mode), out / "nodes" / mode, out / "bags" / mode, interruption
