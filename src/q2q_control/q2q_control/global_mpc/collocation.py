@@ -1,0 +1,116 @@
+"""Solve (26) by direct collocation: states and inputs at every sample, CasADi's derivatives, IPOPT.
+
+    r_{k+1} - r_k = h/2 (v_k + v_{k+1}) - h^2/12 (a_{k+1} - a_k)       Hermite-Simpson's rule in one step
+    v_{k+1} - v_k = h/2 (a_k + a_{k+1})
+    a_k = U_k / m b(phi_k, theta_k) - g e_z + eta_k,   0 <= U_k <= U_max
+
+The draft enters as a cubic spline over horizontal distance and height difference, made from the model once,
+so that any model that looks at nothing else can be used, and IPOPT gets exact derivatives of a smooth law.
+"""
+
+import casadi
+import numpy as np
+
+from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, drafts, thrust_acceleration
+from q2q_model.interaction.model import InteractionModel, at_rest
+from q2q_model.signals import Array
+from q2q_model.vehicle import GRAVITY
+
+ACROSS_MAX, DEPTH_MAX = 1.2, 2.5
+"""How far the spline reaches sideways and up or down [m]; beyond, it keeps its edge value."""
+TILT_MAX = 0.6
+"""Bound on roll and pitch [rad]: nothing in (26) bounds them, and more is never wanted."""
+
+EFFORT = 1e-6
+"""Weight of inputs that change from sample to sample [m^2]: it picks one of the many equal chatterings."""
+
+
+def solve_collocation(problem: GlobalProblem, iterations: int = 200) -> GlobalSolution:
+    """Return IPOPT's solution, started on the references.
+
+    Raises:
+        ValueError: IPOPT did not converge within `iterations`.
+    """
+    n, count, _ = problem.reference.shape
+    law = _law(problem.model)
+    pos = [casadi.MX.sym(f"r{j}", 3, count) for j in range(n)]
+    vel = [casadi.MX.sym(f"v{j}", 3, count) for j in range(n)]
+    inputs = [casadi.MX.sym(f"u{j}", 3, count) for j in range(n)]  # roll, pitch, U1 / (m g)
+    step = float(problem.times[1] - problem.times[0])
+    goal, equal = casadi.MX(0.0), []
+    for j in range(n):
+        acc = _acceleration(inputs[j])
+        for i in range(n):
+            acc = acc if i == j else acc + _draft(law, pos[i] - pos[j])
+        here, after = slice(0, count - 1), slice(1, count)
+        mean = 0.5 * step * (vel[j][:, here] + vel[j][:, after])
+        bend = step**2 / 12.0 * (acc[:, after] - acc[:, here])
+        equal.append(casadi.vec(pos[j][:, after] - pos[j][:, here] - mean + bend))
+        equal.append(
+            casadi.vec(vel[j][:, after] - vel[j][:, here] - 0.5 * step * (acc[:, here] + acc[:, after]))
+        )
+        equal.append(pos[j][:, 0] - problem.reference[j, 0, :3])
+        equal.append(vel[j][:, 0] - problem.reference[j, 0, 3:6])
+        goal += casadi.sumsqr(pos[j] - problem.reference[j, :, :3].T)
+        goal += EFFORT * casadi.sumsqr(casadi.diff(inputs[j], 1, 1))
+    found = _solved((pos, vel, inputs), (goal, casadi.vertcat(*equal)), problem, iterations)
+    tilt, thrust = found[2][..., :2], found[2][..., 2] * problem.vehicle.hover_thrust
+    climb = np.gradient(found[1], step, axis=1)
+    lift = thrust_acceleration(thrust, tilt, problem.vehicle.mass)
+    return GlobalSolution(found[0], thrust, climb - lift - drafts(problem.model, found[0]))
+
+
+def _solved(
+    variables: tuple[list[casadi.MX], list[casadi.MX], list[casadi.MX]],
+    program: tuple[casadi.MX, casadi.MX],
+    problem: GlobalProblem,
+    iterations: int,
+) -> tuple[Array, Array, Array]:
+    n, count, _ = problem.reference.shape
+    stacked = casadi.vertcat(*(casadi.vec(part) for group in variables for part in group))
+    options = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "ipopt.max_iter": iterations, "ipopt.tol": 1e-8}
+    solver = casadi.nlpsol("global", "ipopt", {"x": stacked, "f": program[0], "g": program[1]}, options)
+    hover = np.tile([0.0, 0.0, 1.0], (n, count, 1))
+    start = np.concatenate(
+        [problem.reference[..., :3].ravel(), problem.reference[..., 3:6].ravel(), hover.ravel()]
+    )
+    top = problem.thrust_max / problem.vehicle.hover_thrust
+    free = np.full(2 * n * count * 3, np.inf)
+    low = np.concatenate([-free, np.tile([-TILT_MAX, -TILT_MAX, 0.0], n * count)])
+    high = np.concatenate([free, np.tile([TILT_MAX, TILT_MAX, top], n * count)])
+    answer = solver(x0=start, lbx=low, ubx=high, lbg=0.0, ubg=0.0)
+    if not solver.stats()["success"]:
+        raise ValueError(
+            f"IPOPT ended with {solver.stats()['return_status']}: allow more than {iterations} steps"
+        )
+    whole = np.array(answer["x"]).ravel().reshape(3, n, count, 3)
+    return whole[0], whole[1], whole[2]
+
+
+def _acceleration(inputs: casadi.MX) -> casadi.MX:
+    roll, pitch, lift = inputs[0, :], inputs[1, :], GRAVITY * inputs[2, :]
+    return casadi.vertcat(
+        lift * casadi.cos(roll) * casadi.sin(pitch),
+        -lift * casadi.sin(roll),
+        lift * casadi.cos(roll) * casadi.cos(pitch) - GRAVITY,
+    )
+
+
+def _draft(law: casadi.Function, rel: casadi.MX) -> casadi.MX:
+    across = casadi.sqrt(casadi.sum1(rel[:2, :] ** 2) + 1e-8)  # smooth where the distance is zero
+    eta = law(casadi.vertcat(across, rel[2, :]))
+    return casadi.vertcat(casadi.MX.zeros(2, rel.shape[1]), eta)
+
+
+def _law(model: InteractionModel) -> casadi.Function:
+    """Return eta_z [m/s^2] of (horizontal distance, height difference) [m], one column a place."""
+    across, depth = np.linspace(0.0, ACROSS_MAX, 121), np.linspace(-DEPTH_MAX, DEPTH_MAX, 251)
+    rel = np.zeros((depth.size, across.size, 3))
+    rel[..., 0], rel[..., 2] = across, depth[:, None]
+    eta = model.acceleration(rel, at_rest(rel))[..., 2]
+    spline = casadi.interpolant("eta", "bspline", [across.tolist(), depth.tolist()], eta.ravel().tolist())
+    place = casadi.MX.sym("place", 2)
+    inside = casadi.vertcat(
+        casadi.fmin(place[0], ACROSS_MAX), casadi.fmax(casadi.fmin(place[1], DEPTH_MAX), -DEPTH_MAX)
+    )
+    return casadi.Function("law", [place], [spline(inside)])

@@ -1,0 +1,79 @@
+"""Pose (26) once for a whole flight: who should be where, and what pushes.
+
+    min  sum_k sum_j |r_j(t_k) - r_j,ref(t_k)|^2
+    s.t. r_j'' = U_j / m b(phi_j, theta_j) - g e_z + eta(r_1 - r_2)          psi_j = 0
+         0 <= U_j <= U_max,  r and r' given at the start
+
+Readings: the draft belongs into the second constraint and is missing in print; only the bound on U1 is
+given. So U2 to U4 are free, any twice differentiable phi, theta can be had by (1)-(3), and those inputs and
+constraints drop out without moving the optimum.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.interaction.model import InteractionModel, at_rest
+from q2q_model.signals import Array
+from q2q_model.vehicle import GRAVITY, Vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalProblem:
+    """Hold one problem: n vehicles, T samples at equal steps."""
+
+    times: Array
+    """(T,) [s]"""
+    reference: Array
+    """Position [m], velocity [m/s], acceleration [m/s^2], world, (n, T, 9); it starts the flight."""
+    vehicle: Vehicle
+    thrust_max: float
+    """U_max [N]."""
+    model: InteractionModel
+
+    def __post_init__(self) -> None:
+        """Check that the samples fit together and the vehicles can hover."""
+        n, count, width = self.reference.shape
+        if self.times.shape != (count,) or width != 9 or n < 1:
+            raise ValueError(
+                f"reference {self.reference.shape} and times {self.times.shape}: (n, T, 9) and (T,) are meant"
+            )
+        if self.thrust_max <= self.vehicle.hover_thrust:
+            raise ValueError(
+                f"thrust_max = {self.thrust_max} N: above the hover thrust {self.vehicle.hover_thrust:.3f} N"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalSolution:
+    """Hold what a method found."""
+
+    pos: Array
+    """[m], world, (n, T, 3)."""
+    thrust: Array
+    """U1 [N], (n, T)."""
+    defect: Array
+    """How far r'' is from what thrust and draft give [m/s^2], (n, T, 3)."""
+
+
+def thrust_acceleration(thrust: Array, tilt: Array, mass: float) -> Array:
+    """Return U1 / m b - g e_z [m/s^2], world, (..., 3), of U1 (...,) [N] and roll, pitch (..., 2) [rad]."""
+    roll, pitch = tilt[..., 0], tilt[..., 1]
+    axis = np.stack([np.cos(roll) * np.sin(pitch), -np.sin(roll), np.cos(roll) * np.cos(pitch)], axis=-1)
+    return np.asarray(axis * (thrust / mass)[..., None] - [0.0, 0.0, GRAVITY])
+
+
+def drafts(model: InteractionModel, pos: Array) -> Array:
+    """Return every vehicle's draft by all others [m/s^2], world, (n, T, 3), of paths (n, T, 3) [m]."""
+    total = np.zeros_like(pos)
+    for i in range(len(pos)):
+        for j in range(len(pos)):
+            if i != j:
+                rel = pos[j] - pos[i]
+                total[i] += model.acceleration(rel, at_rest(rel))
+    return total
+
+
+def z_rmse(problem: GlobalProblem, solution: GlobalSolution) -> Array:
+    """Return each vehicle's root mean square altitude error [m], (n,)."""
+    return np.asarray(np.sqrt(((solution.pos[..., 2] - problem.reference[..., 2]) ** 2).mean(axis=1)))
