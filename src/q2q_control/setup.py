@@ -27,6 +27,7 @@ setup(
         "console_scripts": [
             "pid = q2q_control.ros.pid_node:main",
             "mpc = q2q_control.ros.mpc_node:main",
+            "crazyswarm = q2q_control.ros.crazyswarm_node:main",
             "radio = q2q_control.ros.radio_node:main",
         ],
     },

@@ -104,6 +104,11 @@ class StandInNode:
         """Write down a service."""
         self.ports.append(Port("serves", name, type_name(kind, "srv"), ""))
 
+    def create_client(self, kind: type, name: str) -> Deaf:
+        """Write down a service that is called."""
+        self.ports.append(Port("calls", name, type_name(kind, "srv"), ""))
+        return Deaf()
+
     def create_timer(self, _: float, __: Callable[[], None]) -> None:
         """Let no time pass."""
 

@@ -1,0 +1,62 @@
+"""Send setpoints as Crazyswarm2's servers take them: `<name>/cmd_full_state` or `<name>/cmd_vel_legacy`."""
+
+from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
+from rclpy.node import Node
+from std_msgs.msg import Header
+
+from q2q_control.crazyswarm import legacy_twists
+from q2q_control.legacy import LegacyScale
+from q2q_control.radio_words import FullState, full_states
+from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
+from q2q_model.ros.messages import header_at
+from q2q_model.signals import Interference, Names, SwarmCommand, SwarmSetpoint
+
+QUEUE = 1
+"""A setpoint that was not sent in time is replaced by the next."""
+
+
+class CrazyswarmCommands:
+    """Hold the publishers of every vehicle."""
+
+    def __init__(
+        self, node: Node, names: Names, legacy: tuple[LegacyScale, str], *, full_state: bool
+    ) -> None:
+        """Publish full states, or sticks in a scale for a backend.
+
+        Raises:
+            ImportError: full states are wanted and their package is missing.
+        """
+        self._legacy = legacy
+        self._full_state = find(CRAZYFLIE_PACKAGE, ("FullState",))[0] if full_state else Twist
+        topic = "cmd_full_state" if full_state else "cmd_vel_legacy"
+        self._writers = {
+            name: node.create_publisher(self._full_state, f"{name}/{topic}", QUEUE) for name in names
+        }
+
+    def send_setpoint(self, stamp_ns: int, setpoint: SwarmSetpoint, draft: Interference | None) -> None:
+        """Publish every known vehicle's full state."""
+        header = header_at(stamp_ns)
+        for name, wanted in zip(setpoint.names, full_states(setpoint, draft), strict=True):
+            if name in self._writers:
+                self._writers[name].publish(self._message(header, wanted))
+
+    def send_command(self, command: SwarmCommand) -> None:
+        """Publish every known vehicle's stick."""
+        rows = legacy_twists(command, *self._legacy).tolist()
+        for name, (x, y, yaw_rate, pwm) in zip(command.names, rows, strict=True):
+            if name in self._writers:
+                self._writers[name].publish(
+                    Twist(linear=Vector3(x=x, y=y, z=pwm), angular=Vector3(z=yaw_rate))
+                )
+
+    def _message(self, header: Header, wanted: FullState) -> object:
+        x, y, z = wanted.pos
+        qx, qy, qz, qw = wanted.quat
+        pose = Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+        twist = Twist(linear=_vector(wanted.vel), angular=_vector(wanted.ang_vel))
+        return self._full_state(header=header, pose=pose, twist=twist, acc=_vector(wanted.acc))
+
+
+def _vector(values: tuple[float, ...]) -> Vector3:
+    x, y, z = values
+    return Vector3(x=x, y=y, z=z)

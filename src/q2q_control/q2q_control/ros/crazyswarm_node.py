@@ -1,0 +1,190 @@
+"""Stand between our nodes and Crazyswarm2: poses in and out, setpoints out, services as clients.
+
+| topic or service | way | made of |
+|---|---|---|
+| `poses_in` (NamedPoseArray) | in | `mocap` |
+| `poses_out` (NamedPoseArray, offers a deadline of 10 ms) | out | `state`, measured vehicles only |
+| `<name>/cmd_full_state` (FullState) | out | `reference_safe`, less `interference`'s acceleration if aware |
+| `<name>/cmd_vel_legacy` (Twist) | out, where mode is command | `command`; signs by `backend` |
+| `all/takeoff`, `all/land`, `all/arm`, `all/notify_setpoints_stop` | called by `~/take_off` and its like | |
+
+A package that is absent switches off what needs it, with one line. Set `legacy_hz:=0` on the controller where
+this node sends `cmd_vel_legacy`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from q2q_control.crazyflies import crazyflies_from_document
+from q2q_control.crazyswarm import BACKENDS, frame_of, poses_of
+from q2q_control.legacy import LegacyScale
+from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
+from q2q_control.ros.crazyswarm_services import CrazyswarmServices
+from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
+from q2q_model.cdr import SignalReader, encode, header_stamp_ns
+from q2q_model.health import Health
+from q2q_model.layout import Signal
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.messages import MESSAGES, header_at
+from q2q_model.ros.parameters import declare
+from q2q_model.ros.qos import OUTSIDE, TICK
+from q2q_model.ros.run import run
+from q2q_model.signals import Interference, MocapFrame, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.tick_join import TickJoin
+from q2q_model.vehicle import vehicle_by_name
+
+POSES_OUT = QoSProfile(
+    depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, deadline=Duration(nanoseconds=10_000_000)
+)
+"""Crazyswarm2's servers ask for a deadline of 10 ms: a writer that offers none reaches no one."""
+
+
+@dataclass(frozen=True, slots=True)
+class CrazyswarmParams:
+    """Hold the node's parameters."""
+
+    crazyflies: str = tunable("", "crazyflies.yaml of Crazyswarm2; else `vehicles`", read_only=True)
+    vehicles: tuple[str, ...] = tunable((), "names of the vehicles", read_only=True)
+    poses_in: str = tunable("/poses", "poses of motion capture; empty is none", read_only=True)
+    poses_out: str = tunable("", "filtered poses for Crazyswarm2's server; empty is none", read_only=True)
+    mode: str = tunable("setpoint", "what is sent", choices=("setpoint", "command"), read_only=True)
+    aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
+    backend: str = tunable("cpp", "server that takes cmd_vel_legacy", choices=BACKENDS, read_only=True)
+    vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
+    take_off_height: float = tunable(0.5, "of ~/take_off", unit="m", low=0.1, high=5.0, read_only=True)
+    take_off_s: float = tunable(2.0, "of ~/take_off and ~/land", unit="s", low=0.5, high=60.0, read_only=True)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds, and a topic that would feed itself."""
+        check_bounds(self)
+        if self.poses_in and self.poses_in == self.poses_out:
+            raise ValueError(
+                f"poses_in and poses_out are both {self.poses_in}: frames would go round for ever"
+            )
+
+
+class Crazyswarm:
+    """Hold the topics of both sides."""
+
+    def __init__(self, node: Node) -> None:
+        """Wire what the installed packages allow.
+
+        Raises:
+            ValueError: no vehicles, or a wrong file or parameter.
+            OSError: a file cannot be read.
+        """
+        self._node = node
+        self._asked = declare(node, CrazyswarmParams())
+        self._names = _names(self._asked)
+        self._health = Health()
+        self._join: TickJoin[Signal] = TickJoin(_inputs(self._asked))
+        self._poses: PoseTypes | None = None
+        self._try(self._wire_poses)
+        self._try(self._wire_commands)
+        self._try(self._wire_services)
+        publish_health(node, self._health)
+
+    def _try(self, wire: Callable[[], None]) -> None:
+        """Wire a part, or say why it is off."""
+        try:
+            wire()
+        except ImportError as missing:
+            self._node.get_logger().warning(str(missing))
+            self._health.extra["off"] = f"{self._health.extra.get('off', '')} {missing}".strip()
+
+    def _wire_poses(self) -> None:
+        if not (self._asked.poses_in or self._asked.poses_out):
+            return
+        types = find_pose_types()
+        if self._asked.poses_in:
+            self._mocap = self._node.create_publisher(MESSAGES[MocapFrame], "mocap", TICK)
+            self._node.create_subscription(types.array, self._asked.poses_in, self._on_poses, OUTSIDE)
+        if self._asked.poses_out:
+            self._out = self._node.create_publisher(types.array, self._asked.poses_out, POSES_OUT)
+            self._listen("state", SwarmState)
+        self._poses = types
+
+    def _wire_commands(self) -> None:
+        scale = LegacyScale(vehicle_by_name(self._asked.vehicle).thrust_max)
+        self._commands = CrazyswarmCommands(
+            self._node, self._names, (scale, self._asked.backend), full_state=self._asked.mode == "setpoint"
+        )
+        for topic in _inputs(self._asked):
+            self._listen(topic, _SIGNALS[topic])
+
+    def _wire_services(self) -> None:
+        self._services = CrazyswarmServices(self._node, self._asked.take_off_height, self._asked.take_off_s)
+
+    def _listen(self, topic: str, signal: type[Signal]) -> None:
+        reader = SignalReader(signal)
+
+        def receive(data: bytes) -> None:
+            try:
+                self._take(topic, header_stamp_ns(data), reader.read(data))
+            except ValueError as refusal:
+                self._health.refuse(f"{topic}: {refusal}")
+
+        self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
+
+    def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
+        if isinstance(value, SwarmState):
+            self._send_poses(stamp_ns, value)
+            return
+        tick = self._join.put(topic, stamp_ns, value)
+        self._health.missed = self._join.missed
+        if tick is not None:
+            self._health.ticks += 1
+            self._send(stamp_ns, tick)
+
+    def _send(self, stamp_ns: int, tick: tuple[Signal, ...]) -> None:
+        first, draft = tick[0], tick[1] if len(tick) > 1 else None
+        if isinstance(first, SwarmCommand):
+            self._commands.send_command(first)
+        elif isinstance(first, SwarmSetpoint) and (draft is None or isinstance(draft, Interference)):
+            self._commands.send_setpoint(stamp_ns, first, draft)
+
+    def _on_poses(self, message: PosesMessage) -> None:
+        if self._poses is None:
+            return
+        stamp = message.header.stamp
+        stamp_ns = stamp.sec * 1_000_000_000 + stamp.nanosec
+        poses = [self._poses.read(one) for one in message.poses]
+        self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))
+
+    def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:
+        if self._poses is not None:
+            self._out.publish(self._poses.write(header_at(stamp_ns), poses_of(state)))
+
+
+_SIGNALS: dict[str, type[Signal]] = {
+    "reference_safe": SwarmSetpoint,
+    "interference": Interference,
+    "command": SwarmCommand,
+}
+
+
+def _inputs(asked: CrazyswarmParams) -> tuple[str, ...]:
+    if asked.mode == "command":
+        return ("command",)
+    return ("reference_safe", "interference") if asked.aware else ("reference_safe",)
+
+
+def _names(asked: CrazyswarmParams) -> Names:
+    if not asked.crazyflies:
+        if not asked.vehicles:
+            raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles")
+        return asked.vehicles
+    document = yaml.safe_load(Path(asked.crazyflies).read_text(encoding="utf-8"))
+    return tuple(one.name for one in crazyflies_from_document(document))
+
+
+def main() -> None:
+    """Run the node `crazyswarm`."""
+    run("crazyswarm", Crazyswarm)

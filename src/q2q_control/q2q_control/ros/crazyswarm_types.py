@@ -1,0 +1,77 @@
+"""Find Crazyswarm2's interface packages, which need not be there, and speak both versions of their poses."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Protocol
+
+from geometry_msgs.msg import Point, Pose, Quaternion
+from std_msgs.msg import Header
+
+from q2q_control.crazyswarm import NamedPose
+
+MOCAP_PACKAGE, CRAZYFLIE_PACKAGE = "motion_capture_tracking_interfaces", "crazyflie_interfaces"
+
+
+class PoseMessage(Protocol):
+    """Match NamedPose: with a name, or, before December 2021, with a header whose frame is the name."""
+
+    name: str
+    header: Header
+    pose: Pose
+
+
+class PosesMessage(Protocol):
+    """Match NamedPoseArray."""
+
+    header: Header
+    poses: Sequence[PoseMessage]
+
+
+@dataclass(frozen=True, slots=True)
+class PoseTypes:
+    """Hold the messages of motion capture."""
+
+    array: type
+    one: type
+
+    @property
+    def named(self) -> bool:
+        """Return whether a pose has its own name."""
+        return "name" in self.one.get_fields_and_field_types()  # type: ignore[attr-defined]
+
+    def read(self, message: PoseMessage) -> NamedPose:
+        """Return one pose."""
+        where, turn = message.pose.position, message.pose.orientation
+        name = message.name if self.named else message.header.frame_id
+        return NamedPose(name, (where.x, where.y, where.z), (turn.x, turn.y, turn.z, turn.w))
+
+    def write(self, header: Header, poses: Sequence[NamedPose]) -> PosesMessage:
+        """Return the message of some poses."""
+        made: PosesMessage = self.array(header=header, poses=[self._one(header, pose) for pose in poses])
+        return made
+
+    def _one(self, header: Header, pose: NamedPose) -> PoseMessage:
+        (x, y, z), (qx, qy, qz, qw) = pose.pos, pose.quat
+        where = Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+        own = Header(stamp=header.stamp, frame_id=pose.name)
+        made: PoseMessage = (
+            self.one(name=pose.name, pose=where) if self.named else self.one(header=own, pose=where)
+        )
+        return made
+
+
+def find(package: str, names: Sequence[str], folder: str = "msg") -> list[type]:
+    """Return types of a package; raise ImportError with what is missing and how to get it."""
+    try:
+        module = import_module(f"{package}.{folder}")
+    except ImportError as missing:
+        hint = f"sudo apt install ros-jazzy-{package.replace('_', '-')}"
+        raise ImportError(f"{package} is not installed ({hint}); what needs it is off") from missing
+    return [getattr(module, name) for name in names]
+
+
+def find_pose_types() -> PoseTypes:
+    """Return the messages of motion capture; raise ImportError where they are missing."""
+    array, one = find(MOCAP_PACKAGE, ("NamedPoseArray", "NamedPose"))
+    return PoseTypes(array, one)

@@ -1,0 +1,71 @@
+"""Stand in for Crazyswarm2's interface packages, which the ROS wheels do not have: fields, and nothing more.
+
+Definitions: crazyflie_interfaces 1.0.5, motion_capture_tracking_interfaces 1.0.5, and the NamedPose of before
+December 2021, which had no name of its own.
+"""
+
+from types import ModuleType
+
+FIELDS: dict[str, dict[str, tuple[str, ...]]] = {
+    "crazyflie_interfaces.msg": {"FullState": ("header", "pose", "twist", "acc")},
+    "crazyflie_interfaces.srv": {
+        "Takeoff": ("group_mask", "height", "duration"),
+        "Land": ("group_mask", "height", "duration"),
+        "Arm": ("arm",),
+        "NotifySetpointsStop": ("group_mask", "remain_valid_millisecs"),
+    },
+    "motion_capture_tracking_interfaces.msg": {
+        "NamedPoseArray": ("header", "poses"),
+        "NamedPose": ("name", "pose"),
+    },
+}
+OLD_NAMED_POSE = ("header", "pose", "twist", "acc")
+
+
+class Fields:
+    """Hold the fields of a message; names that it does not have are refused."""
+
+    names: tuple[str, ...] = ()
+
+    def __init__(self, **values: object) -> None:
+        strangers = values.keys() - set(self.names)
+        if strangers:
+            raise AttributeError(f"{type(self).__name__} has no field {', '.join(sorted(strangers))}")
+        self.values = values
+
+    def __getattr__(self, name: str) -> object:
+        """Return a field."""
+        if name in self.__dict__.get("values", {}):
+            return self.values[name]
+        raise AttributeError(f"{type(self).__name__} has no field {name}, or it was not set")
+
+    @classmethod
+    def get_fields_and_field_types(cls) -> dict[str, str]:
+        """Return the names of the fields; their types do not matter here."""
+        return dict.fromkeys(cls.names, "")
+
+
+def interface_packages(*, old_poses: bool = False) -> dict[str, ModuleType]:
+    """Return modules by name, to be put into sys.modules."""
+    modules: dict[str, ModuleType] = {}
+    for path, kinds in FIELDS.items():
+        package, _, folder = path.partition(".")
+        modules.setdefault(package, ModuleType(package))
+        modules[path] = ModuleType(path)
+        for name, fields in kinds.items():
+            own = OLD_NAMED_POSE if old_poses and name == "NamedPose" else fields
+            setattr(
+                modules[path],
+                name,
+                _message(path, name, own) if folder == "msg" else _service(path, name, own),
+            )
+    return modules
+
+
+def _message(module: str, name: str, fields: tuple[str, ...]) -> type:
+    return type(name, (Fields,), {"names": fields, "__module__": f"{module}._{name.lower()}"})
+
+
+def _service(module: str, name: str, fields: tuple[str, ...]) -> type:
+    request = _message(module, f"{name}_Request", fields)
+    return type(name, (), {"Request": request, "__module__": f"{module}._{name.lower()}"})

@@ -1,0 +1,214 @@
+"""The bridge to Crazyswarm2: poses in both versions, full states, sticks of both servers, absent packages."""
+
+import math
+import sys
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from geometry_msgs.msg import Point
+from std_srvs.srv import Trigger
+
+from q2q_control.crazyswarm import NamedPose, frame_of, legacy_twists, poses_of
+from q2q_control.legacy import LegacyScale
+from q2q_control.ros.crazyswarm_node import POSES_OUT, Crazyswarm, CrazyswarmParams
+from q2q_control.ros.crazyswarm_types import find_pose_types
+from q2q_model.cdr import decode, encode
+from q2q_model.rehearsal import rehearsal
+from q2q_model.ros.messages import MESSAGES, header_at
+from q2q_model.signals import (
+    Interference,
+    MocapFrame,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+)
+from q2q_sim.ros.absent_packages import interface_packages
+from q2q_sim.ros.stand_in import StandInNode
+
+NAMES = ("cf1", "cf2")
+NAN = (math.nan,) * 4
+STAMP_NS = 1_230_000_000
+
+
+@dataclass
+class _Sent:
+    """Keep what one publisher publishes, or what one client is asked."""
+
+    messages: list[object] = field(default_factory=list)
+    ready: bool = True
+
+    def publish(self, message: object) -> None:
+        self.messages.append(message)
+
+    def service_is_ready(self) -> bool:
+        return self.ready
+
+    def call_async(self, request: object) -> "_Sent":
+        self.messages.append(request)
+        return self
+
+    def add_done_callback(self, _: object) -> None:
+        pass
+
+
+class _Node(StandInNode):
+    """Keep what a block publishes, serves, asks and says."""
+
+    def __init__(self, **given: object) -> None:
+        super().__init__("crazyswarm", {"vehicles": NAMES, **given})
+        self.out: dict[str, _Sent] = {}
+        self.served: dict[str, object] = {}
+        self.said: list[str] = []
+
+    def create_publisher(self, kind: type, topic: str, qos: object) -> _Sent:
+        super().create_publisher(kind, topic, qos)
+        return self.out.setdefault(topic, _Sent())
+
+    def create_client(self, kind: type, name: str) -> _Sent:
+        super().create_client(kind, name)
+        return self.out.setdefault(name, _Sent())
+
+    def create_service(self, kind: type, name: str, answer: object) -> None:
+        super().create_service(kind, name, answer)
+        self.served[name] = answer
+
+    def get_logger(self) -> "_Node":
+        return self
+
+    def warning(self, line: str) -> None:
+        self.said.append(line)
+
+    def reader(self, kind: type) -> object:
+        return next(receive for found, receive in self.readers if found is kind)
+
+    def give(self, signal: object) -> None:
+        self.reader(MESSAGES[type(signal)])(encode(signal, STAMP_NS))
+
+
+@pytest.fixture(params=[False, True], ids=["named", "before 2021-12"])
+def packages(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, module in interface_packages(old_poses=request.param).items():
+        monkeypatch.setitem(sys.modules, name, module)
+
+
+def poses_message(poses: list[NamedPose]) -> object:
+    return find_pose_types().write(header_at(STAMP_NS), poses)
+
+
+@pytest.mark.usefixtures("packages")
+def test_poses_become_a_frame_of_the_known_vehicles_in_both_versions() -> None:
+    node = _Node()
+    Crazyswarm(node)
+    turn = (0.0, 0.0, math.sin(0.2), math.cos(0.2))
+    poses = [NamedPose("wand", (9.0, 9.0, 9.0), turn), NamedPose("cf2", (1.0, 2.0, 3.0), turn),
+             NamedPose("cf1", (4.0, 5.0, 6.0), NAN)]  # fmt: skip
+    node.reader(find_pose_types().array)(poses_message(poses))
+    (data,) = node.out["mocap"].messages
+    frame = decode(data, MocapFrame)
+    assert (frame.names, frame.t) == (("cf2", "cf1"), pytest.approx(1.23))
+    np.testing.assert_array_equal(frame.pos, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    np.testing.assert_array_equal(frame.quat, [turn, NAN])
+
+
+def test_half_an_orientation_is_none() -> None:
+    frame = frame_of(0, [NamedPose("cf1", (0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0))], NAMES)
+    assert np.isnan(frame.quat).all()
+
+
+@pytest.mark.usefixtures("packages")
+def test_filtered_poses_go_out_where_measured_and_come_back_the_same() -> None:
+    node = _Node(poses_out="/poses_filtered")
+    Crazyswarm(node)
+    state = replace(
+        rehearsal(SwarmState, 0.0, NAMES), status=np.array([TrackStatus.TRACKED, TrackStatus.LOST], np.uint8)
+    )
+    node.give(state)
+    (message,) = node.out["/poses_filtered"].messages
+    types = find_pose_types()
+    assert [types.read(one) for one in message.poses] == poses_of(state)
+    assert [types.read(one).name for one in message.poses] == ["cf1"]
+
+
+def test_the_writer_of_poses_offers_the_deadline_that_the_servers_ask_for() -> None:
+    assert POSES_OUT.deadline.nanoseconds == 10_000_000
+
+
+@pytest.mark.usefixtures("packages")
+def test_full_states_carry_setpoint_and_draft() -> None:
+    node = _Node(poses_in="", aware=True)
+    Crazyswarm(node)
+    setpoint, draft = (rehearsal(kind, 0.0, NAMES) for kind in (SwarmSetpoint, Interference))
+    setpoint = replace(
+        setpoint, pos=np.arange(6.0).reshape(2, 3), acc=np.ones((2, 3)), yaw_rate=np.array([0.1, 0.2])
+    )
+    draft = replace(draft, acc=np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.25]]))
+    node.give(setpoint)
+    assert node.out["cf1/cmd_full_state"].messages == []
+    node.give(draft)
+    (message,) = node.out["cf2/cmd_full_state"].messages
+    assert message.pose.position == Point(x=3.0, y=4.0, z=5.0)
+    assert (message.acc.x, message.acc.y, message.acc.z) == (1.0, 1.0, 0.75)
+    assert message.twist.angular.z == 0.2
+
+
+def one_command() -> SwarmCommand:
+    one = np.ones(2)
+    return SwarmCommand(0.0, NAMES, 0.3 * one, 0.1 * one, 0.2 * one, 0.4 * one, np.zeros(2, np.uint8))
+
+
+@pytest.mark.parametrize(("backend", "turned"), [("cpp", -1.0), ("cflib", 1.0)])
+def test_both_servers_put_the_same_stick_on_the_wire(backend: str, turned: float) -> None:
+    """Cpp sends pitch = -linear.x as it is; the other gives -linear.x to cflib, which turns it again."""
+    x, y, yaw_rate, pwm = legacy_twists(one_command(), LegacyScale(0.6), backend)[0]
+    wire_pitch = turned * x
+    assert wire_pitch == pytest.approx(-math.degrees(0.2))  # legacy: nose up is positive
+    assert (y, yaw_rate, pwm) == (
+        pytest.approx(math.degrees(0.1)),
+        pytest.approx(-math.degrees(0.4)),
+        30000.0,
+    )
+
+
+def test_sticks_need_no_package_of_crazyswarm2() -> None:
+    node = _Node(mode="command", backend="cflib")
+    Crazyswarm(node)
+    node.give(one_command())
+    (twist,) = node.out["cf1/cmd_vel_legacy"].messages
+    assert twist.linear.x == pytest.approx(-math.degrees(0.2))
+
+
+def test_absent_packages_are_named_once_each_and_the_rest_works() -> None:
+    node = _Node(mode="command")
+    Crazyswarm(node)
+    assert [line.split()[0] for line in node.said] == [
+        "motion_capture_tracking_interfaces",
+        "crazyflie_interfaces",
+    ]
+    assert all("sudo apt install ros-jazzy-" in line for line in node.said)
+
+
+@pytest.mark.usefixtures("packages")
+def test_services_are_passed_on_and_a_silent_server_is_named() -> None:
+    node = _Node(take_off_height=0.7)
+    Crazyswarm(node)
+    answer = node.served["~/take_off"](Trigger.Request(), Trigger.Response())
+    assert answer.success
+    (request,) = node.out["all/takeoff"].messages
+    assert (request.height, request.duration.sec) == (0.7, 2)
+    node.served["~/disarm"](Trigger.Request(), Trigger.Response())
+    assert node.out["all/arm"].messages[0].arm is False
+    node.out["all/land"].ready = False
+    answer = node.served["~/land"](Trigger.Request(), Trigger.Response())
+    assert (answer.success, answer.message) == (False, "all/land does not answer: start Crazyswarm2's server")
+
+
+def test_poses_that_would_go_round_and_missing_vehicles_are_refused() -> None:
+    with pytest.raises(ValueError, match="would go round"):
+        CrazyswarmParams(poses_in="/poses", poses_out="/poses")
+    with pytest.raises(ValueError, match="no vehicles"):
+        Crazyswarm(_Node(vehicles=()))
