@@ -4,6 +4,9 @@ Definitions: crazyflie_interfaces 1.0.5, motion_capture_tracking_interfaces 1.0.
 December 2021, which had no name of its own.
 """
 
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import ModuleType
 
 FIELDS: dict[str, dict[str, tuple[str, ...]]] = {
@@ -60,6 +63,18 @@ def interface_packages(*, old_poses: bool = False) -> dict[str, ModuleType]:
                 _message(path, name, own) if folder == "msg" else _service(path, name, own),
             )
     return modules
+
+
+@contextmanager
+def standing_in() -> Iterator[None]:
+    """Let the packages be imported for a while, where they are absent."""
+    made = {name: module for name, module in interface_packages().items() if name not in sys.modules}
+    sys.modules.update(made)
+    try:
+        yield
+    finally:
+        for name in made:
+            sys.modules.pop(name)
 
 
 def _message(module: str, name: str, fields: tuple[str, ...]) -> type:

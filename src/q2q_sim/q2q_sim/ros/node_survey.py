@@ -4,7 +4,6 @@ Every module `q2q_*.ros.*_node` is built on a StandInNode as its `main` would bu
 `WAYS`, and fed one tick, so that topics of a vehicle appear too. The union is the node's interface.
 """
 
-import sys
 from collections.abc import Callable
 from contextlib import ExitStack, redirect_stderr
 from dataclasses import dataclass
@@ -24,7 +23,7 @@ from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.ready import offer_ready
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
-from q2q_sim.ros.absent_packages import interface_packages
+from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.stand_in import Declared, Port, StandInNode
 from q2q_sim.topics import TICK_TOPICS, TYPE_NAMES
 
@@ -65,6 +64,7 @@ def node_modules(package: str) -> list[str]:
 def ways(executable: str, folder: Path) -> list[Way]:
     """Return the ways to start a node that differ in topics or parameters; `folder` has what they need."""
     link: Way = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
+    bridged: Way = {"vehicles": (VEHICLE,)}
     known: dict[str, list[Way]] = {
         "trajectory": [{"plan": str(folder / "plan.json")}],
         "pid": [{"aware": True, "live": True}, {"aware": False, "live": True}],
@@ -74,9 +74,10 @@ def ways(executable: str, folder: Path) -> list[Way]:
             link | {"mode": "setpoint", "aware": False},
         ],
         "crazyswarm": [
-            {"vehicles": (VEHICLE,), "poses_out": "/poses_filtered", "mode": "setpoint", "aware": True},
-            {"vehicles": (VEHICLE,), "poses_out": "", "mode": "setpoint", "aware": False},
-            {"vehicles": (VEHICLE,), "poses_out": "", "mode": "command"},
+            bridged | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": True},
+            bridged | {"mode": "setpoint", "poses_out": "", "aware": True},
+            bridged | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": False},
+            bridged | {"mode": "command", "poses_out": ""},
         ],
         "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
         "bag_record": [{"bag": str(folder / "made")}],
@@ -117,7 +118,7 @@ def _built(module: ModuleType, executable: str, way: Way) -> StandInNode:
     """Return the stand-in after `main` of a node module has built on it and one tick has passed."""
     node = StandInNode(executable, way)
     with ExitStack() as stack:
-        stack.enter_context(patch.dict(sys.modules, interface_packages()))
+        stack.enter_context(standing_in())
         if executable in SILENT:
             stack.enter_context(patch.object(module, SILENT[executable], MagicMock()))
         runner = stack.enter_context(patch.object(module, "run"))
