@@ -26,14 +26,14 @@ KEYS = {
     "torch": "python3-torch",
     "yaml": "python3-yaml",
 }
-WITHOUT_KEY = {"backports", "casadi", "cflib", "daqp", "mcap", "piqp", "pyarrow"}
+WITHOUT_KEY = {"backports", "casadi", "cflib", "daqp", "foxglove", "mcap", "piqp", "pyarrow"}
 
 ROS_PACKAGES = {
     "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs",
     "rcl_interfaces", "rclpy", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs", "visualization_msgs",
 }  # fmt: skip
 
-DISTRIBUTIONS = {"backports": "backports.zstd", "yaml": "PyYAML"}
+DISTRIBUTIONS = {"backports": "backports.zstd", "foxglove": "foxglove-sdk", "yaml": "PyYAML"}
 """Names on the package index that differ from the module's."""
 
 
@@ -81,11 +81,11 @@ def test_what_a_package_imports_is_pinned(package: Path):
     modules = {
         DISTRIBUTIONS.get(name, name).lower() for name in imports(package) & (KEYS.keys() | WITHOUT_KEY)
     }
-    missing = modules - pinned("ros.txt", "run.txt", "dev.txt", "radio.txt", "train.txt")
+    missing = modules - pinned("ros.txt", "run.txt", "dev.txt", "radio.txt", "train.txt", "view.txt")
     assert not missing, f"requirements/ pins no version of {sorted(missing)}"
 
 
-@pytest.mark.parametrize("name", ["build", "ros", "run", "dev", "radio", "train"])
+@pytest.mark.parametrize("name", ["build", "ros", "run", "dev", "radio", "train", "view"])
 def test_every_requirement_is_exact_and_says_why(name: str):
     for line in (ROOT / f"requirements/{name}.txt").read_text(encoding="utf-8").splitlines():
         assert line.startswith("#") or re.fullmatch(r"[A-Za-z0-9_.-]+(\[\w+\])?==\S+  # .+", line), line

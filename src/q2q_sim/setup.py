@@ -14,7 +14,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
-        (f"share/{PACKAGE}/config", glob("config/*.yaml")),
+        (f"share/{PACKAGE}/config", glob("config/*.*")),
     ],
     install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},
@@ -28,6 +28,7 @@ setup(
             "simulator = q2q_sim.ros.simulator_node:main",
             "bag_record = q2q_sim.ros.bag_record_node:main",
             "bag_play = q2q_sim.ros.bag_play_node:main",
+            "view = q2q_sim.ros.view_node:main",
             "bag_import = q2q_sim.tools.bag_import:main",
             "fly = q2q_sim.tools.fly:main",
             "report = q2q_sim.tools.report:main",

@@ -1,0 +1,55 @@
+"""Turn a scene into a MarkerArray for RViz and others."""
+
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from std_msgs.msg import ColorRGBA, Header
+from visualization_msgs.msg import Marker, MarkerArray
+
+from q2q_model.ros.messages import header_at
+from q2q_sim.shapes import Kind, Scene, Shape
+
+TYPES = {
+    Kind.BOX: Marker.CUBE,
+    Kind.CYLINDER: Marker.CYLINDER,
+    Kind.ARROW: Marker.ARROW,
+    Kind.LINE: Marker.LINE_STRIP,
+    Kind.TEXT: Marker.TEXT_VIEW_FACING,
+}
+BY_POINTS = (Kind.ARROW, Kind.LINE)
+"""Kinds that are drawn by their points, not by a pose."""
+HEAD = 2.0
+"""Width of an arrow's head over its shaft's."""
+
+
+def marker_array(scene: Scene, stamp_ns: int) -> MarkerArray:
+    """Return the markers of a scene; the first clears what was drawn before."""
+    header = header_at(stamp_ns)
+    clear = Marker(header=header, action=Marker.DELETEALL)
+    return MarkerArray(markers=[clear, *(_marker(shape, header) for shape in scene.shapes)])
+
+
+def _marker(shape: Shape, header: Header) -> Marker:
+    red, green, blue, opacity = shape.colour
+    by_points = shape.kind in BY_POINTS
+    return Marker(
+        header=header,
+        ns=shape.group,
+        id=shape.row,
+        type=TYPES[shape.kind],
+        action=Marker.ADD,
+        pose=Pose() if by_points else _pose(shape),
+        scale=_scale(shape),
+        color=ColorRGBA(r=red, g=green, b=blue, a=opacity),
+        points=[Point(x=x, y=y, z=z) for x, y, z in shape.points] if by_points else [],
+        text=shape.text,
+    )
+
+
+def _pose(shape: Shape) -> Pose:
+    x, y, z = shape.points[0]
+    qx, qy, qz, qw = shape.quat
+    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+
+
+def _scale(shape: Shape) -> Vector3:
+    x, y, z = shape.size
+    return Vector3(x=x, y=HEAD * x, z=0.0) if shape.kind == Kind.ARROW else Vector3(x=x, y=y, z=z)

@@ -1,0 +1,127 @@
+"""Show a running flight: signals in, `scene` (MarkerArray) out, and to Foxglove where asked.
+
+RViz: `rviz2 -d` with the shipped `config/q2q.rviz`. Foxglove: `-p foxglove:=true`, then open a WebSocket
+connection to ws://localhost:8765 and import the shipped `config/foxglove_layout.json`. What the scene shows:
+q2q_sim.scene. It reads best effort, so that a slow viewer holds up no flight.
+"""
+
+from dataclasses import dataclass
+
+from q2q_msgs.msg import Plan
+from rclpy.node import Node
+from visualization_msgs.msg import MarkerArray
+
+from q2q_model.cdr import SignalReader, header_stamp_ns
+from q2q_model.decimation import Decimation
+from q2q_model.health import Health
+from q2q_model.layout import Signal
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.parameters import declare
+from q2q_model.ros.qos import LATCHED, OUTSIDE
+from q2q_model.ros.run import run
+from q2q_model.signals import Interference, SwarmSetpoint, SwarmState
+from q2q_planner.ros.plan_message import decode_plan
+from q2q_sim.ros.foxglove_scene import FoxgloveScene
+from q2q_sim.ros.scene_markers import marker_array
+from q2q_sim.scene import Glimpse, SceneBuilder, SceneParams
+
+INPUTS: dict[str, type[Signal]] = {
+    "state": SwarmState,
+    "interference": Interference,
+    "reference": SwarmSetpoint,
+    "reference_safe": SwarmSetpoint,
+}
+FOXGLOVE_PORT = 8765
+"""Where Foxglove looks by itself (docs.foxglove.dev)."""
+
+
+@dataclass(frozen=True, slots=True)
+class ViewParams:
+    """Hold the node's own parameters."""
+
+    scene_hz: float = tunable(
+        20.0, "largest rate of the scene, by stamps", unit="Hz", low=0.1, high=100.0, read_only=True
+    )
+    foxglove: bool = tunable(False, "serve the scene to Foxglove on this machine", read_only=True)  # noqa: FBT003
+    foxglove_port: int = tunable(
+        FOXGLOVE_PORT, "TCP port for Foxglove; 0 lets the system choose", low=0, high=65535, read_only=True
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+class View:
+    """Hold the scene's memory, the last signals and the viewers."""
+
+    def __init__(self, node: Node) -> None:
+        """Subscribe, and open the server for Foxglove where asked.
+
+        Raises:
+            ValueError: foxglove-sdk is asked for and not installed.
+            OSError: its port is taken.
+        """
+        params = declare(node, ViewParams())
+        self._builder = SceneBuilder(declare(node, SceneParams()))
+        self._due = Decimation(params.scene_hz)
+        self._health = Health()
+        self._last: dict[str, Signal] = {}
+        self._markers = node.create_publisher(MarkerArray, "scene", 1)
+        self.foxglove = FoxgloveScene(params.foxglove_port) if params.foxglove else None
+        if self.foxglove is not None:
+            node.get_logger().info(f"Foxglove: ws://localhost:{self.foxglove.port}")
+        for topic, signal in INPUTS.items():
+            self._listen(node, topic, signal)
+        node.create_subscription(Plan, "plan", self._on_plan, LATCHED)
+        publish_health(node, self._health)
+
+    def close(self) -> None:
+        """Let Foxglove's viewers go."""
+        if self.foxglove is not None:
+            self.foxglove.close()
+
+    def _listen(self, node: Node, topic: str, signal: type[Signal]) -> None:
+        reader = SignalReader(signal)
+
+        def receive(data: bytes) -> None:
+            try:
+                self._take(topic, header_stamp_ns(data), reader.read(data))
+            except ValueError as refusal:
+                self._health.refuse(f"{topic}: {refusal}")
+
+        node.create_subscription(MESSAGES[signal], topic, receive, OUTSIDE, raw=True)
+
+    def _on_plan(self, message: Plan) -> None:
+        try:
+            self._builder.take_plan(decode_plan(message))
+        except ValueError as refusal:
+            self._health.refuse(f"plan: {refusal}")
+
+    def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
+        self._last[topic] = value
+        if not isinstance(value, SwarmState) or not self._due(value.t):
+            return
+        scene = self._builder.update(glimpse(value, self._last))
+        self._markers.publish(marker_array(scene, stamp_ns))
+        if self.foxglove is not None:
+            self.foxglove.show(scene, stamp_ns)
+        self._health.ticks += 1
+
+
+def glimpse(state: SwarmState, last: dict[str, Signal]) -> Glimpse:
+    """Return what is known with a state: the last signal of each kind."""
+    draft, planned, safe = (last.get(topic) for topic in ("interference", "reference", "reference_safe"))
+    return Glimpse(
+        state,
+        draft if isinstance(draft, Interference) else None,
+        planned if isinstance(planned, SwarmSetpoint) else None,
+        safe if isinstance(safe, SwarmSetpoint) else None,
+    )
+
+
+def main() -> None:
+    """Run the node `view`."""
+    run("view", View, View.close)
