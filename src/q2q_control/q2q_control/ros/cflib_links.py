@@ -87,7 +87,7 @@ class Mailbox:
         self.put_once(send)
 
     def close(self) -> None:
-        """Send nothing more."""
+        """Send what waits, then nothing more."""
         with self._change:
             self._ended = True
             self._change.notify()
@@ -98,7 +98,7 @@ class Mailbox:
             with self._change:
                 while not self._waiting and not self._ended:
                     self._change.wait()
-                if self._ended:
+                if not self._waiting:
                     return
                 kind = next(iter(self._waiting))
                 send = self._waiting.pop(kind)

@@ -11,7 +11,7 @@ and what happens by itself.
 
 from dataclasses import dataclass
 from pathlib import Path
-from time import monotonic
+from time import monotonic, sleep
 
 import yaml
 from rclpy.node import Node
@@ -38,6 +38,9 @@ from q2q_model.vehicle import vehicle_by_name
 
 WATCH_S = 0.02
 """How often links and batteries are looked at [s]."""
+
+SETTLE_S = 0.5
+"""From the end of a landing's polynomial to standing on the ground [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +88,7 @@ class Radio:
         """
         self._node = node
         asked, limits = declare(node, RadioNodeParams()), declare(node, RadioPilotParams())
-        self._asked = asked
+        self._asked, self._land_s = asked, limits.land_s
         self._scale = LegacyScale(vehicle_by_name(asked.vehicle).thrust_max)
         params = firmware_params(asked.firmware_params, asked.mode)
         self._links = {
@@ -101,8 +104,9 @@ class Radio:
         publish_health(node, self._health)
 
     def close(self) -> None:
-        """Let flying vehicles land, then close the links."""
-        self._pilot.land(monotonic())
+        """Let flying vehicles land, then close the links: cflib's last packet stops the motors."""
+        if self._pilot.land(monotonic()).granted:
+            sleep(self._land_s + SETTLE_S)
         for link in self._links.values():
             link.close()
 

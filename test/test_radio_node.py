@@ -1,0 +1,154 @@
+"""The node `radio` as a user starts it: two vehicles over cflib and UDP, live, from start to landing."""
+
+import socket
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+pytest.importorskip("cflib", reason="cflib is not installed: requirements/radio.txt has it")
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from q2q_control.ros import cflib_links
+from q2q_control.ros.radio_node import RadioNodeParams, firmware_params
+from q2q_model.cdr import decode
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.run import make_executor
+from q2q_model.signals import SwarmState
+from q2q_planner import plan_file
+from q2q_sim import assembly, scenarios
+from q2q_sim.tools.domain import own_domain
+from q2q_sim.tools.processes import NodeSpec, Processes
+
+SCENARIO = "table6"
+PATIENCE_S = 120.0
+"""All nodes of a flight on a busy machine [s]."""
+
+
+def free_ports(count: int) -> int:
+    """Return the first of some neighbouring UDP ports that are free on loopback."""
+    for _ in range(50):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(("127.0.0.1", 0))
+            first = int(probe.getsockname()[1])
+        if first + count < 65536 and all(is_free(first + k) for k in range(count)):
+            return first
+    raise AssertionError("no free ports")
+
+
+def is_free(port: int) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError:
+            return False
+    return True
+
+
+class _Watcher:
+    """Watch the flight from a node of its own."""
+
+    def __init__(self, check: Callable[[], None]) -> None:
+        rclpy.init()
+        self._node = Node("watcher")
+        self._executor = make_executor()
+        self._executor.add_node(self._node)
+        self._check = check
+        self.truth: SwarmState | None = None
+        kind = MESSAGES[SwarmState]
+        self._node.create_subscription(kind, "truth", self._on_truth, 10, raw=True)
+
+    def call(self, service: str) -> Trigger.Response:
+        client = self._node.create_client(Trigger, service)
+        self.until(client.service_is_ready, service)
+        future = client.call_async(Trigger.Request())
+        self.until(future.done, service)
+        return future.result()
+
+    def until(self, reached: Callable[[], bool], what: str) -> None:
+        deadline = monotonic() + PATIENCE_S
+        while not reached():
+            self._check()
+            assert monotonic() < deadline, f"{what}: not within {PATIENCE_S} s"
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def granted(self, service: str) -> bool:
+        return bool(self.call(service).success)
+
+    def pass_time(self, seconds: float) -> None:
+        """Wait until the room's time has moved on."""
+        begin = self.now()
+        self.until(lambda: self.now() >= begin + seconds, f"{seconds} s of flight")
+
+    def now(self) -> float:
+        return -1.0 if self.truth is None else self.truth.t
+
+    def _on_truth(self, data: bytes) -> None:
+        self.truth = decode(data, SwarmState)
+
+
+def specs(folder: Path) -> list[NodeSpec]:
+    scenario = scenarios.load(SCENARIO)
+    options = assembly.Options()
+    plan, port = folder / "plan.json", free_ports(2)
+    plan_file.save(plan, assembly.plan_of(scenario))
+    uris = tuple(f"udp://127.0.0.1:{port + k}" for k in range(2))
+    room = {"scenario": SCENARIO, "autostart": False, "crtp": True, "crtp_port": port, "crtp_start": "air"}
+    radio = {"vehicles": scenario.names, "uris": uris, "vehicle": scenario.vehicle.name, "land_s": 1.5}
+    return [
+        NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
+        NodeSpec("q2q_model", "interference", {"model": scenario.model}),
+        NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
+        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, options)),
+        NodeSpec("q2q_control", "pid", assembly.controller_parameters(scenario, options) | {"live": True}),
+        NodeSpec("q2q_sim", "simulator", room),
+        NodeSpec("q2q_control", "radio", radio),
+    ]
+
+
+@pytest.fixture
+def watcher(tmp_path: Path) -> Iterator[_Watcher]:
+    with own_domain(), Processes(tmp_path) as processes:
+        wanted = specs(tmp_path)
+        for spec in wanted:
+            processes.start(spec)
+        made = _Watcher(processes.check)
+        for spec in wanted:
+            made.call(f"{spec.executable}/ready")
+        yield made
+        rclpy.try_shutdown()
+
+
+def test_the_radio_node_starts_flies_and_lands_two_vehicles_live(watcher: _Watcher) -> None:
+    refusal = watcher.call("radio/start")
+    assert not refusal.success  # offline, or without a state: the room stands still
+    assert watcher.granted("simulator/start")
+    watcher.until(lambda: watcher.granted("radio/start"), "radio/start")
+    assert "already" in watcher.call("radio/start").message
+    watcher.pass_time(3.0)
+    assert watcher.truth is not None
+    assert watcher.truth.pos[0, 2] == pytest.approx(1.5, abs=0.1)
+    assert watcher.truth.pos[1, 2] == pytest.approx(2.0, abs=0.1)
+    assert watcher.granted("radio/land")
+    watcher.until(lambda: watcher.truth is not None and watcher.truth.pos[:, 2].max() == 0.0, "landing")
+
+
+def test_a_node_without_cflib_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "cflib.crtp", None)
+    with pytest.raises(ValueError, match="cflib is not installed: `pip install cflib"):
+        cflib_links.CflibLink("cf1", "udp://127.0.0.1:1", {})
+
+
+def test_parameters_of_the_node_are_checked() -> None:
+    with pytest.raises(ValueError, match="2 vehicles and 1 uris"):
+        RadioNodeParams(vehicles=("cf1", "cf2"), uris=("udp://x",))
+    assert firmware_params(("locSrv.extPosStdDev = 1e-3",), "setpoint") == {
+        "stabilizer.controller": 2.0, "locSrv.extPosStdDev": 1e-3,
+    }  # fmt: skip
+    with pytest.raises(ValueError, match=r"'nonsense': group\.name=value"):
+        firmware_params(("nonsense",), "command")
