@@ -29,7 +29,8 @@ KEYS = {
 WITHOUT_KEY = {"backports", "casadi", "cflib", "daqp", "foxglove", "mcap", "piqp", "pyarrow"}
 
 ROS_PACKAGES = {
-    "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs",
+    "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "launch", "launch_ros",
+    "nav_msgs",
     "rcl_interfaces", "rclpy", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs", "visualization_msgs",
 }  # fmt: skip
 

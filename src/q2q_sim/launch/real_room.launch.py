@@ -1,0 +1,13 @@
+"""Fly Crazyflies in a real room: ros2 launch q2q_sim real_room.launch.py plan:=FILE crazyflies:=FILE.
+
+Motion capture comes from outside on the topic `mocap:=`; the vehicles start when `/radio/start` is called.
+"""
+
+from launch import LaunchDescription
+from q2q_sim.ros.launch_description import describe
+from q2q_sim.tools.launching import ROOM_ARGUMENTS, room_nodes
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return the nodes between motion capture and radio; `--show-args` tells the arguments."""
+    return describe(ROOM_ARGUMENTS, room_nodes, {"mocap": "mocap"})

@@ -1,0 +1,10 @@
+"""Fly a scenario in the simulator: ros2 launch q2q_sim scenario.launch.py scenario:=table6 foxglove:=true."""
+
+from launch import LaunchDescription
+from q2q_sim.ros.launch_description import describe
+from q2q_sim.tools.launching import SCENARIO_ARGUMENTS, scenario_nodes
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return the simulator's room and the nodes that fly in it; `--show-args` tells the arguments."""
+    return describe(SCENARIO_ARGUMENTS, scenario_nodes)
