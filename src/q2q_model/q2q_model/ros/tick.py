@@ -10,6 +10,7 @@ from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.ending import forgiving_the_end
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK, TICK_WRITER
 from q2q_model.signals import Names
@@ -54,7 +55,8 @@ class TickWiring(Generic[Made]):
 
     def publish(self, stamp_ns: int, signal: Made) -> None:
         """Publish a signal under a stamp."""
-        self._publisher.publish(encode(signal, stamp_ns))
+        with forgiving_the_end(self._node):
+            self._publisher.publish(encode(signal, stamp_ns))
 
     def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., Made]) -> None:
         reader = SignalReader(signal)
@@ -75,5 +77,6 @@ class TickWiring(Generic[Made]):
         made = update(*values)
         self.publish(stamp_ns, made)
         self.health.ticks += 1
-        for follow in self._after:
-            follow(stamp_ns, made)
+        with forgiving_the_end(self._node):
+            for follow in self._after:
+                follow(stamp_ns, made)

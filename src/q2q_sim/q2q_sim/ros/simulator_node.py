@@ -23,6 +23,7 @@ from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.ending import forgiving_the_end
 from q2q_model.ros.messages import MESSAGES, header_at
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
@@ -134,7 +135,8 @@ class Simulator:
         self._publish("mocap", tick.frame, tick.frame_stamp_ns)
 
     def _publish(self, topic: str, signal: Signal, stamp_ns: int) -> None:
-        self._writers[topic].publish(encode(signal, stamp_ns))
+        with forgiving_the_end(self._node):
+            self._writers[topic].publish(encode(signal, stamp_ns))
 
     def _on_command(self, data: bytes) -> None:
         try:
