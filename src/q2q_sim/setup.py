@@ -31,6 +31,7 @@ setup(
             "bag_play = q2q_sim.ros.bag_play_node:main",
             "view = q2q_sim.ros.view_node:main",
             "bag_import = q2q_sim.tools.bag_import:main",
+            "crtp = q2q_sim.tools.crtp:main",
             "fly = q2q_sim.tools.fly:main",
             "report = q2q_sim.tools.report:main",
         ],
