@@ -4,8 +4,10 @@ The sandwich covariance of a least-squares fit with residuals r and Jacobian J i
 
     B^-1 M B^-1,   B = J'J,   M = sum over blocks of (J'r)(J'r)'
 
-which lets residuals within a block depend on each other in any way (Cameron, Miller, A practitioner's guide
-to cluster-robust inference, 2015). A block is a stretch of time: errors of flight hang together.
+times blocks / (blocks - p), which lets residuals within a block depend on each other in any way (Cameron,
+Miller, A practitioner's guide to cluster-robust inference, 2015). A block is a stretch of time: errors of
+flight hang together. Few blocks show too little spread, so no variance is taken below that of independent
+residuals, B^-1 r'r / (m - p).
 """
 
 from dataclasses import dataclass
@@ -34,10 +36,15 @@ class Interval:
 def sandwich(jacobian: Array, residual: Array, block: Array) -> Array:
     """Return the covariance of the parameters, (p, p), for jacobian (m, p), residual (m,), block (m,)."""
     _, row = np.unique(block, return_inverse=True)
-    scores = np.zeros((row.max() + 1, jacobian.shape[1]))
+    samples, free = jacobian.shape
+    blocks = int(row.max()) + 1
+    scores = np.zeros((blocks, free))
     np.add.at(scores, row, jacobian * residual[:, None])
     bread = np.linalg.pinv(jacobian.T @ jacobian)
-    return np.asarray(bread @ (scores.T @ scores) @ bread)
+    together = bread @ (scores.T @ scores) @ bread * (blocks / max(blocks - free, 1))
+    alone = bread * float(residual @ residual) / max(samples - free, 1)
+    wider = np.sqrt(np.maximum(np.diag(alone) / np.maximum(np.diag(together), 1e-300), 1.0))
+    return np.asarray(wider[:, None] * together * wider)
 
 
 def intervals(value: Array, covariance: Array) -> list[Interval]:

@@ -6,7 +6,7 @@ form of the decay and whether the air keeps its source's speed and slope. The re
     pushes:     y - eta                        on exposed and upper rows
     altitudes:  z - z_free - (h * eta)         every tenth tick: the loop is far slower
 
-Intervals let residuals of two seconds hang together, as a draft's turbulence does (interval.py).
+Intervals let residuals of half a second hang together, as a draft's turbulence does (interval.py).
 """
 
 from collections.abc import Callable, Sequence
@@ -26,8 +26,8 @@ from q2q_model.signals import Array
 
 THINNING = 10
 """Every tenth tick of 100 Hz: 10 Hz for a loop of 0.9 rad/s."""
-BLOCK = 2.0
-"""Length of a block of dependent residuals [s]: a passage."""
+BLOCK = 0.5
+"""Length of a block of dependent residuals [s]: a jet of 0.1 m at 1 m/s passes five times within it."""
 FASTEST = 500.0
 """Travel speeds above this are no delay at all [m/s]: a tenth of a tick over half a metre."""
 
@@ -106,8 +106,9 @@ def _fit(residuals: Callable[[Jet], Residuals], form: JetForm, loss: str = "line
         bounds=(low, high),
         x_scale=np.array([_SCALES[name] for name in names]),
         diff_step=1e-4,  # the residual has corners where a pair enters the reach
-        xtol=1e-6,
-        ftol=1e-8,
+        xtol=1e-5,
+        ftol=1e-7,
+        max_nfev=40,
         loss=loss,
         f_scale=TURBULENT,
     )

@@ -53,7 +53,7 @@ def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord
     axis = rotate(flight.quat, UP)
     given = lagged(flight.thrust, flight.t, lag) * axis[..., 2] / vehicle.mass
     push = force - given
-    whole = np.asarray(np.isfinite(push) & np.isfinite(flight.pos).all(axis=-1))
+    whole = np.asarray(np.isfinite(push) & np.isfinite(flight.thrust) & np.isfinite(flight.pos).all(axis=-1))
     if not whole.any():
         return None
     return ForceRecord(

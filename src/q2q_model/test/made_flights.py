@@ -1,0 +1,84 @@
+"""Make flights with a known draft, gains and lag, by small steps that know nothing of (14)'s solution."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from q2q_model.flights import FLIGHT_FIELDS, Flight
+from q2q_model.identification.altitude_loop import AltitudeLoop
+from q2q_model.interaction.jet import PAPER_LAW
+from q2q_model.interaction.model import InteractionModel, at_rest
+from q2q_model.signals import Array
+from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY
+
+STEP, TICK = 0.002, 0.01
+"""Physics and recording [s]."""
+LOOP = AltitudeLoop(k_p=0.81, k_d=0.43, lag=0.1)
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """Hold a flight: Q2 passes over Q1 at `speed` [m/s], `gap` [m] above it."""
+
+    name: str = "pass"
+    gap: float = 0.5
+    speed: float = 0.5
+    seconds: float = 30.0
+    start: float = 0.0
+    """Q1 starts this far above its reference [m]."""
+    loop: AltitudeLoop = LOOP
+    law: InteractionModel = PAPER_LAW
+    noise: float = 0.0
+    """Of measured positions [m] and, fifty times this, of velocities and accelerations."""
+
+
+@cache
+def made_flight(made: Pass) -> Flight:
+    """Return the recorded flight: places, references, commands, accelerometer."""
+    ticks = round(made.seconds / TICK)
+    t = np.arange(ticks) * TICK
+    pos, vel, thrust, eta = _fly(made, ticks)
+    rng = np.random.default_rng(11)
+    seen = pos + made.noise * rng.standard_normal(pos.shape)
+    seen_vel = vel + 50.0 * made.noise * rng.standard_normal(vel.shape)
+    level = np.tile([0.0, 0.0, 0.0, 1.0], (ticks, 2, 1))
+    ref = np.tile([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0 + made.gap]], (ticks, 1, 1))
+    lift = -made.loop.k_p * (seen - ref)[..., 2] - made.loop.k_d * seen_vel[..., 2] + made.loop.offset
+    acc = thrust + eta + 50.0 * made.noise * rng.standard_normal(eta.shape)
+    force = np.stack([np.zeros_like(acc), np.zeros_like(acc), acc + GRAVITY], axis=-1)
+    names = [name for fields in FLIGHT_FIELDS.values() for name in fields.values()]
+    unknown = {name: np.full((ticks, 2, 3), np.nan) for name in names}
+    flat = {name: np.full((ticks, 2), np.nan) for name in ("thrust", "roll", "pitch", "command_status")}
+    known = {
+        "mocap_pos": seen, "mocap_quat": level, "pos": seen, "vel": seen_vel, "quat": level, "ref_pos": ref,
+        "ref_vel": np.zeros_like(ref), "ref_acc": np.zeros_like(ref), "specific_force_body": force,
+        "thrust": CRAZYFLIE_2_0.mass * (GRAVITY + lift), "command_status": np.zeros((ticks, 2)),
+        "true_pos": pos, "true_eta": np.stack([0.0 * eta, 0.0 * eta, eta], axis=-1),
+    }  # fmt: skip
+    return Flight(name=made.name, names=("cf1", "cf2"), t=t, **(unknown | flat | known))
+
+
+def _fly(made: Pass, ticks: int) -> tuple[Array, Array, Array, Array]:
+    """Return pos, vel (T, 2, 3), lagged lift and eta (T, 2), by semi-implicit steps of 2 ms."""
+    loop, per = made.loop, round(TICK / STEP)
+    pos, vel = np.zeros((ticks, 2, 3)), np.zeros((ticks, 2, 3))
+    lifts, etas = np.zeros((ticks, 2)), np.zeros((ticks, 2))
+    ref = np.array([1.0, 1.0 + made.gap])
+    z, v = ref + np.array([made.start, 0.0]), np.zeros(2)
+    lift = loop.offset - loop.k_p * (z - ref)
+    for k in range(ticks * per):
+        y = np.array([0.0, np.clip(made.speed * (k * STEP - made.seconds / 2), -1.0, 1.0)])
+        rel = np.array([0.0, y[1] - y[0], z[1] - z[0]])
+        both = np.stack((rel, -rel))
+        eta = made.law.acceleration(both, at_rest(both))[:, 2]
+        if k % per == 0:
+            row = k // per
+            pos[row, :, 1], pos[row, :, 2], vel[row, :, 2] = y, z, v
+            vel[row, 1, 1] = made.speed if abs(y[1]) < 1.0 else 0.0
+            lifts[row], etas[row] = lift, eta
+        wanted = loop.offset - loop.k_p * (z - ref) - loop.k_d * v
+        lift = lift + (1.0 - np.exp(-STEP / loop.lag)) * (wanted - lift) if loop.lag > 0.0 else wanted
+        v = v + STEP * (lift + eta)
+        z = z + STEP * v
+    return pos, vel, lifts, etas

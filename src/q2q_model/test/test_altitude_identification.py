@@ -1,0 +1,200 @@
+"""Prove that records, gains, lag and dev come out as they were put in."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_flights import LOOP, Pass, made_flight
+from scipy.integrate import solve_ivp
+
+from q2q_model.identification.altitude_loop import AltitudeLoop
+from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.command_gains import gains_from_commands
+from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
+from q2q_model.identification.impulse_response import draft_response, free_response, impulse_response
+from q2q_model.identification.thrust_lag import thrust_lag
+from q2q_model.identification.trajectory_gains import gains_by_powell, gains_from_trajectories, is_better
+from q2q_model.interaction.jet import PAPER_LAW
+from q2q_model.interaction.none import NoInteraction
+from q2q_model.vehicle import CRAZYFLIE_2_0
+
+PLAIN = AltitudeLoop(k_p=0.81, k_d=0.43)
+RICH = AltitudeLoop(k_p=0.81, k_d=0.43, k_i=0.1, offset=0.2, lag=0.1)
+CALM = Pass(law=NoInteraction(), start=0.3, noise=1e-4)
+PASSES = [Pass(name=f"gap {gap}", gap=gap, noise=1e-4) for gap in (0.4, 0.6, 0.9)]
+
+
+def record_of(made: Pass) -> AltitudeRecord:
+    """Return the record of a made flight."""
+    return altitude_record(made_flight(made), CRAZYFLIE_2_0)
+
+
+@pytest.mark.parametrize("loop", [PLAIN, RICH])
+def test_the_loops_exact_response_is_that_of_an_accurate_solver(loop: AltitudeLoop):
+    dt, ticks = 0.01, 800
+    t = np.arange(ticks) * dt
+    eta = np.interp(t, [3.0, 4.0, 5.0], [0.0, -1.0, 0.0], left=0.0, right=0.0)
+    start = np.array([[0.1], [-0.05]])
+
+    def rate(when: float, x: np.ndarray) -> list[float]:
+        wanted = -loop.k_p * x[0] - loop.k_d * x[1] + loop.k_i * x[2] + loop.offset
+        draft = np.interp(when, t, eta)
+        lift = x[3] if loop.lag else wanted
+        return [x[1], lift + draft, -x[0], (wanted - x[3]) / loop.lag if loop.lag else 0.0]
+
+    settled = loop.offset - loop.k_p * 0.1 + loop.k_d * 0.05
+    exact = {"rtol": 1e-9, "atol": 1e-11, "max_step": 0.05}
+    solved = solve_ivp(rate, (0.0, t[-1]), [0.1, -0.05, 0.0, settled], t_eval=t, **exact)
+    found = free_response(loop, dt, start, np.zeros((ticks, 1))) + draft_response(loop, dt, eta[:, None])
+    np.testing.assert_allclose(found[:, 0], solved.y[0], atol=1e-7)  # the solver's own error
+
+
+def test_the_response_to_any_draft_is_its_convolution_with_the_impulse_response():
+    eta = np.random.default_rng(12).standard_normal((300, 2))
+    eta[0] = 0.0
+    h = impulse_response(RICH, 0.01, 300)
+    expected = np.stack([np.convolve(h, eta[:, k])[:300] for k in range(2)], axis=1)
+    np.testing.assert_allclose(draft_response(RICH, 0.01, eta), expected, atol=1e-12)
+
+
+def test_a_vehicle_that_starts_beside_its_moving_reference_catches_up_without_knowing_its_jerk():
+    """With lag the reference's jerk drives the error: a steady jerk j leaves -T j / K_p."""
+    ticks = 4000
+    loop = AltitudeLoop(k_p=4.0, k_d=4.0, lag=0.05)
+    error = free_response(loop, 0.01, np.zeros((2, 1)), np.full((ticks, 1), 0.3))
+    assert error[-1, 0] == pytest.approx(-0.05 * 0.3 / 4.0, rel=1e-6)
+
+
+def test_gains_from_commands_are_those_that_flew_and_lie_inside_their_interval():
+    loop = replace(LOOP, offset=0.15)
+    fit = gains_from_commands([record_of(Pass(loop=loop, start=0.2, noise=1e-4))])
+    assert fit.k_p.low <= loop.k_p <= fit.k_p.high
+    assert fit.k_d.low <= loop.k_d <= fit.k_d.high
+    assert fit.k_p.high - fit.k_p.low < 0.01 * loop.k_p
+    assert fit.needs_offset
+    assert not fit.needs_integral
+    assert fit.loop.offset == pytest.approx(0.15, rel=1e-6)
+
+
+def test_terms_that_did_not_fly_are_not_asked_for():
+    fit = gains_from_commands([record_of(PASSES[0])])
+    assert not fit.needs_offset
+    assert not fit.needs_integral
+    assert fit.loop.k_i == fit.loop.offset == 0.0
+
+
+def test_rows_in_which_a_limit_cut_the_command_do_not_move_the_gains():
+    record = record_of(CALM)
+    lift = record.lift.copy()
+    lift[100:150] = 0.05
+    fit = gains_from_commands([replace(record, lift=lift)])
+    assert fit.k_p.value == pytest.approx(LOOP.k_p, rel=1e-3)  # 50 of 6000 rows, all wrong the same way
+
+
+def test_a_flight_without_commands_is_refused_with_the_way_out():
+    record = record_of(CALM)
+    with pytest.raises(ValueError, match="0 rows with thrust commands in 1 flights, 200 needed"):
+        gains_from_commands([replace(record, lift=np.full_like(record.lift, np.nan))])
+
+
+def test_trajectories_alone_give_the_gains_of_a_loop_without_lag():
+    record = record_of(replace(CALM, loop=PLAIN, noise=1e-5))
+    fit = gains_from_trajectories([record])
+    found = dict(fit.intervals)
+    assert found["k_p"].value == pytest.approx(0.81, rel=2e-3)  # the physics steps by 2 ms: order K_d dt
+    assert found["k_d"].value == pytest.approx(0.43, rel=5e-3)
+
+
+def test_a_lag_hides_in_the_damping_that_trajectories_show():
+    fit = gains_from_trajectories([record_of(CALM)])
+    assert fit.loop.k_d == pytest.approx(LOOP.k_d - LOOP.k_p * LOOP.lag, rel=0.05)  # next order: K_d^2 T
+
+
+def test_powell_through_a_solver_finds_the_same_gains_less_exactly():
+    record = record_of(replace(CALM, loop=PLAIN, seconds=12.0, noise=1e-5))
+    powell, exact = gains_by_powell([record]).loop, gains_from_trajectories([record]).loop
+    assert powell.k_p == pytest.approx(exact.k_p, rel=0.03)
+    assert powell.k_d == pytest.approx(exact.k_d, rel=0.03)  # solve_ivp's tolerance moves K_d by 0.007
+
+
+def test_an_offset_is_found_where_there_is_one_and_only_there():
+    with_one = [record_of(replace(CALM, loop=AltitudeLoop(0.81, 0.43, offset=0.1)))]
+    without = [record_of(replace(CALM, loop=PLAIN))]
+    more, less = (gains_from_trajectories(with_one, options) for options in (("offset",), ()))
+    assert is_better(more, less)
+    assert more.loop.offset == pytest.approx(0.1, rel=0.01)
+    assert not is_better(gains_from_trajectories(without, ("offset",)), gains_from_trajectories(without))
+
+
+def test_the_thrusts_lag_is_found_from_accelerometer_and_command():
+    found = thrust_lag([made_flight(made) for made in (CALM, *PASSES)], CRAZYFLIE_2_0)
+    assert found == pytest.approx(LOOP.lag, abs=0.01)  # a tick: commands are held for one
+
+
+def test_without_an_accelerometer_no_lag_is_claimed():
+    flight = made_flight(CALM)
+    blind = replace(flight, specific_force_body=np.full_like(flight.specific_force_body, np.nan))
+    assert thrust_lag([blind], CRAZYFLIE_2_0) is None
+
+
+def test_dev_is_the_mean_of_both_deviations_while_above_each_other():
+    record = record_of(replace(PASSES[0], noise=0.0))
+    overlap = overlap_of(record, DeviationParams(steady=0.0))
+    assert overlap is not None
+    over = np.hypot(*(record.pos[:, 1] - record.pos[:, 0])[:, :2].T) <= 0.1
+    away = np.abs(record.pos[over, :, 2] - [1.0, 1.4]).sum(axis=1)
+    assert overlap.dev == pytest.approx(away.mean(), rel=0.02)  # less the clear-air bias, a few of a percent
+    assert overlap.gap == pytest.approx(np.abs(np.diff(record.pos[over, :, 2], axis=1)).mean())
+
+
+def test_a_constant_deviation_in_clear_air_is_no_disturbance():
+    record = record_of(PASSES[0])
+    ref = record.ref.copy()
+    ref[..., 0] += 0.03
+    shifted = replace(record, ref=ref)
+    before, after = (overlap_of(one, DeviationParams(steady=0.0)) for one in (record, shifted))
+    assert before is not None
+    assert after is not None
+    assert after.dev == pytest.approx(before.dev, rel=1e-6)
+
+
+def test_the_decay_fit_finds_the_law_it_was_drawn_from_and_says_when_d_was_not_flown():
+    decay = fit_decay([record_of(one) for one in PASSES], DeviationParams(steady=0.0, allowed=0.005))
+    gaps = np.array([overlap.gap for overlap in decay.overlaps])
+    devs = np.array([overlap.dev for overlap in decay.overlaps])
+    curve = decay.alpha.value * np.exp(-decay.beta.value * gaps)
+    np.testing.assert_allclose(curve, devs, rtol=0.05)  # the paper's law is no exponential
+    assert decay.alpha.value * np.exp(-decay.beta.value * decay.d.value) == pytest.approx(0.005, rel=1e-6)
+    assert decay.extrapolated
+    assert decay.d.low <= decay.d.value <= decay.d.high
+
+
+def test_one_flight_with_overlap_gives_no_decay():
+    near = record_of(PASSES[0])
+    with pytest.raises(ValueError, match="1 of 2 flights have vehicles within"):
+        fit_decay([near, replace(near, pos=near.pos + np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]))])
+
+
+def test_holes_and_outliers_are_mended_and_counted():
+    flight = made_flight(replace(CALM, noise=0.0))
+    pos = flight.mocap_pos.copy()
+    pos[500, 0] += [0.0, 0.0, 1.0]
+    pos[700:720, 1] = np.nan
+    unfiltered = replace(flight, mocap_pos=pos, pos=np.full_like(pos, np.nan), vel=np.full_like(pos, np.nan))
+    record = altitude_record(unfiltered, CRAZYFLIE_2_0)
+    assert record.outliers == 1
+    assert record.samples == 2 * record.t.size - 20
+    np.testing.assert_allclose(record.pos, flight.true_pos, atol=1e-4)  # a line over 0.2 s of a slow swing
+
+
+def test_a_flight_without_a_reference_says_what_to_record():
+    flight = made_flight(CALM)
+    blind = replace(flight, ref_pos=np.full_like(flight.ref_pos, np.nan))
+    with pytest.raises(ValueError, match="record the topics mocap"):
+        altitude_record(blind, CRAZYFLIE_2_0)
+
+
+def test_the_paper_law_pushes_the_made_flights_lower_vehicle_down():
+    flight = made_flight(PASSES[0])
+    strongest = -PAPER_LAW.strength * (0.83 / 0.73) ** 2
+    assert flight.true_eta[:, 0, 2].min() == pytest.approx(strongest, rel=0.1)  # it sinks a little
