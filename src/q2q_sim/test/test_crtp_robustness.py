@@ -34,7 +34,7 @@ def test_datagrams_of_no_packets_size_are_refused(size: int) -> None:
 
 @settings(
     deadline=None,
-    max_examples=300,
+    max_examples=100,
 )
 @given(st.lists(ANY, max_size=30))
 def test_no_datagram_crashes_a_vehicle_or_makes_its_answers_too_long(datagrams: list[bytes]) -> None:

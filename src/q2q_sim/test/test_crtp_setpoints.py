@@ -21,6 +21,8 @@ FLOAT32 = 1e-6
 """Relative error of a 32-bit float."""
 Numbers = tuple[float, ...]
 
+ALIKE = 1.0 - 6 * 0.0007**2
+"""Cosine of half the angle between attitudes: three parts are off by 0.0007 each, the largest by thrice that."""
 MILLI = 1.001e-3
 """cflib cuts thousandths off."""
 
@@ -95,9 +97,7 @@ def test_full_state_carries_every_number_in_its_place(numbers: list[float], angl
     np.testing.assert_allclose(
         np.radians(one.rate_deg), rates, atol=MILLI
     )  # rad/s, whatever cflib calls them
-    assert (
-        abs(np.dot(one.attitude_quat, quat)) > 1.0 - 4 * 0.0007**2
-    )  # four parts, each off by at most 0.0007
+    assert abs(np.dot(one.attitude_quat, quat)) > ALIKE
 
 
 def test_position_velocity_hover_distance_manual_and_stop_are_read(grounded: Pilot) -> None:
@@ -136,11 +136,8 @@ def test_old_setpoints_of_the_same_kind_turn_the_other_way(grounded: Pilot) -> N
     with pytest.warns(DeprecationWarning, match="legacy"):
         Commander(wire).send_velocity_world_setpoint(1.0, 2.0, 3.0, 40.0)
     assert wire.sent[-1][1] == 1  # the old type
-    assert commanded(grounded).rate_deg == (
-        0.0,
-        0.0,
-        40.0,
-    )  # cflib turned the sign, the vehicle turns it back
+    # cflib turned the sign, the vehicle turns it back
+    assert commanded(grounded).rate_deg == (0.0, 0.0, 40.0)
 
 
 @settings(deadline=None)
@@ -150,8 +147,8 @@ def test_quaternions_are_packed_and_unpacked_as_cflib_does(parts: Numbers) -> No
     x, y, z, w = quat.tolist()
     mine = compressed((x, y, z, w))
     np.testing.assert_allclose(decompressed(mine), decompress_quaternion(mine), atol=1e-12)
-    assert abs(np.dot(decompressed(compress_quaternion(quat)), quat)) > 1.0 - 4 * 0.0007**2
-    assert abs(np.dot(decompress_quaternion(mine), quat)) > 1.0 - 4 * 0.0007**2
+    assert abs(np.dot(decompressed(compress_quaternion(quat)), quat)) > ALIKE
+    assert abs(np.dot(decompress_quaternion(mine), quat)) > ALIKE
 
 
 def test_notify_setpoint_stop_gives_way_to_the_high_level_commander(grounded: Pilot) -> None:
