@@ -4,12 +4,16 @@ Who starts a flight adds up who reads what and compares: a reliable writer that 
 nothing to it, so the first tick may go out once every writer has matched every reader.
 """
 
+from rclpy.duration import Duration
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from q2q_model.wiring import Wiring
 
 SERVICE = "ready"
+DRAINED = "drained"
+DRAIN = Duration(seconds=0.1)
+"""How long one question waits for acknowledgement: shorter than a caller's patience."""
 
 
 def offer_ready(node: Node) -> None:
@@ -21,6 +25,19 @@ def offer_ready(node: Node) -> None:
         return response
 
     node.create_service(Trigger, f"~/{SERVICE}", answer)
+
+
+def offer_drained(node: Node) -> None:
+    """Offer the service `~/drained`: success once every reader has acknowledged all that was published.
+
+    Who ends a flight asks for it, so that a recorder behind its time loses nothing.
+    """
+
+    def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success = all(writer.wait_for_all_acked(DRAIN) for writer in node.publishers)
+        return response
+
+    node.create_service(Trigger, f"~/{DRAINED}", answer)
 
 
 def wiring_of(node: Node) -> Wiring:

@@ -10,7 +10,7 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
-from q2q_model.ros.ready import offer_ready
+from q2q_model.ros.ready import offer_drained, offer_ready
 
 WAKE_S = 0.5
 """How often the spin loop looks whether it should end [s]. (EventsExecutor.spin() runs nothing here.)"""
@@ -30,6 +30,7 @@ def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | 
     try:
         kept = build(node := Node(name))
         offer_ready(node)
+        offer_drained(node)
         try:
             spin(node)
         finally:

@@ -14,12 +14,14 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from q2q_model.ros.qos import LATCHED
-from q2q_model.ros.ready import SERVICE
+from q2q_model.ros.ready import DRAINED, SERVICE
 from q2q_model.ros.run import make_executor
 from q2q_model.wiring import unmatched, wiring_from_text
 
 POLL_S = 0.05
 """How often the graph is asked [s]."""
+DRAIN_S = 10.0
+"""How long one node may take to hand over what it published [s]."""
 STILL_S = 60.0
 """A flight that makes no tick for this long has failed [s]."""
 SOURCES = ("/simulator", "/bag_play")
@@ -87,6 +89,20 @@ class FlightDirector:
             self._follow()
             progress(self._ticks)
         return self._summary
+
+    def wait_drained(self, nodes: Iterable[str]) -> None:
+        """Return once every reader has all that the nodes published, or after DRAIN_S.
+
+        Give the recorder last: it answers only after it has taken what came before the question.
+        """
+        for name in nodes:
+            client = self._node.create_client(Trigger, f"{name}/{DRAINED}")
+            deadline = monotonic() + DRAIN_S
+            while monotonic() < deadline:
+                answer = self._call(client) if client.service_is_ready() else None
+                if answer is not None and answer.success:
+                    break
+                self._spin(POLL_S)
 
     def wait_playback(self) -> None:
         """Return once the bag has been played to its end."""

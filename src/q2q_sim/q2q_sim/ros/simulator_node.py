@@ -57,7 +57,7 @@ class SimulatorParams:
     autostart: bool = tunable(True, "fly at once; else wait for ~/start", read_only=True)  # noqa: FBT003
     crtp: bool = tunable(False, "fly live by CRTP clients instead of commands", read_only=True)  # noqa: FBT003
     again_s: float = tunable(
-        2.0, "lockstep: ask for a lost tick again after", unit="s", low=0.01, high=60.0, read_only=True
+        5.0, "lockstep: ask for a lost tick again after", unit="s", low=0.01, high=60.0, read_only=True
     )
     give_up_s: float = tunable(
         10.0, "lockstep: fly on without a command after", unit="s", low=0.01, high=3600.0, read_only=True

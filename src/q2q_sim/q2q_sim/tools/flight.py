@@ -20,6 +20,7 @@ from q2q_sim.scenario import Scenario
 from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.processes import NodeSpec, Processes
 
+RECORDER = "bag_record"
 WIRING_TIMEOUT_S = 90.0
 """How long all nodes together may take to start and find each other [s]; a busy machine needs 20."""
 
@@ -92,6 +93,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
             director.start()
             total = scenario.duration / assembly.TICK_S
             summary = director.wait_summary(lambda ticks: progress(ticks / total))
+            director.wait_drained([*(spec.executable for spec in specs[1:]), RECORDER])
     flight = read_flight(bag)
     return FlightRun(request, flight, measure(flight, scenario.vehicle), timing_of(summary), bag)
 
@@ -105,7 +107,7 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
     return [
         NodeSpec(
             "q2q_sim",
-            "bag_record",
+            RECORDER,
             {
                 "bag": str(bag),
                 "stamps": "receive" if request.live else "header",

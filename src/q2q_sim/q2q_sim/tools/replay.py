@@ -7,7 +7,7 @@ from q2q_model.bag import read_flight
 from q2q_model.flights import Flight
 from q2q_sim.ros.flight_director import FlightDirector
 from q2q_sim.tools.domain import own_domain
-from q2q_sim.tools.flight import WIRING_TIMEOUT_S
+from q2q_sim.tools.flight import RECORDER, WIRING_TIMEOUT_S
 from q2q_sim.tools.processes import NodeSpec, Processes
 
 
@@ -33,13 +33,14 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
             director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S)
             director.start("bag_play")
             director.wait_playback()
+            director.wait_drained([*(spec.executable for spec in specs[1:]), RECORDER])
     return read_flight(made)
 
 
 def node_specs(bag: Path, model: str, made: Path, names: Sequence[str]) -> list[NodeSpec]:
     """Return the nodes of a replay with their parameters."""
     return [
-        NodeSpec("q2q_sim", "bag_record", {"bag": str(made), "stamps": "header"}),
+        NodeSpec("q2q_sim", RECORDER, {"bag": str(made), "stamps": "header"}),
         NodeSpec("q2q_model", "mocap_filter", {"vehicles": tuple(names)}),
         NodeSpec("q2q_model", "interference", {"model": model}),
         NodeSpec(
