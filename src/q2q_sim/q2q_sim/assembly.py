@@ -20,7 +20,8 @@ from q2q_planner.avoidance import avoid
 from q2q_planner.minsnap import minimum_snap_plan
 from q2q_planner.potential_field import PotentialField, PotentialFieldParams
 from q2q_planner.replanner import Replanner
-from q2q_planner.safe_replanner import SafeReplanner, SafeReplannerParams
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.safe_replanner import SafeReplanner
 from q2q_planner.trajectory import SwarmPlan
 from q2q_sim.room import TICK_S
 from q2q_sim.scenario import Scenario, block_params

@@ -28,7 +28,7 @@ from q2q_model.signals import Names
 from q2q_model.vehicle import Vehicle, vehicle_by_name
 from q2q_planner.minsnap import Reading
 from q2q_planner.potential_field import PotentialFieldParams
-from q2q_planner.safe_replanner import SafeReplannerParams
+from q2q_planner.safe_params import SafeReplannerParams
 from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
 from q2q_sim.disturbance import DisturbanceParams
 from q2q_sim.faults import Fault, check_vehicles, fault_from_document

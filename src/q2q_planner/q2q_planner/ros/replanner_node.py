@@ -15,7 +15,8 @@ from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import SwarmSetpoint, SwarmState
 from q2q_planner.potential_field import PotentialField, PotentialFieldParams
 from q2q_planner.replanner import Replanner
-from q2q_planner.safe_replanner import SafeReplanner, SafeReplannerParams
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.safe_replanner import SafeReplanner
 
 SAFE = "safe"
 PREFIX = f"{SAFE}."

@@ -1,0 +1,131 @@
+"""Put everyone who could meet at a tick into one table: the swarm's rows first, then the strangers'.
+
+What is not known of a vehicle grows its zone by g0 [m] now and g1 [m/s] later on. Of our own: `tracking`,
+and `drift` for a measurement that is missing. Of a stranger heard of at age A: it may have turned by acc_max
+since, and go on so for one step, so its velocity is known within acc_max (A + STEP) and its position within
+half of that times A + STEP. What a stranger that keeps the law *surely* does is less: it brakes, from one
+step after its message, for it may only have chosen otherwise where that was proven against us.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.interaction.model import Reach
+from q2q_model.neighbours import pairs_in_reach
+from q2q_model.signals import Array, SwarmSetpoint
+from q2q_planner.barrier import Rows
+from q2q_planner.braking import Motions, motion_after
+from q2q_planner.held_motion import SNAP_POS, SNAP_VEL, STEP, HeldMotion, Mask, near_reference
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.sightings import Word
+
+GRACE = 0.1
+"""A measurement younger than this does not count as missing [s]: `tracking` holds its drift."""
+
+NOBODY: Rows = np.zeros(0, dtype=np.intp)
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Hold everyone at a tick."""
+
+    own: int
+    """Rows of the swarm."""
+    pos: Array
+    """Strangers: where they would be had they flown on [m], (rows, 3)."""
+    vel: Array
+    """[m/s], (rows, 3)"""
+    growth: Array
+    """g0 [m] and g1 [m/s], (rows, 2)."""
+    sure: Motions
+    """What each stranger surely does, (m, ...)."""
+    pairs: tuple[Rows, Rows]
+    """Rows i < j that could matter to each other, i of the swarm."""
+
+    @property
+    def meets(self) -> Mask:
+        """Return who of the swarm has someone to mind, (own,)."""
+        found = np.zeros(len(self.pos), np.bool_)
+        found[self.pairs[0]] = True
+        found[self.pairs[1]] = True
+        return found[: self.own]
+
+
+def own_doubts(held: HeldMotion, word: Word | None, params: SafeReplannerParams) -> tuple[Array, Mask]:
+    """Return the growth (n, 2) of our vehicles' zones, and who has left its trajectory (n,).
+
+    `word` None trusts every vehicle to follow.
+    """
+    growth = np.tile([params.tracking + SNAP_POS, SNAP_VEL], (len(held.names), 1))
+    if word is None:
+        return growth, np.zeros(len(held.names), np.bool_)
+    age = np.minimum(word.age, params.forget)
+    unseen = np.maximum(age - GRACE, 0.0)
+    growth[:, 0] += params.drift * unseen
+    growth[:, 1] += np.where(unseen > 0.0, params.drift, 0.0)
+    away = np.sqrt(((word.pos + word.vel * age[:, None] - held.pos) ** 2).sum(-1))
+    return growth, away > params.tracking + params.drift * age + 0.5 * params.acc_max * age**2
+
+
+def scene_of(
+    held: HeldMotion, setpoint: SwarmSetpoint, growth: Array, word: Word, params: SafeReplannerParams
+) -> tuple[HeldMotion, Scene]:
+    """Return the swarm, with those put onto their references that may be, and everyone in one table.
+
+    Who was on its reference and meets nobody stays on it, however it jumps.
+    """
+    strange = _strangers(word, params)
+    near = near_reference(held, setpoint)
+    for stay in (held.on_reference, np.zeros_like(near)):
+        put = near | stay
+        placed = replace(
+            held,
+            pos=np.where(put[:, None], setpoint.pos, held.pos),
+            vel=np.where(put[:, None], setpoint.vel, held.vel),
+            on_reference=put,
+        )
+        scene = _with_pairs(placed, growth, strange, params)
+        if not (scene.meets & put & ~near).any():
+            break
+    return placed, scene
+
+
+def _strangers(word: Word, params: SafeReplannerParams) -> Scene:
+    """Return the strangers' rows."""
+    age, most = word.age + STEP, params.acc_max
+    growth = np.stack([0.5 * most * age**2 + SNAP_POS, most * age + SNAP_VEL], -1)
+    count = len(word.names)
+    still, step = np.zeros((count, 3)), np.full(count, STEP)
+    pos, vel = motion_after((word.pos, word.vel, still, np.minimum(step, word.age), growth), word.age, most)
+    rest = np.sqrt((word.vel**2).sum(-1)) / most
+    slack = -0.5 * most * STEP**2 - most * STEP * rest - SNAP_POS - SNAP_VEL * rest
+    sure = pos, vel, still, np.maximum(STEP - word.age, 0.0), np.stack([slack, np.zeros(count)], -1)
+    there = word.pos + word.vel * word.age[:, None]
+    return Scene(0, there, word.vel, growth, sure, (NOBODY, NOBODY))
+
+
+def _with_pairs(held: HeldMotion, growth: Array, strange: Scene, params: SafeReplannerParams) -> Scene:
+    whole = Scene(
+        len(held.names),
+        np.concatenate([held.pos, strange.pos]),
+        np.concatenate([held.vel, strange.vel]),
+        np.concatenate([growth, strange.growth]),
+        strange.sure,
+        (NOBODY, NOBODY),
+    )
+    if len(whole.pos) < 2:
+        return whole
+    i, j = pairs_in_reach(whole.pos, _reach(whole, params))
+    once = (i < j) & (i < whole.own)
+    return replace(whole, pairs=(i[once], j[once]))
+
+
+def _reach(scene: Scene, params: SafeReplannerParams) -> Reach:
+    """Return how near two must be to matter: zone, growth, braking of both, and the approach's push."""
+    speed = float(np.sqrt((scene.vel**2).sum(-1)).max())
+    growth, rate = scene.growth.max(axis=0)
+    rest = (speed + float(rate)) / params.acc_max + 2.0 * STEP
+    approach = 2.0 * (2.0 * speed + float(rate)) / params.approach + 2.0 * params.acc_max / params.approach**2
+    far = 2.0 * float(growth + rate * rest) + params.margin + 2.0 * speed * rest + approach
+    return Reach(params.eps + far, params.d + far)
