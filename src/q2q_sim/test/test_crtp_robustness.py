@@ -11,6 +11,7 @@ from q2q_sim.crtp.link_model import DelayLine, LinkParams, Radios, is_stream
 from q2q_sim.crtp.packet import MAX_DATA, MalformedError, Packet, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.vehicle import MOST_CLIENTS
+from q2q_sim.onboard.parameter_table import TABLE
 from q2q_sim.onboard.supervisor_rules import State
 
 PORTS = st.sampled_from([0, 2, 3, 4, 5, 6, 7, 8, 9, 13, 15])
@@ -151,3 +152,21 @@ def test_a_delay_line_gives_what_has_arrived_in_order_of_arrival(arrivals: list[
     assert line.due(t) == [k for _, k in expected]
     rest = [one for one in arrivals if one > t]
     assert line.next_arrival == (min(rest) if rest else None)
+
+
+HUGE = st.sampled_from([3.4e38, -3.4e38, 1e20, 0.0, -1.0])
+WRITABLE = [number for number, one in enumerate(TABLE) if one.kind == "float" and not one.read_only]
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.sampled_from(WRITABLE), HUGE, st.sampled_from([7, 8, 9, 10]), HUGE, st.sampled_from([1, 2]))
+def test_senseless_gains_and_setpoints_never_make_the_room_no_number(
+    parameter: int, gain: float, kind: int, wanted: float, controller: int
+) -> None:
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [0.05, 0.0, 1.5, 0.0]]))
+    vehicle = pilot.fleet.vehicles[0]
+    vehicle.firmware.parameters.set("stabilizer.controller", controller)
+    pilot.fly(0.4)
+    vehicle.handle(b"\x2e" + struct.pack("<Hf", parameter, gain))
+    pilot.fly(0.4, lambda _: vehicle.handle(b"\x7c" + struct.pack("<Bffff", kind, *[wanted] * 4)))
+    assert np.isfinite(pilot.swarm.state).all()

@@ -22,7 +22,7 @@ FLOAT32 = 1e-6
 Numbers = tuple[float, ...]
 
 ALIKE = 1.0 - 6 * 0.0007**2
-"""Cosine of half the angle between attitudes: three parts are off by 0.0007 each, the largest by thrice that."""
+"""Cosine of half the angle between attitudes: three parts are off by 0.0007, the largest by thrice that."""
 MILLI = 1.001e-3
 """cflib cuts thousandths off."""
 
@@ -94,9 +94,8 @@ def test_full_state_carries_every_number_in_its_place(numbers: list[float], angl
     np.testing.assert_allclose(one.pos, pos, atol=MILLI)
     np.testing.assert_allclose(one.vel, vel, atol=MILLI)
     np.testing.assert_allclose(one.acc, acc, atol=MILLI)
-    np.testing.assert_allclose(
-        np.radians(one.rate_deg), rates, atol=MILLI
-    )  # rad/s, whatever cflib calls them
+    # rad/s, whatever cflib calls them
+    np.testing.assert_allclose(np.radians(one.rate_deg), rates, atol=MILLI)
     assert abs(np.dot(one.attitude_quat, quat)) > ALIKE
 
 

@@ -25,7 +25,8 @@ def _mix(memory: Array, frame: Array) -> None:
     memory[m + 2], memory[m + 3] = thrust + r - p + y, thrust + r + p - y
     excess = max(memory[m], memory[m + 1], memory[m + 2], memory[m + 3]) - PWM_TOP
     for k in range(4):
-        memory[m + k] = max(memory[m + k] - max(excess, 0.0), 0.0)
+        pwm = memory[m + k] - max(excess, 0.0)
+        memory[m + k] = min(pwm, PWM_TOP) if pwm > 0.0 else 0.0  # 0 for what senseless gains make no number
 
 
 def _drive_motors(wanted: Array, memory: Array, frame: Array, forces: Array) -> None:
