@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from q2q_model.rotations import quat_from_euler, rotate_inverse
 from q2q_sim.crtp import log_table, parameters
 from q2q_sim.crtp.contents import Contents, Entry
 from q2q_sim.crtp.log_table import VARIABLES
@@ -192,6 +193,30 @@ def test_every_variable_can_be_logged(grounded: Pilot) -> None:
         values = [struct.unpack("<f", data)[0] for _, data in logged(grounded, 1)]
         assert values
         assert np.isfinite(values).all(), VARIABLES[k]
+
+
+def test_everything_that_crazyswarm2_logs_and_sets_by_default_is_there() -> None:
+    logged_there = """stateEstimate.x stateEstimate.y stateEstimate.z stabilizer.roll stabilizer.pitch stabilizer.yaw
+        kalman.statePX kalman.statePY kalman.statePZ gyro.x gyro.y gyro.z
+        supervisor.info pm.vbatMV pm.vbat pm.state radio.rssi radio.numRxBc radio.numRxUc"""
+    set_there = """commander.enHighLevel stabilizer.estimator stabilizer.controller locSrv.extPosStdDev
+        locSrv.extQuatStdDev kalman.resetEstimation kalman.initialX kalman.initialY kalman.initialZ ring.effect"""
+    assert set(logged_there.split()) <= {f"{one.group}.{one.name}" for one in VARIABLES}
+    assert set(set_there.split()) <= {one.name for one in TABLE}
+
+
+def test_the_logs_of_a_moving_vehicle_have_the_firmwares_signs(grounded: Pilot) -> None:
+    quat = quat_from_euler(0.1, 0.2, 0.3)
+    grounded.swarm.state[0, :13] = 1.0, 2.0, 3.0, 0.5, -0.4, 0.3, *quat, 0.7, 0.8, 0.9
+    values = {f"{one.group}.{one.name}": one.read(grounded.firmware()) for one in VARIABLES}
+    degrees = [values[f"stateEstimate.{name}"] for name in ("roll", "pitch", "yaw")]
+    np.testing.assert_allclose(degrees, np.degrees([0.1, -0.2, 0.3]))  # legacy pitch: nose up
+    np.testing.assert_allclose([values[f"gyro.{axis}"] for axis in "xyz"], np.degrees([0.7, 0.8, 0.9]))
+    rates = [values[f"stateEstimateZ.rate{name}"] for name in ("Roll", "Pitch", "Yaw")]
+    np.testing.assert_allclose(rates, [700.0, -800.0, 900.0])
+    body = rotate_inverse(quat, np.array([0.5, -0.4, 0.3]))
+    np.testing.assert_allclose([values[f"kalman.stateP{axis}"] for axis in "XYZ"], body)
+    np.testing.assert_allclose([values[f"stateEstimateZ.{axis}"] for axis in "xyz"], [1e3, 2e3, 3e3])
 
 
 def test_the_trajectory_memory_keeps_what_is_written_within_it(grounded: Pilot) -> None:

@@ -12,6 +12,7 @@ from itertools import chain
 
 import numpy as np
 
+from q2q_model.rotations import rotate_inverse
 from q2q_model.signals import Array
 from q2q_model.vehicle import GRAVITY
 from q2q_sim.crtp.contents import Contents, Entry
@@ -69,6 +70,10 @@ def _legacy_rates(firmware: Firmware) -> Array:
     return np.asarray(firmware.rows.state[RATE] * np.array([1.0, -1.0, 1.0]))
 
 
+def _vel_body(firmware: Firmware) -> Array:
+    return rotate_inverse(_quat(firmware), firmware.vel)
+
+
 def _compressed_quat(firmware: Firmware) -> float:
     x, y, z, w = _quat(firmware).tolist()
     return float(compressed((x, y, z, w)))
@@ -107,6 +112,8 @@ _CONTROL = (
 _SENSORS = (
     _vector("acc: x y z", "float", lambda one: one.specific_force_g),
     _vector("gyro: x y z", "float", lambda one: one.rates_deg),
+    _vector("kalman: stateX stateY stateZ", "float", lambda one: one.pos),
+    _vector("kalman: statePX statePY statePZ", "float", _vel_body),
     _vector("kalman: varX varY varZ varPX varPY varPZ", "float", lambda one: one.estimator.variance),
     _vector("locSrv: x y z", "float", lambda one: one.external.pos),
     _vector("locSrv: qx qy qz qw", "float", lambda one: one.external.quat),
