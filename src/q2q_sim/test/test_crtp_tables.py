@@ -196,11 +196,12 @@ def test_every_variable_can_be_logged(grounded: Pilot) -> None:
 
 
 def test_everything_that_crazyswarm2_logs_and_sets_by_default_is_there() -> None:
-    logged_there = """stateEstimate.x stateEstimate.y stateEstimate.z stabilizer.roll stabilizer.pitch stabilizer.yaw
-        kalman.statePX kalman.statePY kalman.statePZ gyro.x gyro.y gyro.z
+    logged_there = """stateEstimate.x stateEstimate.y stateEstimate.z stabilizer.roll
+        stabilizer.pitch stabilizer.yaw kalman.statePX kalman.statePY kalman.statePZ gyro.x gyro.y gyro.z
         supervisor.info pm.vbatMV pm.vbat pm.state radio.rssi radio.numRxBc radio.numRxUc"""
     set_there = """commander.enHighLevel stabilizer.estimator stabilizer.controller locSrv.extPosStdDev
-        locSrv.extQuatStdDev kalman.resetEstimation kalman.initialX kalman.initialY kalman.initialZ ring.effect"""
+        locSrv.extQuatStdDev kalman.resetEstimation kalman.initialX kalman.initialY kalman.initialZ
+        ring.effect"""
     assert set(logged_there.split()) <= {f"{one.group}.{one.name}" for one in VARIABLES}
     assert set(set_there.split()) <= {one.name for one in TABLE}
 

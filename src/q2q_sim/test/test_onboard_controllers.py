@@ -19,6 +19,7 @@ from q2q_sim.onboard.flight import Controllers, fly_tick
 from q2q_sim.onboard.mellinger import mellinger
 from q2q_sim.onboard.motors import drive_motors
 from q2q_sim.onboard.parameters import Parameters
+from q2q_sim.onboard.pid_step import filtered, pid, slope_of
 from q2q_sim.onboard.setpoint import ZERO, Mode, Setpoint
 from q2q_sim.quadcopter import QUAT, RATE, STATE_WIDTH
 from q2q_sim.swarm import Swarm
@@ -211,3 +212,26 @@ def test_acceleration_of_the_setpoint_takes_a_constant_push_out_under_mellinger_
     assert error[MELLINGER, False] == pytest.approx(push / stiffness, rel=0.15)
     assert abs(error[MELLINGER, True]) < 0.15 * error[MELLINGER, False]  # the rotors' lag at the start
     assert error[PID, True] == error[PID, False]
+
+
+def test_a_pid_sums_its_three_parts_and_stops_at_its_limits() -> None:
+    gains, memory, dt = np.array([2.0, 0.5, 0.1]), np.zeros(4), 0.01
+    errors = [1.0, 2.0, -0.5]
+    for error in errors:
+        out = pid(error, slope_of(memory, 0, -error, dt), memory, gains, (0, 0, dt, 5000.0, 0.0))
+    slope = (errors[2] - errors[1]) / dt  # of minus the measurement
+    assert out == pytest.approx(2.0 * errors[2] + 0.5 * sum(errors) * dt + 0.1 * slope)
+    assert pid(1e9, 0.0, memory, gains, (0, 0, dt, 1.0, 7.0)) == 7.0
+    assert memory[0] == 1.0  # the integral's own limit
+
+
+@pytest.mark.parametrize(("hertz", "gain"), [(0.0, 1.0), (20.0, math.sqrt(0.5))])
+def test_the_filter_of_derivatives_passes_slow_ones_and_halves_the_power_at_its_cutoff(
+    hertz: float, gain: float
+) -> None:
+    memory, t = np.zeros(4), np.arange(400) / 100.0
+    wave = np.exp(2j * math.pi * hertz * t)
+    real = np.array([filtered(memory, 0, one) for one in wave.real])
+    memory[:] = 0.0
+    imaginary = np.array([filtered(memory, 0, one) for one in wave.imag])
+    np.testing.assert_allclose(np.hypot(real, imaginary)[200:], gain, rtol=1e-9)  # the start has died out
