@@ -1,11 +1,11 @@
 """Read the gains of the altitude loop where it is made: between what the controller saw and asked for.
 
-    U1 b_z / m - g - z_ref'' = K_p (z_ref - z) + K_d (z_ref' - z') + b + K_i xi - c eta_told
+    U1 b_z / m - g - z_ref'' = K_p (z_ref - z) + K_d (z_ref' - z') + K_i xi - c eta_told + b
 
 One row a tick, linear in the gains, so least squares is exact; Huber weights keep rows out in which a limit
-cut in. Terms beyond K_p and K_d enter only where an F test asks for them: does the sum of squares fall by
-more than chance? Rows that err together count as fewer, n (1 - rho) / (1 + rho), rho the residual's
-correlation from one row to the next.
+cut in. The offset b is each vehicle's own in each flight (battery, mass). Terms beyond K_p and K_d stay only
+where an F test asks for them: does leaving them out raise the sum of squares by more than chance? Rows that
+err together count as fewer, n (1 - rho) / (1 + rho), rho the residual's correlation from one row to the next.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -38,8 +38,8 @@ ROUNDS = 10
 BLOCK = 1.0
 """Length of a block of dependent errors [s]."""
 
-K_P, K_D, OFFSET, INTEGRAL, TOLD = range(5)
-"""Columns of the equation."""
+K_P, K_D, INTEGRAL, TOLD, OFFSET = range(5)
+"""Terms of the equation; the last is one column for each vehicle of each flight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +58,15 @@ class GainFit:
 
 @dataclass(frozen=True, slots=True)
 class _Equation:
+    """Hold the rows of all vehicles of all flights."""
+
     target: Array
     columns: Array
+    """K_P to TOLD, (rows, 4)."""
+    group: Array
+    """Which vehicle of which flight, (rows,)."""
     block: Array
+    """Stretch of time, unique among groups, (rows,)."""
 
 
 def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
@@ -75,76 +81,99 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
             f"{system.target.size} rows with thrust commands in {len(records)} flights, {FEWEST} needed: "
             "record the topic command, or fit the gains to trajectories"
         )
-    used = [K_P, K_D]
-    for term in (TOLD, OFFSET, INTEGRAL):
-        if _is_needed(system, used, term):
-            used.append(term)
-    value, weight = _robust(system, used)
-    residual = system.target - system.columns[:, used] @ value
+    terms = [K_P, K_D, INTEGRAL, TOLD, OFFSET]
+    for term in (TOLD, INTEGRAL, OFFSET):
+        if not _is_needed(system, terms, term):
+            terms.remove(term)
+    design = _design(system, terms)
+    value, weight = _robust(design, system.target)
+    residual = system.target - design @ value
     root = np.sqrt(weight)
     seen = np.copysign(np.maximum(np.abs(residual), RESOLUTION), residual)
-    covariance = sandwich(root[:, None] * system.columns[:, used], root * seen, system.block)
-    found = dict(zip(used, intervals(value, covariance), strict=True))
+    spread = intervals(value, sandwich(root[:, None] * design, root * seen, system.block))
+    found = dict(zip([term for term in terms if term != OFFSET], spread, strict=False))
     loop = AltitudeLoop(
         k_p=found[K_P].value,
         k_d=found[K_D].value,
         k_i=found[INTEGRAL].value if INTEGRAL in found else 0.0,
-        offset=found[OFFSET].value if OFFSET in found else 0.0,
+        offset=float(value[len(found) :].mean()) if OFFSET in terms else 0.0,
     )
     return GainFit(
         loop=loop,
         k_p=found[K_P],
         k_d=found[K_D],
-        needs_offset=OFFSET in found,
-        needs_integral=INTEGRAL in found,
+        needs_offset=OFFSET in terms,
+        needs_integral=INTEGRAL in terms,
         rms=_spread(residual),
     )
 
 
 def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
-    parts = [_equation(record, i, k) for k, record in enumerate(records) for i in range(len(record.names))]
+    parts = [
+        _equation(record, i, 1000 * k + i)
+        for k, record in enumerate(records)
+        for i in range(len(record.names))
+    ]
     return _Equation(
         target=np.concatenate([part.target for part in parts]),
         columns=np.concatenate([part.columns for part in parts]),
+        group=np.concatenate([part.group for part in parts]),
         block=np.concatenate([part.block for part in parts]),
     )
 
 
-def _equation(record: AltitudeRecord, i: int, flight: int) -> _Equation:
+def _equation(record: AltitudeRecord, i: int, group: int) -> _Equation:
     error = -record.deviation[:, i]
     rate = record.ref[:, i, 1] - record.vel[:, i, 2]
     integral = np.cumsum(error) * record.dt
     told = np.where(np.isfinite(record.feed_forward[:, i]), record.feed_forward[:, i], 0.0)
-    columns = np.stack([error, rate, np.ones_like(error), integral - integral.mean(), -told], axis=1)
+    columns = np.stack([error, rate, integral - integral.mean(), -told], axis=1)
     target = record.lift[:, i] - record.ref[:, i, 2]
     known = np.isfinite(target)
-    block = 1e6 * flight + 1e3 * i + np.floor(record.t / BLOCK)
-    return _Equation(target[known], columns[known], block[known])
+    block = 1e6 * group + np.floor(record.t / BLOCK)
+    return _Equation(target[known], columns[known], np.full(known.sum(), float(group)), block[known])
 
 
-def _is_needed(system: _Equation, used: list[int], term: int) -> bool:
-    """Return whether `term` lowers the weighted sum of squares by more than chance."""
-    if np.ptp(system.columns[:, term]) == 0.0 and term != OFFSET:
+def _design(system: _Equation, terms: Sequence[int]) -> Array:
+    """Return the columns of `terms`, in their order, the offsets' last."""
+    plain = system.columns[:, [term for term in terms if term != OFFSET]]
+    if OFFSET not in terms:
+        return plain
+    own = system.group[:, None] == np.unique(system.group)
+    return np.concatenate((plain, own.astype(np.float64)), axis=1)
+
+
+def _is_needed(system: _Equation, terms: list[int], term: int) -> bool:
+    """Return whether leaving `term` out raises the weighted sum of squares by more than chance."""
+    if term != OFFSET and np.ptp(system.columns[:, term]) == 0.0:
         return False
-    _, weight = _robust(system, used)
-    less, more = (_squares(system, terms, weight) for terms in (used, [*used, term]))
-    rho = _correlation(system, used, weight)
-    rows = weight.sum() * (1.0 - rho) / (1.0 + rho)
-    freedom = max(rows - len(used) - 1, 1.0)
-    ratio = (less - more) / max(more, rows * RESOLUTION**2) * freedom
-    return bool(fdtrc(1, freedom, max(ratio, 0.0)) < NEEDED)
+    whole, less = _design(system, terms), _design(system, [other for other in terms if other != term])
+    _, weight = _robust(whole, system.target)
+    full, reduced = (_weighted_residual(design, system.target, weight) for design in (whole, less))
+    squares = float(full @ full)
+    rho = float(np.clip(full[1:] @ full[:-1] / max(squares, 1e-300), 0.0, 0.999))
+    extra = whole.shape[1] - less.shape[1]
+    freedom = max(weight.sum() * (1.0 - rho) / (1.0 + rho) - whole.shape[1], 1.0)
+    floor = max(squares, weight.sum() * RESOLUTION**2)
+    ratio = (float(reduced @ reduced) - squares) / floor * freedom / extra
+    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < NEEDED)
 
 
-def _robust(system: _Equation, used: list[int]) -> tuple[Array, Array]:
+def _robust(design: Array, target: Array) -> tuple[Array, Array]:
     """Return the parameters and the Huber weight of every row, by reweighting."""
-    weight = np.ones_like(system.target)
+    weight = np.ones_like(target)
     for _ in range(ROUNDS):
-        root = np.sqrt(weight)
-        columns, target = root[:, None] * system.columns[:, used], root * system.target
-        value: Array = np.linalg.lstsq(columns, target, rcond=None)[0].astype(np.float64)
-        residual = np.abs(system.target - system.columns[:, used] @ value)
+        value = _solve(design, target, weight)
+        residual = np.abs(target - design @ value)
         weight = np.minimum(1.0, HUBER * _spread(residual) / np.maximum(residual, 1e-12))
     return value, weight
+
+
+def _solve(design: Array, target: Array, weight: Array) -> Array:
+    weighted = weight[:, None] * design
+    scale = np.maximum(np.abs(design).max(axis=0), 1e-12)  # a column of zeros stays one
+    normal = (weighted / scale).T @ (design / scale)
+    return np.asarray(np.linalg.lstsq(normal, (weighted / scale).T @ target, rcond=None)[0] / scale)
 
 
 def _spread(residual: Array) -> float:
@@ -152,19 +181,5 @@ def _spread(residual: Array) -> float:
     return max(1.4826 * float(np.median(np.abs(residual))), RESOLUTION)
 
 
-def _squares(system: _Equation, terms: list[int], weight: Array) -> float:
-    residual = _weighted_residual(system, terms, weight)
-    return float(residual @ residual)
-
-
-def _correlation(system: _Equation, terms: list[int], weight: Array) -> float:
-    residual = _weighted_residual(system, terms, weight)
-    total = float(residual @ residual)
-    return float(np.clip(float(residual[1:] @ residual[:-1]) / max(total, 1e-300), 0.0, 0.999))
-
-
-def _weighted_residual(system: _Equation, terms: list[int], weight: Array) -> Array:
-    root = np.sqrt(weight)
-    columns, target = root[:, None] * system.columns[:, terms], root * system.target
-    value, *_ = np.linalg.lstsq(columns, target, rcond=None)
-    return np.asarray(target - columns @ value)
+def _weighted_residual(design: Array, target: Array, weight: Array) -> Array:
+    return np.asarray(np.sqrt(weight) * (target - design @ _solve(design, target, weight)))

@@ -7,6 +7,8 @@ flights -> repaired records -> gains (12)-(13) -> thrust lag -> dev, alpha, beta
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from q2q_model.flight_log import FlightLog
 from q2q_model.flights import Flight
 from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
@@ -26,6 +28,9 @@ from q2q_model.vehicle import CRAZYFLIE_2_0, Vehicle
 from q2q_model.zone import Cylinder
 
 Tell = Callable[[str], None]
+
+FEED_FORWARD = "fa_ff"
+"""Column of a log with the force that the controller took off [N]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +74,7 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
         ValueError: the flights lack what a step needs; the message says which flight and what to record.
     """
     tell("records")
-    records = [altitude_record(one.flight, params.vehicle) for one in recordings]
+    records = [_record(one, params.vehicle) for one in recordings]
     tell("gains")
     gains, remarks = _gains(records)
     lag = thrust_lag([one.flight for one in recordings], params.vehicle) or params.vehicle.thrust_lag
@@ -103,6 +108,15 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
         file=ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit),
         remarks=(*remarks, *said, *more),
     )
+
+
+def _record(one: Recording, vehicle: Vehicle) -> AltitudeRecord:
+    """Return a flight's record; what its log says the controller took off counts as told."""
+    record = altitude_record(one.flight, vehicle)
+    if one.log is None or FEED_FORWARD not in one.log.columns:
+        return record
+    rows = np.clip(np.searchsorted(one.log.t, record.t - 0.5 * record.dt), 0, one.log.t.size - 1)
+    return replace(record, feed_forward=one.log.column(FEED_FORWARD)[rows] / vehicle.mass)
 
 
 def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:
