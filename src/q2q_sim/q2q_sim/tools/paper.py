@@ -1,0 +1,97 @@
+"""Remake every table and figure of the paper from the project's own flights, beside its numbers.
+
+Finished experiments are kept in OUT/cache and not run again until the code changes; a run that was broken off
+goes on where it stood.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from q2q_model.tools.command_line import CommandLine
+from q2q_sim.tools import paper_control, paper_learning, paper_planning
+from q2q_sim.tools.fly import warn_plainly
+from q2q_sim.tools.paper_cache import PaperCache, fingerprint
+from q2q_sim.tools.paper_numbers import PaperNumber, chosen, paper_numbers
+from q2q_sim.tools.paper_outcome import Experiment, Outcome
+from q2q_sim.tools.paper_page import as_json, write_page, write_pdf
+
+EXAMPLE = """  scripts/paper
+  scripts/paper --only table6,fig10 --json out/paper.json"""
+
+EXPERIMENTS = (
+    Experiment("vehicle", ("table1",), 0.1, paper_learning.vehicle),
+    Experiment("pid", ("table6", "table7", "fig14"), 30.0, paper_control.pid),
+    Experiment("planning", ("fig10", "fig11"), 30.0, paper_planning.planning),
+    Experiment("replanning", ("fig12", "fig13"), 15.0, paper_planning.replanning),
+    Experiment(
+        "learning",
+        ("table2", "table3", "table4", "fig4", "fig5", "fig6", "fig7", "fig8", "fig9"),
+        90.0,
+        paper_learning.learning,
+    ),
+    Experiment("mpc", ("table7", "fig15"), 60.0, paper_control.mpc),
+)
+"""In the order they are run: quick ones first."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Remake the paper; return the exit status."""
+    made = CommandLine("paper", __doc__, EXAMPLE)
+    made.add_argument("--only", default="", metavar="LIST", help="tables and figures, as table6,fig10")
+    made.add_argument("--out", type=Path, default=Path("out/paper"), help="folder of page, PDF, pictures")
+    made.add_argument("--json", type=Path, metavar="FILE", help="write the rows to this file")
+    made.add_argument("--again", action="store_true", help="run finished experiments again")
+    asked = made.parse_args(arguments)
+    warn_plainly("paper")
+    try:
+        return _remake(chosen(paper_numbers(), asked.only), asked.out, asked.json, again=asked.again)
+    except KeyboardInterrupt:
+        print("paper: interrupted; what is finished is kept, run it again to go on", file=sys.stderr)
+        return 130
+    except (ValueError, OSError) as refusal:
+        print(f"paper: {refusal}", file=sys.stderr)
+        return 1
+
+
+def needed(numbers: Sequence[PaperNumber]) -> list[Experiment]:
+    """Return the experiments that make any of these numbers."""
+    groups = {one.group for one in numbers}
+    return [one for one in EXPERIMENTS if groups & set(one.groups)]
+
+
+def _remake(numbers: Sequence[PaperNumber], out: Path, json_file: Path | None, *, again: bool) -> int:
+    cache = PaperCache(out, fingerprint())
+    outcomes = run_all(needed(numbers), cache, again=again)
+    write_page(numbers, outcomes, out)
+    write_pdf(numbers, outcomes, out)
+    if json_file:
+        json_file.parent.mkdir(parents=True, exist_ok=True)
+        json_file.write_text(json.dumps(as_json(numbers, outcomes), indent=1) + "\n")
+    print(f"paper: {out / 'index.html'}, {out / 'paper.pdf'}")
+    return 0
+
+
+def run_all(experiments: Sequence[Experiment], cache: PaperCache, *, again: bool) -> list[Outcome]:
+    """Return the outcome of every experiment, from the cache where it is finished, with a progress bar."""
+    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
+    outcomes = []
+    with Progress(*columns, console=Console(stderr=True), speed_estimate_period=3600.0) as bar:
+        task = bar.add_task("paper", total=sum(one.seconds for one in experiments))
+        for one in experiments:
+            bar.update(task, description=one.name)
+            found = None if again else cache.load(one.name)
+            if found is None:
+                found = one.run(cache.folder(one.name))
+                cache.save(one.name, found)
+            outcomes.append(found)
+            bar.advance(task, one.seconds)
+    return outcomes
+
+
+if __name__ == "__main__":
+    sys.exit(main())

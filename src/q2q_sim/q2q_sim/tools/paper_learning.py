@@ -1,0 +1,139 @@
+"""Remake Tables 1 to 4 and Figs 4 to 9: the six flights of Table 2, and what is learned from them.
+
+Nothing that learns sees the simulator's truth: records hold motion capture, references and commands.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from q2q_model.flights import Flight
+from q2q_model.identification.altitude_loop import AltitudeLoop
+from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.command_gains import gains_from_commands
+from q2q_model.identification.deviation import DecayFit, fit_decay
+from q2q_model.identification.impulse_response import draft_response, free_response
+from q2q_model.identification.network_fit import fit_networks
+from q2q_model.identification.trajectory_gains import TOLERANCE, gains_from_trajectories
+from q2q_model.identification.trajectory_loss import WIDE, passage, trajectory_loss
+from q2q_model.interaction.envelope_network import EnvelopeNetwork
+from q2q_model.interaction.model import at_rest
+from q2q_model.signals import Array
+from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.zone import Cylinder
+from q2q_sim import scenarios
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.metrics import tick_of
+from q2q_sim.tools.paper_outcome import FigurePicture, Line, Outcome, drawn
+
+FLIGHTS = range(1, 7)
+SHOWN = 4
+"""The flight that Figs 5 to 9 show: #5, the longest overlap at the small distance."""
+ZONE = Cylinder()
+
+
+def vehicle(_: Path) -> Outcome:
+    """Read the constants of the vehicle."""
+    x, y, z = CRAZYFLIE_2_0.inertia
+    found = {
+        "table1.takeoff_weight": 1e3 * CRAZYFLIE_2_0.mass,
+        "table1.inertia_xx": x,
+        "table1.inertia_yy": y,
+        "table1.inertia_zz": z,
+        "table1.size": 2e3 * CRAZYFLIE_2_0.arm,
+    }
+    return Outcome(found)
+
+
+def learning(folder: Path) -> Outcome:
+    """Fly the six flights, learn loop, zone and draft from them."""
+    flights = [fly(scenarios.load(f"table2_{k}"), FlightOptions(mode="ignoring", seed=k)) for k in FLIGHTS]
+    records = [altitude_record(flight, CRAZYFLIE_2_0) for flight in flights]
+    by_paper = gains_from_trajectories(records)
+    loop = gains_from_commands(records).loop
+    decay = fit_decay(records)
+    passages = [passage(one, loop, (WIDE * ZONE.eps, WIDE * ZONE.d)) for one in records]
+    model = fit_networks(passages)
+    started = perf_counter()
+    mse = trajectory_loss(model, passages).mse.mean(axis=0)
+    seconds = perf_counter() - started
+    eta = felt(model, records[SHOWN])
+    found = {
+        **_flown(flights),
+        "table3.xtol": TOLERANCE,
+        "table3.ftol": TOLERANCE,
+        "table4.seconds_per_iteration": seconds,
+        "fig4.d": decay.d.value,
+        "fig4.beta": decay.beta.value,
+        "fig5.k_p": by_paper.loop.k_p,
+        "fig5.k_d": by_paper.loop.k_d,
+        "fig5.k_p_from_commands": loop.k_p,
+        "fig5.k_d_from_commands": loop.k_d,
+        "fig5.mse_1": float(by_paper.mse[:, 0].mean()),
+        "fig5.mse_2": float(by_paper.mse[:, 1].mean()),
+        "fig6.mse_1": float(mse[0]),
+        "fig7.mse_2": float(mse[1]),
+        "fig8.peak_eta_1": float(np.abs(eta[:, 0]).max()),
+        "fig9.peak_eta_2": float(np.abs(eta[:, 1]).max()),
+    }
+    return Outcome(
+        found, (_decay_picture(folder, decay), *_learned_pictures(folder, records[SHOWN], loop, eta))
+    )
+
+
+def felt(model: EnvelopeNetwork, record: AltitudeRecord) -> Array:
+    """Return the vertical draft [m/s^2] a model predicts for a flight of two, (T, 2)."""
+    rel = record.pos[:, ::-1] - record.pos  # (T, 2, 3), of the other
+    return np.asarray(model.acceleration(rel, at_rest(rel))[..., 2])
+
+
+def _flown(flights: Sequence[Flight]) -> dict[str, float]:
+    """Return what Table 2 says of each flight."""
+    found = {}
+    for number, flight in zip(FLIGHTS, flights, strict=True):
+        rel = flight.true_pos[:, 1] - flight.true_pos[:, 0]
+        across = np.hypot(rel[:, 0], rel[:, 1])
+        near = across <= ZONE.eps
+        speed = float(np.linalg.norm(flight.true_vel[np.argmin(across), 1, :2]))
+        found[f"table2.distance_{number}"] = float(rel[near, 2].mean())
+        found[f"table2.speed_{number}"] = speed
+        found[f"table2.overlap_{number}"] = float(near.sum()) * tick_of(flight)
+    return found
+
+
+def _decay_picture(folder: Path, decay: DecayFit) -> FigurePicture:
+    gaps = np.array([one.gap for one in decay.overlaps])
+    devs = np.array([one.dev for one in decay.overlaps])
+    along = np.linspace(0.0, 1.5, 100)
+    lines = [
+        Line("flights", gaps, devs, "o"),
+        Line("fit", along, decay.alpha.value * np.exp(-decay.beta.value * along)),
+    ]
+    title = "fig4: dev against the height difference"
+    return FigurePicture("fig4", drawn(folder / "fig4.png", title, ("dz [m]", "dev [m]"), lines), title)
+
+
+def _learned_pictures(
+    folder: Path, record: AltitudeRecord, loop: AltitudeLoop, eta: Array
+) -> tuple[FigurePicture, ...]:
+    """Draw measured and simulated altitudes (Figs 5 to 7) and learned drafts (Figs 8, 9)."""
+    free = free_response(loop, record.dt, record.start, record.jerk)
+    pushed = free + draft_response(loop, record.dt, eta)
+    made = []
+    for row in range(2):
+        reference = record.ref[:, row, 0]
+        measured = Line("measured", record.t, record.pos[:, row, 2])
+        alone = Line("loop alone", record.t, reference + free[:, row])
+        both = Line("loop and draft", record.t, reference + pushed[:, row])
+        draft = Line("learned draft", record.t, eta[:, row])
+        for group, unit, lines in (
+            ("fig5", "z [m]", [measured, alone]),
+            (f"fig{6 + row}", "z [m]", [measured, both]),
+            (f"fig{8 + row}", "eta z [m/s²]", [draft]),
+        ):
+            title = f"{group}: Q{row + 1} in flight #{SHOWN + 1}"
+            file = drawn(folder / f"{group}_q{row + 1}.png", title, ("t [s]", unit), lines)
+            made.append(FigurePicture(group, file, title))
+    return tuple(made)
