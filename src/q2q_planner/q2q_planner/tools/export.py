@@ -1,0 +1,54 @@
+"""Write a plan for others: sampled as CSV, and as the polynomials that Crazyswarm2 uploads.
+
+Crazyswarm2's `uploadTrajectory` reads one file a vehicle: a header and one row a piece, its duration and the
+ascending coefficients of x, y, z, yaw, degree 7 each (crazyflie_py, `uav_trajectory.Trajectory.loadcsv`).
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from q2q_planner.trajectory import AXES, SwarmPlan, setpoint_at
+
+UPLOAD_ORDER = 8
+"""Coefficients a piece and axis: degree 7."""
+
+SAMPLE_STEP = 0.01
+"""Rows of the sampled CSV [s]: 100 Hz."""
+
+COLUMNS = ("t", "name", "x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate")
+
+
+def write_samples(path: Path, plan: SwarmPlan) -> None:
+    """Write every vehicle's setpoint at 100 Hz, SI units, one row a vehicle and tick."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(COLUMNS)
+        for tick in range(int(np.ceil(plan.duration / SAMPLE_STEP)) + 1):
+            setpoint = setpoint_at(plan, min(tick * SAMPLE_STEP, plan.duration))
+            for row, name in enumerate(plan.names):
+                moves = (*setpoint.pos[row], *setpoint.vel[row], *setpoint.acc[row])
+                numbers = (*moves, setpoint.yaw[row], setpoint.yaw_rate[row])
+                table.writerow([repr(setpoint.t), name, *(repr(float(number)) for number in numbers)])
+
+
+def write_uploads(folder: Path, plan: SwarmPlan) -> None:
+    """Write `<name>.csv` for each vehicle as Crazyswarm2 uploads it.
+
+    Raises:
+        ValueError: where a piece has a higher degree than the firmware's 7.
+    """
+    header = ["Duration", *(f"{axis}^{k}" for axis in ("x", "y", "z", "yaw") for k in range(UPLOAD_ORDER))]
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, trajectory in zip(plan.names, plan.trajectories, strict=True):
+        order = trajectory.coefficients.shape[-1]
+        if order > UPLOAD_ORDER and trajectory.coefficients[..., UPLOAD_ORDER:].any():
+            raise ValueError(f"{name}: pieces of degree {order - 1}, Crazyswarm2 uploads degree 7 at most")
+        rows = np.zeros((len(trajectory.durations), AXES, UPLOAD_ORDER))
+        rows[..., : min(order, UPLOAD_ORDER)] = trajectory.coefficients[..., :UPLOAD_ORDER]
+        with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file)
+            table.writerow(header)
+            for duration, row in zip(trajectory.durations, rows, strict=True):
+                table.writerow([repr(float(duration)), *(repr(float(number)) for number in row.ravel())])
