@@ -20,9 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.rotations import matrix_from_quat, quat_from_euler, yaw_from_quat
+from q2q_control.lift import lift_of_command, lift_of_quat
 from q2q_model.signals import Array, Names, SwarmCommand, index_of
-from q2q_model.vehicle import GRAVITY, Vehicle
+from q2q_model.vehicle import Vehicle
 
 LONGEST_GAP = 0.5
 """Beyond this time between ticks [s] the past is forgotten."""
@@ -80,11 +80,8 @@ class Actuation:
 
     def accelerations(self, quat: Array) -> tuple[Array, Array]:
         """Return the acceleration by thrust now, and its mean since the last tick [m/s^2], world, (n, 3)."""
-        axis = matrix_from_quat(quat)[:, :, 2] / self._vehicle.mass
-        now, mean = axis * self.thrust[:, None], axis * self.mean_thrust[:, None]
-        now[:, 2] -= GRAVITY
-        mean[:, 2] -= GRAVITY
-        return now, mean
+        quat, mass = np.ascontiguousarray(quat), self._vehicle.mass
+        return lift_of_quat(quat, self.thrust, mass), lift_of_quat(quat, self.mean_thrust, mass)
 
     def pending(self) -> Pending:
         """Return what acts until a command sent now takes over."""
@@ -93,9 +90,8 @@ class Actuation:
 
     def sent(self, command: SwarmCommand, quat: Array) -> None:
         """Remember a command of the tick last advanced to; `quat` (n, 4) tells the vehicles' yaw."""
-        attitude = quat_from_euler(command.roll, command.pitch, yaw_from_quat(quat))
-        acc = matrix_from_quat(attitude)[:, :, 2] * (command.thrust / self._vehicle.mass)[:, None]
-        acc[:, 2] -= GRAVITY
+        angles = (command.thrust, command.roll, command.pitch)
+        acc = lift_of_command(angles, np.ascontiguousarray(quat), self._vehicle.mass)
         self._sent.append(_Sent(self._t, command.thrust, acc))
         while len(self._sent) > 1 and self._sent[1].t + self._latency <= self._t:
             self._sent.pop(0)  # the next one acts already

@@ -36,16 +36,31 @@ def _pid_rows_py(table: Array, integral: Array, numbers: Array, dt: float) -> tu
             acc[k] = row[_REF_ACC + k] + numbers[_K_P + k] * (row[_REF_POS + k] - row[_POS + k])
             acc[k] += numbers[_K_D + k] * (row[_REF_VEL + k] - row[_VEL + k])
             acc[k] += integral[i, k] - row[_ETA + k]
-        thrust, beyond = _thrust(acc[2], row, numbers)
-        yaw = _yaw_of(row)
-        roll, pitch, cut = _tilt(acc, yaw, thrust, numbers)
-        wrapped = (row[_YAW] - yaw + math.pi) % (2.0 * math.pi) - math.pi
-        yaw_rate = row[_YAW_RATE] + numbers[_K_YAW] * wrapped
-        values[i, 0], values[i, 1], values[i, 2] = thrust, roll, pitch
-        values[i, 3] = min(max(yaw_rate, -numbers[_YAW_RATE_MAX]), numbers[_YAW_RATE_MAX])
+        beyond, cut = _command(acc, row, numbers, values[i])
         saturated[i] = cut or beyond != 0.0
         _integrate(integral[i], row, acc, numbers, (dt, beyond, cut))
     return values, saturated
+
+
+def _command_rows_py(acc: Array, table: Array, numbers: Array) -> tuple[Array, NDArray[np.bool_]]:
+    n = table.shape[0]
+    values, saturated = np.empty((n, 4)), np.empty(n, np.bool_)
+    for i in range(n):
+        beyond, cut = _command(acc[i], table[i], numbers, values[i])
+        saturated[i] = cut or beyond != 0.0
+    return values, saturated
+
+
+def _command_py(acc: Array, row: Array, numbers: Array, values: Array) -> tuple[float, bool]:
+    """Write thrust, roll, pitch, yaw rate; return how far thrust is beyond its limit, and whether tilt is."""
+    thrust, beyond = _thrust(acc[2], row, numbers)
+    yaw = _yaw_of(row)
+    roll, pitch, cut = _tilt(acc, yaw, thrust, numbers)
+    wrapped = (row[_YAW] - yaw + math.pi) % (2.0 * math.pi) - math.pi
+    yaw_rate = row[_YAW_RATE] + numbers[_K_YAW] * wrapped
+    values[0], values[1], values[2] = thrust, roll, pitch
+    values[3] = min(max(yaw_rate, -numbers[_YAW_RATE_MAX]), numbers[_YAW_RATE_MAX])
+    return beyond, cut
 
 
 def _thrust_py(acc_z: float, row: Array, numbers: Array) -> tuple[float, float]:
@@ -97,5 +112,8 @@ _thrust = compiled(_thrust_py)
 _yaw_of = compiled(_yaw_of_py)
 _tilt = compiled(_tilt_py)
 _integrate = compiled(_integrate_py)
+_command = compiled(_command_py)
+command_rows = compiled(_command_rows_py)
+"""Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,) of wanted accelerations (n, 3)."""
 pid_rows = compiled(_pid_rows_py)
 """Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,); advance `integral` (n, 3) in place."""

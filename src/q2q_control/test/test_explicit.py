@@ -92,11 +92,12 @@ def test_features_are_errors_gap_and_the_drafts_of_both_references():
     x = features(questions.errors, questions.positions(WHEN), PAPER_LAW)
     assert x.shape == (7, WIDTH)
     assert np.array_equal(x[:, :4], questions.errors)
-    later = questions.positions(WHEN[3:4])[:, :, 0]
-    rel = later[:, 1] - later[:, 0]
+    references = questions.positions(WHEN)
+    rel = (references[:, 1] - references[:, 0])[:, 4:8]  # the third window: 0.20 to 0.35 s
     assert np.allclose(x[:, 4], (questions.start[:, 1] - questions.start[:, 0])[:, 2])
-    assert np.allclose(x[:, 5 + 3], PAPER_LAW.acceleration(rel, at_rest(rel))[:, 2])
-    assert np.allclose(x[:, 5 + WHEN.size + 3], PAPER_LAW.acceleration(-rel, at_rest(rel))[:, 2])
+    drafts = [PAPER_LAW.acceleration(sign * rel, at_rest(rel))[..., 2].mean(axis=1) for sign in (1, -1)]
+    assert np.allclose(x[:, 5 + 2], drafts[0])
+    assert np.allclose(x[:, 5 + 10 + 2], drafts[1])
 
 
 def test_without_draft_the_teacher_is_linear_and_so_is_the_law():

@@ -12,13 +12,10 @@ import numpy as np
 from q2q_control.alignment import (
     ETA,
     POS,
-    QUAT,
     REF_ACC,
     REF_POS,
     REF_VEL,
     VEL,
-    YAW,
-    YAW_RATE,
     Aligned,
     align,
 )
@@ -26,11 +23,10 @@ from q2q_control.disturbance_tracker import DisturbanceTracker, TrackerParams
 from q2q_control.explicit.features import WHEN, features
 from q2q_control.explicit.law import ExplicitLaw, evaluate_one, packed
 from q2q_control.pid import PidParams, pid_limits
+from q2q_control.pid_kernel import command_rows, packed_numbers
 from q2q_control.preview import ReferencePreview, shifted_preview
 from q2q_control.row_memory import HoldThenLevel, RowMemory
-from q2q_control.thrust_vector import thrust_vector
 from q2q_model.interaction.model import InteractionModel, at_rest
-from q2q_model.rotations import yaw_from_quat
 from q2q_model.signals import Array, Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle import Vehicle
 
@@ -52,9 +48,11 @@ class ExplicitController:
         self._weights, self._sizes = packed(law)
         self._scratch = np.empty(int(self._sizes.sum()))
         self._params, self._model = settings[0], model
-        self._limits = pid_limits(settings[0], vehicle)
+        limits = pid_limits(settings[0], vehicle)
+        yaw = (settings[0].k_yaw, settings[0].yaw_rate_max)
+        self._numbers = packed_numbers(np.zeros((4, 3)), limits, yaw)
         self._tracker = DisturbanceTracker(settings[1], vehicle)
-        hover = min(vehicle.hover_thrust, self._limits.thrust_max)
+        hover = min(vehicle.hover_thrust, limits.thrust_max)
         self._rows = RowMemory(HoldThenLevel(settings[0].hold_time, hover))
         self._last: SwarmCommand | None = None
         self.preview: ReferencePreview | None = None
@@ -113,10 +111,5 @@ class ExplicitController:
         return np.asarray(np.where(strength.max(axis=1) > 0.0, strength.argmax(axis=1), -1))
 
     def _command(self, tick: Aligned, acc: Array) -> SwarmCommand:
-        vector = thrust_vector(acc, tick.table[:, QUAT], self._limits)
-        error = tick.table[:, YAW] - yaw_from_quat(tick.table[:, QUAT])
-        wrapped = np.remainder(error + np.pi, 2.0 * np.pi) - np.pi
-        limit = self._params.yaw_rate_max
-        yaw_rate = np.clip(tick.table[:, YAW_RATE] + self._params.k_yaw * wrapped, -limit, limit)
-        values = np.stack([vector.thrust, vector.roll, vector.pitch, yaw_rate], axis=1)
-        return self._rows.completed(tick, values, (vector.cut_thrust != 0.0) | vector.cut_tilt)
+        values, saturated = command_rows(acc, tick.table, self._numbers)
+        return self._rows.completed(tick, values, saturated)

@@ -75,10 +75,10 @@ def random_questions(count: int, rng: np.random.Generator) -> Questions:
     )
     start[:, 1, :2] = np.einsum("kab,kb->ka", turn, side)
     start[:, 1, 2] = rng.uniform(0.25, 1.0, count) * rng.choice([-1.0, 1.0], count)
-    speed = rng.normal(size=(count, 2)) * [[0.03, 0.25]] * rng.choice([0.2, 1.0], (count, 1))
+    speed = rng.normal(size=(count, 2)) * [[0.03, 0.25]] * rng.choice([0.1, 0.3, 1.0], (count, 1))
     start[:, 1, 3:5] = np.einsum("kab,kb->ka", turn, speed)
-    start[:, 1, 6:8] = np.einsum("kab,kb->ka", turn, rng.normal(size=(count, 2)) * [[0.01, 0.08]])
-    jerk[:, 1, :2] = rng.normal(size=(count, 2)) * 0.05
+    start[:, 1, 6:8] = np.einsum("kab,kb->ka", turn, rng.normal(size=(count, 2)) * [[0.005, 0.04]])
+    jerk[:, 1, :2] = rng.normal(size=(count, 2)) * 0.02
     spread = rng.choice([0.2, 1.0], (count, 1))
     errors = rng.normal(size=(count, 4)) * [0.04, 0.06, 0.04, 0.06] * spread
     return Questions(errors, start, jerk)

@@ -76,17 +76,17 @@ def joint_problem(shape: GroupShape, vehicles: Rows, horizon: Horizon, drafts: D
     """Return the problem of the group `vehicles` (g,), chains vehicle by vehicle, axis by axis."""
     axes = shape.axes
     chains, stages = vehicles.size * axes.size, horizon.push.shape[1]
-    values = shape.values.copy()
-    drift, target = np.zeros((stages, 3 * chains)), np.empty((stages + 1, 3 * chains))
-    wanted = np.empty((stages, chains))
+    values, start, step = shape.values.copy(), np.empty(3 * chains), np.empty(chains)
+    drift, target = np.empty((stages, 3 * chains)), np.empty((stages + 1, 3 * chains))
+    wanted, low, high = np.empty((stages, chains)), np.empty((stages, chains)), np.empty((stages, chains))
     _fill_chains(horizon, (vehicles, axes), shape.push_gain, (drift, target, wanted))
+    _fill_bounds(horizon, (vehicles, axes), (start, low, high, step))
     place = np.full(horizon.path.shape[0], -1)
     place[vehicles] = np.arange(vehicles.size)
     slopes = (drafts.i, drafts.j, drafts.slope)
     _fill_slopes(slopes, (place, axes, shape.push_gain), horizon.path, (values, drift), shape.first_slope)
-    low, high = horizon.low[vehicles][:, axes].ravel(), horizon.high[vehicles][:, axes].ravel()
     return LqProblem(
-        start=horizon.start[vehicles][:, axes].ravel(),
+        start=start,
         rows=shape.rows,
         cols=shape.cols,
         values=values,
@@ -97,10 +97,25 @@ def joint_problem(shape: GroupShape, vehicles: Rows, horizon: Horizon, drafts: D
         target=target,
         input_weight=shape.input_weight,
         input_target=wanted,
-        low=np.repeat(low[None], stages, axis=0),
-        high=np.repeat(high[None], stages, axis=0),
-        step=np.repeat(horizon.step[axes][None], vehicles.size, axis=0).ravel(),
+        low=low,
+        high=high,
+        step=step,
     )
+
+
+def _fill_bounds_py(
+    horizon: Horizon, chains: tuple[Rows, Rows], out: tuple[Array, Array, Array, Array]
+) -> None:
+    vehicles, axes = chains
+    start, low, high, step = out
+    for g in range(vehicles.size):
+        for a in range(axes.size):
+            v, axis, c = vehicles[g], axes[a], g * axes.size + a
+            step[c] = horizon.step[axis]
+            for row in range(3):
+                start[3 * c + row] = horizon.start[v, axis, row]
+            for k in range(low.shape[0]):
+                low[k, c], high[k, c] = horizon.low[v, axis], horizon.high[v, axis]
 
 
 def _fill_chains_py(
@@ -156,5 +171,6 @@ def _fill_slopes_py(
                             drift[k, 3 * feels + row] -= pushed * path[vehicle, k, axes[b]]
 
 
+_fill_bounds = compiled(_fill_bounds_py)
 _fill_chains = compiled(_fill_chains_py)
 _fill_slopes = compiled(_fill_slopes_py)

@@ -4,11 +4,12 @@ Paths are kept as what they differ from their references, so that a plan shifted
 the reference. Inputs are kept as they are, the pattern of active bounds as the next solve's first guess.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array, Names, index_of
 
 
@@ -47,17 +48,10 @@ class PlanMemory:
             self._plan, self._names = self._reordered(index_of(names, self._names)), names
         plan = self._plan
         late = max((start - plan.start) / self._step, 0.0) if np.isfinite(plan.start) else 0.0
-        place = np.minimum(np.arange(self._steps + 1) + late, self._steps)
-        before = np.minimum(place.astype(np.intp), self._steps - 1)
-        share = (place - before)[:, None]
-        nearest = np.minimum(np.arange(self._steps) + round(late), self._steps - 1)
-        return replace(
-            plan,
-            start=start,
-            offset=(1.0 - share) * plan.offset[:, before] + share * plan.offset[:, before + 1],
-            inputs=plan.inputs[:, before[:-1]],
-            pattern=plan.pattern[:, nearest],
-        )
+        offset, inputs = np.empty_like(plan.offset), np.empty_like(plan.inputs)
+        pattern = np.empty_like(plan.pattern)
+        _shift(late, (plan.offset, plan.inputs, plan.pattern), (offset, inputs, pattern))
+        return Plan(start, offset, inputs, pattern, plan.solved)
 
     def keep(self, names: Names, plan: Plan) -> None:
         """Remember the plans of a tick."""
@@ -81,3 +75,27 @@ class PlanMemory:
             pattern=np.concatenate([old.pattern, blank.pattern])[rows],
             solved=np.concatenate([old.solved, blank.solved])[rows],
         )
+
+
+def _shift_py(
+    late: float,
+    old: tuple[Array, Array, NDArray[np.int8]],
+    new: tuple[Array, Array, NDArray[np.int8]],
+) -> None:
+    """Fill `new` by `old`, `late` stages on: offsets along straight lines, inputs held, nearest patterns."""
+    vehicles, stages = old[1].shape[0], old[1].shape[1]
+    nearest = int(late + 0.5)
+    for v in range(vehicles):
+        for k in range(stages + 1):
+            place = min(k + late, float(stages))
+            before = min(int(place), stages - 1)
+            share = place - before
+            for axis in range(3):
+                here, after = old[0][v, before, axis], old[0][v, before + 1, axis]
+                new[0][v, k, axis] = here + share * (after - here)
+                if k < stages:
+                    new[1][v, k, axis] = old[1][v, before, axis]
+                    new[2][v, k, axis] = old[2][v, min(k + nearest, stages - 1), axis]
+
+
+_shift = compiled(_shift_py)

@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_control.alignment import QUAT, YAW, YAW_RATE, Aligned, align
+from q2q_control.alignment import Aligned, align
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.draft_horizon import DraftHorizon, SlopeRule, no_drafts, predict_drafts
 from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, Answer, Horizon
@@ -37,11 +37,11 @@ from q2q_control.mpc.planner import HorizonSolver, SolveRules
 from q2q_control.mpc.predictions import Predictions
 from q2q_control.mpc.present import Present, PresentEstimator, axis_lags
 from q2q_control.mpc.surroundings import Surroundings
+from q2q_control.pid_kernel import command_rows, packed_numbers
 from q2q_control.preview import ReferencePreview, shifted_preview
 from q2q_control.row_memory import HoldThenLevel, RowMemory
-from q2q_control.thrust_vector import ThrustLimits, thrust_vector
+from q2q_control.thrust_vector import ThrustLimits
 from q2q_model.interaction.model import InteractionModel
-from q2q_model.rotations import yaw_from_quat
 from q2q_model.signals import Array, Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle import GRAVITY, Vehicle
 
@@ -107,6 +107,8 @@ class Mpc:
         self._limits = ThrustLimits(
             self._vehicle.mass, min(allowed, self._vehicle.thrust_max), params.tilt_max, exact=True
         )
+        self._numbers = packed_numbers(np.zeros((4, 3)), self._limits, (params.k_yaw, params.yaw_rate_max))
+        self._nearly_full = self._limits.thrust_max * (1.0 - 1e-9)
         share = [1.0 - float(model.transition[2, 2]) for model in models]
         rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
         self._step_max = rates * params.step / np.array(share)
@@ -243,11 +245,5 @@ class Mpc:
         return np.asarray(np.clip(wanted, horizon.low, horizon.high))
 
     def _command(self, tick: Aligned, acc: Array) -> SwarmCommand:
-        vector = thrust_vector(acc, tick.table[:, QUAT], self._limits)
-        error = tick.table[:, YAW] - yaw_from_quat(tick.table[:, QUAT])
-        wrapped = np.remainder(error + np.pi, 2.0 * np.pi) - np.pi
-        limit = self._params.yaw_rate_max
-        yaw_rate = np.clip(tick.table[:, YAW_RATE] + self._params.k_yaw * wrapped, -limit, limit)
-        values = np.stack([vector.thrust, vector.roll, vector.pitch, yaw_rate], axis=1)
-        full = vector.thrust >= self._limits.thrust_max - 1e-9 * self._limits.thrust_max
-        return self._rows.completed(tick, values, full | (vector.cut_thrust != 0.0) | vector.cut_tilt)
+        values, saturated = command_rows(acc, tick.table, self._numbers)
+        return self._rows.completed(tick, values, saturated | (values[:, 0] >= self._nearly_full))

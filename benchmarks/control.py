@@ -1,0 +1,231 @@
+"""Time controllers: one MPC step, its solver beside others on the same problem, swarms, PID, explicit law."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter, process_time
+
+import casadi
+import daqp
+import numpy as np
+from scipy.optimize import minimize
+
+from q2q_control.explicit.features import WIDTH
+from q2q_control.explicit.law import ExplicitLaw, evaluate_one, packed
+from q2q_control.mpc.chain import ChainWeights, chain
+from q2q_control.mpc.draft_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.horizon import Horizon
+from q2q_control.mpc.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.lq_problem import LqProblem, dense_matrices, input_matrix
+from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.receding import Mpc
+from q2q_control.mpc.riccati import solve
+from q2q_control.pid import Pid, PidParams
+from q2q_control.preview import SampledPreview
+from q2q_model.interaction.jet import PAPER_LAW
+from q2q_model.signals import Array, Interference, SwarmSetpoint, SwarmState
+from q2q_model.vehicle import TEXTBOOK_065
+from row import Row
+
+DT = 0.01
+"""The house's tick [s]."""
+STEPS = 300
+"""Ticks of a measured flight: 3 s, the draft's rise, its limit and its end."""
+PARAMS = MpcParams(latency=0.0, thrust_limited=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """Hold the signals of every tick, made before the clock starts."""
+
+    preview: SampledPreview
+    ticks: list[tuple[SwarmState, SwarmSetpoint, Interference]]
+
+
+def run() -> list[Row]:
+    """Return the rows of this area."""
+    pair = _stacked(1)
+    mpc = Mpc(PARAMS, TEXTBOOK_065, PAPER_LAW)
+    steps = _milliseconds(mpc, pair)
+    rows = [
+        Row("joint MPC step, two vehicles, median", float(np.median(steps)), "ms"),
+        Row("joint MPC step, two vehicles, p99", float(np.percentile(steps, 99)), "ms"),
+    ]
+    return rows + _solvers() + [row for pairs in (5, 25, 50) for row in _swarm(pairs)] + _small_laws(pair)
+
+
+def _stacked(pairs: int) -> Flight:
+    """Return pairs 3 m apart whose upper vehicles glide over the lower ones at 0.05 m/s."""
+    names = tuple(f"cf{k}" for k in range(2 * pairs))
+    n, t = 2 * pairs, np.arange(0.0, STEPS * DT + 4.0, DT)
+    samples = np.zeros((n, t.size, 9))
+    samples[:, :, 0] = 3.0 * (np.arange(n) // 2)[:, None]
+    samples[0::2, :, 2] = 1.5
+    samples[1::2, :, 1], samples[1::2, :, 2], samples[1::2, :, 4] = 0.15 - 0.05 * t, 2.0, -0.05
+    zero, flag, level = np.zeros((n, 3)), np.zeros(n, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+    wander = np.random.default_rng(0).normal(size=(STEPS, n, 3)) * 1e-3
+    ticks = []
+    for k in range(STEPS):
+        at = samples[:, k]
+        state = SwarmState(
+            k * DT, names, at[:, :3] + wander[k], at[:, 3:6].copy(), level, zero, np.zeros(n), flag
+        )
+        ref = SwarmSetpoint(k * DT, names, at[:, :3], at[:, 3:6], at[:, 6:], np.zeros(n), np.zeros(n), flag)
+        ticks.append((state, ref, Interference(k * DT, names, zero, zero, flag)))
+    return Flight(SampledPreview(names, 0.0, DT, samples), ticks)
+
+
+def _milliseconds(mpc: Mpc, flight: Flight) -> Array:
+    """Return how long each tick took [ms], the first ones, which compile, left out."""
+    mpc.preview = flight.preview
+    taken = []
+    for tick in flight.ticks:
+        start = perf_counter()
+        mpc.update(*tick)
+        taken.append(1e3 * (perf_counter() - start))
+    return np.array(taken[20:])
+
+
+def _solvers() -> list[Row]:
+    """Time the structured solve beside others on the same problem, building included where it recurs."""
+    problem = _problem()
+    pattern = solve(problem).pattern
+    ours = _best(lambda: solve(problem, pattern), 200)
+    others = {
+        "dense condensed QP (build + daqp)": _best(lambda: _by_daqp(problem), 5),
+        "IPOPT (CasADi)": _best(_by_ipopt(problem), 3),
+        "SciPy SLSQP": _best(lambda: _by_slsqp(problem), 1),
+    }
+    name = "solve the joint problem, two altitude axes, N = 40"
+    return [Row(name, 1e3 * ours, "ms", other, seconds / ours) for other, seconds in others.items()]
+
+
+def _problem() -> LqProblem:
+    """Return the joint problem of a pair two seconds before the draft's middle."""
+    stages = PARAMS.steps
+    up = chain(0.0, PARAMS.step, ChainWeights(PARAMS.bandwidth_z, PARAMS.jerk))
+    times = np.linspace(0.0, PARAMS.horizon, stages + 1)
+    reference = np.zeros((2, stages + 1, 9))
+    reference[0, :, 2], reference[1, :, 2], reference[1, :, 1] = 1.5, 2.0, 0.1 - 0.05 * times
+    axis = np.tile([0.0, 0.0, 1.0], (2, stages, 1))
+    path = np.ascontiguousarray(reference[..., :3].transpose(1, 0, 2))
+    drafts = predict_drafts(PAPER_LAW, Tracks(times, path, axis, 0), SlopeRule((2,), 10.0))
+    start = np.zeros((2, 3, 3))
+    start[:, 2, 0] = [1.49, 2.0]
+    high = np.full((2, 3), 6.6 / 0.65 - 9.81)
+    asked = Horizon(
+        start, reference, drafts.eta, reference[..., :3].copy(), high - 10.0, high, np.full(3, np.inf)
+    )
+    return joint_problem(group_shape(2, (2,), (up, up, up), stages), np.arange(2), asked, drafts)
+
+
+def _condensed(problem: LqProblem) -> tuple[Array, Array]:
+    """Return H, g of 1/2 u'Hu + g'u over all inputs: the naive way, states eliminated."""
+    a, b = dense_matrices(problem), input_matrix(problem)
+    stages, n = problem.low.shape
+    effect, free = np.zeros((3 * n, stages * n)), problem.start.copy()
+    weight, (effort, jerk) = problem.state_weight.ravel(), problem.input_weight.T
+    hessian, slope = np.zeros((stages * n, stages * n)), np.zeros(stages * n)
+    for k in range(stages):
+        own = np.zeros((n, stages * n))
+        own[:, k * n : (k + 1) * n] = np.eye(n)
+        lead = own - effect[2::3]
+        hessian += effect.T @ (weight[:, None] * effect) + own.T @ (effort[:, None] * own)
+        hessian += lead.T @ (jerk[:, None] * lead)
+        slope += effect.T @ (weight * (free - problem.target[k])) - own.T @ (effort * problem.input_target[k])
+        slope -= lead.T @ (jerk * free[2::3])
+        effect, free = a[k] @ effect + b @ own, a[k] @ free + problem.drift[k]
+    for c in range(n):
+        part = slice(3 * c, 3 * c + 3)
+        hessian += effect[part].T @ problem.terminal[c] @ effect[part]
+        slope += effect[part].T @ problem.terminal[c] @ (free - problem.target[-1])[part]
+    return 2.0 * hessian, 2.0 * slope
+
+
+def _by_daqp(problem: LqProblem) -> Array:
+    hessian, slope = _condensed(problem)
+    empty = np.zeros((0, slope.size))
+    sense = np.zeros(slope.size, np.int32)
+    low, high = problem.low.ravel().copy(), problem.high.ravel().copy()
+    return np.asarray(daqp.solve(hessian, slope, empty, high, low, sense)[0])
+
+
+def _by_slsqp(problem: LqProblem) -> Array:
+    hessian, slope = _condensed(problem)
+    bounds = list(zip(problem.low.ravel(), problem.high.ravel(), strict=True))
+    found = minimize(
+        lambda u: 0.5 * u @ hessian @ u + slope @ u,
+        np.zeros(slope.size),
+        jac=lambda u: hessian @ u + slope,
+        bounds=bounds,
+        method="SLSQP",
+        options={"ftol": 1e-10, "maxiter": 300},
+    )
+    return np.asarray(found.x)
+
+
+def _by_ipopt(problem: LqProblem) -> Callable[[], Array]:
+    """Return IPOPT on the sparse problem, states kept, built once: its own way."""
+    a, b = dense_matrices(problem), input_matrix(problem)
+    stages, n = problem.low.shape
+    x, u = casadi.MX.sym("x", 3 * n, stages + 1), casadi.MX.sym("u", n, stages)
+    goal, equal = casadi.MX(0.0), [x[:, 0] - problem.start]
+    for k in range(stages):
+        off, lead = x[:, k] - problem.target[k], u[:, k] - x[2::3, k]
+        goal += casadi.dot(problem.state_weight.ravel(), off**2)
+        goal += casadi.dot(problem.input_weight[:, 0], (u[:, k] - problem.input_target[k]) ** 2)
+        goal += casadi.dot(problem.input_weight[:, 1], lead**2)
+        equal.append(x[:, k + 1] - a[k] @ x[:, k] - b @ u[:, k] - problem.drift[k])
+    for c in range(n):
+        off = x[3 * c : 3 * c + 3, stages] - problem.target[-1][3 * c : 3 * c + 3]
+        goal += casadi.bilin(problem.terminal[c], off, off)
+    variables = casadi.vertcat(casadi.vec(x), casadi.vec(u))
+    options = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
+    program = {"x": variables, "f": goal, "g": casadi.vertcat(*equal)}
+    solver = casadi.nlpsol("step", "ipopt", program, options)
+    free = np.full(3 * n * (stages + 1), np.inf)
+    low, high = np.concatenate([-free, problem.low.ravel()]), np.concatenate([free, problem.high.ravel()])
+
+    def answer() -> Array:
+        return np.array(solver(x0=0.0, lbx=low, ubx=high, lbg=0.0, ubg=0.0)["x"]).ravel()[free.size :]
+
+    return answer
+
+
+def _swarm(pairs: int) -> list[Row]:
+    flight = _stacked(pairs)
+    steps = _milliseconds(Mpc(PARAMS, TEXTBOOK_065, PAPER_LAW), flight)
+    n, median = 2 * pairs, float(np.median(steps))
+    one_tick = "a tick of 100 Hz on one core"
+    return [Row(f"MPC of {n} vehicles in pairs, for each", median / n, "ms", one_tick, 10.0 / median)]
+
+
+def _small_laws(flight: Flight) -> list[Row]:
+    pid = Pid(PidParams(), TEXTBOOK_065)
+    ticks = iter(flight.ticks)
+    by_pid = _best(lambda: pid.update(*next(ticks)), 90, repeats=3)
+    rng = np.random.default_rng(0)
+    layers = (rng.normal(size=(24, WIDTH + 1)), rng.normal(size=(16, 25)), rng.normal(size=17))
+    law = ExplicitLaw(
+        np.zeros(WIDTH), np.ones(WIDTH), rng.normal(size=WIDTH + 1), *layers, np.array([-9.0, 0.3])
+    )
+    weights, sizes = packed(law)
+    x, scratch = rng.normal(size=WIDTH), np.empty(int(sizes.sum()))
+    problem = _problem()
+    by_law = _best(lambda: evaluate_one(weights, sizes, x, scratch), 2000)
+    by_horizon = _best(lambda: solve(problem), 50)
+    return [
+        Row("PID step, two vehicles", 1e6 * by_pid, "us"),
+        Row("explicit law, one evaluation", 1e6 * by_law, "us", "the horizon's solve", by_horizon / by_law),
+    ]
+
+
+def _best(task: Callable[[], object], count: int, repeats: int = 5) -> float:
+    """Return the least CPU time of one call [s] over repeats of `count` calls."""
+    task()
+    least = np.inf
+    for _ in range(repeats):
+        start = process_time()
+        for _ in range(count):
+            task()
+        least = min(least, (process_time() - start) / count)
+    return float(least)
