@@ -3,7 +3,6 @@
 Each area is a module of this folder with `run() -> list[Row]`; its references are measured in the same run.
 """
 
-import argparse
 import json
 import sys
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from q2q_model.tools.command_line import CommandLine
 from row import Row
 
 HERE = Path(__file__).parent
@@ -28,16 +28,15 @@ def areas() -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the chosen areas; return the exit status."""
-    made = argparse.ArgumentParser(
-        prog="bench", description=__doc__, epilog="example: scripts/bench simulation"
-    )
+    made = CommandLine("bench", __doc__, "  scripts/bench simulation")
     made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
     made.add_argument("--json", type=Path, help="write the rows to this file")
     asked = made.parse_args(arguments)
     for area in asked.area:
         if area not in areas():
             near = get_close_matches(area, areas(), n=1)
-            print(f"bench: no area {area!r}; {f'did you mean {near[0]}?' if near else ''}", file=sys.stderr)
+            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(areas())}"
+            print(f"bench: no area {area!r}; {hint}", file=sys.stderr)
             return 2
     rows = [row for area in asked.area or areas() for row in _run(area)]
     if asked.json:

@@ -36,6 +36,16 @@ class Tunable:
     read_only: bool = False
     """May only be set when the node starts."""
 
+    @property
+    def allowed(self) -> str:
+        """Return what is allowed, in words."""
+        if self.choices:
+            return f"one of {', '.join(self.choices)}"
+        if self.low is None or self.high is None:
+            bound = f"{self.low} or more" if self.high is None else f"{self.high} or less"
+            return f"{bound} {self.unit}".rstrip() if self.low is not self.high else "any"
+        return f"{self.low} to {self.high} {self.unit}".rstrip()
+
 
 def tunable(default: T, description: str, **rest: Any) -> T:  # noqa: ANN401
     """Declare a dataclass field that is a parameter; `rest` are the other fields of Tunable.
@@ -85,4 +95,4 @@ def _check(owner: str, name: str, value: ParameterValue, spec: Tunable) -> None:
         low = -float("inf") if spec.low is None else spec.low
         high = float("inf") if spec.high is None else spec.high
         if not low <= number <= high:
-            raise ValueError(f"{owner}.{name} = {value}: allowed is {low} to {high} {spec.unit}".rstrip())
+            raise ValueError(f"{owner}.{name} = {value}: allowed is {spec.allowed}")

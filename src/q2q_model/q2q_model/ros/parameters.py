@@ -57,8 +57,8 @@ def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str) -
     try:
         value = node.declare_parameter(prefix + entry.name, plain, _descriptor(spec, default)).value
     except InvalidParameterValueException as refusal:
-        allowed = ", ".join(spec.choices) or f"{spec.low} to {spec.high} {spec.unit}".rstrip()
-        raise ValueError(f"parameter {prefix}{entry.name}: allowed is {allowed}; {refusal}") from refusal
+        given = str(refusal).partition(" Reason")[0]
+        raise ValueError(f"parameter {prefix}{entry.name}: allowed is {spec.allowed}; {given}") from refusal
     return default if value is None else _plain(value)
 
 
