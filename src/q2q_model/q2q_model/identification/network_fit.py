@@ -84,17 +84,23 @@ def adam(
 ) -> Iterator[tuple[EnvelopeNetwork, float]]:
     """Yield the networks before each of Adam's steps, with their loss (16), for ever."""
     theta, first, second = pack(start), np.zeros(1), np.zeros(1)
-    step, near = 0, None
+    step, near, before = 0, None, None
     while True:
         model = unpack(theta, start.eps, start.d)
         value = trajectory_loss(model, passages, near)
-        near = value.etas
+        near = value.etas if before is None else _ahead(before, value.etas)
+        before = value.etas
         yield model, value.loss
         step += 1
         first = BETA1 * first + (1.0 - BETA1) * value.gradient
         second = BETA2 * second + (1.0 - BETA2) * value.gradient**2
         mean, scale = first / (1.0 - BETA1**step), np.sqrt(second / (1.0 - BETA2**step))
         theta = theta - rate * mean / (scale + TINY)
+
+
+def _ahead(before: Sequence[Array], now: Sequence[Array]) -> tuple[Array, ...]:
+    """Return where small steps lead next: the fixed point starts there, on the line through the last two."""
+    return tuple(2.0 * new - old for old, new in zip(before, now, strict=True))
 
 
 def random_weights(rng: np.random.Generator) -> Array:
