@@ -8,9 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from q2q_sim.closed_loop import FlightOptions, fly
-
 from q2q_sim import scenarios
+from q2q_sim.closed_loop import FlightOptions, fly
 from q2q_sim.tools.flight import FlightRequest, FlightRun
 from q2q_sim.tools.flight import fly as fly_nodes
 from row import Row

@@ -60,6 +60,10 @@ def solve_collocation(problem: GlobalProblem, iterations: int = 200) -> GlobalSo
     return GlobalSolution(found[0], thrust, climb - lift - drafts(problem.model, found[0]))
 
 
+QUIET: dict[str, object] = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
+"""IPOPT says nothing."""
+
+
 def _solved(
     variables: tuple[list[casadi.MX], list[casadi.MX], list[casadi.MX]],
     program: tuple[casadi.MX, casadi.MX],
@@ -68,8 +72,9 @@ def _solved(
 ) -> tuple[Array, Array, Array]:
     n, count, _ = problem.reference.shape
     stacked = casadi.vertcat(*(casadi.vec(part) for group in variables for part in group))
-    options = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "ipopt.max_iter": iterations, "ipopt.tol": 1e-8}
-    solver = casadi.nlpsol("global", "ipopt", {"x": stacked, "f": program[0], "g": program[1]}, options)
+    options = QUIET | {"ipopt.max_iter": iterations, "ipopt.tol": 1e-8}
+    nlp = {"x": stacked, "f": program[0], "g": program[1]}
+    solver = casadi.nlpsol("global", "ipopt", nlp, options)  # type: ignore[dict-item,arg-type]
     hover = np.tile([0.0, 0.0, 1.0], (n, count, 1))
     start = np.concatenate(
         [problem.reference[..., :3].ravel(), problem.reference[..., 3:6].ravel(), hover.ravel()]
