@@ -74,7 +74,7 @@ def _solved(
     stacked = casadi.vertcat(*(casadi.vec(part) for group in variables for part in group))
     options = QUIET | {"ipopt.max_iter": iterations, "ipopt.tol": 1e-8}
     nlp = {"x": stacked, "f": program[0], "g": program[1]}
-    solver = casadi.nlpsol("global", "ipopt", nlp, options)  # type: ignore[dict-item,arg-type]
+    solver = casadi.nlpsol("global", "ipopt", nlp, options)  # type: ignore[arg-type]
     hover = np.tile([0.0, 0.0, 1.0], (n, count, 1))
     start = np.concatenate(
         [problem.reference[..., :3].ravel(), problem.reference[..., 3:6].ravel(), hover.ravel()]
