@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_model.tools.command_line import CommandLine, nearest
+from q2q_model.tools.command_line import CommandLine, nearest, without_ros
 
 
 def made() -> CommandLine:
@@ -40,6 +40,11 @@ def test_help_shows_the_example(capsys: pytest.CaptureFixture[str]):
         made().parse_args(["--help"])
     assert ended.value.code == 0
     assert "  tool --seed 3\n" in capsys.readouterr().out
+
+
+def test_what_is_meant_for_ros_is_left_to_ros():
+    assert without_ros(["a", "--seed", "1", "--ros-args", "-r", "x:=y"]) == ["a", "--seed", "1"]
+    assert without_ros(["a"]) == ["a"]
 
 
 def test_nothing_is_near_to_a_word_unlike_all():

@@ -2,9 +2,13 @@
 
 import argparse
 import re
+import sys
+from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import NoReturn
 
+ROS_ARGS = "--ros-args"
+"""What follows is for ROS: a launch file adds it to whatever it starts."""
 WRONG_CHOICE = re.compile(r"invalid choice: '([^']*)'")
 UNKNOWN = re.compile(r"unrecognized arguments: (.*)")
 
@@ -35,6 +39,12 @@ class CommandLine(argparse.ArgumentParser):
         options = [word for action in self._actions for word in action.option_strings]
         choices = [str(word) for action in self._actions for word in action.choices or ()]
         return options + choices
+
+
+def without_ros(arguments: Sequence[str] | None) -> list[str]:
+    """Return the words of a command line (None: this program's own) up to what is meant for ROS itself."""
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    return words[: words.index(ROS_ARGS)] if ROS_ARGS in words else words
 
 
 def wrong_words(message: str) -> list[str]:

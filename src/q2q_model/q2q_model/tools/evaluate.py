@@ -14,7 +14,7 @@ from q2q_model.bag import BagError
 from q2q_model.identification.draft_force import ForceSamples, ForceScore, force_samples, score
 from q2q_model.identification.procedure import Recording, force_record
 from q2q_model.identification.thrust_lag import thrust_lag
-from q2q_model.tools.command_line import CommandLine
+from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_model.tools.models import find_model
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
@@ -24,7 +24,7 @@ EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --jso
 
 def main(arguments: list[str] | None = None) -> int:
     """Evaluate as the command line says; return 0, or 1 after an error."""
-    given = _command_line().parse_known_args(arguments)[0]  # ros2 run adds --ros-args
+    given = _command_line().parse_args(without_ros(arguments))
     try:
         law = find_model(given.model).interaction
         recordings, repairs = read_recordings(given.bags)

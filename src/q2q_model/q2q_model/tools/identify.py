@@ -14,20 +14,22 @@ from q2q_model.bag import BagError
 from q2q_model.identification.procedure import Identification, ProcedureParams, identify
 from q2q_model.model_file import save
 from q2q_model.plain_values import Plain, PlainValueError, to_plain
-from q2q_model.tools.command_line import CommandLine
+from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_model.tools.identify_report import report, summary
+from q2q_model.tools.models import find_model
 from q2q_model.tools.recordings import read_recordings
-from q2q_model.vehicle import VEHICLES, vehicle_by_name
+from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
 
 EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
-  ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet"""
+  ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet
+  ros2 run q2q_model identify --live --model model.q2q --out refined.q2q"""
 STEPS = 12
 """Steps of a run with all candidates; the bar is a guide, not a promise."""
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Identify as the command line says; return 0, or 1 after an error."""
-    given = _command_line().parse_known_args(arguments)[0]  # ros2 run adds --ros-args
+    given = _command_line().parse_args(without_ros(arguments))
     console = Console(stderr=True)
     try:
         found, seconds = _run(given.bags, _params(given), console)
@@ -47,7 +49,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _command_line() -> CommandLine:
     parser = CommandLine("identify", __doc__, EXAMPLE)
-    parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="recorded flights, at least one")
+    parser.add_argument("bags", nargs="*", type=Path, metavar="BAG", help="recorded flights")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="model file to write (.q2q)")
     parser.add_argument(
         "--json", type=Path, metavar="FILE", help="report to write; default: beside the model"
@@ -62,8 +64,21 @@ def _command_line() -> CommandLine:
     parser.add_argument(
         "--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]"
     )
+    parser.add_argument(
+        "--live", action="store_true", help="refine --model from the topics until interrupted"
+    )
+    parser.add_argument("--model", default="paper_law", help="model that --live begins with")
     parser.add_argument("--no-plots", action="store_true", help="draw nothing")
     return parser
+
+
+def _refine_live(model: str, vehicle: Vehicle, out: Path) -> int:
+    base = find_model(model)
+    from q2q_model.ros.live_identification import refine_live  # needs a sourced ROS, which bags do not
+
+    refine_live(base, vehicle, out)
+    print(f"model: {out}")
+    return 0
 
 
 def _params(given: object) -> ProcedureParams:

@@ -11,6 +11,7 @@ from time import process_time
 
 import yaml
 
+from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_model.tools.models import find_model
 from q2q_model.zone import Cylinder, Zone
 from q2q_planner import plan_file
@@ -22,14 +23,12 @@ from q2q_planner.tools.export import write_samples, write_uploads
 from q2q_planner.trajectory import SwarmPlan
 from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
 
-EXAMPLE = """examples:
-  ros2 run q2q_planner plan waypoints.yaml --out plan.json
+EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --json cost.json --csv plan.csv
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --no-avoid --upload uploads/
 
 waypoints.yaml:
-  vehicles: {cf1: [{t: 0, pos: [-1, 0, 0]}, {t: 20, pos: [0, 0, 2.5]}, {t: 50, pos: [1, 0, 0]}], cf2: [...]}
-"""
+  vehicles: {cf1: [{t: 0, pos: [-1, 0, 0]}, {t: 20, pos: [0, 0, 2.5]}, {t: 50, pos: [1, 0, 0]}], cf2: [..]}"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +44,7 @@ class Planned:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Plan as the command line says; return the exit status."""
-    asked, _ = parser().parse_known_args(arguments)  # ros2 run may add --ros-args
+    asked = parser().parse_args(without_ros(arguments))
     try:
         return _run(asked)
     except (ValueError, OSError, yaml.YAMLError) as refusal:
@@ -53,11 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> CommandLine:
     """Return the parser of the command line."""
-    made = argparse.ArgumentParser(
-        prog="plan", description=__doc__, epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    made = CommandLine("plan", __doc__, EXAMPLE)
     made.add_argument("waypoints", type=Path, help="YAML file of waypoints")
     made.add_argument("--out", type=Path, required=True, metavar="PLAN", help="plan file to write")
     made.add_argument("--json", type=Path, help="write cost and proof to this file")

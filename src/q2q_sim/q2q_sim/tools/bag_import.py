@@ -1,6 +1,5 @@
 """Turn a recorded flight in a table (Parquet or CSV) into a bag: `ros2 run q2q_sim bag_import`."""
 
-import argparse
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,19 +8,20 @@ import numpy as np
 
 from q2q_model.bag import LOG_TOPIC, BagWriter, write_log_row
 from q2q_model.signals import Array
+from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_sim.flight_table import FlightTable, flight_table, log_of, signals_of
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Convert as the command line says; return 0, or 1 after an error."""
-    parser = argparse.ArgumentParser(prog="bag_import", description=__doc__)
+    parser = CommandLine("bag_import", __doc__, "  ros2 run q2q_sim bag_import flight.parquet --out flight")
     parser.add_argument(
         "table", type=Path, help="flight as .parquet or .csv: t, then <vehicle>_x ... or x ..."
     )
     parser.add_argument(
         "--out", type=Path, required=True, metavar="BAG", help="folder to write; must not exist"
     )
-    given, _ = parser.parse_known_args(arguments)  # ros2 run adds --ros-args
+    given = parser.parse_args(without_ros(arguments))
     try:
         table = flight_table(read_columns(given.table))
         counts = write_bag(table, given.out)

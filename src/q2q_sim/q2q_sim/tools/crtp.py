@@ -9,6 +9,7 @@ import sys
 from time import monotonic, sleep
 from types import FrameType
 
+from q2q_model.tools.command_line import CommandLine
 from q2q_sim import scenarios
 from q2q_sim.crtp.link_model import LinkParams
 from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
@@ -34,9 +35,9 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> CommandLine:
     """Return the parser of the command line."""
-    made = argparse.ArgumentParser(prog="crtp", description=__doc__, allow_abbrev=False)
+    made = CommandLine("crtp", __doc__, "  ros2 run q2q_sim crtp table6 --start air")
     made.add_argument("scenario", nargs="?", default="table6", help="scenario name or YAML file")
     made.add_argument("--port", type=int, default=19850, help="first UDP port; 0 lets the system choose")
     made.add_argument("--start", default="ground", choices=("ground", "air"), help="where vehicles wait")

@@ -4,13 +4,13 @@ The flight is the one of the paper's sections 5.1 and 5.2 (scenario table6): Q1 
 0.5 m above it. Beside the table stands what the paper's Table 6 found.
 """
 
-import argparse
 import json
 import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from q2q_model.tools.command_line import CommandLine
 from q2q_sim.tools.figures import Curve, altitude_figure, save, thrust_figure
 from q2q_sim.tools.flight import FlightRequest, FlightRun
 from q2q_sim.tools.fly import fly_with_progress, warn_plainly
@@ -32,9 +32,7 @@ LEAD = (
 
 def main(arguments: list[str] | None = None) -> int:
     """Fly the demonstration; return the exit status."""
-    made = argparse.ArgumentParser(
-        prog="demo", description=__doc__, epilog="example: scripts/demo --json out.json"
-    )
+    made = CommandLine("demo", __doc__, "  scripts/demo --json out.json")
     made.add_argument("--out", type=Path, default=Path("out/demo"), help="folder of what is left behind")
     made.add_argument("--json", type=Path, help="write the numbers to this file")
     asked = made.parse_args(arguments)

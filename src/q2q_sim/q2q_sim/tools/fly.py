@@ -11,6 +11,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from q2q_model.tools.command_line import CommandLine
 from q2q_sim import scenarios
 from q2q_sim.assembly import CONTROLLERS, REPLANNERS
 from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
@@ -19,12 +20,10 @@ from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
 from q2q_sim.tools.run_table import run_notes, run_table
 
-EXAMPLE = """examples:
-  scripts/fly --list
+EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
   scripts/fly table6_room --ignoring --seed 3 --bag out/room_3
-  scripts/fly --real dc19_swap_ss_02
-"""
+  scripts/fly --real dc19_swap_ss_02"""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -41,15 +40,9 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> CommandLine:
     """Return the parser of the command line."""
-    made = argparse.ArgumentParser(
-        prog="fly",
-        description=__doc__,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
+    made = CommandLine("fly", __doc__, EXAMPLE)
     made.add_argument("scenario", nargs="?", help="scenario name or YAML file; see --list")
     made.add_argument("--list", action="store_true", help="name the scenarios, one line each")
     made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="who computes the commands")

@@ -57,6 +57,6 @@ def chosen(numbers: tuple[PaperNumber, ...], only: str) -> tuple[PaperNumber, ..
 def _number(name: str, entry: Mapping[str, str | float | None]) -> PaperNumber:
     paper = entry.get("paper")
     words = [str(entry.get(key) or "") for key in ("unit", "where", "note")]
-    if not all(words) or isinstance(paper, str):
+    if not all(words) or isinstance(paper, str) or entry.keys() != {"paper", "unit", "where", "note"}:
         raise ValueError(f"{name}: {dict(entry)}: paper (number or null), unit, where and note are expected")
     return PaperNumber(name, paper, *words)

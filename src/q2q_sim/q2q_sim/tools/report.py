@@ -3,7 +3,6 @@
 `report BAG --compare OTHER` lays flights over each other, the first one as what the others differ from.
 """
 
-import argparse
 import json
 import sys
 from collections.abc import Sequence
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from q2q_model.bag import read_flight
 from q2q_model.flights import Flight
 from q2q_model.signals import CommandStatus
+from q2q_model.tools.command_line import CommandLine
 from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.mocap_quality import MocapQuality, mocap_quality
@@ -55,11 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> CommandLine:
     """Return the parser of the command line."""
-    made = argparse.ArgumentParser(
-        prog="report", description=__doc__, epilog="example: ros2 run q2q_sim report out/demo/bags/aware"
-    )
+    made = CommandLine("report", __doc__, "  ros2 run q2q_sim report out/demo/bags/aware")
     made.add_argument("bag", type=Path, help="bag folder of the flight")
     made.add_argument("--compare", type=Path, nargs="+", default=[], help="more flights to lay over it")
     made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
