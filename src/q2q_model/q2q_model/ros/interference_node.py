@@ -1,12 +1,16 @@
 """Run the interaction model as a node: `state` in, `interference` out; takes up models sent on `model`."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from rclpy.node import Node
+from std_msgs.msg import String
 
 from q2q_model.interaction.predictor import InteractionPredictor
+from q2q_model.model_file import ModelFileError, decode
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.parameters import declare
+from q2q_model.ros.qos import LATCHED
 from q2q_model.ros.run import run
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import Interference, SwarmState
@@ -29,9 +33,23 @@ def build(node: Node) -> TickWiring[Interference]:
     params = declare(node, InterferenceParams())
     predictor = InteractionPredictor(find_model(params.model).interaction)
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
+    take_up = model_receiver(node, predictor)
+    node.create_subscription(String, "model", take_up, LATCHED)
     wiring.rehearse(predictor.update, predictor.reset)
     wiring.start(predictor.update)
     return wiring
+
+
+def model_receiver(node: Node, predictor: InteractionPredictor) -> Callable[[String], None]:
+    """Return what takes up a model file's text; one that cannot be used is told of and left."""
+
+    def receive(message: String) -> None:
+        try:
+            predictor.exchange(decode(message.data).interaction)
+        except ModelFileError as refusal:
+            node.get_logger().error(f"model refused: {refusal}")
+
+    return receive
 
 
 def main() -> None:

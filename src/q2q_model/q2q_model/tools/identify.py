@@ -64,9 +64,7 @@ def _command_line() -> CommandLine:
     parser.add_argument(
         "--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]"
     )
-    parser.add_argument(
-        "--live", action="store_true", help="refine --model from the topics until interrupted"
-    )
+    parser.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
     parser.add_argument("--model", default="paper_law", help="model that --live begins with")
     parser.add_argument("--no-plots", action="store_true", help="draw nothing")
     return parser

@@ -1,0 +1,157 @@
+"""Refine a draft model's gain and the vehicles' offsets while flying.
+
+    y_i = (R f_body)_z - lagged(U1) b_z / m = g eta_i + b_i + noise
+
+eta is what the model under refinement predicts, g scales all of it, b_i is each vehicle's own constant. It is
+recursive least squares with exponential forgetting, solved exactly from sums (1/e of weight in `memory`):
+
+    g = (P + sum_i C_i[eta, y]) / (P + sum_i C_i[eta, eta]),   b_i = mean(y_i) - g mean(eta_i)
+
+C_i are centred sums of vehicle i; P holds g at 1 until flights say more. Both are bounded, so no sensor that
+fails can turn the model around.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| y | push | vertical acceleration that no rotor explains [m/s^2] |
+| g | gain | true over predicted draft [-] |
+| b | offset | constant acceleration of a vehicle [m/s^2], (n,) |
+| P | prior | information that g is 1, as a sum of eta^2 [m^2/s^4] |
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
+from q2q_model.interaction.jet import Jet
+from q2q_model.interaction.model import InteractionModel
+from q2q_model.interaction.predictor import InteractionPredictor
+from q2q_model.parameters import check_bounds, tunable
+from q2q_model.rotations import rotate
+from q2q_model.signals import Array, Names, SwarmCommand, SwarmImu, SwarmState, index_of
+from q2q_model.vehicle import Vehicle
+
+WEIGHT, ETA, PUSH, ETA_ETA, ETA_PUSH = range(5)
+"""The sums that are kept for each vehicle."""
+LONGEST_STEP = 0.1
+"""Time between two ticks beyond which thrust is taken to have settled [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class LiveParams:
+    """Hold how fast and how far a model is refined."""
+
+    memory: float = tunable(
+        60.0, "time in which old flight counts less by 1/e", unit="s", low=1.0, high=3600.0
+    )
+    prior: float = tunable(10.0, "weight of the gain being 1, as a sum of eta^2", unit="m^2/s^4", low=0.0)
+    gain_min: float = tunable(0.5, "least gain", low=0.0, high=1.0)
+    gain_max: float = tunable(2.0, "largest gain", low=1.0, high=10.0)
+    offset_max: float = tunable(1.0, "largest offset either way", unit="m/s^2", low=0.0, high=5.0)
+    publish_every: float = tunable(1.0, "time between two models", unit="s", low=0.1, high=60.0)
+    change_min: float = tunable(0.01, "change of gain that is worth a new model", low=0.0, high=1.0)
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+
+@dataclass(frozen=True, slots=True)
+class LiveEstimate:
+    """Hold what is known so far."""
+
+    t: float
+    gain: float
+    names: Names
+    offset: Array
+    seen: float
+    """Sum of eta^2 that the gain rests on [m^2/s^4]; compare with the prior."""
+
+
+class LiveRefinement:
+    """Hold the sums of a flight; the model that is refined stays as it was given."""
+
+    def __init__(self, model: InteractionModel, vehicle: Vehicle, params: LiveParams | None = None) -> None:
+        self.params = params or LiveParams()
+        self._vehicle = vehicle
+        self._predictor = InteractionPredictor(model)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the flight."""
+        self._predictor.reset()
+        self._names: Names = ()
+        self._sums = np.zeros((0, 5))
+        self._thrust = np.zeros(0)
+        self._t = -np.inf
+
+    def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> LiveEstimate:
+        """Take in one tick; a stamp that is not later than the last changes nothing."""
+        if state.t <= self._t:
+            return self._estimate()
+        self._follow(state.names)
+        dt = min(state.t - self._t, LONGEST_STEP)
+        push = self._push(state, command, imu, dt)
+        eta = self._predictor.update(state).acc[:, 2]
+        self._t = state.t
+        good = np.isfinite(push)
+        self._sums *= np.exp(-dt / self.params.memory)
+        y, e = push[good], eta[good]
+        self._sums[good] += np.stack([np.ones_like(y), e, y, e * e, e * y], axis=1)
+        return self._estimate()
+
+    def refined(self) -> InteractionModel:
+        """Return the model with its gain applied."""
+        return scaled(self._predictor.model, self._estimate().gain)
+
+    def _follow(self, names: Names) -> None:
+        """Keep what is known of vehicles that change rows or return; begin with new ones."""
+        if names == self._names:
+            return
+        rows = index_of(names, self._names)
+        known = rows >= 0
+        sums, thrust = np.zeros((len(names), 5)), np.full(len(names), np.nan)
+        sums[known], thrust[known] = self._sums[rows[known]], self._thrust[rows[known]]
+        self._names, self._sums, self._thrust = names, sums, thrust
+
+    def _push(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu, dt: float) -> Array:
+        """Return y [m/s^2], (n,); NaN where a sensor or a command is missing."""
+        asked = _rows(command.names, state.names, command.thrust)
+        keep = np.exp(-dt / self._vehicle.thrust_lag) if self._vehicle.thrust_lag > 0.0 else 0.0
+        before = np.where(np.isfinite(self._thrust), self._thrust, asked)
+        self._thrust = np.where(np.isfinite(asked), keep * before + (1.0 - keep) * asked, before)
+        force = rotate(state.quat, _rows(imu.names, state.names, imu.specific_force_body))[:, 2]
+        lean = rotate(state.quat, np.array([0.0, 0.0, 1.0]))[:, 2]
+        return np.asarray(force - self._thrust * lean / self._vehicle.mass)
+
+    def _estimate(self) -> LiveEstimate:
+        weight = np.maximum(self._sums[:, WEIGHT], 1e-12)
+        e, y = self._sums[:, ETA] / weight, self._sums[:, PUSH] / weight
+        cross = float((self._sums[:, ETA_PUSH] - weight * e * y).sum())
+        square = float((self._sums[:, ETA_ETA] - weight * e * e).sum())
+        p = self.params
+        gain = (p.prior + cross) / (p.prior + square) if p.prior + square > 0.0 else 1.0
+        gain = float(np.clip(gain, p.gain_min, p.gain_max))
+        offset = np.clip(y - gain * e, -p.offset_max, p.offset_max)
+        return LiveEstimate(self._t, gain, self._names, offset, square)
+
+
+def scaled(model: InteractionModel, gain: float) -> InteractionModel:
+    """Return a model whose drafts are `gain` times as strong."""
+    if isinstance(model, Jet):
+        return replace(model, strength=gain * model.strength)
+    if isinstance(model, EnvelopeNetwork):
+        return replace(model, lower=_scaled(model.lower, gain), upper=_scaled(model.upper, gain))
+    return model
+
+
+def _scaled(net: Network, gain: float) -> Network:
+    return replace(net, output_weights=gain * net.output_weights, output_bias=gain * net.output_bias)
+
+
+def _rows(names: Names, among: Names, values: Array) -> Array:
+    """Return the rows of `values` in the order of `among`, NaN where one is missing."""
+    rows = index_of(among, names)
+    out = np.full((len(among), *values.shape[1:]), np.nan)
+    out[rows >= 0] = values[rows[rows >= 0]]
+    return out

@@ -1,0 +1,203 @@
+"""Hold the scoring rule to rows made by hand, and what it finds to real flights."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.flight_log import FlightLog
+from q2q_model.identification.along_flight import Motion, eta_along
+from q2q_model.identification.draft_force import ForceRecord, ForceSamples, force_samples, pooled, score
+from q2q_model.identification.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.recorded_push import LOG_MASS, lagged, push_of_log
+from q2q_model.interaction.jet import MEASURED_LAW, Jet
+from q2q_model.interaction.none import NoInteraction
+from q2q_model.rotations import rotate
+from q2q_model.signals import Array
+
+DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"
+needs_flights = pytest.mark.skipif(not DATA.is_dir(), reason=f"no recorded flights in {DATA}: set Q2Q_DATA")
+OFF, ON = "dc19", "dc21"
+"""Families: feed-forward off, on. Never pooled."""
+
+
+def record(rel: Array, push: Array, height: float = 1.0) -> ForceRecord:
+    """Return a record in which vehicle 0 hovers and vehicle 1 is at `rel` (T, 3) from it."""
+    ticks = rel.shape[0]
+    pos = np.zeros((ticks, 2, 3))
+    pos[:, 0, 2] = height
+    pos[:, 1] = pos[:, 0] + rel
+    up = np.tile([0.0, 0.0, 1.0], (ticks, 2, 1))
+    motion = Motion(0.01 * np.arange(ticks), pos, np.zeros_like(pos), up)
+    good = np.ones((ticks, 2), dtype=bool)
+    return ForceRecord("made", ("a", "b"), motion, np.stack([push, 0.0 * push], axis=1), good, ~good)
+
+
+def passing(ticks: int = 1000) -> Array:
+    """Return a source half a metre above that passes from -1 m to 1 m."""
+    return np.stack([np.zeros(ticks), np.linspace(-1.0, 1.0, ticks), np.full(ticks, 0.5)], axis=1)
+
+
+def lower_of(made: ForceRecord) -> ForceSamples:
+    """Return the samples of vehicle 0."""
+    return next(one for one in force_samples(made) if one.vehicle == 0)
+
+
+def test_exposed_free_and_upper_rows_are_those_of_the_rule():
+    rel = passing()
+    lower = lower_of(record(rel, np.zeros(1000)))
+    np.testing.assert_array_equal(lower.exposed, np.abs(rel[:, 1]) < 0.15)
+    upper = next(one for one in force_samples(record(rel, np.zeros(1000))) if one.vehicle == 1)
+    assert not upper.exposed.any()
+    np.testing.assert_array_equal(upper.upper, np.abs(rel[:, 1]) < 0.1)
+    assert not lower.upper.any()
+
+
+def test_a_constant_of_the_vehicle_is_taken_off_by_its_free_rows():
+    rel = passing()
+    push = np.where(np.abs(rel[:, 1]) < 0.15, -2.0, 0.0) + 0.7
+    y = lower_of(record(rel, push)).y
+    np.testing.assert_allclose(y[np.abs(rel[:, 1]) > 0.3], 0.0, atol=1e-12)
+    np.testing.assert_allclose(y[np.abs(rel[:, 1]) < 0.1], -2.0, atol=1e-12)
+
+
+def test_rows_that_are_low_mended_or_saturated_do_not_count():
+    made = record(passing(), np.zeros(1000))
+    low = force_samples(record(passing(), np.zeros(1000), height=0.2))
+    assert [one.vehicle for one in low] == [1]  # the other has no usable row at all
+    whole, saturated = made.whole.copy(), made.saturated.copy()
+    whole[480:490, 1] = False  # of the neighbour: its place is not known either
+    saturated[510:520, 0] = True
+    lower = lower_of(replace(made, whole=whole, saturated=saturated))
+    assert not lower.usable[480:490].any()
+    assert not lower.usable[510:520].any()
+    assert lower.usable.sum() == 980
+
+
+def test_a_vehicle_with_too_few_free_rows_is_not_scored():
+    always_above = np.tile([0.0, 0.0, 0.5], (1000, 1))
+    assert [one.vehicle for one in force_samples(record(always_above, np.zeros(1000)))] == [1]
+
+
+def test_r2_is_one_for_the_law_that_pushed_and_zero_for_none():
+    rel = passing()
+    made = record(rel, np.zeros(1000))
+    push = eta_along(MEASURED_LAW, made.motion)[:, 0, 2]
+    samples = [lower_of(record(rel, push))]
+    assert score(MEASURED_LAW, samples).r2_exposed == pytest.approx(1.0, abs=1e-12)
+    assert score(NoInteraction(), samples).r2_exposed == 0.0
+    assert score(MEASURED_LAW, samples).n == int((np.abs(rel[:, 1]) < 0.15).sum())
+
+
+def test_without_exposed_rows_nothing_is_claimed():
+    far = np.tile([2.0, 0.0, 0.5], (1000, 1))
+    found = score(MEASURED_LAW, force_samples(record(far, np.zeros(1000))))
+    assert found.r2_exposed is None
+    assert found.n == 0
+    assert score(MEASURED_LAW, []).mean_upper_mps2 is None
+
+
+def test_the_lag_is_a_first_order_and_missing_commands_repeat_the_last():
+    t = 0.01 * np.arange(300)
+    step = np.where(t < 1.0, 0.0, 1.0)[:, None]
+    answer = lagged(step, t, 0.1)
+    assert answer[150, 0] == pytest.approx(1.0 - np.exp(-0.51 / 0.1), rel=1e-9)  # 51 ticks after the step
+    np.testing.assert_array_equal(lagged(step, t, 0.0), step)
+
+
+def real_samples(family: str) -> dict[str, list[ForceSamples]]:
+    """Return the samples of all flights of a family with more than one vehicle."""
+    found = {path.stem: force_samples(_real(path)) for path in sorted(DATA.glob(f"{family}*_ss*.parquet"))}
+    return {name: samples for name, samples in found.items() if samples}
+
+
+def _real(path: Path) -> ForceRecord:
+    from pyarrow import parquet
+
+    table = parquet.read_table(path)
+    names = tuple(sorted({name[:4] for name in table.column_names if name.startswith("cf")}))
+
+    def columns(*wanted: str) -> Array:
+        return np.array(
+            [[table[f"{name}_{one}"].to_numpy() for one in wanted] for name in names], dtype=float
+        )
+
+    t = np.asarray(table["t"].to_numpy(), dtype=float)
+    wanted = (("x", "y", "z"), ("vx", "vy", "vz"), ("qx", "qy", "qz", "qw"))
+    pos, vel, quat = (columns(*some).transpose(2, 0, 1) for some in wanted)
+    logged = ("faz_est", "gap", "pwm1", "pwm2", "pwm3", "pwm4")
+    log = FlightLog(t, names, logged, ("",) * 6, columns(*logged).transpose(2, 0, 1))
+    return push_of_log(path.stem, log, Motion(t, pos, vel, rotate(quat, np.array([0.0, 0.0, 1.0]))))
+
+
+def held_out(family: str, form: JetForm) -> tuple[float, float]:
+    """Return R2 on flights left out of the fit one after the other, and the mean push on upper vehicles."""
+    flights = real_samples(family)
+    y, misses = [], []
+    for name, samples in flights.items():
+        others = [one for other, found in flights.items() if other != name for one in found]
+        jet = fit_to_pushes(others, form).jet
+        for one in samples:
+            if one.exposed.any():
+                eta = eta_along(jet, one.motion)[one.exposed, one.vehicle, 2]
+                y.append(one.y[one.exposed])
+                misses.append(y[-1] - eta)
+    found = pooled(y, misses, [one for samples in flights.values() for one in samples])
+    assert found.r2_exposed is not None
+    assert found.mean_upper_mps2 is not None
+    return found.r2_exposed, found.mean_upper_mps2
+
+
+@needs_flights
+def test_a_jet_predicts_real_flights_it_has_not_seen_feed_forward_off():
+    r2, upper = held_out(OFF, JetForm())
+    assert r2 >= 0.86  # issue 3 asks for 0.84; 0.865 found
+    assert abs(upper) < 0.1  # no effect on the upper vehicle
+
+
+@needs_flights
+def test_what_moves_matters_on_real_flights():
+    """The same jet that falls straight down explains less: the source's slope and speed are no ornament."""
+    moving, straight = (held_out(OFF, JetForm(carried=carried))[0] for carried in (1.0, 0.0))
+    assert 1.0 - moving < 0.8 * (1.0 - straight)
+
+
+@needs_flights
+def test_a_neighbours_log_rolled_by_ten_seconds_explains_nothing():
+    """Over all usable rows: these flights repeat themselves, so rows under the neighbour stay so by chance."""
+    samples = [one for found in real_samples(OFF).values() for one in found if one.exposed.any()]
+    jet = fit_to_pushes(samples, JetForm()).jet
+    rolled = [replace(one, motion=_rolled(one.motion, one.vehicle)) for one in samples]
+    true, false = (_explained(jet, some) for some in (samples, rolled))
+    assert true > 0.75
+    assert false < 0.0
+
+
+def _explained(jet: Jet, samples: list[ForceSamples]) -> float:
+    pairs = [(one.y[one.usable], eta_along(jet, one.motion)[one.usable, one.vehicle, 2]) for one in samples]
+    missed = sum(float((y - eta) @ (y - eta)) for y, eta in pairs)
+    return 1.0 - missed / sum(float(y @ y) for y, _ in pairs)
+
+
+def _rolled(motion: Motion, vehicle: int) -> Motion:
+    """Return the motion with everyone but one vehicle 10 s late."""
+    pos, vel, axis = (values.copy() for values in (motion.pos, motion.vel, motion.axis))
+    others = [j for j in range(pos.shape[1]) if j != vehicle]
+    for values in (pos, vel, axis):
+        values[:, others] = np.roll(values[:, others], 1000, axis=0)
+    return replace(motion, pos=pos, vel=vel, axis=axis)
+
+
+@needs_flights
+def test_feed_forward_on_is_predicted_too():
+    """Four flights of the family, two and three vehicles; the whole family takes minutes and gives 0.863."""
+    flights = {name: found for name, found in real_samples(ON).items() if name.startswith("dc21_swap_s")}
+    names = list(flights)
+    chosen = names[::2]
+    jet = fit_to_pushes([one for name in names if name not in chosen for one in flights[name]], JetForm()).jet
+    found = score(jet, [one for name in chosen for one in flights[name]])
+    assert found.r2_exposed is not None
+    assert found.r2_exposed >= 0.80
+    assert LOG_MASS == 0.032

@@ -1,0 +1,104 @@
+"""Prove that a wrong model is put right while flying, and only as far as it may."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_flights import LOOP, Pass, made_flight
+
+from q2q_model.flights import Flight
+from q2q_model.identification.live import LiveParams, LiveRefinement, scaled
+from q2q_model.identification.network_gradient import unpack
+from q2q_model.interaction.jet import PAPER_LAW, Jet
+from q2q_model.interaction.model import at_rest
+from q2q_model.interaction.none import NoInteraction
+from q2q_model.signals import SwarmCommand, SwarmImu, SwarmState
+from q2q_model.vehicle import CRAZYFLIE_2_0
+
+FLOWN = Pass(noise=1e-4, speed=0.3)
+EAGER = LiveParams(prior=0.1)
+VEHICLE = replace(CRAZYFLIE_2_0, thrust_lag=LOOP.lag)
+Tick = tuple[SwarmState, SwarmCommand, SwarmImu]
+
+
+def ticks(flight: Flight) -> Iterator[Tick]:
+    """Give a made flight tick by tick."""
+    zeros, status = np.zeros(2), np.zeros(2, dtype=np.uint8)
+    for k, t in enumerate(flight.t):
+        when = float(t), flight.names
+        yield (
+            SwarmState(*when, flight.pos[k], flight.vel[k], flight.quat[k], np.zeros((2, 3)), zeros, status),
+            SwarmCommand(*when, flight.thrust[k], zeros, zeros, zeros, status),
+            SwarmImu(*when, flight.specific_force_body[k], np.zeros((2, 3))),
+        )
+
+
+def test_a_model_that_is_a_third_too_weak_is_put_right():
+    live = LiveRefinement(scaled(PAPER_LAW, 0.75), VEHICLE, EAGER)
+    for tick in ticks(made_flight(FLOWN)):
+        estimate = live.update(*tick)
+    assert estimate.gain == pytest.approx(1.0 / 0.75, rel=0.03)
+    rel_pos = np.array([0.0, 0.0, 0.5])
+    true, refined = (law.acceleration(rel_pos, at_rest(rel_pos))[2] for law in (PAPER_LAW, live.refined()))
+    assert refined == pytest.approx(true, rel=0.03)
+
+
+def test_a_right_model_stays_as_it_is():
+    live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
+    gains = [live.update(*tick).gain for tick in ticks(made_flight(FLOWN))]
+    assert max(abs(gain - 1.0) for gain in gains) < 0.05
+
+
+def test_a_constant_of_one_vehicle_is_an_offset_and_no_draft():
+    live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
+    for state, command, imu in ticks(made_flight(FLOWN)):
+        biased = imu.specific_force_body + np.array([[0.0, 0.0, 0.3], [0.0, 0.0, 0.0]])
+        estimate = live.update(state, command, SwarmImu(imu.t, imu.names, biased, imu.ang_vel_body))
+    np.testing.assert_allclose(estimate.offset, [0.3, 0.0], atol=0.01)
+    assert estimate.gain == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_broken_sensor_cannot_turn_the_model_around():
+    live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
+    for state, command, imu in ticks(made_flight(FLOWN)):
+        wrong = 50.0 - 5.0 * imu.specific_force_body
+        estimate = live.update(state, command, SwarmImu(imu.t, imu.names, wrong, imu.ang_vel_body))
+    assert EAGER.gain_min <= estimate.gain <= EAGER.gain_max
+    assert (np.abs(estimate.offset) <= EAGER.offset_max).all()
+
+
+def test_before_any_draft_the_gain_is_one_and_repeated_stamps_change_nothing():
+    live = LiveRefinement(PAPER_LAW, VEHICLE)
+    first = next(ticks(made_flight(FLOWN)))
+    once = live.update(*first)
+    again = live.update(*first)
+    assert once.gain == again.gain == 1.0
+    np.testing.assert_array_equal(once.offset, again.offset)
+
+
+def test_missing_sensors_and_nan_leave_a_vehicle_out():
+    live = LiveRefinement(scaled(PAPER_LAW, 0.75), VEHICLE, EAGER)
+    for state, command, imu in ticks(made_flight(FLOWN)):
+        only_lower = SwarmImu(imu.t, ("cf1",), imu.specific_force_body[:1], imu.ang_vel_body[:1])
+        estimate = live.update(state, command, only_lower)
+    assert estimate.gain == pytest.approx(1.0 / 0.75, rel=0.05)
+    assert estimate.offset[1] == 0.0
+
+
+def test_the_prior_holds_the_gain_until_there_is_evidence():
+    bold, shy = (
+        LiveRefinement(scaled(PAPER_LAW, 0.75), VEHICLE, LiveParams(prior=prior)) for prior in (0.1, 1000.0)
+    )
+    for tick in ticks(made_flight(FLOWN)):
+        gains = bold.update(*tick).gain, shy.update(*tick).gain
+    assert gains[0] > 1.25
+    assert 1.0 < gains[1] < 1.05
+
+
+def test_every_kind_of_model_scales():
+    rel_pos = np.array([[0.03, 0.0, 0.4], [0.0, 0.02, -0.5]])
+    networks = unpack(np.random.default_rng(14).standard_normal(322), 0.1, 1.1)
+    for law in (Jet(carried=1.0, travel_speed=3.0), networks, NoInteraction()):
+        once, twice = (one.acceleration(rel_pos, at_rest(rel_pos)) for one in (law, scaled(law, 2.0)))
+        np.testing.assert_allclose(twice, 2.0 * once, rtol=1e-12)
