@@ -25,6 +25,7 @@ def test_every_number_has_a_place_and_a_reason():
     for one in NUMBERS:
         assert one.where.lower().startswith(("table", "fig", "section"))
         assert one.note
+        assert one.note != "as above"  # a row is read alone
 
 
 def test_table_6_holds_the_papers_own_numbers():

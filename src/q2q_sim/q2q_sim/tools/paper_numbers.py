@@ -1,12 +1,14 @@
 """Read the paper's own numbers: one file with the place of each, so that none is typed twice."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 
 import yaml
 
+SAME = "as above"
+"""A note that stands for the one before it."""
 FILE = Path(__file__).resolve().parents[1] / "paper.yaml"
 
 
@@ -35,7 +37,11 @@ def paper_numbers(file: Path = FILE) -> tuple[PaperNumber, ...]:
         ValueError: an entry lacks its unit, place or note.
     """
     document = yaml.safe_load(file.read_text(encoding="utf-8"))
-    return tuple(_number(name, entry) for name, entry in document.items())
+    read = [_number(name, entry) for name, entry in document.items()]
+    for k, one in enumerate(read):
+        if one.note == SAME and k > 0:
+            read[k] = replace(one, note=read[k - 1].note)
+    return tuple(read)
 
 
 def chosen(numbers: tuple[PaperNumber, ...], only: str) -> tuple[PaperNumber, ...]:
