@@ -24,12 +24,14 @@ neighbour whose velocity is known within w is, braking, within w s of where its 
 
 from collections.abc import Callable
 
-import numba
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 
-MOST_STEPS = 400
+NEARER = 0.99
+"""Share of the distance now that a motion may come down to."""
+MOST_STEPS = 1000
 """Steps of the advancement; a pair that needs more counts as not proven."""
 
 Motions = tuple[Array, Array, Array, Array, Array]
@@ -55,7 +57,7 @@ def _moved(
 def _rest_time(vel: Array, acc: Array, hold: float, brake: float) -> float:
     """Return when a motion has come to rest [s]."""
     end = vel + acc * hold
-    return hold + np.sqrt((end * end).sum()) / brake
+    return float(hold + np.sqrt((end * end).sum()) / brake)
 
 
 def _cylinder_distance(x: float, y: float, z: float, zone: tuple[float, float]) -> float:
@@ -63,30 +65,35 @@ def _cylinder_distance(x: float, y: float, z: float, zone: tuple[float, float]) 
     side = np.sqrt(x * x + y * y) - zone[0]
     cap = abs(z) - zone[1]
     if side > 0.0 and cap > 0.0:
-        return np.sqrt(side * side + cap * cap)
-    return max(side, cap)
+        return float(np.sqrt(side * side + cap * cap))
+    return float(max(side, cap))
 
 
-_compiled_moved: Callable[..., tuple[Array, Array]] = numba.njit(cache=True)(_moved)
-_compiled_rest: Callable[..., float] = numba.njit(cache=True)(_rest_time)
-_compiled_distance: Callable[..., float] = numba.njit(cache=True)(_cylinder_distance)
+_compiled_moved: Callable[..., tuple[Array, Array]] = compiled(_moved)
+_compiled_rest: Callable[..., float] = compiled(_rest_time)
+_compiled_distance: Callable[..., float] = compiled(_cylinder_distance)
 
 
 def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float], floor: float) -> bool:
-    """Return True where vehicles i and j are proven to keep out; law = (eps, d, brake)."""
+    """Return True where vehicles i and j are proven to keep out; law = (eps, d, brake).
+
+    Half of `floor` is kept, or of the distance now, where that is less.
+    """
     pos, vel, acc, hold, growth = motions
     eps, d, brake = law
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
     unsure = rate / brake  # a velocity known within `rate` may take this longer to brake
     end = max(_compiled_rest(vel[i], acc[i], hold[i], brake), _compiled_rest(vel[j], acc[j], hold[j], brake))
     end += unsure
-    s = 0.0
-    for _ in range(MOST_STEPS):
+    s, keep = 0.0, floor
+    for step in range(MOST_STEPS):
         pos_i, vel_i = _compiled_moved(pos[i], vel[i], acc[i], hold[i], (s, brake))
         pos_j, vel_j = _compiled_moved(pos[j], vel[j], acc[j], hold[j], (s, brake))
         rel = pos_i - pos_j
         left = _compiled_distance(rel[0], rel[1], rel[2], (eps, d)) - wide - rate * s
-        if not left >= floor:  # also where a number is NaN
+        if step == 0:
+            keep = min(floor, NEARER * left)
+        if not (left >= keep and left >= 0.0):  # also where a number is NaN
             return False
         speed = rate
         for here, held, push in ((vel_i, hold[i], acc[i]), (vel_j, hold[j], acc[j])):
@@ -95,15 +102,15 @@ def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float]
                 speed += np.sqrt((push * push).sum()) * (held - s)
         if speed == 0.0:
             return True
-        s += left / speed
+        s += (left - 0.5 * keep) / speed  # half of `keep` is left in between
         if s >= end:
             return True
     return False
 
 
-compiled_stays_out: Callable[[Motions, int, int, tuple[float, float, float], float], bool] = numba.njit(
-    cache=True
-)(_stays_out)
+compiled_stays_out: Callable[[Motions, int, int, tuple[float, float, float], float], bool] = compiled(
+    _stays_out
+)
 stays_out_plain = _stays_out
 
 

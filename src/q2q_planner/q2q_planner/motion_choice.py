@@ -1,9 +1,10 @@
 """Choose, for every vehicle, the motion that is proven against the motions of all others.
 
-Every vehicle offers a new motion and the rest of its old one. Pairs that fail with a new motion go back to
-the old ones; old ones were proven against each other, so this ends with all pairs proven. Old motions are
-looked at again all the same: where even they fail, which only a broken condition of the promise can bring
-about, both vehicles are BROKEN and fly the new motion, which at least pushes apart.
+Every vehicle offers a new motion and the rest of its old one. Where a pair fails, one of the two goes back to
+its old motion, by turns, and if that is not enough the other one too. Old motions were proven against each
+other, so this ends with all pairs proven. They are looked at again all the same: where even they fail,
+which only a broken condition of the promise can bring about, both vehicles are BROKEN and fly the new
+motion, which at least pushes apart.
 
 Rows from `own` on are strangers, whose motion cannot be chosen. A new motion is proven against all that a
 stranger may do; an old one was, and is held only against what a stranger that keeps the law surely does
@@ -12,10 +13,10 @@ stranger may do; an old one was, and is held only against what a stranger that k
 
 from collections.abc import Callable
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_planner.barrier import Rows
 from q2q_planner.braking import Motions, compiled_stays_out
 
@@ -25,8 +26,12 @@ Choices = NDArray[np.int8]
 Proven = NDArray[np.bool_]
 
 
-def _choose(
-    new: Motions, old: Motions, pairs: tuple[Rows, Rows], proven: Proven, limits: tuple[float, float, float, float]
+def _choose(  # noqa: C901
+    new: Motions,
+    old: Motions,
+    pairs: tuple[Rows, Rows],
+    proven: Proven,
+    limits: tuple[float, float, float, float, int],
 ) -> Choices:
     """Return the choice of each row, (rows,).
 
@@ -35,9 +40,9 @@ def _choose(
         old: motions going on; strangers: what they surely do.
         pairs: rows i < j, i of the swarm.
         proven: pairs of the swarm (n,) and strangers (m,) proven together before, (n, m); changed in place.
-        limits: eps [m], d [m], brake [m/s^2], floor [m].
+        limits: eps [m], d [m], brake [m/s^2], floor [m], and a number that tells whose turn it is to yield.
     """
-    eps, d, brake, floor = limits
+    eps, d, brake, floor, turn = limits
     law, own = (eps, d, brake), proven.shape[0]
     acc, hold = new[2].copy(), new[3].copy()
     mixed = (new[0], new[1], acc, hold, new[4])
@@ -48,28 +53,30 @@ def _choose(
         for row in range(pairs[0].size):
             i, j = pairs[0][row], pairs[1][row]
             if choice[i] == 0 and ((j < own and choice[j] == 0) or (j >= own and proven[i, j - own])):
-                if compiled_stays_out(old, i, j, law, 0.5 * floor):
+                if compiled_stays_out(old, i, j, law, 0.0):
                     continue
             elif compiled_stays_out(mixed, i, j, law, floor):
                 continue
-            last = i + 1 if j >= own else j + 1
-            back = choice[i] == 1 or (j < own and choice[j] == 1)
-            for vehicle in range(i, last, max(1, j - i)):
-                if choice[vehicle] == 1 and back:
+            first, second = (i, j) if (i + j + turn) % 2 == 0 or j >= own else (j, i)
+            for vehicle in (first, second):
+                if vehicle < own and choice[vehicle] == 1:
                     choice[vehicle] = 0
                     acc[vehicle], hold[vehicle] = old[2][vehicle], old[3][vehicle]
                     changed = True
-                elif choice[vehicle] == 0 and not back:
-                    choice[vehicle] = 2
-                    acc[vehicle], hold[vehicle] = new[2][vehicle], new[3][vehicle]
-                    changed = True
+                    break
+            else:
+                for vehicle in (i, j):
+                    if vehicle < own and choice[vehicle] == 0:
+                        choice[vehicle] = 2
+                        acc[vehicle], hold[vehicle] = new[2][vehicle], new[3][vehicle]
+                        changed = True
     for row in range(pairs[0].size):
-        i, j = pairs[0][row], pairs[1][row]
-        if j >= own and not proven[i, j - own]:
-            proven[i, j - own] = choice[i] != 2 and compiled_stays_out(mixed, i, j, law, floor)
+        i, j = pairs[0][row], pairs[1][row] - own
+        if j >= 0 and choice[i] != 2 and not proven[i, j]:
+            proven[i, j] = compiled_stays_out(mixed, i, j + own, law, floor)
     return choice
 
 
 choose_motions: Callable[
-    [Motions, Motions, tuple[Rows, Rows], Proven, tuple[float, float, float, float]], Choices
-] = numba.njit(cache=True)(_choose)
+    [Motions, Motions, tuple[Rows, Rows], Proven, tuple[float, float, float, float, int]], Choices
+] = compiled(_choose)

@@ -11,11 +11,11 @@ coordinate descent (Hildreth, A quadratic programming procedure, 1957), one pass
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 from q2q_planner.nonnegative_qp import solve_nonnegative_qp
 from q2q_planner.swarm_samples import SwarmSamples
@@ -150,6 +150,6 @@ def _descend(
             return
 
 
-_compiled_descent: Callable[[tuple[Rows, Rows, Array, Array], Array, Array, int, float], None] = numba.njit(
-    cache=True
-)(_descend)
+_compiled_descent: Callable[[tuple[Rows, Rows, Array, Array], Array, Array, int, float], None] = compiled(
+    _descend
+)

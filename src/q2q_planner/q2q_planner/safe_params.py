@@ -24,7 +24,8 @@ class SafeReplannerParams:
         0.05, "how far vehicles may be from their setpoints", unit="m", low=0.0, high=1.0
     )
     drift: float = tunable(0.2, "how fast an unmeasured vehicle may drift", unit="m/s", low=0.0, high=10.0)
-    forget: float = tunable(5.0, "strangers unheard of for longer are gone", unit="s", low=0.1, high=600.0)
+    speed_max: float = tunable(2.0, "how fast a stranger may fly", unit="m/s", low=0.1, high=100.0)
+    forget: float = tunable(2.0, "strangers unheard of for longer are gone", unit="s", low=0.1, high=600.0)
 
     def __post_init__(self) -> None:
         """Raise ValueError where a number is out of bounds."""

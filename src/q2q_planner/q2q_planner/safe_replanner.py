@@ -2,7 +2,7 @@
 
 **The promise.** Between the ticks at which it says so, no modified trajectory of this swarm comes into the
 zone I(eps, d) of another one, or of a stranger, at any time; nor does any vehicle that follows its modified
-trajectory within `tracking`. No modified trajectory accelerates by more than `acc_max`.
+trajectory within `tracking`. A trajectory accelerates by more than `acc_max` only where it is the reference.
 
 **Its conditions.** A vehicle whose status is not PROMISE_BROKEN is under the promise. It is broken, and
 said to be at that very tick, where
@@ -10,7 +10,8 @@ said to be at that very tick, where
 2. a vehicle is measured further than `tracking` from its modified trajectory, plus `drift` times the age of
    the measurement and what it may have turned since: then the vehicle, not the trajectory, breaks it;
 3. a stranger (a vehicle of `state` that has no setpoint here) does what no vehicle under this law would do:
-   accelerate beyond `acc_max`, or move on when it should brake.
+   accelerate beyond `acc_max`, exceed `speed_max`, or move on when it should brake; or is not heard of for
+   longer than `forget`.
 A reference may do anything; it is followed as far as the promise allows, and exactly, to the last bit,
 where nothing is near.
 
@@ -38,12 +39,12 @@ from q2q_planner.braking import Motions
 from q2q_planner.held_motion import STEP, HeldMotion, Mask, carried_on
 from q2q_planner.motion_choice import BROKEN, NEW, OLD, Choices, Proven, choose_motions
 from q2q_planner.safe_params import SafeReplannerParams
-from q2q_planner.scene import Scene, own_doubts, scene_of
+from q2q_planner.scene import Scene, astray, own_doubts, scene_of
 from q2q_planner.setpoint_error import SHIFT_TOLERANCE
 from q2q_planner.sightings import Sightings
 
 FLOOR = 1e-3
-"""Distance that a new motion must keep from the zone beside all growth [m]; half of it for an old one."""
+"""Distance that a new motion keeps from the zone beside all growth [m]."""
 
 
 class SafeReplanner:
@@ -80,14 +81,14 @@ class SafeReplanner:
         params, names = self.params, setpoint.names
         held = carried_on(self._held, setpoint, params.acc_max)
         seen = None if state is None else self._sightings.of(names, setpoint.t)
-        growth, astray = own_doubts(held, seen, params)
+        growth = own_doubts(held, seen, params)
         strangers = self._sightings.strangers(names, setpoint.t, params.forget)
         held, scene = scene_of(held, setpoint, growth, strangers, params)
         wanted, pushed = _wanted(held, setpoint, scene, params)
         self._recognise(names, strangers.names)
         choice = _choice(held, scene, wanted, self._proven, params)
         self._held = _decided(held, wanted, choice, pushed)
-        broken = ((choice == BROKEN) | astray) & params.enabled
+        broken = ((choice == BROKEN) | astray(held, seen, params)) & params.enabled
         self._answer = _answer(setpoint, self._held, broken, params.acc_max)
         return self._answer
 
@@ -134,7 +135,7 @@ def _choice(
     certain = scene.growth[:own] * np.array([1.0, 0.0])  # what was proven needs no look ahead
     going = held.pos, held.vel, held.acc, held.hold, certain
     pos, vel, push, hold, growth = (np.concatenate(both) for both in zip(going, scene.sure, strict=True))
-    limits = params.eps, params.d, params.acc_max, FLOOR
+    limits = params.eps, params.d, params.acc_max, FLOOR, round(held.t / STEP)
     return choose_motions(new, (pos, vel, push, hold, growth), scene.pairs, proven, limits)[:own]
 
 

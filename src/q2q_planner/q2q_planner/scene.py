@@ -3,8 +3,9 @@
 What is not known of a vehicle grows its zone by g0 [m] now and g1 [m/s] later on. Of our own: `tracking`,
 and `drift` for a measurement that is missing. Of a stranger heard of at age A: it may have turned by acc_max
 since, and go on so for one step, so its velocity is known within acc_max (A + STEP) and its position within
-half of that times A + STEP. What a stranger that keeps the law *surely* does is less: it brakes, from one
-step after its message, for it may only have chosen otherwise where that was proven against us.
+half of that times A + STEP; neither can have changed by more than `speed_max` allows. What a stranger that
+keeps the law *surely* does is less: it brakes, from one step after its message, for it may only have chosen
+otherwise where that was proven against us.
 """
 
 from dataclasses import dataclass, replace
@@ -24,6 +25,9 @@ GRACE = 0.1
 """A measurement younger than this does not count as missing [s]: `tracking` holds its drift."""
 
 NOBODY: Rows = np.zeros(0, dtype=np.intp)
+
+
+_EMPTY = np.zeros((0, 3))
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,20 +56,35 @@ class Scene:
         return found[: self.own]
 
 
-def own_doubts(held: HeldMotion, word: Word | None, params: SafeReplannerParams) -> tuple[Array, Mask]:
-    """Return the growth (n, 2) of our vehicles' zones, and who has left its trajectory (n,).
+_ALONE = Scene(
+    0,
+    _EMPTY,
+    _EMPTY,
+    np.zeros((0, 2)),
+    (_EMPTY, _EMPTY, _EMPTY, np.zeros(0), np.zeros((0, 2))),
+    (NOBODY, NOBODY),
+)
+"""No strangers."""
 
-    `word` None trusts every vehicle to follow.
-    """
+
+def own_doubts(held: HeldMotion, word: Word | None, params: SafeReplannerParams) -> Array:
+    """Return the growth (n, 2) of our vehicles' zones; `word` None trusts every vehicle to follow."""
     growth = np.tile([params.tracking + SNAP_POS, SNAP_VEL], (len(held.names), 1))
     if word is None:
-        return growth, np.zeros(len(held.names), np.bool_)
-    age = np.minimum(word.age, params.forget)
-    unseen = np.maximum(age - GRACE, 0.0)
+        return growth
+    unseen = np.maximum(np.minimum(word.age, params.forget) - GRACE, 0.0)
     growth[:, 0] += params.drift * unseen
     growth[:, 1] += np.where(unseen > 0.0, params.drift, 0.0)
+    return growth
+
+
+def astray(held: HeldMotion, word: Word | None, params: SafeReplannerParams) -> Mask:
+    """Return who has left its modified trajectory by more than its age explains, (n,)."""
+    if word is None:
+        return np.zeros(len(held.names), np.bool_)
+    age = np.minimum(word.age, params.forget)
     away = np.sqrt(((word.pos + word.vel * age[:, None] - held.pos) ** 2).sum(-1))
-    return growth, away > params.tracking + params.drift * age + 0.5 * params.acc_max * age**2
+    return np.asarray(away > params.tracking + params.drift * age + 0.5 * params.acc_max * age**2)
 
 
 def scene_of(
@@ -93,8 +112,12 @@ def scene_of(
 
 def _strangers(word: Word, params: SafeReplannerParams) -> Scene:
     """Return the strangers' rows."""
+    if not word.names:
+        return _ALONE
     age, most = word.age + STEP, params.acc_max
-    growth = np.stack([0.5 * most * age**2 + SNAP_POS, most * age + SNAP_VEL], -1)
+    fastest = params.speed_max + np.sqrt((word.vel**2).sum(-1))
+    spread = np.minimum(0.5 * most * age**2, fastest * age) + SNAP_POS
+    growth = np.stack([spread, np.minimum(most * age, fastest) + SNAP_VEL], -1)
     count = len(word.names)
     still, step = np.zeros((count, 3)), np.full(count, STEP)
     pos, vel = motion_after((word.pos, word.vel, still, np.minimum(step, word.age), growth), word.age, most)

@@ -1,0 +1,271 @@
+"""The safe law keeps its promise wherever its conditions hold, and says so wherever it cannot."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from q2q_model.signals import Array, SetpointStatus, SwarmSetpoint, SwarmState
+from q2q_model.zone import Cylinder
+from q2q_planner.minsnap import minimum_snap_plan
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.safe_replanner import SafeReplanner
+from q2q_planner.trajectory import SwarmPlan, setpoint_at
+from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+
+TICK = 0.01
+PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)
+ZONE = Cylinder(PARAMS.eps, PARAMS.d)
+BROKEN = SetpointStatus.PROMISE_BROKEN
+
+
+def encounter(seed: int, most: int = 10) -> SwarmPlan:
+    """Return 2 to `most` vehicles that fly at random through a small room, at up to 2 m/s."""
+    generator = np.random.default_rng(seed)
+    n, side, end = generator.integers(2, most + 1), generator.uniform(1.5, 4.0), generator.uniform(4.0, 8.0)
+    box = np.array([side / 2, side / 2, 0.6])
+    points = generator.uniform(-1.0, 1.0, (n, 2, 3)) * box + [0.0, 0.0, 1.2]
+    return minimum_snap_plan(
+        [
+            VehicleWaypoints(f"cf{row}", (Waypoint(0.0, tuple(a)), Waypoint(float(end), tuple(b))))
+            for row, (a, b) in enumerate(points)
+        ]
+    )
+
+
+def swap(height: float = 1.0) -> SwarmPlan:
+    """Return two vehicles that swap places exactly head on."""
+    return minimum_snap_plan(
+        [
+            VehicleWaypoints("cf1", (Waypoint(0, (-1.5, 0, height)), Waypoint(6, (1.5, 0, height)))),
+            VehicleWaypoints("cf2", (Waypoint(0, (1.5, 0, height)), Waypoint(6, (-1.5, 0, height)))),
+        ]
+    )
+
+
+def seen(setpoint: SwarmSetpoint, age: float = 0.0) -> SwarmState:
+    """Return the state of vehicles that follow exactly, measured `age` ago."""
+    n = len(setpoint.names)
+    quat = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+    return SwarmState(
+        setpoint.t, setpoint.names, setpoint.pos, setpoint.vel, quat, np.zeros((n, 3)), np.full(n, age),
+        np.zeros(n, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def together(plan: SwarmPlan, duration: float, params: SafeReplannerParams = PARAMS) -> list[SwarmSetpoint]:
+    """Fly all vehicles under one replanner."""
+    replanner = SafeReplanner(params)
+    return [replanner.update(setpoint_at(plan, k * TICK), None) for k in range(int(duration / TICK))]
+
+
+def apart(plan: SwarmPlan, duration: float, delays: Array) -> list[SwarmSetpoint]:
+    """Fly every vehicle under its own replanner, which hears of the others `delays` ticks late."""
+    alone = [SwarmPlan((a,), (b,)) for a, b in zip(plan.names, plan.trajectories, strict=True)]
+    replanners = [SafeReplanner(PARAMS) for _ in alone]
+    heard, flown = [seen(setpoint_at(plan, 0.0))], []
+    for k in range(int(duration / TICK)):
+        rows = []
+        for one, replanner, delay in zip(alone, replanners, delays, strict=True):
+            others = heard[max(0, min(k - delay, len(heard) - 1))]
+            own = [row for row, name in enumerate(others.names) if name != one.names[0]]
+            late = SwarmState(
+                others.t, tuple(others.names[row] for row in own), others.pos[own], others.vel[own],
+                others.quat[own], others.ang_vel_body[own], others.age[own], others.status[own],
+            )  # fmt: skip
+            here = seen(setpoint_at(one, k * TICK)) if not flown else seen(flown[-1])
+            replanner._sightings.hear(replace_rows(here, one.names[0]))
+            rows.append(replanner.update(setpoint_at(one, k * TICK), late))
+        flown.append(joined(setpoint_at(plan, k * TICK), rows))
+        heard.append(seen(flown[-1]))
+    return flown
+
+
+def replace_rows(state: SwarmState, name: str) -> SwarmState:
+    """Return the state of one vehicle alone."""
+    row = [state.names.index(name)]
+    return SwarmState(
+        state.t, (name,), state.pos[row], state.vel[row], state.quat[row], state.ang_vel_body[row],
+        state.age[row], state.status[row],
+    )  # fmt: skip
+
+
+def joined(whole: SwarmSetpoint, rows: list[SwarmSetpoint]) -> SwarmSetpoint:
+    return replace(
+        whole,
+        pos=np.concatenate([row.pos for row in rows]),
+        vel=np.concatenate([row.vel for row in rows]),
+        acc=np.concatenate([row.acc for row in rows]),
+        status=np.concatenate([row.status for row in rows]),
+    )
+
+
+def judged(flown: list[SwarmSetpoint]) -> tuple[Array, Array, Array]:
+    """Return for each tick and pair: inside the zone, announced by both; and who was ever broken (T, n)."""
+    pos, broken = np.array([tick.pos for tick in flown]), np.array([tick.status == BROKEN for tick in flown])
+    i, j = np.triu_indices(pos.shape[1], 1)
+    inside = ZONE.signed_distance(pos[:, i] - pos[:, j]) < 0.0
+    return inside, broken[:, i] & broken[:, j], broken
+
+
+@settings(deadline=None, max_examples=6)
+@given(st.integers(0, 10**6))
+def test_random_encounters_stay_out_of_the_zone_or_say_so(seed: int) -> None:
+    plan = encounter(seed)
+    flown = together(plan, plan.duration + 2.0)
+    inside, announced, broken = judged(flown)
+    assert not (inside & ~announced).any()
+    if not broken[0].any():  # the conditions hold at the first tick: they hold for ever
+        assert not broken.any()
+        assert not inside.any()
+    acc = np.array([tick.acc for tick in flown])
+    assert np.sqrt((acc**2).sum(-1)).max() <= PARAMS.acc_max * (1.0 + 1e-12)
+
+
+@settings(deadline=None, max_examples=6)
+@given(st.integers(0, 10**6))
+def test_the_modified_trajectory_moves_as_its_acceleration_says(seed: int) -> None:
+    """Ticks hang together: no jump of position or velocity that acc_max does not explain, but snapping."""
+    plan = encounter(seed, most=4)
+    flown = together(plan, 5.0)
+    pos, vel = np.array([tick.pos for tick in flown]), np.array([tick.vel for tick in flown])
+    ends = pos[:-1] + 0.5 * TICK * (vel[1:] + vel[:-1])
+    slack = 0.5 * PARAMS.acc_max * TICK**2 + 1e-4 + 5e-3 * TICK  # turning within a tick, and SNAP_*
+    assert np.abs(pos[1:] - ends).max() < slack
+    assert np.sqrt(((vel[1:] - vel[:-1]) ** 2).sum(-1)).max() < PARAMS.acc_max * TICK + 5e-3
+
+
+@settings(deadline=None, max_examples=2)
+@given(st.integers(0, 10**6))
+def test_replanners_that_hear_each_other_up_to_300_ms_late_keep_the_promise(seed: int) -> None:
+    plan = encounter(seed, most=4)
+    delays = np.random.default_rng(seed).integers(0, 31, len(plan.names))
+    inside, announced, broken = judged(apart(plan, plan.duration + 1.0, delays))
+    assert not (inside & ~announced).any()
+    if not broken[0].any():
+        assert not broken.any()
+        assert not inside.any()
+
+
+def test_an_exact_head_on_swap_is_resolved_to_the_right_and_ends_on_the_reference() -> None:
+    flown = together(swap(), 14.0)
+    inside, _, broken = judged(flown)
+    assert not inside.any()
+    assert not broken.any()
+    passing = max(flown, key=lambda tick: np.abs(tick.pos[:, 1]).min())
+    assert passing.pos[0, 1] < -0.05  # cf1 flies east: its right is south
+    assert passing.pos[1, 1] > 0.05
+    last = setpoint_at(swap(), flown[-1].t)
+    assert np.array_equal(flown[-1].pos, last.pos)
+    assert (flown[-1].status == SetpointStatus.NOMINAL).all()
+    assert SetpointStatus.SHIFTED in passing.status
+
+
+def test_vehicles_far_apart_fly_the_reference_to_the_last_bit() -> None:
+    plan = minimum_snap_plan(
+        [
+            VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(3, (1, 0, 1)))),
+            VehicleWaypoints("cf2", (Waypoint(0, (0, 30, 1)), Waypoint(3, (1, 30, 1)))),
+        ]
+    )
+    replanner = SafeReplanner(PARAMS)
+    for k in (0, 1, 2, 3, 50, 51, 290, 400):  # gaps too
+        reference = setpoint_at(plan, k * TICK)
+        assert replanner.update(reference, seen(reference)) is reference
+
+
+def test_switched_off_it_passes_the_reference_or_glides_back_to_it() -> None:
+    off = SafeReplanner(replace(PARAMS, enabled=False))
+    for k in range(600):
+        reference = setpoint_at(swap(), k * TICK)
+        assert off.update(reference, None) is reference
+    replanner, ticks = SafeReplanner(PARAMS), []
+    for k in range(1500):
+        if k == 300:
+            replanner.configure(replace(PARAMS, enabled=False))
+        ticks.append(replanner.update(setpoint_at(swap(), k * TICK), None))
+    assert np.array_equal(ticks[-1].pos, setpoint_at(swap(), ticks[-1].t).pos)
+    jump = np.abs(ticks[301].pos - ticks[300].pos).max()
+    assert jump < 0.02  # 2 m/s
+
+
+def test_a_repeated_stamp_gets_the_same_answer_and_lost_ticks_break_nothing() -> None:
+    replanner, plan = SafeReplanner(PARAMS), swap()
+    lost = set(range(255, 275)) | set(range(280, 310, 2))
+    flown = []
+    for k in range(900):
+        if k in lost:
+            continue
+        answer = replanner.update(setpoint_at(plan, k * TICK), None)
+        assert replanner.update(setpoint_at(plan, k * TICK), None) is answer
+        flown.append(answer)
+    inside, _, broken = judged(flown)
+    assert not inside.any()
+    assert not broken.any()
+
+
+def test_a_stranger_that_keeps_the_law_is_avoided_by_both_alone() -> None:
+    inside, _, broken = judged(apart(swap(), 10.0, np.array([30, 5])))
+    assert not inside.any()
+    assert not broken.any()
+
+
+def test_a_stranger_that_rams_is_announced_before_or_when_it_is_inside() -> None:
+    """A stranger at 1 m/s that never brakes breaks condition 3; our vehicle hovers."""
+    hover = minimum_snap_plan([VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(9, (0, 0, 1))))])
+    replanner = SafeReplanner(PARAMS)
+    announced, first_inside = [], None
+    for k in range(600):
+        reference = setpoint_at(hover, k * TICK)
+        there = np.array([[-3.0 + k * TICK, 0.05, 1.2]])
+        state = replace(seen(reference), names=("cf9",), pos=there, vel=np.array([[1.0, 0.0, 0.0]]))
+        answer = replanner.update(reference, state)
+        announced.append(answer.status[0] == BROKEN)
+        if first_inside is None and ZONE.signed_distance(answer.pos[0] - there[0]) < 0.0:
+            first_inside = k
+    if first_inside is not None:
+        assert announced[first_inside]
+
+
+def test_a_stranger_unheard_of_grows_its_zone_until_it_is_forgotten() -> None:
+    hover = minimum_snap_plan([VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(30, (0, 0, 1))))])
+    replanner = SafeReplanner(PARAMS)
+    near = replace(
+        seen(setpoint_at(hover, 0.0)), names=("cf9",), pos=np.array([[0.6, 0.0, 1.0]]), vel=np.zeros((1, 3))
+    )
+    shifts = [replanner.update(setpoint_at(hover, k * TICK), near).pos[0, 0] for k in range(1200)]
+    assert shifts[0] == 0.0
+    assert shifts[60] < -0.05  # 0.6 s of silence: it may be 0.54 m nearer
+    assert shifts[150] < shifts[60]
+    assert shifts[1199] == 0.0  # forgotten after 2 s, and back on the reference
+
+
+def test_vehicles_that_start_inside_each_others_zone_say_so_and_part() -> None:
+    close = minimum_snap_plan(
+        [
+            VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(3, (-1, 0, 1)))),
+            VehicleWaypoints("cf2", (Waypoint(0, (0.1, 0, 1)), Waypoint(3, (1, 0, 1)))),
+        ]
+    )
+    flown = together(close, 3.0)
+    assert (flown[0].status == BROKEN).all()
+    assert (flown[-1].status != BROKEN).all()
+    inside, announced, _ = judged(flown)
+    assert not (inside & ~announced).any()
+
+
+def test_a_vehicle_that_leaves_its_trajectory_or_is_lost_is_announced() -> None:
+    replanner, plan = SafeReplanner(PARAMS), swap()
+    for k in range(10):
+        reference = setpoint_at(plan, k * TICK)
+        assert (replanner.update(reference, seen(reference)).status != BROKEN).all()
+    reference = setpoint_at(plan, 0.10)
+    strayed = replace(seen(reference), pos=reference.pos + np.array([[0.0, 0.0, 0.1], [0.0, 0.0, 0.0]]))
+    assert (replanner.update(reference, strayed).status == [BROKEN, SetpointStatus.NOMINAL]).all()
+
+
+def test_a_number_out_of_bounds_is_named() -> None:
+    with pytest.raises(ValueError, match=r"SafeReplannerParams.acc_max = 0.0: allowed is 0.1 to 50.0 m/s\^2"):
+        SafeReplannerParams(acc_max=0.0)
