@@ -166,7 +166,7 @@ def test_what_moves_matters_on_real_flights():
 
 @needs_flights
 def test_a_neighbours_log_rolled_by_ten_seconds_explains_nothing():
-    """Over all usable rows: these flights repeat themselves, so rows under the neighbour stay so by chance."""
+    """Over all usable rows: these flights repeat themselves, so exposed rows stay so by chance."""
     samples = [one for found in real_samples(OFF).values() for one in found if one.exposed.any()]
     jet = fit_to_pushes(samples, JetForm()).jet
     rolled = [replace(one, motion=_rolled(one.motion, one.vehicle)) for one in samples]

@@ -8,7 +8,7 @@ import pytest
 
 from q2q_model.identification.altitude_loop import PAPER_LOOP
 from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
-from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
+from q2q_model.interaction.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.interaction.model import InteractionModel, at_rest
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.level_set import LevelSet, level_set
@@ -136,10 +136,11 @@ def test_models_are_found_by_name_by_path_and_otherwise_the_known_names_are_told
     assert isinstance(find_model("none").interaction, NoInteraction)
     assert find_model("paper_law").interaction == PAPER_LAW
     assert find_model("measured_law").interaction == MEASURED_LAW
+    assert find_model("moving_law").interaction == MOVING_LAW
     own = tmp_path / "own.q2q"
     save(own, ModelFile(Jet(strength=0.7)))
     assert find_model(str(own)).interaction == Jet(strength=0.7)
-    with pytest.raises(ModelFileError, match="give one of measured_law, none, paper_law"):
+    with pytest.raises(ModelFileError, match="give one of measured_law, moving_law, none, paper_law"):
         find_model("paper_low")
 
 

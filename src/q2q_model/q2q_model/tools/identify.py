@@ -29,9 +29,14 @@ STEPS = 12
 
 def main(arguments: list[str] | None = None) -> int:
     """Identify as the command line says; return 0, or 1 after an error."""
-    given = _command_line().parse_args(without_ros(arguments))
+    parser = _command_line()
+    given = parser.parse_args(without_ros(arguments))
+    if bool(given.bags) == given.live:
+        parser.error("give bags of recorded flights, or --live with --model, not both")
     console = Console(stderr=True)
     try:
+        if given.live:
+            return _refine_live(given.model, vehicle_by_name(given.vehicle), given.out)
         found, seconds = _run(given.bags, _params(given), console)
         save(given.out, found.file)
         wanted = given.json or given.out.with_suffix(".json")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from q2q_model.bag import BagError, BagRepairWarning, read_flight, read_flight_log
 from q2q_model.flight_log import FlightLog
+from q2q_model.identification.filtered_states import with_states
 from q2q_model.identification.procedure import Recording
 
 
@@ -17,7 +18,7 @@ def read_recordings(bags: Sequence[Path]) -> tuple[list[Recording], list[str]]:
     """
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", BagRepairWarning)
-        recordings = [Recording(read_flight(bag), _log(bag)) for bag in bags]
+        recordings = [Recording(with_states(read_flight(bag)), _log(bag)) for bag in bags]
     return recordings, [str(one.message) for one in said if issubclass(one.category, BagRepairWarning)]
 
 

@@ -1,0 +1,45 @@
+"""Filter a recorded flight's motion capture as its nodes did, where their states were not recorded.
+
+The filter is causal and knows nothing but the frames, so this gives again what the controller saw, to the
+last bit where its parameters are the same.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.flights import Flight
+from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.signals import MocapFrame, SwarmState, TrackStatus
+
+
+def with_states(flight: Flight, params: MocapFilterParams | None = None) -> Flight:
+    """Return the flight with filtered positions, velocities and attitudes; as it is where it has some.
+
+    A vehicle that the filter has lost is NaN.
+    """
+    if np.isfinite(flight.pos).any():
+        return flight
+    mocap_filter = MocapFilter(params or MocapFilterParams(), flight.names)
+    states = [mocap_filter.update(_frame(flight, tick)) for tick in range(flight.t.size)]
+    tracked = np.stack([_known(state) for state in states])[..., None]  # (T, n, 1)
+    pos, vel, quat = (
+        np.where(tracked, np.stack(values), np.nan)
+        for values in zip(*((one.pos, one.vel, one.quat) for one in states), strict=True)
+    )
+    return replace(flight, pos=pos, vel=vel, quat=quat)
+
+
+def _frame(flight: Flight, tick: int) -> MocapFrame:
+    seen = np.nonzero(np.isfinite(flight.mocap_pos[tick]).all(axis=1))[0]
+    return MocapFrame(
+        t=float(flight.t[tick]),
+        names=tuple(flight.names[row] for row in seen),
+        pos=flight.mocap_pos[tick, seen],
+        quat=flight.mocap_quat[tick, seen],
+    )
+
+
+def _known(state: SwarmState) -> NDArray[np.bool_]:
+    return np.asarray(np.not_equal(state.status, TrackStatus.LOST))

@@ -1,0 +1,118 @@
+"""Run identify and evaluate as a user does, on the bags of the repository."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.identification.along_flight import eta_along
+from q2q_model.identification.recorded_push import motion_of
+from q2q_model.model_file import load
+from q2q_model.tools import evaluate, identify
+from q2q_model.tools.recordings import read_recordings
+
+BAGS = Path(__file__).resolve().parents[3] / "bags"
+FLIGHTS = [BAGS / f"table2_{k}" for k in (1, 2, 5)]
+needs_bags = pytest.mark.skipif(not FLIGHTS[0].is_dir(), reason=f"no recorded flights in {BAGS}")
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of one identification of three flights."""
+    folder = tmp_path_factory.mktemp("identified")
+    words = [*map(str, FLIGHTS), "--out", str(folder / "model.q2q"), "--model-type", "jet"]
+    assert identify.main([*words, "--json", str(folder / "report.json")]) == 0
+    return folder
+
+
+@needs_bags
+def test_the_report_holds_what_its_contract_names(found: Path):
+    report = json.loads((found / "report.json").read_text())
+    assert report["gains"]["k_p"] == pytest.approx([0.81073] * 3, rel=1e-4)  # what the simulator's PID flies
+    assert report["gains"]["k_d"] == pytest.approx([0.42952] * 3, rel=1e-4)
+    for name in ("k_p", "k_d"):
+        value, low, high = report["gains"][name]
+        assert low <= value <= high
+    assert report["outliers"]["samples"] > 10_000
+    assert report["outliers"]["found"] > 0
+    assert {"eps_m", "d_m", "alpha_m", "beta_per_m", "extrapolated"} <= set(report["zone"])
+    model = report["model"]
+    assert model["type"] == "jet"
+    assert model["parameters"] <= 200
+    assert model["heldout_r2"]["lower"] > 0.9
+    assert model["heldout_mse_m2"]["lower"] < 1.13e-3  # the paper's training errors, section 3.2
+    assert model["heldout_mse_m2"]["upper"] < 1.87e-3
+    assert report["seconds"]["total"] > 0.0
+
+
+@needs_bags
+def test_the_learned_draft_is_that_of_the_simulators_air(found: Path):
+    law = load(found / "model.q2q").interaction
+    missed = total = 0.0
+    for bag in FLIGHTS:
+        flight = read_recordings([bag])[0][0].flight
+        true, learned = flight.true_eta[..., 2], eta_along(law, motion_of(flight))[..., 2]
+        visited = np.abs(true).max(axis=1) > 1e-3
+        missed += float(((learned - true)[visited] ** 2).sum())
+        total += float((true[visited] ** 2).sum())
+    assert (missed / total) ** 0.5 < 0.10
+
+
+@needs_bags
+def test_every_figure_is_drawn(found: Path):
+    pictures = sorted(path.name for path in found.glob("*.png"))
+    figures = ("fig4_dev", "fig5_gains", "fig6_7_altitude", "fig8_9_draft")
+    assert pictures == [f"report_{name}.png" for name in figures]
+    assert all((found / name).stat().st_size > 10_000 for name in pictures)
+
+
+@needs_bags
+def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pytest.CaptureFixture[str]):
+    out = found / "scores.json"
+    words = ["--model", str(found / "model.q2q"), str(FLIGHTS[0]), "--json", str(out)]
+    assert evaluate.main(words) == 0
+    scores = json.loads(out.read_text())
+    assert set(scores) == {"flights", "pooled"}
+    assert set(scores["pooled"]) == {"r2_exposed", "rmse_exposed_mps2", "mean_upper_mps2", "n"}
+    assert scores["flights"]["table2_1"] == scores["pooled"]
+    assert scores["pooled"]["r2_exposed"] > 0.9
+    assert "table2_1" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["no_such_bag", "--out", "m.q2q"], "no_such_bag"),
+        (["--live", "--out", "m.q2q", "--model", "paper_low"], "no model 'paper_low': give one of"),
+    ],
+)
+def test_wrong_input_of_identify_is_one_line_without_a_traceback(
+    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+):
+    assert identify.main(words) == 1
+    said = capsys.readouterr().err.strip().splitlines()
+    assert len(said) == 1
+    assert says in said[0]
+
+
+@pytest.mark.parametrize("words", [["--out", "m.q2q"], ["bag", "--live", "--out", "m.q2q"], ["bag"]])
+def test_identify_wants_bags_or_live_and_a_place_for_the_model(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+):
+    with pytest.raises(SystemExit) as end:
+        identify.main(words)
+    assert end.value.code == 2
+    assert "see --help" in capsys.readouterr().err
+
+
+def test_evaluate_of_an_unknown_model_names_those_there_are(capsys: pytest.CaptureFixture[str]):
+    assert evaluate.main(["bag", "--model", "paper_low"]) == 1
+    assert "paper_law" in capsys.readouterr().err
+
+
+def test_help_shows_an_example(capsys: pytest.CaptureFixture[str]):
+    for tool in (identify, evaluate):
+        with pytest.raises(SystemExit):
+            tool.main(["--help"])
+        assert "ros2 run q2q_model" in capsys.readouterr().out
