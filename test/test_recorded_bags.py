@@ -12,7 +12,7 @@ from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions, fly
 
 BAGS = sorted((Path(__file__).parents[1] / "bags").glob("table2_*"))
-TOPICS = {"/mocap", "/truth", "/truth_interference", "/imu", "/reference", "/command"}
+TOPICS = {"/mocap", "/state", "/truth_interference", "/imu", "/reference", "/command"}
 LARGEST = 15_000_000
 """All bags together [bytes]."""
 
@@ -45,7 +45,7 @@ def test_a_bag_holds_what_its_scenario_and_seed_give_today() -> None:
     model = find_model(scenario.model).interaction
     flown = fly(scenario, FlightOptions(mode="ignoring", seed=3, model=model))
     kept = read_flight(BAGS[2])
-    for name in ("mocap_pos", "true_pos", "true_eta", "ref_pos", "thrust", "specific_force_body"):
+    for name in ("mocap_pos", "pos", "true_eta", "ref_pos", "thrust", "specific_force_body"):
         np.testing.assert_allclose(
             getattr(kept, name), getattr(flown, name), rtol=0.0, atol=1e-9, err_msg=f"{name}: run bags/remake"
         )
