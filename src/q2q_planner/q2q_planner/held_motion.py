@@ -10,8 +10,6 @@ from q2q_planner.braking import motion_after
 
 Mask = NDArray[np.bool_]
 
-STEP = 0.01
-"""How long a motion holds its acceleration [s]: the 100 Hz tick."""
 LONGEST_GAP = 5.0
 """A longer stretch without stamps starts on the reference again [s]."""
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3

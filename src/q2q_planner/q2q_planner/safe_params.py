@@ -16,6 +16,9 @@ class SafeReplannerParams:
     d: float = tunable(1.1, "half height of the zone", unit="m", low=1e-3, high=10.0)
     margin: float = tunable(0.02, "distance aimed at beside the zone", unit="m", low=0.0, high=1.0)
     acc_max: float = tunable(3.0, "largest acceleration, also when braking", unit="m/s^2", low=0.1, high=50.0)
+    hold: float = tunable(
+        0.02, "time an acceleration is held: the tick, and one that is lost", unit="s", low=1e-3, high=0.5
+    )
     k_p: float = tunable(5.0, "stiffness towards the reference", unit="1/s^2", low=0.01, high=100.0)
     k_d: float = tunable(4.0, "damping towards the reference", unit="1/s", low=0.01, high=100.0)
     approach: float = tunable(2.0, "both poles of the approach to a zone", unit="1/s", low=0.1, high=20.0)

@@ -15,7 +15,7 @@ said to be at that very tick, where
 A reference may do anything; it is followed as far as the promise allows, and exactly, to the last bit,
 where nothing is near.
 
-**Why it holds.** Each tick every vehicle has a motion: an acceleration held for one step, then braking to
+**Why it holds.** Each tick every vehicle has a motion: an acceleration held for `hold`, then braking to
 rest (`braking`). All pairs of motions are proven to keep out, for all time. A vehicle whose new motion
 fails against anyone goes on with the motion of the tick before, which was proven, and whose rest is still
 proven against all that do the same; so there is always a proven choice. Lost ticks only lead further along
@@ -36,7 +36,7 @@ import numpy as np
 from q2q_model.signals import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState, index_of
 from q2q_planner.barrier import push_apart
 from q2q_planner.braking import Motions
-from q2q_planner.held_motion import STEP, HeldMotion, Mask, carried_on
+from q2q_planner.held_motion import HeldMotion, Mask, carried_on
 from q2q_planner.motion_choice import BROKEN, NEW, OLD, Choices, Proven, choose_motions
 from q2q_planner.safe_params import SafeReplannerParams
 from q2q_planner.scene import Scene, astray, own_doubts, scene_of
@@ -45,6 +45,10 @@ from q2q_planner.sightings import Sightings
 
 FLOOR = 1e-3
 """Distance that a new motion keeps from the zone beside all growth [m]."""
+
+
+TURN = 0.01
+"""How long it is one vehicle's turn to yield, before the other's [s]: a tick."""
 
 
 class SafeReplanner:
@@ -87,7 +91,7 @@ class SafeReplanner:
         wanted, pushed = _wanted(held, setpoint, scene, params)
         self._recognise(names, strangers.names)
         choice = _choice(held, scene, wanted, self._proven, params)
-        self._held = _decided(held, wanted, choice, pushed)
+        self._held = _decided(held, wanted, choice, pushed, params.hold)
         broken = ((choice == BROKEN) | astray(held, seen, params)) & params.enabled
         self._answer = _answer(setpoint, self._held, broken, params.acc_max)
         return self._answer
@@ -131,11 +135,11 @@ def _choice(
         return np.full(scene.own, NEW, dtype=np.int8)
     own, strange = scene.own, len(scene.pos) - scene.own
     acc = np.concatenate([wanted, np.zeros((strange, 3))])
-    new: Motions = (scene.pos, scene.vel, acc, np.full(len(acc), STEP), scene.growth)
+    new: Motions = (scene.pos, scene.vel, acc, np.full(len(acc), params.hold), scene.growth)
     certain = scene.growth[:own] * np.array([1.0, 0.0])  # what was proven needs no look ahead
     going = held.pos, held.vel, held.acc, held.hold, certain
     pos, vel, push, hold, growth = (np.concatenate(both) for both in zip(going, scene.sure, strict=True))
-    limits = params.eps, params.d, params.acc_max, FLOOR, round(held.t / STEP)
+    limits = params.eps, params.d, params.acc_max, FLOOR, round(held.t / TURN)
     return choose_motions(new, (pos, vel, push, hold, growth), scene.pairs, proven, limits)[:own]
 
 
@@ -145,13 +149,13 @@ def _limited(acc: Array, most: float) -> Array:
     return np.where(size > most, acc * (most / np.where(size > most, size, 1.0)), acc)
 
 
-def _decided(held: HeldMotion, wanted: Array, choice: Choices, pushed: Mask) -> HeldMotion:
+def _decided(held: HeldMotion, wanted: Array, choice: Choices, pushed: Mask, hold: float) -> HeldMotion:
     """Return what the swarm does from now on."""
     fresh = choice != OLD
     return replace(
         held,
         acc=np.where(fresh[:, None], wanted, held.acc),
-        hold=np.where(fresh, STEP, held.hold),
+        hold=np.where(fresh, hold, held.hold),
         on_reference=held.on_reference & fresh & ~pushed,
         pushed=pushed | ~fresh,
     )

@@ -2,9 +2,9 @@
 
 What is not known of a vehicle grows its zone by g0 [m] now and g1 [m/s] later on. Of our own: `tracking`,
 and `drift` for a measurement that is missing. Of a stranger heard of at age A: it may have turned by acc_max
-since, and go on so for one step, so its velocity is known within acc_max (A + STEP) and its position within
-half of that times A + STEP; neither can have changed by more than `speed_max` allows. What a stranger that
-keeps the law *surely* does is less: it brakes, from one step after its message, for it may only have chosen
+since, and go on so for `hold`, so its velocity is known within acc_max (A + hold) and its position within
+half of that times A + hold; neither can have changed by more than `speed_max` allows. What a stranger that
+keeps the law *surely* does is less: it brakes, from `hold` after its message, for it may only have chosen
 otherwise where that was proven against us.
 """
 
@@ -17,7 +17,7 @@ from q2q_model.neighbours import pairs_in_reach
 from q2q_model.signals import Array, SwarmSetpoint
 from q2q_planner.barrier import Rows
 from q2q_planner.braking import Motions, motion_after
-from q2q_planner.held_motion import SNAP_POS, SNAP_VEL, STEP, HeldMotion, Mask, near_reference
+from q2q_planner.held_motion import SNAP_POS, SNAP_VEL, HeldMotion, Mask, near_reference
 from q2q_planner.safe_params import SafeReplannerParams
 from q2q_planner.sightings import Word
 
@@ -114,16 +114,16 @@ def _strangers(word: Word, params: SafeReplannerParams) -> Scene:
     """Return the strangers' rows."""
     if not word.names:
         return _ALONE
-    age, most = word.age + STEP, params.acc_max
+    age, most, step = word.age + params.hold, params.acc_max, params.hold
     fastest = params.speed_max + np.sqrt((word.vel**2).sum(-1))
     spread = np.minimum(0.5 * most * age**2, fastest * age) + SNAP_POS
     growth = np.stack([spread, np.minimum(most * age, fastest) + SNAP_VEL], -1)
     count = len(word.names)
-    still, step = np.zeros((count, 3)), np.full(count, STEP)
+    still = np.zeros((count, 3))
     pos, vel = motion_after((word.pos, word.vel, still, np.minimum(step, word.age), growth), word.age, most)
     rest = np.sqrt((word.vel**2).sum(-1)) / most
-    slack = -0.5 * most * STEP**2 - most * STEP * rest - SNAP_POS - SNAP_VEL * rest
-    sure = pos, vel, still, np.maximum(STEP - word.age, 0.0), np.stack([slack, np.zeros(count)], -1)
+    slack = -0.5 * most * step**2 - most * step * rest - SNAP_POS - SNAP_VEL * rest
+    sure = pos, vel, still, np.maximum(step - word.age, 0.0), np.stack([slack, np.zeros(count)], -1)
     there = word.pos + word.vel * word.age[:, None]
     return Scene(0, there, word.vel, growth, sure, (NOBODY, NOBODY))
 
@@ -148,7 +148,7 @@ def _reach(scene: Scene, params: SafeReplannerParams) -> Reach:
     """Return how near two must be to matter: zone, growth, braking of both, and the approach's push."""
     speed = float(np.sqrt((scene.vel**2).sum(-1)).max())
     growth, rate = scene.growth.max(axis=0)
-    rest = (speed + float(rate)) / params.acc_max + 2.0 * STEP
+    rest = (speed + float(rate)) / params.acc_max + 2.0 * params.hold
     approach = 2.0 * (2.0 * speed + float(rate)) / params.approach + 2.0 * params.acc_max / params.approach**2
     far = 2.0 * float(growth + rate * rest) + params.margin + 2.0 * speed * rest + approach
     return Reach(params.eps + far, params.d + far)

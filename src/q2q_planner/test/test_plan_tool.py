@@ -1,12 +1,13 @@
-"""The command line of the planner: its numbers, its files, its refusals."""
+"""`plan` writes what it says, and says in one line what is wrong."""
 
+import csv
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from q2q_planner import plan_file
+from q2q_planner.plan_file import load, load_with_facts
 from q2q_planner.tools.plan import main
 
 SECTION_4_1 = """
@@ -17,59 +18,127 @@ vehicles:
 
 
 @pytest.fixture
-def waypoints(tmp_path: Path) -> Path:
-    path = tmp_path / "way points.yaml"
+def crossing(tmp_path: Path) -> Path:
+    path = tmp_path / "crossing.yaml"
     path.write_text(SECTION_4_1)
     return path
 
 
-def test_section_4_1_is_certified_at_a_few_per_cent_more_than_the_infimum(waypoints: Path) -> None:
-    out, numbers = waypoints.with_name("plan.json"), waypoints.with_name("cost.json")
-    assert main([str(waypoints), "--out", str(out), "--json", str(numbers)]) == 0
-    found = json.loads(numbers.read_text())
-    assert set(found) == {"snap_cost", "snap_infimum", "certified", "clearance_m", "cpu_ms", "vehicles"}
-    assert found["snap_infimum"] == pytest.approx(1.02115e-3, rel=5e-6)  # as many digits as are known
-    assert found["snap_cost"] <= 1.04 * found["snap_infimum"]
-    assert found["certified"] is True
-    assert found["clearance_m"] > 0.0
-    assert plan_file.load(out).certified
-
-
-def test_without_avoidance_the_same_waypoints_are_said_to_be_inside(
-    waypoints: Path, capsys: pytest.CaptureFixture[str]
+def test_without_avoidance_it_writes_the_infimum_and_says_not_certified(
+    crossing: Path, tmp_path: Path
 ) -> None:
-    out = waypoints.with_name("plan.json")
-    assert main([str(waypoints), "--out", str(out), "--no-avoid"]) == 0
-    assert "NOT out of the zone" in capsys.readouterr().out
-    assert not plan_file.load(out).certified
+    out, facts = tmp_path / "plan.json", tmp_path / "facts.json"
+    assert main([str(crossing), "--no-avoid", "--out", str(out), "--json", str(facts)]) == 0
+    told = json.loads(facts.read_text())
+    assert set(told) == {"snap_cost", "snap_infimum", "certified", "clearance_m", "cpu_ms", "vehicles"}
+    assert told["snap_cost"] == told["snap_infimum"] == pytest.approx(1.02115e-3, rel=2e-6)
+    assert told["certified"] is False
+    assert told["clearance_m"] < 0.0
+    assert told["vehicles"] == 2
+    assert load(out).names == ("cf1", "cf2")
 
 
-def test_uploads_hold_the_plans_own_polynomials(waypoints: Path) -> None:
-    out, folder = waypoints.with_name("plan.json"), waypoints.with_name("uploads")
-    assert main([str(waypoints), "--out", str(out), "--upload", str(folder)]) == 0
-    plan = plan_file.load(out)
-    lines = (folder / "cf2.csv").read_text().splitlines()
-    assert lines[0].startswith("Duration,x^0,x^1")
-    assert lines[0].endswith(",yaw^7")
-    rows = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
-    np.testing.assert_array_equal(rows[:, 0], plan.trajectories[1].durations)
-    np.testing.assert_array_equal(rows[:, 1:].reshape(-1, 4, 8), plan.trajectories[1].coefficients)
+def test_with_avoidance_it_is_certified_in_plan_file_and_json(crossing: Path, tmp_path: Path) -> None:
+    out, facts = tmp_path / "plan.json", tmp_path / "facts.json"
+    assert main([str(crossing), "--out", str(out), "--json", str(facts)]) == 0
+    told = json.loads(facts.read_text())
+    plan, known = load_with_facts(out)
+    assert told["certified"] is plan.certified is True
+    assert told["snap_infimum"] < told["snap_cost"] <= 1.04 * told["snap_infimum"]
+    assert told["clearance_m"] == known.clearance > 0.0
+    assert known.zone == "cylinder eps 0.1 m, d 1.1 m"
+
+
+def test_exports_hold_the_plan(crossing: Path, tmp_path: Path) -> None:
+    out, table, uploads = tmp_path / "plan.json", tmp_path / "plan.csv", tmp_path / "uploads"
+    arguments = [
+        "--avoid",
+        "--csv",
+        str(table),
+        "--upload",
+        str(uploads),
+    ]
+    assert main([str(crossing), "--out", str(out), *arguments]) == 0
+    plan = load(out)
+    with table.open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 2 * 5001
+    row = next(row for row in rows if row["t"] == "25.0" and row["name"] == "cf2")
+    assert float(row["z"]) == pytest.approx(plan.trajectories[1].at(np.asarray(25.0))[2], abs=1e-12)
+    with (uploads / "cf1.csv").open() as file:
+        header, *pieces = list(csv.reader(file))
+    assert header[:2] == ["Duration", "x^0"]
+    assert len(header) == 33
+    numbers = np.array(pieces, dtype=float)
+    assert numbers[:, 0] == pytest.approx(plan.trajectories[0].durations, abs=0.0)
+    assert numbers[:, 1:].reshape(-1, 4, 8) == pytest.approx(plan.trajectories[0].coefficients, abs=0.0)
+
+
+def test_figures_are_drawn(tmp_path: Path) -> None:
+    path, figures = tmp_path / "quick.yaml", tmp_path / "figures"
+    path.write_text(
+        "vehicles: {cf1: [{t: 0, pos: [-1, 0, 1]}, {t: 3, pos: [1, 0, 1]}],"
+        " cf2: [{t: 0, pos: [0, -1, 1.5]}, {t: 3, pos: [0, 1, 1.5]}]}"
+    )
+    assert main([str(path), "--out", str(tmp_path / "plan.json"), "--figures", str(figures)]) == 0
+    drawn = {f"fig{number}.png" for number in (10, 11, 12, 13)} | {"plan_and_zone.png"}
+    assert {path.name for path in figures.iterdir()} == drawn
+
+
+def test_a_level_set_of_a_learned_draft_is_a_zone(crossing: Path, tmp_path: Path) -> None:
+    out = tmp_path / "plan.json"
+    zone = ["--model", "paper_law", "--threshold", "0.1"]
+    assert main([str(crossing), *zone, "--out", str(out)]) == 0
+    assert load(out).certified
+
+
+def test_a_warm_start_reads_a_plan(crossing: Path, tmp_path: Path) -> None:
+    cold, warm = tmp_path / "cold.json", tmp_path / "warm.json"
+    assert main([str(crossing), "--out", str(cold)]) == 0
+    assert main([str(crossing), "--warm", str(cold), "--out", str(warm)]) == 0
+    assert load(warm).certified
+
+
+def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
+    path, out = tmp_path / "untimed.yaml", tmp_path / "plan.json"
+    path.write_text("vehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [3, 0, 1]}]}")
+    assert main([str(path), "--speed", "1.0", "--out", str(out)]) == 0
+    assert load(out).duration == pytest.approx(35.0 / 16.0 * 3.0, abs=0.011)  # a tick
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"),
+    ("text", "arguments", "said"),
     [
-        (SECTION_4_1.replace("[0, 0, 2.0]", "[0, .nan, 2.0]"), "cf2, waypoint 1"),
-        (SECTION_4_1.replace("t: 30", "t: 60"), "cf2, waypoint 2"),
-        ("vehicles: 3", "vehicles"),
-        ("{", "plan:"),
+        (SECTION_4_1.replace("20,", ".nan,"), [], "cf1, waypoint 1: t = nan"),
+        (SECTION_4_1.replace("t: 20", "t: 0"), [], "cf1, waypoint 1: t = 0.0 s coincides"),
+        (SECTION_4_1.replace("t: 20", "t: 60"), [], "cf1, waypoint 2: t = 50.0 s is before"),
+        (SECTION_4_1.replace("t: 50", "t: 20.3"), [], "cf2, waypoint 2: t = 20.3 s is before"),
+        (SECTION_4_1.replace("t: 20", "t: 0.5"), [], "cf1, after waypoint 0"),
+        (
+            SECTION_4_1.replace("t: 20", "t: 30"),
+            [],
+            "cf1, waypoint 1 and cf2, waypoint 1 lie 0.1 m inside",
+        ),
+        (SECTION_4_1, ["--eps", "-1"], "--eps = -1.0: allowed is 0 to 5.0 m"),
+        (SECTION_4_1, ["--model", "paper_law", "--threshold", "99"], "threshold = 99"),
+        ("vehicles: [", [], "bad.yaml: while parsing"),
+        (SECTION_4_1, ["--threshold", "1"], "needs --model"),
+        ("nothing: 1", [], "vehicles: got None, expected a mapping"),
     ],
 )
-def test_wrong_waypoints_are_refused_in_words(
-    wrong: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_what_cannot_be_planned_is_said_in_one_line(
+    text: str, arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = tmp_path / "wrong.yaml"
-    path.write_text(wrong)
-    assert main([str(path), "--out", str(tmp_path / "plan.json")]) == 1
-    assert said in capsys.readouterr().err
-    assert not (tmp_path / "plan.json").exists()
+    path, out = tmp_path / "bad.yaml", tmp_path / "plan.json"
+    path.write_text(text)
+    assert main([str(path), "--out", str(out), *arguments]) == 1
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.startswith("plan: ")
+    assert "Traceback" not in error
+    assert not out.exists()
+
+
+def test_an_absent_file_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(tmp_path / "none.yaml"), "--out", str(tmp_path / "p.json")]) == 1
+    assert "none.yaml" in capsys.readouterr().err

@@ -207,7 +207,7 @@ def test_a_repeated_stamp_gets_the_same_answer_and_lost_ticks_break_nothing() ->
 
 
 def test_a_stranger_that_keeps_the_law_is_avoided_by_both_alone() -> None:
-    inside, _, broken = judged(apart(swap(), 10.0, np.array([30, 5])))
+    inside, _, broken = judged(apart(swap(), 6.0, np.array([30, 5])))
     assert not inside.any()
     assert not broken.any()
 

@@ -1,0 +1,158 @@
+"""Draw a plan as the paper draws its own: curves and distances (Figs 10, 12), z (11, 13), and in 3-D."""
+
+from itertools import combinations
+from pathlib import Path
+
+import matplotlib as mpl
+
+mpl.use("Agg")  # files only: no display
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from q2q_model.interaction.model import InteractionModel
+from q2q_model.signals import Array
+from q2q_model.zone import Zone
+from q2q_planner.convex_zone import lathe_around
+from q2q_planner.draft_response import PAPER_LOOP, altitude_errors
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.safe_replanner import SafeReplanner
+from q2q_planner.trajectory import SwarmPlan, setpoint_at
+
+TICK = 0.02
+"""Sampling of curves [s]."""
+MOST_PAIRS = 12
+"""Relative distances drawn; the pairs that come nearest."""
+
+
+def draw_all(
+    folder: Path, plan: SwarmPlan, free: SwarmPlan, zone: Zone, model: InteractionModel
+) -> list[Path]:
+    """Draw Figs 10 to 13 and the 3-D view into a folder; return the files.
+
+    Args:
+        folder: made where it is not there.
+        plan: the plan that avoids.
+        free: minimum snap without avoidance; the online replanner starts from it.
+        zone: what is avoided.
+        model: the draft in which heights are simulated.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    t = np.arange(0.0, plan.duration + TICK, TICK)
+    avoiding, reference = sampled(plan, t), sampled(free, t)
+    online = replanned(free, t, zone)
+    fig10 = _beside(plan, {"without avoidance": reference, "with avoidance": avoiding}, zone)
+    fig12 = _beside(plan, {"reference": reference, "modified online": online}, zone)
+    return [
+        _kept(fig10, folder / "fig10.png"),
+        _kept(
+            _heights(plan, {"without": reference, "with avoidance": avoiding}, model), folder / "fig11.png"
+        ),
+        _kept(fig12, folder / "fig12.png"),
+        _kept(_heights(plan, {"modified online": online}, model), folder / "fig13.png"),
+        _kept(_solid(plan, avoiding, zone), folder / "plan_and_zone.png"),
+    ]
+
+
+def sampled(plan: SwarmPlan, t: Array) -> Array:
+    """Return positions of all vehicles at times t [s], (T, n, 3)."""
+    return np.stack([trajectory.at(t)[:, :3] for trajectory in plan.trajectories], axis=1)
+
+
+def replanned(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
+    """Return what the safe replanner makes of a plan, (T, n, 3), with the zone's radius and half height."""
+    hull = lathe_around(zone)
+    replanner = SafeReplanner(SafeReplannerParams(eps=hull.eps, d=hull.d, tracking=0.0))
+    return np.stack([replanner.update(setpoint_at(plan, float(at)), None).pos for at in t])
+
+
+def _heights(plan: SwarmPlan, curves: dict[str, Array], model: InteractionModel) -> Figure:
+    """Draw z of each vehicle with its reference, in the draft under the learned loop, one column a curve."""
+    shape = len(plan.names), len(curves)
+    figure, axes = plt.subplots(*shape, sharex=True, figsize=(5.5 * shape[1], 2.4 * shape[0]), squeeze=False)
+    for column, (title, pos) in enumerate(curves.items()):
+        errors = altitude_errors(pos, TICK, model, PAPER_LOOP)
+        t = TICK * np.arange(len(pos))
+        for row, name in enumerate(plan.names):
+            axis: Axes = axes[row, column]
+            axis.plot(t, pos[:, row, 2], color="tab:green", label="reference")
+            axis.plot(t, pos[:, row, 2] + errors[:, row], color="tab:blue", linewidth=0.8, label="simulated")
+            axis.set_ylabel("z [m]")
+            axis.set_title(f"{name}, {title}: RMS {np.sqrt((errors[:, row] ** 2).mean()):.4f} m")
+    axes[0, 0].legend()
+    axes[-1, 0].set_xlabel("t [s]")
+    return _checked(figure)
+
+
+def _checked(figure: object) -> Figure:
+    if not isinstance(figure, Figure):
+        raise TypeError(f"matplotlib gave {type(figure).__name__}, expected a Figure")
+    return figure
+
+
+def _beside(plan: SwarmPlan, curves: dict[str, Array], zone: Zone) -> Figure:
+    """Draw trajectories above relative distances, one column a curve."""
+    figure = plt.figure(figsize=(5.5 * len(curves), 8.5))
+    for column, (title, pos) in enumerate(curves.items()):
+        space = figure.add_subplot(2, len(curves), column + 1, projection="3d")
+        for row, name in enumerate(plan.names):
+            space.plot(*pos[:, row].T, label=name)
+        space.set_title(title)
+        space.set_xlabel("x [m]")
+        space.set_ylabel("y [m]")
+        if len(plan.names) <= MOST_PAIRS:
+            space.legend()
+        _distances(figure.add_subplot(2, len(curves), len(curves) + column + 1), plan, pos, zone)
+    return _checked(figure)
+
+
+def _distances(axis: Axes, plan: SwarmPlan, pos: Array, zone: Zone) -> None:
+    """Draw the signed distance of the nearest pairs to the zone over time."""
+    pairs, t = list(combinations(range(pos.shape[1]), 2)), TICK * np.arange(len(pos))
+    distances = [zone.signed_distance(pos[:, i] - pos[:, j]) for i, j in pairs]
+    nearest = np.argsort([distance.min() for distance in distances])[:MOST_PAIRS]
+    for row in nearest:
+        i, j = pairs[row]
+        axis.plot(t, distances[row], label=f"{plan.names[i]}, {plan.names[j]}")
+    axis.axhspan(min(0.0, axis.get_ylim()[0]), 0.0, color="tab:red", alpha=0.2, label="inside the zone")
+    axis.set_xlabel("t [s]")
+    axis.set_ylabel("distance to the zone [m]")
+    axis.legend(fontsize="small")
+
+
+def _solid(plan: SwarmPlan, pos: Array, zone: Zone) -> Figure:
+    """Draw every vehicle with the zone around it at the moment when a pair is nearest."""
+    pairs = list(combinations(range(pos.shape[1]), 2))
+    figure = plt.figure(figsize=(7, 7))
+    space = figure.add_subplot(projection="3d")
+    for row, name in enumerate(plan.names):
+        space.plot(*pos[:, row].T, label=name)
+    if pairs:
+        distances = np.array([zone.signed_distance(pos[:, i] - pos[:, j]) for i, j in pairs])
+        pair, moment = np.unravel_index(distances.argmin(), distances.shape)
+        centre = pos[moment, pairs[pair][1]]
+        space.plot_surface(*(_surface(zone) + centre[:, None, None]), color="tab:red", alpha=0.2)
+        space.scatter(*pos[moment].T, color="black", s=12)
+        space.set_title(f"nearest at t = {moment * TICK:.2f} s, zone around {plan.names[pairs[pair][1]]}")
+    if len(plan.names) <= MOST_PAIRS:
+        space.legend()
+    return _checked(figure)
+
+
+def _surface(zone: Zone) -> Array:
+    """Return the zone's hull as a mesh, (3, heights, angles)."""
+    profile = lathe_around(zone).profile
+    upper = np.concatenate([[[profile[0, 0], 0.0]], profile, [[0.0, profile[-1, 1]]]])
+    outline = np.concatenate([upper[::-1] * [1.0, -1.0], upper])
+    angle = np.linspace(0.0, 2.0 * np.pi, 49)
+    radius, height = outline[:, :1], outline[:, 1:]
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height + 0.0 * angle])
+
+
+def _kept(figure: Figure, path: Path) -> Path:
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+    return path

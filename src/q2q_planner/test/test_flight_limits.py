@@ -1,0 +1,94 @@
+"""Allocated times keep the limits, thrust is checked for every t, flatness gives the right attitude."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY
+from q2q_planner.flatness import flat_state
+from q2q_planner.flight_limits import (
+    FlightLimits,
+    allocate_times,
+    check_flyable,
+    peak_norm,
+    timed_document,
+    with_limits_of,
+)
+from q2q_planner.minsnap import minimum_snap, minimum_snap_plan
+from q2q_planner.waypoints import VehicleWaypoints, Waypoint, swarm_from_document
+
+LIMITS = FlightLimits(speed=1.5, acceleration=3.0)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 10**6), st.sampled_from(["stop_and_go", "free"]))
+def test_allocated_times_keep_the_limits_and_waste_little(seed: int, reading: str) -> None:
+    generator = np.random.default_rng(seed)
+    points = [Waypoint(0.0, tuple(generator.uniform(-2.0, 2.0, 3))) for _ in range(generator.integers(2, 6))]
+    trajectory = minimum_snap(allocate_times("cf1", points, LIMITS, reading), reading)
+    speed, acc = peak_norm(trajectory, 1).value, peak_norm(trajectory, 2).value
+    assert speed <= LIMITS.speed * (1.0 + 1e-5)  # the bound's own tolerance
+    assert acc <= LIMITS.acceleration * (1.0 + 1e-5)
+    if len(points) == 2:  # one piece: one of the two limits is met, but for rounding up to a tick
+        assert speed > 0.95 * LIMITS.speed or acc > 0.95 * LIMITS.acceleration
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 10**6))
+def test_the_peak_is_above_every_sample_and_at_the_largest(seed: int) -> None:
+    generator = np.random.default_rng(seed)
+    points = tuple(Waypoint(float(t), tuple(generator.normal(size=3))) for t in (0.0, 1.0, 3.0))
+    trajectory = minimum_snap(VehicleWaypoints("cf1", points), "free")
+    t = np.linspace(0.0, 3.0, 20_001)
+    seen = np.linalg.norm(trajectory.at(t, 2)[:, :3], axis=1)
+    peak = peak_norm(trajectory, 2)
+    assert seen.max() <= peak.value <= seen.max() * (1.0 + 1e-4)  # TOLERANCE, and 0.15 ms between samples
+    assert np.linalg.norm(trajectory.at(np.asarray(peak.t), 2)[:3]) == pytest.approx(peak.value, rel=1e-4)
+
+
+def test_more_thrust_than_there_is_names_vehicle_waypoint_and_bound() -> None:
+    steep = [
+        VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 1)), Waypoint(5.6, (1, 0, 2))))
+    ]
+    with pytest.raises(
+        ValueError, match=r"cf1, after waypoint 1 .*N of thrust, crazyflie_2_0 has at most 0.6 N"
+    ):
+        check_flyable(minimum_snap_plan(steep), steep, CRAZYFLIE_2_0)
+    calm = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 2))))]
+    check_flyable(minimum_snap_plan(calm), calm, CRAZYFLIE_2_0)
+
+
+def test_limits_are_cut_to_what_thrust_allows() -> None:
+    spare = CRAZYFLIE_2_0.thrust_max / CRAZYFLIE_2_0.mass - GRAVITY
+    assert with_limits_of(FlightLimits(acceleration=50.0), CRAZYFLIE_2_0).acceleration == pytest.approx(spare)
+
+
+def test_a_document_without_times_gets_them_and_one_with_times_keeps_them() -> None:
+    document = {
+        "vehicles": {
+            "cf1": [{"pos": [0, 0, 1]}, {"pos": [3, 0, 1], "yaw": 1.0}],
+            "cf2": [{"t": 0, "pos": [0, 2, 1]}, {"t": 9, "pos": [3, 2, 1]}],
+        }
+    }
+    first, second = swarm_from_document(timed_document(document, LIMITS))
+    assert first.times[1] == pytest.approx(35.0 / 16.0 * 3.0 / 1.5, abs=0.011)  # rounded up to a tick
+    assert first.waypoints[1].yaw == 1.0
+    assert second.times.tolist() == [0.0, 9.0]
+
+
+@given(st.tuples(*[st.floats(-5.0, 5.0)] * 3), st.floats(-3.0, 3.0))
+def test_the_flat_attitude_points_the_thrust_along_the_force(acc: tuple, yaw: float) -> None:
+    """Put roll and pitch into (4)-(6) and get the acceleration back."""
+    flat = flat_state(np.array(acc), np.array(yaw))
+    phi, theta, psi = flat.roll, flat.pitch, yaw
+    ux = np.cos(phi) * np.sin(theta) * np.cos(psi) + np.sin(phi) * np.sin(psi)
+    uy = np.cos(phi) * np.sin(theta) * np.sin(psi) - np.sin(phi) * np.cos(psi)
+    uz = np.cos(phi) * np.cos(theta)
+    back = flat.thrust * np.array([ux, uy, uz]) - [0.0, 0.0, GRAVITY]
+    assert back == pytest.approx(np.array(acc), abs=1e-9)
+
+
+def test_hover_is_level_at_one_g() -> None:
+    flat = flat_state(np.zeros(3), np.array(0.7))
+    assert (flat.thrust, flat.roll, flat.pitch) == (GRAVITY, 0.0, 0.0)

@@ -1,0 +1,62 @@
+"""Planning around the learned draft, and replanning online, take the draft off section 4.1's crossing."""
+
+import numpy as np
+import pytest
+
+from q2q_model.interaction.jet import PAPER_LAW
+from q2q_model.interaction.none import NoInteraction
+from q2q_model.level_set import level_set
+from q2q_planner.avoidance import avoid
+from q2q_planner.draft_response import PAPER_LOOP, altitude_errors, altitude_rms
+from q2q_planner.minsnap import minimum_snap_plan
+from q2q_planner.safe_replanner import SafeReplanner
+from q2q_planner.trajectory import SwarmPlan, setpoint_at
+from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+
+SECTION_4_1 = (
+    VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),
+    VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0)))),
+)
+STEP = 0.02
+HARMLESS = 0.05
+"""Draft taken as harmless [m/s^2]: a tenth of its strength at 0.5 m."""
+
+
+def references(plan: SwarmPlan) -> np.ndarray:
+    t = np.arange(0.0, 50.0, STEP)
+    return np.stack([trajectory.at(t)[:, :3] for trajectory in plan.trajectories], axis=1)
+
+
+def test_the_draft_response_of_a_constant_push_is_the_static_error() -> None:
+    class Push(NoInteraction):
+        """Push every vehicle that has a neighbour by 0.1 m/s^2."""
+
+        def acceleration(self, rel_pos: np.ndarray, motion: object) -> np.ndarray:  # noqa: ARG002
+            return np.full(rel_pos.shape, 0.1)
+
+    hover = np.zeros((4000, 2, 3))
+    hover[:, 1, 0] = 1.0
+    assert altitude_errors(hover, STEP, Push(), PAPER_LOOP)[-1] == pytest.approx(
+        0.1 / PAPER_LOOP.k_p, rel=1e-3
+    )
+
+
+def test_planning_around_the_learned_draft_cuts_the_height_error_by_85_percent() -> None:
+    free, found = minimum_snap_plan(SECTION_4_1), avoid(SECTION_4_1, level_set(PAPER_LAW, HARMLESS))
+    before = altitude_rms(references(free), STEP, PAPER_LAW, PAPER_LOOP)
+    after = altitude_rms(references(found.plan), STEP, PAPER_LAW, PAPER_LOOP)
+    assert (after <= 0.15 * before).all()
+    assert found.cost <= 1.3 * found.infimum
+    assert found.plan.certified
+
+
+def test_the_safe_replanner_cuts_the_height_error_by_95_percent() -> None:
+    plan, replanner = minimum_snap_plan(SECTION_4_1), SafeReplanner()
+    ticks = [replanner.update(setpoint_at(plan, float(t)), None) for t in np.arange(0.0, 50.0, STEP)]
+    moved = np.stack([tick.pos for tick in ticks])
+    before = altitude_rms(references(plan), STEP, PAPER_LAW, PAPER_LOOP)
+    after = altitude_rms(moved, STEP, PAPER_LAW, PAPER_LOOP)
+    assert (after <= 0.05 * before).all()
+    shift = np.hypot(*(moved - references(plan))[..., :2].transpose(2, 0, 1))
+    assert shift.max() < 0.25  # half of the zone's width, and a little
+    assert np.array_equal(ticks[-1].pos, setpoint_at(plan, ticks[-1].t).pos)
