@@ -108,7 +108,7 @@ def _problem() -> LqProblem:
     reference[0, :, 2], reference[1, :, 2], reference[1, :, 1] = 1.5, 2.0, 0.1 - 0.05 * times
     axis = np.tile([0.0, 0.0, 1.0], (2, stages, 1))
     path = np.ascontiguousarray(reference[..., :3].transpose(1, 0, 2))
-    drafts = predict_drafts(PAPER_LAW, Tracks(times, path, axis, 0), SlopeRule((2,), 10.0))
+    drafts = predict_drafts(PAPER_LAW, Tracks(times, path, axis, np.ones(2), 0), SlopeRule((2,), 10.0))
     start = np.zeros((2, 3, 3))
     start[:, 2, 0] = [1.49, 2.0]
     high = np.full((2, 3), 6.6 / 0.65 - 9.81)

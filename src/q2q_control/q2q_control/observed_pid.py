@@ -11,6 +11,7 @@ import numpy as np
 
 from q2q_control.alignment import ETA, POS, VEL, align
 from q2q_control.disturbance_tracker import DisturbanceTracker, TrackerParams
+from q2q_control.draft_trust import DraftTrust
 from q2q_control.pid import Pid, PidParams
 from q2q_model.signals import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle import Vehicle
@@ -26,12 +27,14 @@ class ObservedPid:
         self._vehicles = vehicles
         self._pid = Pid(params, vehicle, vehicles)
         self._tracker = DisturbanceTracker(tracker, vehicle)
+        self._trust = DraftTrust(params.stale_fade)
         self._last: SwarmCommand | None = None
 
     def reset(self) -> None:
         """Forget all memory."""
         self._pid.reset()
         self._tracker.reset()
+        self._trust.reset()
         self._last = None
 
     def update(
@@ -43,7 +46,7 @@ class ObservedPid:
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()
-        tick = align(state, setpoint, interference, names)
+        tick = align(state, setpoint, self._trust.faded(interference), names)
         estimate = self._tracker.update(tick, state).estimate
         tick.table[:, POS] = np.where(tick.usable[:, None], estimate.pos, tick.table[:, POS])
         tick.table[:, VEL] = np.where(tick.usable[:, None], estimate.vel, tick.table[:, VEL])

@@ -29,6 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.alignment import ETA, POS, REF_ACC, REF_POS, REF_VEL, VEL, Aligned, align
+from q2q_control.draft_trust import DraftTrust
 from q2q_control.pid_kernel import packed_numbers, pid_rows
 from q2q_control.row_memory import HoldThenLevel, RowMemory
 from q2q_control.thrust_vector import ThrustLimits
@@ -61,6 +62,14 @@ class PidParams:
     tilt_max: float = tunable(0.35, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
     exact_inverse: bool = tunable(default=False, description="exact attitude instead of small angles")
+    stale_fade: float = tunable(
+        0.5,
+        "time constant at which the draft of an unseen source is given up",
+        unit="s",
+        low=0.01,
+        high=100.0,
+        read_only=True,
+    )
     hold_time: float = tunable(
         0.1, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
     )
@@ -78,6 +87,7 @@ class Pid:
         self._vehicle = vehicle
         self._vehicles = vehicles
         self._rows = RowMemory(HoldThenLevel(params.hold_time, vehicle.hover_thrust))
+        self._trust = DraftTrust(params.stale_fade)
         self.configure(params)
         self.reset()
 
@@ -93,6 +103,7 @@ class Pid:
         self._names: Names = ()
         self._integral = np.zeros((0, 3))
         self._rows.reset()
+        self._trust.reset()
         self._last: SwarmCommand | None = None
 
     def update(
@@ -105,7 +116,7 @@ class Pid:
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()
-        return self.answer(align(state, setpoint, interference, names))
+        return self.answer(align(state, setpoint, self._trust.faded(interference), names))
 
     def answer(self, tick: Aligned) -> SwarmCommand:
         """Return the command of a tick that is newer than all before."""

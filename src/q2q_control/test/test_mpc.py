@@ -183,7 +183,7 @@ def test_the_predicted_drafts_are_those_that_come_with_their_delay():
     times = np.concatenate([past, 2.0 + when])
     pos = glide.at(PAIR, times)[..., :3].transpose(1, 0, 2)
     axis = np.tile([0.0, 0.0, 1.0], (2, when.size - 1, 1))
-    found = predict_drafts(model, Tracks(times, pos, axis, past.size), SlopeRule((2,), 10.0))
+    found = predict_drafts(model, Tracks(times, pos, axis, np.ones(2), past.size), SlopeRule((2,), 10.0))
     # the predictor goes by samples 5 ms apart: a peak 0.05 m wide at 0.25 m/s bends by 1e-4
     assert np.abs(found.eta[0].T - exact).max() < 1e-3 * np.abs(exact).max()
     assert np.abs(exact).max() > 0.1
@@ -193,7 +193,7 @@ def test_slopes_are_the_derivative_of_the_draft():
     rel = np.array([0.03, 0.02, 0.5])
     pos = np.zeros((5, 2, 3))
     pos[:, 1] = rel
-    tracks = Tracks(np.arange(5) * 0.05, pos, np.tile([0.0, 0.0, 1.0], (2, 4, 1)), 0)
+    tracks = Tracks(np.arange(5) * 0.05, pos, np.tile([0.0, 0.0, 1.0], (2, 4, 1)), np.ones(2), 0)
     drafts = predict_drafts(PAPER_LAW, tracks, SlopeRule((0, 1, 2), 100.0))
     row = int(np.flatnonzero(drafts.i == 0)[0])
     for axis in range(3):

@@ -101,7 +101,7 @@ def answers(questions: Questions, teacher: Teacher) -> Array:
         whole = np.concatenate([reference, np.zeros((2, params.steps + 1, 6))], axis=-1)
         pattern = None
         for _ in range(teacher.rounds):
-            tracks = Tracks(ahead, np.ascontiguousarray(path.transpose(1, 0, 2)), level, 0)
+            tracks = Tracks(ahead, np.ascontiguousarray(path.transpose(1, 0, 2)), level, np.ones(2), 0)
             drafts = predict_drafts(teacher.model, tracks, SlopeRule((2,), params.slope_max))
             bound = np.array([[0.0, 0.0, high]] * 2)
             asked = Horizon(start, whole, drafts.eta, path, np.minimum(bound, low), bound, np.full(3, np.inf))

@@ -45,6 +45,8 @@ class Tracks:
     """[m], world, (K, n, 3)."""
     axis: Array
     """Predicted body z of each stage, unit length, world, (n, N, 3)."""
+    trust: Array
+    """How much each vehicle's draft counts: 1 where it is seen, (n,)."""
     first: int
     """Index of the horizon's first stage."""
 
@@ -87,6 +89,9 @@ def predict_drafts(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -> 
     strong = np.abs(law).max(axis=(1, 2)) > FAINT
     if not strong.all():
         i, j, law, slope = i[strong], j[strong], law[strong], slope[strong]
+    trust = tracks.trust[j]
+    if trust.min(initial=1.0) < 1.0:
+        law, slope = law * trust[:, None, None], slope * trust[:, None, None, None]
     eta = np.zeros(here.shape)
     np.add.at(eta, i, law)
     return DraftHorizon(eta, i, j, np.clip(slope, -rule.slope_max, rule.slope_max))

@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_control.alignment import Aligned, align
+from q2q_control.alignment import ETA, Aligned, align
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.draft_horizon import DraftHorizon, SlopeRule, no_drafts, predict_drafts
 from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, Answer, Horizon
@@ -42,7 +42,16 @@ from q2q_control.preview import ReferencePreview, shifted_preview
 from q2q_control.row_memory import HoldThenLevel, RowMemory
 from q2q_control.thrust_vector import ThrustLimits
 from q2q_model.interaction.model import InteractionModel
-from q2q_model.signals import Array, Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals import (
+    Array,
+    Interference,
+    InterferenceStatus,
+    Names,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    index_of,
+)
 from q2q_model.vehicle import GRAVITY, Vehicle
 
 TICK = 0.01
@@ -63,6 +72,19 @@ class MpcReport:
     """Most recursions that one problem took."""
     pairs: int = 0
     """Pairs whose drafts matter on the horizon."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """Hold what lies ahead of n vehicles."""
+
+    reference: Array
+    """Position [m], velocity [m/s], acceleration [m/s^2], world, (n, N + 1, 9)."""
+    plan: Plan
+    """The last one, shifted to now."""
+    drafts: DraftHorizon
+    everyone: Array
+    """Predicted positions [m], world, of the n and of others, (n or more, N + 1, 3)."""
 
 
 class Mpc:
@@ -140,31 +162,42 @@ class Mpc:
         if last is not None and setpoint.t < last.t:
             self.reset()
         tick = align(state, setpoint, interference, names)
+        outlook = self._outlook(tick, (state, setpoint), aware=interference is not None)
+        if interference is not None and interference.status.any():
+            self._mend_drafts(tick, interference, outlook.drafts)
         present = self._present.update(tick, state)
-        horizon, drafts, plan = self._horizon(
-            tick, present, (state, setpoint), aware=interference is not None
-        )
-        acc = self._answered(tick, horizon, drafts, plan)
+        horizon = self._horizon(tick, present, outlook)
+        acc = self._answered(tick, horizon, outlook)
         self._last = self._command(tick, acc)
         self._present.sent(self._last, tick)
         return self._last
 
-    def _horizon(
-        self, tick: Aligned, present: Present, signals: tuple[SwarmState, SwarmSetpoint], *, aware: bool
-    ) -> tuple[Horizon, DraftHorizon, Plan]:
+    def _outlook(self, tick: Aligned, signals: tuple[SwarmState, SwarmSetpoint], *, aware: bool) -> Outlook:
+        """Return what lies ahead of the tick's vehicles."""
         state, setpoint = signals
-        times = self._stages(present.t)
+        times = self._stages(tick.t + self._params.latency)
         reference = self._reference(tick, setpoint, times)
-        plan = self._plans.shifted(tick.names, present.t)
+        plan = self._plans.shifted(tick.names, float(times[0]))
         path = reference[..., :3] + plan.offset
         span = self.model.max_delay if aware else 0.0
         tracks = self._surroundings.tracks(tick, state, (times, path, plan.inputs), span)
         drafts = predict_drafts(self.model, tracks, self._slopes) if aware else no_drafts(tracks)
-        push = drafts.eta[: len(tick.names)] + present.disturbance[:, None]
-        low, high = self._bounds(tick)
         everyone = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
-        horizon = Horizon(present.chains, reference, push, everyone, low, high, self._step_max)
-        return horizon, drafts, plan
+        return Outlook(reference, plan, drafts, everyone)
+
+    def _mend_drafts(self, tick: Aligned, interference: Interference, drafts: DraftHorizon) -> None:
+        """Put our own drafts of now where the predictor's are not valid: it cannot know who is lost to us."""
+        status = np.append(interference.status, InterferenceStatus.NO_MODEL)
+        doubtful = status[index_of(tick.names, interference.names)] != InterferenceStatus.VALID
+        eta = drafts.eta[: len(tick.names)]
+        early = 0.5 + self._params.latency / self._params.step  # stages from now to the first one's middle
+        now = eta[:, 0] - early * (eta[:, 1] - eta[:, 0])
+        tick.table[:, ETA] = np.where(doubtful[:, None], now, tick.table[:, ETA])
+
+    def _horizon(self, tick: Aligned, present: Present, outlook: Outlook) -> Horizon:
+        push = outlook.drafts.eta[: len(tick.names)] + present.disturbance[:, None]
+        low, high = self._bounds(tick)
+        return Horizon(present.chains, outlook.reference, push, outlook.everyone, low, high, self._step_max)
 
     def _bounds(self, tick: Aligned) -> tuple[Array, Array]:
         """Return the least and largest commanded acceleration of each axis [m/s^2], (n, 3) each."""
@@ -183,14 +216,13 @@ class Mpc:
         whole = shifted_preview(setpoint, self.preview, times)
         if setpoint.names == tick.names and tick.usable.all():
             return whole
-        picked = np.zeros((len(tick.names), *whole.shape[1:]))
-        for row, name in enumerate(tick.names):
-            if tick.usable[row]:
-                picked[row] = whole[setpoint.names.index(name)]
-        return picked
+        rows = index_of(tick.names, setpoint.names)
+        picked = np.where((rows >= 0)[:, None, None], whole[rows], 0.0)
+        return np.where(np.isfinite(picked), picked, 0.0)
 
-    def _answered(self, tick: Aligned, horizon: Horizon, drafts: DraftHorizon, plan: Plan) -> Array:
+    def _answered(self, tick: Aligned, horizon: Horizon, outlook: Outlook) -> Array:
         """Return each vehicle's commanded acceleration [m/s^2], world, (n, 3), and keep its plan."""
+        plan, drafts = outlook.plan, outlook.drafts
         answer = self._solver.solve(horizon, drafts, plan.pattern, self._in_time)
         failed = (answer.ended == INTERRUPTED) | ~np.isfinite(answer.inputs).all(axis=(1, 2))
         age = plan.start - plan.solved

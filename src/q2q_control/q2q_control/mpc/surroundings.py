@@ -1,8 +1,9 @@
 """Know where all vehicles were and will be: the controlled ones and those of other controllers.
 
 A controlled vehicle goes where its last plan says. A vehicle that is not ours goes where it said it would
-(q2q_control.mpc.predictions), or straight on if it said nothing; one that is LOST or not a number pushes
-nobody. The past reaches as far back as drafts travel.
+(q2q_control.mpc.predictions), or straight on if it said nothing. One that is no longer seen goes on likewise,
+and its draft counts less and less: it is still there, but nobody knows where. The past reaches as far back as
+drafts travel.
 """
 
 import numpy as np
@@ -15,6 +16,10 @@ from q2q_model.vehicle import GRAVITY
 
 FAR = 1e6
 """Where a vehicle without state is put [m]."""
+FADE = 0.5
+"""Time constant at which the draft of an unseen vehicle is given up [s]: above dropouts of 0.1 to 0.3 s."""
+FORGOTTEN = 0.02
+"""A draft that counts less than this counts nothing [-]."""
 LATER = 1e-9
 """Two entries of a track are at least this far apart [s]."""
 _LOST = int(TrackStatus.LOST)
@@ -32,6 +37,7 @@ class Surroundings:
         self._names: Names = ()
         self._when: list[float] = []
         self._where: list[Array] = []
+        self._unseen: dict[str, float] = {}
 
     def tracks(
         self, tick: Aligned, state: SwarmState, future: tuple[Array, Array, Array], span: float
@@ -45,14 +51,12 @@ class Surroundings:
             span: how far back drafts come from [s].
         """
         times, path, inputs = future
-        here = tick.table[:, POS]
-        if not tick.usable.all():
-            lost = ~tick.usable
-            path[lost] = FAR * (1.0 + np.flatnonzero(lost))[:, None, None]
-            here = np.where(lost[:, None], path[:, 0], here)
+        trust = self._trust(tick, path)
+        here = np.where(tick.usable[:, None], tick.table[:, POS], path[:, 0])
         names = tick.names
         if state.names != names:
             names, here, path, inputs = self._with_others(state, (times, here, path, inputs), names)
+            trust = np.append(trust, np.ones(len(names) - trust.size))
         self._remember(tick.t, names, here, span)
         start = max(times[0], tick.t + LATER)
         when = np.concatenate([self._when, times])
@@ -60,12 +64,27 @@ class Surroundings:
         pos = np.concatenate([np.stack(self._where), path.transpose(1, 0, 2)])
         lift = inputs + np.array([0.0, 0.0, GRAVITY])
         axis = lift / np.sqrt((lift * lift).sum(axis=-1, keepdims=True))
-        return Tracks(when, pos, axis, len(self._when))
+        return Tracks(when, pos, axis, trust, len(self._when))
+
+    def _trust(self, tick: Aligned, path: Array) -> Array:
+        """Return how much each vehicle's draft counts, (n,); put those that count nothing far away."""
+        trust = np.ones(len(tick.names))
+        if tick.usable.all():
+            self._unseen = {}
+            return trust
+        for row, name in enumerate(tick.names):
+            if tick.usable[row]:
+                self._unseen.pop(name, None)
+                continue
+            since = self._unseen.setdefault(name, tick.t if name in self._names else -np.inf)
+            trust[row] = np.exp((since - tick.t) / FADE)
+            if trust[row] < FORGOTTEN or not np.isfinite(path[row]).all():
+                trust[row], path[row] = 0.0, FAR * (1.0 + row)
+        return trust
 
     def _remember(self, t: float, names: Names, here: Array, span: float) -> None:
         if names != self._names:
-            self.reset()
-            self._names = names
+            self._names, self._when, self._where = names, [], []
         self._when.append(t)
         self._where.append(here)
         while len(self._when) > 1 and self._when[1] <= t - span:

@@ -1,0 +1,168 @@
+"""With a wrong model, a missing or stale neighbour, or saturated, awareness does no harm."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from q2q_control.disturbance_tracker import TrackerParams
+from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.receding import Mpc
+from q2q_control.observed_pid import ObservedPid
+from q2q_control.pid import Pid, PidParams
+from q2q_control.preview import SampledPreview
+from q2q_model.interaction.jet import Jet
+from q2q_model.interaction.predictor import InteractionPredictor
+from q2q_model.signals import Array, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_model.vehicle import GRAVITY, TEXTBOOK_065
+
+DT = 0.01
+"""[s]"""
+NAMES = ("cf1", "cf2")
+TICKS = 1200
+WAKE = Jet(
+    strength=1.2,
+    reference_gap=0.4,
+    decay="exponential",
+    width=0.06,
+    upper_ratio=0.02,
+    travel_speed=7.5,
+    range=1.2,
+)
+"""The true draft: as late and narrow as measured, half as strong, so that 12 N carry it."""
+TIGHT = 7.2
+"""A bound on U1 [N] that carries 1.27 m/s^2 of draft barely, with some left [N]."""
+
+Spoil = Callable[[int, SwarmState], SwarmState]
+Controller = Pid | ObservedPid | Mpc
+
+
+@dataclass(frozen=True)
+class Case:
+    """Hold what the controller believes, and what it is not shown."""
+
+    model: Jet = WAKE
+    spoil: Spoil = lambda _, state: state
+    thrust_max: float = 12.0
+
+
+def late(seconds: float) -> Jet:
+    """Return the wake with another delay at a gap of 0.5 m."""
+    delay = max(0.5 / 7.5 + seconds, 1e-3)
+    return replace(WAKE, travel_speed=0.5 / delay)
+
+
+def blind(_: int, state: SwarmState) -> SwarmState:
+    """Hide the upper vehicle."""
+    cut = {part: getattr(state, part)[:1] for part in state.__slots__ if part != "t"}
+    return replace(state, **cut)
+
+
+def stuck(k: int, state: SwarmState) -> SwarmState:
+    """Lose the upper vehicle from tick 380 on, when it comes above the lower one: held where it was."""
+    if k < 380:
+        return state
+    pos, vel = state.pos.copy(), state.vel.copy()
+    pos[1], vel[1] = [0.0, 0.5 - 0.125 * 380 * DT, 1.5], 0.0
+    status = np.array([0, TrackStatus.LOST if k > 410 else TrackStatus.COASTING], np.uint8)
+    return replace(state, pos=pos, vel=vel, status=status)
+
+
+CASES = {
+    "gain +50 %": Case(replace(WAKE, strength=1.5 * WAKE.strength)),
+    "gain -50 %": Case(replace(WAKE, strength=0.5 * WAKE.strength)),
+    "delay +50 ms": Case(late(0.05)),
+    "delay -50 ms": Case(late(-0.05)),
+    "missing neighbour": Case(spoil=blind),
+    "stale neighbour": Case(spoil=stuck),
+    "saturated": Case(thrust_max=TIGHT),
+    "saturated, gain +50 %": Case(replace(WAKE, strength=1.5 * WAKE.strength), thrust_max=TIGHT),
+}
+
+
+def plan() -> SampledPreview:
+    """Return cf1 hovering at 1 m, cf2 gliding over it 0.5 m higher at 0.125 m/s."""
+    t = np.arange(0.0, TICKS * DT + 4.0, DT)
+    samples = np.zeros((2, t.size, 9))
+    samples[0, :, 2] = 1.0
+    samples[1, :, 1], samples[1, :, 2], samples[1, :, 4] = 0.5 - 0.125 * t, 1.5, -0.125
+    return SampledPreview(NAMES, 0.0, DT, samples)
+
+
+def built(kind: str, case: Case, preview: SampledPreview) -> Controller:
+    gains = PidParams(k_p_z=10.0, k_d_z=5.0, thrust_limited=True, thrust_max=case.thrust_max)
+    if kind == "pid":
+        return Pid(gains, TEXTBOOK_065)
+    if kind == "pid with integral":
+        return Pid(replace(gains, k_i_z=3.0), TEXTBOOK_065)
+    if kind == "pid with observer":
+        return ObservedPid(gains, TrackerParams(latency=0.0), TEXTBOOK_065)
+    params = MpcParams(latency=0.0, thrust_limited=True, thrust_max=case.thrust_max)
+    mpc = Mpc(params, TEXTBOOK_065, case.model)
+    mpc.preview = preview
+    return mpc
+
+
+def height_errors(kind: str, case: Case, *, aware: bool) -> Array:
+    """Return the lower vehicle's height errors [m], (TICKS,)."""
+    preview = plan()
+    controller, truth, belief = (
+        built(kind, case, preview),
+        InteractionPredictor(WAKE),
+        InteractionPredictor(case.model),
+    )
+    pos, vel = preview.samples[:, 0, :3].copy(), preview.samples[:, 0, 3:6].copy()
+    errors = []
+    for k in range(TICKS):
+        real = whole_state(k * DT, pos, vel)
+        seen = case.spoil(k, real)
+        draft = belief.update(seen) if aware else None
+        thrust = controller.update(seen, setpoint(k * DT, preview.samples[:, k]), draft).thrust
+        acc = truth.update(real).acc[:, 2] + thrust / TEXTBOOK_065.mass - GRAVITY
+        acc[1] = 0.0  # the upper one keeps to its path
+        pos[:, 2], vel[:, 2] = pos[:, 2] + DT * vel[:, 2] + 0.5 * DT**2 * acc, vel[:, 2] + DT * acc
+        pos[1], vel[1] = preview.samples[1, k + 1, :3], preview.samples[1, k + 1, 3:6]
+        pos[0, :2] = 0.0
+        errors.append(pos[0, 2] - 1.0)
+    return np.array(errors)
+
+
+def whole_state(t: float, pos: Array, vel: Array) -> SwarmState:
+    level = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    return SwarmState(
+        t, NAMES, pos.copy(), vel.copy(), level, np.zeros((2, 3)), np.zeros(2), np.zeros(2, np.uint8)
+    )
+
+
+def setpoint(t: float, ref: Array) -> SwarmSetpoint:
+    flag = np.zeros(2, np.uint8)
+    return SwarmSetpoint(t, NAMES, ref[:, :3], ref[:, 3:6], ref[:, 6:], np.zeros(2), np.zeros(2), flag)
+
+
+@pytest.mark.parametrize("kind", ["pid", "pid with integral", "pid with observer", "mpc"])
+@pytest.mark.parametrize("name", CASES)
+def test_it_is_never_worse_than_ignoring_by_more_than_five_percent(kind: str, name: str):
+    case = CASES[name]
+    aware, ignoring = (height_errors(kind, case, aware=aware) for aware in (True, False))
+    assert np.sqrt((aware**2).mean()) <= 1.05 * np.sqrt((ignoring**2).mean())
+    assert np.abs(aware).max() <= 1.05 * np.abs(ignoring).max()
+
+
+@pytest.mark.parametrize("kind", ["pid", "pid with integral", "pid with observer", "mpc"])
+@pytest.mark.parametrize("name", CASES)
+def test_no_wind_up_and_no_limit_cycle_are_left_when_the_draft_has_gone(kind: str, name: str):
+    errors = height_errors(kind, CASES[name], aware=True)
+    after = errors[1000:]  # 1.6 s after the draft's end, four widths away
+    # the integral's slow pole is at K_i / K_p = 0.3 rad/s: it still unloads, without turning round
+    left = 0.25 if kind == "pid with integral" else 0.05
+    assert np.abs(after).max() < left * np.abs(errors).max() + 1e-6
+    assert abs(after[-1]) <= abs(after[0]) + 1e-6
+    crossings = np.count_nonzero(np.diff(np.sign(after[np.abs(after) > 1e-5])))
+    assert crossings <= 2
+
+
+def test_the_right_model_is_much_better_than_ignoring():
+    for kind in ("pid", "pid with observer", "mpc"):
+        aware, ignoring = (height_errors(kind, Case(), aware=aware) for aware in (True, False))
+        assert np.sqrt((aware**2).mean()) < 0.15 * np.sqrt((ignoring**2).mean())
