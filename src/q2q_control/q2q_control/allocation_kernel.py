@@ -56,7 +56,7 @@ def _yaw_by_spread_py(rotors: Array, yaw: float, top: float) -> None:
         for falling in (0, 2):
             gap = rotors[rising] - rotors[falling]
             signed = gap if yaw > 0.0 else -gap
-            if abs(2.0 * yaw) * share > top - signed:
+            if abs(2.0 * yaw) * share > max(top - signed, 0.0):
                 share = max(top - signed, 0.0) / abs(2.0 * yaw)
     _add_yaw(rotors, share * yaw)
 
@@ -66,7 +66,7 @@ def _yaw_in_box_py(rotors: Array, yaw: float, top: float) -> None:
     for k in range(4):
         step = yaw if k in {1, 3} else -yaw
         room = top - rotors[k] if step > 0.0 else rotors[k]
-        if abs(step) * share > room:
+        if abs(step) * share > max(room, 0.0):  # a rotor at its limit may lie beyond it by a rounding
             share = max(room, 0.0) / abs(step)
     _add_yaw(rotors, share * yaw)
 

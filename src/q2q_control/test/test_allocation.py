@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from q2q_control.allocation import rotor_frame, rotors_of, wrench_of
@@ -36,6 +36,7 @@ def test_thrust_first_round_trip_is_exact_where_the_tilt_fits_without_yaw(rotors
 
 
 @settings(deadline=None)  # the first call compiles
+@example(wrench=np.array([0.005859375, 0.005859375, 0.0, 0.0]), first=False)  # a rotor a rounding below zero
 @given(wrench=WRENCH, first=st.booleans())
 def test_compiled_kernel_equals_the_batch_law(wrench: Array, first: bool):
     rotors = np.zeros(4)
