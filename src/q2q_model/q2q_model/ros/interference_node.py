@@ -46,6 +46,7 @@ def model_receiver(node: Node, predictor: InteractionPredictor) -> Callable[[Str
     def receive(message: String) -> None:
         try:
             predictor.exchange(decode(message.data).interaction)
+            node.get_logger().info("model taken up")
         except ModelFileError as refusal:
             node.get_logger().error(f"model refused: {refusal}")
 

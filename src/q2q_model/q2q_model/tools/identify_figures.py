@@ -72,6 +72,7 @@ def _altitude_figure(
         axes.set_ylabel(f"{record.names[i]} ({role}): z [m]")
         axes.grid(alpha=0.3)
         axes.legend(loc="upper right")
+    axes.set_xlabel("t [s]")
     return figure
 
 
