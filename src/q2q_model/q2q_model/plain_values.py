@@ -1,8 +1,8 @@
 """Turn frozen dataclasses into plain JSON values and back, checking every value on its way in.
 
 A field may be bool, int, float, str, a numpy array, a tuple of one of these, another dataclass, or any of
-them or None; a mapping can be written, but not read. NaN and infinity have no place in JSON: they are refused,
-not written. Nothing but data is ever read: a field's type decides what is made of it, never the file.
+them or None; a mapping can be written, but not read. NaN and infinity have no place in JSON: they are
+refused, not written. Nothing but data is ever read: a field's type decides what is made of it.
 """
 
 import math
