@@ -33,8 +33,8 @@ HUBER = 1.345
 """Spreads beyond which a row weighs less; 95 % efficient for normal errors (Huber 1981)."""
 RESOLUTION = 1e-6
 """Acceleration below which no term is worth having and no row can be trusted [m/s^2]: 1e-7 of g."""
-ROUNDS = 10
-"""Of reweighting: each shrinks what is left by more than half."""
+ROUNDS, SETTLED = 10, 1e-4
+"""Most rounds of reweighting, and the change of weights at which they end [-]."""
 BLOCK = 1.0
 """Length of a block of dependent errors [s]."""
 
@@ -165,7 +165,9 @@ def _robust(design: Array, target: Array) -> tuple[Array, Array]:
     for _ in range(ROUNDS):
         value = _solve(design, target, weight)
         residual = np.abs(target - design @ value)
-        weight = np.minimum(1.0, HUBER * _spread(residual) / np.maximum(residual, 1e-12))
+        before, weight = weight, np.minimum(1.0, HUBER * _spread(residual) / np.maximum(residual, 1e-12))
+        if np.abs(weight - before).max() < SETTLED:
+            break
     return value, weight
 
 

@@ -108,7 +108,7 @@ def _fit(residuals: Callable[[Jet], Residuals], form: JetForm, loss: str = "line
         diff_step=1e-4,  # the residual has corners where a pair enters the reach
         xtol=1e-5,
         ftol=1e-7,
-        max_nfev=40,
+        max_nfev=25,
         loss=loss,
         f_scale=TURBULENT,
     )
