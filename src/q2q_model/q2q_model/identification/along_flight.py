@@ -45,7 +45,7 @@ def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.i
             rel_pos = motion.pos[rows, j] - motion.pos[rows, i]
             near = _in_reach(model, rel_pos, motion.vel[:, j])
             left = motion.t[rows[near]] - model.delay(rel_pos[near])
-            pos, vel, axis = (_at(motion.t, x[:, j], left) for x in (motion.pos, motion.vel, motion.axis))
+            pos, vel, axis = _at(motion, j, left)
             pair = PairMotion(source_vel=vel, source_axis=axis, vel=motion.vel[rows[near], i])
             eta[near] += model.acceleration(pos - motion.pos[rows[near], i], pair)
     return eta
@@ -53,11 +53,21 @@ def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.i
 
 def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np.bool_]:
     """Return where the source may push, (k,): the model's reach, and how far the source may have moved."""
-    moved = model.max_delay * float(np.linalg.norm(vel, axis=-1).max(initial=0.0))
-    across = np.hypot(rel_pos[:, 0], rel_pos[:, 1])
+    fastest = float(np.sqrt(3.0) * np.abs(vel).max(initial=0.0))  # no component is larger: a cheap bound
+    moved = model.max_delay * fastest
+    across2 = rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2
     wide, tall = model.reach.horizontal + moved, model.reach.vertical + moved
-    return np.asarray((across <= wide) & (np.abs(rel_pos[:, 2]) <= tall))
+    return np.asarray((across2 <= wide * wide) & (np.abs(rel_pos[:, 2]) <= tall))
 
 
-def _at(t: Array, values: Array, when: Array) -> Array:
-    return np.stack([np.interp(when, t, column) for column in values.T], axis=-1)
+def _at(motion: Motion, j: int, when: Array) -> tuple[Array, Array, Array]:
+    """Return pos, vel and axis of j, (k, 3), at times (k,), on lines between ticks."""
+    after = np.searchsorted(motion.t, when).clip(1, motion.t.size - 1)
+    before = after - 1
+    share = (when - motion.t[before]) / (motion.t[after] - motion.t[before])
+    share = share.clip(0.0, 1.0)[:, None]
+
+    def between(values: Array) -> Array:
+        return (1.0 - share) * values[before, j] + share * values[after, j]
+
+    return between(motion.pos), between(motion.vel), between(motion.axis)
