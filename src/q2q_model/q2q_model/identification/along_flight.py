@@ -68,6 +68,6 @@ def _at(motion: Motion, j: int, when: Array) -> tuple[Array, Array, Array]:
     share = share.clip(0.0, 1.0)[:, None]
 
     def between(values: Array) -> Array:
-        return (1.0 - share) * values[before, j] + share * values[after, j]
+        return np.asarray((1.0 - share) * values[before, j] + share * values[after, j])
 
     return between(motion.pos), between(motion.vel), between(motion.axis)
