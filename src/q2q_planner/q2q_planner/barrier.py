@@ -23,6 +23,8 @@ from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 
 SWEEPS = 4
+FAR = 6.0
+"""A pair that would ask for this many times the largest wanted acceleration apart is too far to matter."""
 ON_AXIS = 1e-9
 """Nearer to the axis than this, a direction across is made up [m]."""
 TIE = 0.02
@@ -31,34 +33,47 @@ TIE = 0.02
 Rows = NDArray[np.intp]
 States = tuple[Array, Array, Array]
 """pos (n, 3), vel (n, 3) and reference position (n, 3); strangers' reference is where they are."""
+Law = tuple[int, float, float, float, float, float]
+"""Rows of the swarm, eps [m], d [m], k_1 [1/s], k_0 [1/s^2], share of a push that leads around."""
 
 
-Face = tuple[float, float, float, float, float, float]
-
-
-def _nearest_face(rel: Array, eps: float, d: float) -> Face:
-    """Return distance to I(eps, d), its direction (flat_x, flat_y), normal (n_flat, n_up), and dxy."""
-    across = np.sqrt(rel[0] * rel[0] + rel[1] * rel[1])
-    side, cap = across - eps, abs(rel[2]) - d
-    flat_x, flat_y = (rel[0] / across, rel[1] / across) if across > ON_AXIS else (1.0, 0.0)
-    up = 1.0 if rel[2] >= 0.0 else -1.0
+def _nearest_face(rel_pos: tuple[float, float, float], eps: float, d: float, face: Array) -> float:
+    """Write direction (flat_x, flat_y) and normal (n_flat, n_up) of I(eps, d) to `face`; return h."""
+    x, y, z = rel_pos
+    across = np.sqrt(x * x + y * y)
+    side, cap = across - eps, abs(z) - d
+    face[0], face[1] = (x / across, y / across) if across > ON_AXIS else (1.0, 0.0)
+    up = 1.0 if z >= 0.0 else -1.0
     if side > 0.0 and cap > 0.0:
         h = np.sqrt(side * side + cap * cap)
-        return h, flat_x, flat_y, side / h, up * cap / h, across
-    if side >= cap:
-        return side, flat_x, flat_y, 1.0, 0.0, across
-    return cap, flat_x, flat_y, 0.0, up, across
+        face[2], face[3] = side / h, up * cap / h
+        return float(h)
+    face[2], face[3] = (1.0, 0.0) if side >= cap else (0.0, up)
+    return float(max(side, cap))
 
 
-_compiled_face: Callable[[Array, float, float], Face] = compiled(_nearest_face)
+_face_of = compiled(_nearest_face)
+
+
+def _asked(states: States, pair: tuple[int, int], wide: Array, law: Law, face: Array) -> float:
+    """Return n.(a_i - a_j) that the barrier asks of a pair [m/s^2]; its face is written to `face`."""
+    pos, vel, _ = states
+    i, j = pair
+    _, eps, d, k_1, k_0, _ = law
+    x, y = pos[i, 0] - pos[j, 0], pos[i, 1] - pos[j, 1]
+    h = _face_of((x, y, pos[i, 2] - pos[j, 2]), eps, d, face) - wide[0]
+    u, v, w = vel[i, 0] - vel[j, 0], vel[i, 1] - vel[j, 1], vel[i, 2] - vel[j, 2]
+    rate = face[2] * (face[0] * u + face[1] * v) + face[3] * w - wide[1]
+    along = face[0] * v - face[1] * u
+    turning = face[2] * along * along / max(np.sqrt(x * x + y * y), eps)
+    return float(-k_1 * rate - k_0 * h - turning)
+
+
+_asked_of = compiled(_asked)
 
 
 def _push_apart(
-    acc: Array,
-    states: States,
-    pairs: tuple[Rows, Rows],
-    wide: Array,
-    law: tuple[int, float, float, float, float, float],
+    acc: Array, states: States, pairs: tuple[Rows, Rows], wide: Array, law: Law
 ) -> NDArray[np.bool_]:
     """Add to acc (n, 3), in place, what the barriers ask; return which vehicles were pushed, (n,).
 
@@ -67,41 +82,36 @@ def _push_apart(
         states: of vehicles and strangers.
         pairs: rows i and j of each pair.
         wide: distance from the zone aimed at for each pair [m], and its growth [m/s], (pairs, 2).
-        law: how many rows are of the swarm, eps [m], d [m], k_1 [1/s], k_0 [1/s^2], share that leads around.
+        law: see Law.
     """
-    pos, vel, ref = states
-    own, eps, d, k_1, k_0, around = law
-    pushed = np.zeros(acc.shape[0], np.bool_)
-    for turn in range(SWEEPS * pairs[0].size):
-        row = turn % pairs[0].size
+    ref, faces = states[2], np.empty((pairs[0].size, 4))
+    own, eps, around = law[0], law[1], law[5]
+    asked, pushed = np.empty(pairs[0].size), np.zeros(acc.shape[0], np.bool_)
+    for row in range(pairs[0].size):
+        asked[row] = _asked_of(states, (pairs[0][row], pairs[1][row]), wide[row], law, faces[row])
+    some = np.flatnonzero(asked > -FAR * np.abs(acc).max())
+    for turn in range(SWEEPS * some.size):
+        row = some[turn % some.size]
         i, j = pairs[0][row], pairs[1][row]
-        speed, wanted, goal = vel[i] - vel[j], acc[i] - acc[j], ref[i] - ref[j]
-        h, flat_x, flat_y, n_flat, n_up, across = _compiled_face(pos[i] - pos[j], eps, d)
-        rate = n_flat * (flat_x * speed[0] + flat_y * speed[1]) + n_up * speed[2] - wide[row, 1]
-        given = n_flat * (flat_x * wanted[0] + flat_y * wanted[1]) + n_up * wanted[2]
-        along = flat_x * speed[1] - flat_y * speed[0]
-        turning = n_flat * along * along / max(across, eps)
-        need = -k_1 * rate - k_0 * (h - wide[row, 0]) - turning - given
+        x, y, n, up = faces[row, 0], faces[row, 1], faces[row, 2], faces[row, 3]
+        flat = x * (acc[i, 0] - acc[j, 0]) + y * (acc[i, 1] - acc[j, 1])
+        need = asked[row] - n * flat - up * (acc[i, 2] - acc[j, 2])
         if not need > 0.0:
             continue
-        behind = -(goal[0] * flat_x + goal[1] * flat_y)
-        aside = goal[1] * flat_x - goal[0] * flat_y
-        lead = n_flat * around * need * min(1.0, max(0.0, behind / (eps + wide[row, 0])))
-        lead *= -1.0 if aside < -TIE else 1.0
-        x = need * n_flat * flat_x - lead * flat_y
-        y = need * n_flat * flat_y + lead * flat_x
+        goal_x, goal_y = ref[i, 0] - ref[j, 0], ref[i, 1] - ref[j, 1]
+        lead = n * around * need * min(1.0, max(0.0, -(goal_x * x + goal_y * y) / (eps + wide[row, 0])))
+        lead *= -1.0 if goal_y * x - goal_x * y < -TIE else 1.0
         share = 0.5 if j < own else 1.0
         for vehicle, sign in ((i, share), (j, -share)):
             if vehicle < own:
-                acc[vehicle, 0] += sign * x
-                acc[vehicle, 1] += sign * y
-                acc[vehicle, 2] += sign * need * n_up
+                acc[vehicle, 0] += sign * (need * n * x - lead * y)
+                acc[vehicle, 1] += sign * (need * n * y + lead * x)
+                acc[vehicle, 2] += sign * need * up
                 pushed[vehicle] = True
     return pushed
 
 
-push_apart: Callable[
-    [Array, States, tuple[Rows, Rows], Array, tuple[int, float, float, float, float, float]],
-    NDArray[np.bool_],
-] = compiled(_push_apart)
+push_apart: Callable[[Array, States, tuple[Rows, Rows], Array, Law], NDArray[np.bool_]] = compiled(
+    _push_apart
+)
 push_apart_plain = _push_apart

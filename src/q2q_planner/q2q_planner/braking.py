@@ -38,40 +38,31 @@ Motions = tuple[Array, Array, Array, Array, Array]
 """Of n vehicles: pos (n, 3), vel (n, 3), acc (n, 3), hold (n,), growth (n, 2): g0 and g1."""
 
 
-def _moved(
-    pos: Array, vel: Array, acc: Array, hold: float, after: tuple[float, float]
-) -> tuple[Array, Array]:
-    """Return position and velocity of one motion at `after` = (s, brake)."""
-    s, brake = after
-    first = min(s, hold)
-    there = pos + vel * first + 0.5 * acc * first * first
-    speed_vec = vel + acc * first
-    speed = np.sqrt((speed_vec * speed_vec).sum())
-    if s <= hold or speed == 0.0:
-        return there, speed_vec
-    u = min(s - hold, speed / brake)
-    share = u - 0.5 * brake * u * u / speed
-    return there + speed_vec * share, speed_vec * max(0.0, 1.0 - brake * u / speed)
-
-
-def _rest_time(vel: Array, acc: Array, hold: float, brake: float) -> float:
-    """Return when a motion has come to rest [s]."""
-    end = vel + acc * hold
-    return float(hold + np.sqrt((end * end).sum()) / brake)
-
-
-def _cylinder_distance(x: float, y: float, z: float, zone: tuple[float, float]) -> float:
+def _cylinder_distance(x: float, y: float, z: float, eps: float, d: float) -> float:
     """Return the signed distance to I(eps, d) [m]."""
-    side = np.sqrt(x * x + y * y) - zone[0]
-    cap = abs(z) - zone[1]
+    side, cap = np.sqrt(x * x + y * y) - eps, abs(z) - d
     if side > 0.0 and cap > 0.0:
         return float(np.sqrt(side * side + cap * cap))
     return float(max(side, cap))
 
 
-_compiled_moved: Callable[..., tuple[Array, Array]] = compiled(_moved)
-_compiled_rest: Callable[..., float] = compiled(_rest_time)
-_compiled_distance: Callable[..., float] = compiled(_cylinder_distance)
+def _speed_after(vel: Array, acc: Array, s: float) -> float:
+    """Return |vel + acc s| [m/s]."""
+    x, y, z = vel[0] + acc[0] * s, vel[1] + acc[1] * s, vel[2] + acc[2] * s
+    return float(np.sqrt(x * x + y * y + z * z))
+
+
+def _braked(s: float, hold: float, speed: float, brake: float) -> float:
+    """Return for how long, at `speed`, it would have flown as far as it has braking from hold to s [s]."""
+    if s <= hold or speed == 0.0:
+        return 0.0
+    u = min(s - hold, speed / brake)
+    return u - 0.5 * brake * u * u / speed
+
+
+_distance = compiled(_cylinder_distance)
+_speed = compiled(_speed_after)
+_share = compiled(_braked)
 
 
 def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float], floor: float) -> bool:
@@ -79,33 +70,44 @@ def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float]
 
     Half of `floor` is kept, or of the distance now, where that is less.
     """
-    pos, vel, acc, hold, growth = motions
+    _, vel, acc, hold, growth = motions
     eps, d, brake = law
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
-    unsure = rate / brake  # a velocity known within `rate` may take this longer to brake
-    end = max(_compiled_rest(vel[i], acc[i], hold[i], brake), _compiled_rest(vel[j], acc[j], hold[j], brake))
-    end += unsure
+    speed_i, speed_j = _speed(vel[i], acc[i], hold[i]), _speed(vel[j], acc[j], hold[j])
+    fast_i, fast_j = max(_speed(vel[i], acc[i], 0.0), speed_i), max(_speed(vel[j], acc[j], 0.0), speed_j)
+    end = max(hold[i] + speed_i / brake, hold[j] + speed_j / brake)
+    end += rate / brake  # a velocity known within `rate` may take this longer to brake
     s, keep = 0.0, floor
     for step in range(MOST_STEPS):
-        pos_i, vel_i = _compiled_moved(pos[i], vel[i], acc[i], hold[i], (s, brake))
-        pos_j, vel_j = _compiled_moved(pos[j], vel[j], acc[j], hold[j], (s, brake))
-        rel = pos_i - pos_j
-        left = _compiled_distance(rel[0], rel[1], rel[2], (eps, d)) - wide - rate * s
+        share_i, share_j = _share(s, hold[i], speed_i, brake), _share(s, hold[j], speed_j, brake)
+        x = _along(motions, i, 0, s, share_i) - _along(motions, j, 0, s, share_j)
+        y = _along(motions, i, 1, s, share_i) - _along(motions, j, 1, s, share_j)
+        z = _along(motions, i, 2, s, share_i) - _along(motions, j, 2, s, share_j)
+        left = _distance(x, y, z, eps, d) - wide - rate * s
         if step == 0:
             keep = min(floor, NEARER * left)
         if not (left >= keep and left >= 0.0):  # also where a number is NaN
             return False
-        speed = rate
-        for here, held, push in ((vel_i, hold[i], acc[i]), (vel_j, hold[j], acc[j])):
-            speed += np.sqrt((here * here).sum())
-            if s < held:
-                speed += np.sqrt((push * push).sum()) * (held - s)
-        if speed == 0.0:
+        most = rate
+        most += fast_i if s < hold[i] else max(0.0, speed_i - brake * (s - hold[i]))
+        most += fast_j if s < hold[j] else max(0.0, speed_j - brake * (s - hold[j]))
+        if most == 0.0:
             return True
-        s += (left - 0.5 * keep) / speed  # half of `keep` is left in between
+        s += (left - 0.5 * keep) / most  # half of `keep` is left in between
         if s >= end:
             return True
     return False
+
+
+def _coordinate(motions: Motions, row: int, axis: int, s: float, share: float) -> float:
+    """Return one coordinate of a motion at time s [m]; `share` is _braked there."""
+    pos, vel, acc, hold, _ = motions
+    first = min(s, hold[row])
+    there = pos[row, axis] + vel[row, axis] * first + 0.5 * acc[row, axis] * first * first
+    return float(there + (vel[row, axis] + acc[row, axis] * first) * share)
+
+
+_along = compiled(_coordinate)
 
 
 compiled_stays_out: Callable[[Motions, int, int, tuple[float, float, float], float], bool] = compiled(

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
+from q2q_model.signals import Array
 from q2q_planner.barrier import Rows
 from q2q_planner.braking import Motions, compiled_stays_out
 
@@ -24,6 +25,57 @@ OLD, NEW, BROKEN = 0, 1, 2
 
 Choices = NDArray[np.int8]
 Proven = NDArray[np.bool_]
+
+
+def _far_reach(motions: Motions, brake: float) -> Array:
+    """Return how far each row may come before it rests, with its growth by then [m], (rows,)."""
+    _, vel, acc, hold, growth = motions
+    reach = np.empty(vel.shape[0])
+    rates = growth[:, 1].max()
+    for row in range(vel.shape[0]):
+        speed = np.sqrt((vel[row] ** 2).sum()) + np.sqrt((acc[row] ** 2).sum()) * hold[row]
+        rest = speed / brake + hold[row]
+        reach[row] = speed * (hold[row] + 0.5 * speed / brake) + growth[row, 0]
+        reach[row] += growth[row, 1] * (rest + 2.0 * rates / brake)
+    return reach
+
+
+_reach_of = compiled(_far_reach)
+
+
+def _pairs_that_may_meet(
+    new: Motions, old: Motions, pairs: tuple[Rows, Rows], law: tuple[float, float, float]
+) -> Rows:
+    """Return the rows of pairs that no bound on their ways keeps apart, (k,): the others are proven.
+
+    A pair's growth goes on until the slower one rests: the slowest of all bounds it.
+    """
+    eps, d, brake = law
+    slow = 0.0
+    for motions in (new, old):
+        for row in range(motions[1].shape[0]):
+            speed = (
+                np.sqrt((motions[1][row] ** 2).sum())
+                + np.sqrt((motions[2][row] ** 2).sum()) * motions[3][row]
+            )
+            slow = max(slow, speed / brake + motions[3][row])
+    rate = new[4][:, 1].max()
+    late = rate * (slow + 2.0 * rate / brake)
+    ways = np.maximum(_reach_of(new, brake), _reach_of(old, brake)) + late
+    found = np.empty(pairs[0].size, np.intp)
+    count = 0
+    for row in range(pairs[0].size):
+        i, j = pairs[0][row], pairs[1][row]
+        x, y = new[0][i, 0] - new[0][j, 0], new[0][i, 1] - new[0][j, 1]
+        far = ways[i] + ways[j]
+        if np.sqrt(x * x + y * y) - eps > far or abs(new[0][i, 2] - new[0][j, 2]) - d > far:
+            continue
+        found[count] = row
+        count += 1
+    return found[:count]
+
+
+_near = compiled(_pairs_that_may_meet)
 
 
 def _choose(  # noqa: C901
@@ -47,10 +99,11 @@ def _choose(  # noqa: C901
     acc, hold = new[2].copy(), new[3].copy()
     mixed = (new[0], new[1], acc, hold, new[4])
     choice = np.ones(new[0].shape[0], np.int8)
+    near = _near(new, old, pairs, law)
     changed = True
     while changed:
         changed = False
-        for row in range(pairs[0].size):
+        for row in near:
             i, j = pairs[0][row], pairs[1][row]
             if choice[i] == 0 and ((j < own and choice[j] == 0) or (j >= own and proven[i, j - own])):
                 if compiled_stays_out(old, i, j, law, 0.0):

@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.interaction.model import Reach
-from q2q_model.neighbours import pairs_in_reach
 from q2q_model.signals import Array, SwarmSetpoint
 from q2q_planner.barrier import Rows
 from q2q_planner.braking import Motions, motion_after
 from q2q_planner.held_motion import SNAP_POS, SNAP_VEL, HeldMotion, Mask, near_reference
+from q2q_planner.meetings import meetings
 from q2q_planner.safe_params import SafeReplannerParams
 from q2q_planner.sightings import Word
 
@@ -139,16 +138,20 @@ def _with_pairs(held: HeldMotion, growth: Array, strange: Scene, params: SafeRep
     )
     if len(whole.pos) < 2:
         return whole
-    i, j = pairs_in_reach(whole.pos, _reach(whole, params))
-    once = (i < j) & (i < whole.own)
-    return replace(whole, pairs=(i[once], j[once]))
+    ways, speed = _ways_to_rest(whole, params)
+    closing = 2.0 * speed + 2.0 * float(whole.growth[:, 1].max())
+    approach = 2.0 * closing / params.approach + 2.0 * params.acc_max / params.approach**2
+    reach = (
+        params.eps + params.margin + 2.0 * max(float(ways.max()), float(whole.growth[:, 0].max()) + approach)
+    )
+    limits = whole.own, params.eps, params.d, reach, params.approach, 2.0 * params.acc_max
+    return replace(whole, pairs=meetings(whole.pos, whole.vel, (ways, whole.growth), limits))
 
 
-def _reach(scene: Scene, params: SafeReplannerParams) -> Reach:
-    """Return how near two must be to matter: zone, growth, braking of both, and the approach's push."""
-    speed = float(np.sqrt((scene.vel**2).sum(-1)).max())
-    growth, rate = scene.growth.max(axis=0)
-    rest = (speed + float(rate)) / params.acc_max + 2.0 * params.hold
-    approach = 2.0 * (2.0 * speed + float(rate)) / params.approach + 2.0 * params.acc_max / params.approach**2
-    far = 2.0 * float(growth + rate * rest) + params.margin + 2.0 * speed * rest + approach
-    return Reach(params.eps + far, params.d + far)
+def _ways_to_rest(scene: Scene, params: SafeReplannerParams) -> tuple[Array, float]:
+    """Return how far each row may come before all rest, with growth [m], (rows,), and the top speed."""
+    fast = np.sqrt((scene.vel**2).sum(-1)) + params.acc_max * params.hold
+    top, rate = float(fast.max()), 2.0 * float(scene.growth[:, 1].max())
+    rest = params.hold + (top + rate) / params.acc_max
+    way = fast * (params.hold + 0.5 * fast / params.acc_max)
+    return way + scene.growth[:, 0] + scene.growth[:, 1] * rest, top

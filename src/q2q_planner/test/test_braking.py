@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from q2q_model.zone import Cylinder
 from q2q_planner.barrier import push_apart, push_apart_plain
 from q2q_planner.braking import compiled_stays_out, motion_after, stays_out_plain
+from q2q_planner.meetings import meetings
 
 BRAKE = 3.0
 LAW = (0.2, 1.1, BRAKE)
@@ -75,3 +76,26 @@ def test_braking_brings_no_two_velocities_further_apart(seed: int, s: float) -> 
     pos, vel, acc, _, growth = random_motions(seed)
     _, later = motion_after((pos, vel, acc, np.zeros(2), growth), s, BRAKE)
     assert np.linalg.norm(later[0] - later[1]) <= np.linalg.norm(vel[0] - vel[1]) + 1e-12
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 10**9))
+def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
+    """Every pair that the sweep leaves out is proven apart, and asks for no push."""
+    pos, vel, acc, hold, growth = random_motions(seed, 12)
+    pos *= 4.0
+    fast = np.linalg.norm(vel, axis=1) + BRAKE * 0.1
+    ways = (
+        fast * (0.1 + 0.5 * fast / BRAKE) + growth[:, 0] + growth[:, 1] * (0.1 + (fast.max() + 0.1) / BRAKE)
+    )
+    limits = 12, 0.2, 1.1, 100.0, 2.0, 2.0 * BRAKE
+    found = set(zip(*(rows.tolist() for rows in meetings(pos, vel, (ways, growth), limits)), strict=True))
+    bound = np.minimum(np.abs(acc), BRAKE / np.sqrt(3.0)) * np.sign(acc)
+    for i in range(12):
+        for j in range(i + 1, 12):
+            if (i, j) in found:
+                continue
+            assert compiled_stays_out((pos, vel, bound, hold, growth), i, j, LAW, 0.0)
+            turned, pair = bound.copy(), (np.array([i]), np.array([j]))
+            wide = (growth[i] + growth[j])[None, :]
+            assert not push_apart(turned, (pos, vel, pos), pair, wide, (12, 0.2, 1.1, 4.0, 4.0, 0.5)).any()
