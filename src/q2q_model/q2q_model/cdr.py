@@ -9,13 +9,12 @@ to rclpy and rosbags. Every number is aligned to its size, counted from after th
 """
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.layout import LAYOUTS, Column, Signal
 from q2q_model.signals import Names, SwarmImu
@@ -30,6 +29,7 @@ NAMES_AT = START + 8
 NANOSECONDS = 1_000_000_000
 WORLD, BODY = "world", "body"
 _COUNT = struct.Struct("<I")
+_STAMP = struct.Struct("<iI")
 MOST_VEHICLES = 10_000
 """More names than this are refused: a swarm of that size is a damaged message."""
 
@@ -48,17 +48,19 @@ def header_stamp_ns(data: bytes) -> int:
 
 
 def encode(signal: Signal, stamp_ns: int) -> bytes:
-    """Return the bytes of a signal's message under a stamp [ns]."""
-    frame_id = BODY if isinstance(signal, SwarmImu) else WORLD
-    parts = [ENCAPSULATION, struct.pack("<iI", *divmod(stamp_ns, NANOSECONDS)), _head(frame_id, signal.names)]
-    size = sum(map(len, parts)) - START
-    for column in LAYOUTS[type(signal)].columns:
-        values: NDArray[np.generic] = getattr(signal, column.attribute)
-        lead = _array_lead(size % 8, values.size, values.itemsize)
-        data = values.tobytes()
-        parts += (lead, data)
-        size += len(lead) + len(data)
-    return b"".join(parts)
+    """Return the bytes of a signal's message under a stamp [ns].
+
+    Raises BadMessageError where its arrays do not fit its names.
+    """
+    form = _form(type(signal), signal.names)
+    parts = [ENCAPSULATION, _STAMP.pack(*divmod(stamp_ns, NANOSECONDS)), form.head]
+    for attribute, lead in form.leads:
+        parts += (lead, getattr(signal, attribute).tobytes())
+    data = b"".join(parts)
+    if len(data) != form.size:
+        needs = f"{len(signal.names)} names need {form.size}"
+        raise BadMessageError(f"{type(signal).__name__} makes {len(data)} bytes; {needs}")
+    return data
 
 
 def decode(data: bytes, signal: type[S]) -> S:
@@ -95,6 +97,14 @@ class _Map:
     """Bytes of frame_id and names."""
     names: Names
     blocks: tuple[_Block, ...]
+    counts: struct.Struct
+    """Reads the count of every array, from the first byte of the message on."""
+    expected: tuple[int, ...]
+    """What they should be."""
+    end: int
+    """Where the last array ends."""
+    views: tuple[tuple[tuple[int, ...], type[np.generic], int], ...]
+    """Shape, type and beginning of every array."""
 
 
 class SignalReader(Generic[S]):
@@ -109,22 +119,25 @@ class SignalReader(Generic[S]):
         """Return the signal in a message's bytes; raise as `decode`."""
         if data[:2] != ENCAPSULATION[:2]:
             raise BadMessageError(f"encoding {data[:2].hex()}; allowed is plain CDR, little endian (0001)")
-        stamp_ns = header_stamp_ns(data)
         known = self._map
         if known is None or not data.startswith(known.head, NAMES_AT):
             known = self._map = _map_of(self._kind, data)
-        arrays = {block.attribute: _array(data, block, known.names) for block in known.blocks}
-        return self._signal(t=stamp_ns * 1e-9, names=known.names, **arrays)
+        if len(data) < known.end or known.counts.unpack_from(data) != known.expected:
+            _refuse(data, known)
+        sec, nanosec = _STAMP.unpack_from(data, START)
+        arrays = [np.ndarray(shape, dtype, data, begin) for shape, dtype, begin in known.views]
+        return self._signal((sec * NANOSECONDS + nanosec) * 1e-9, known.names, *arrays)
 
 
-def _array(data: bytes, block: _Block, names: Names) -> NDArray[np.generic]:
-    count = _COUNT.unpack_from(data, block.lead_at)[0] if block.lead_at + 4 <= len(data) else block.count
-    if count != block.count and names:  # without names, some writers pad and some do not
-        needs = f"{len(names)} names need {block.count}"
-        raise BadMessageError(f"{block.field} has {count} numbers; {needs}")
-    if block.end > len(data):
-        raise BadMessageError(f"message of {len(data)} bytes is cut short within {block.field}")
-    return np.ndarray(block.shape, block.dtype, data, block.begin)
+def _refuse(data: bytes, known: _Map) -> None:
+    """Raise for the first array that does not fit its names, or is cut short."""
+    for block in known.blocks:
+        count = _COUNT.unpack_from(data, block.lead_at)[0] if block.lead_at + 4 <= len(data) else block.count
+        if count != block.count:
+            needs = f"{len(known.names)} names need {block.count}"
+            raise BadMessageError(f"{block.field} has {count} numbers; {needs}")
+        if block.end > len(data):
+            raise BadMessageError(f"message of {len(data)} bytes is cut short within {block.field}")
 
 
 def _map_of(signal: type, data: bytes) -> _Map:
@@ -137,11 +150,27 @@ def _map_of(signal: type, data: bytes) -> _Map:
     for column in LAYOUTS[signal].columns:
         blocks.append(_block(column, at, len(names)))
         at = blocks[-1].end
-    return _Map(head, names, tuple(blocks))
+    counted = blocks if names else []  # without names, some writers pad and some do not
+    return _Map(
+        head=head,
+        names=names,
+        blocks=tuple(counted),
+        counts=_counter(counted),
+        expected=tuple(block.count for block in counted),
+        end=max((block.end for block in counted), default=at),
+        views=tuple((block.shape, block.dtype, block.begin) for block in blocks),
+    )
+
+
+def _counter(blocks: Sequence[_Block]) -> struct.Struct:
+    """Return what reads the counts of these arrays, one after the other."""
+    ends = [0, *(block.lead_at + _COUNT.size for block in blocks)]
+    gaps = (block.lead_at - end for block, end in zip(blocks, ends, strict=False))
+    return struct.Struct("<" + "".join(f"{gap}xI" for gap in gaps))
 
 
 def _block(column: Column, at: int, vehicles: int) -> _Block:
-    dtype = np.uint8 if column.attribute == "status" else np.float64
+    dtype = _dtype(column)
     itemsize, count = np.dtype(dtype).itemsize, vehicles * column.width
     lead_at = _aligned(at, 4)
     begin = _aligned(lead_at + 4, itemsize) if count else NAMES_AT
@@ -154,7 +183,33 @@ def _aligned(at: int, size: int) -> int:
     return at + (START - at) % size
 
 
-@lru_cache(maxsize=64)
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """Hold what messages of a kind with the same names have in common."""
+
+    head: bytes
+    """frame_id and names, as they follow the stamp."""
+    leads: tuple[tuple[str, bytes], ...]
+    """Every attribute, and the bytes that go before its numbers: padding, count, padding."""
+    size: int
+    """Of the whole message."""
+
+
+@lru_cache(maxsize=256)
+def _form(kind: type[Signal], names: Names) -> _Form:
+    head = _head(BODY if kind is SwarmImu else WORLD, names)
+    at, leads = NAMES_AT + len(head), []
+    for column in LAYOUTS[kind].columns:
+        count, itemsize = len(names) * column.width, _dtype(column)().itemsize
+        leads.append((column.attribute, _array_lead((at - START) % 8, count, itemsize)))
+        at += len(leads[-1][1]) + count * itemsize
+    return _Form(head, tuple(leads), at)
+
+
+def _dtype(column: Column) -> type[np.generic]:
+    return np.uint8 if column.attribute == "status" else np.float64
+
+
 def _head(frame_id: str, names: Names) -> bytes:
     """Return frame_id and names, as they follow the stamp."""
     made = bytearray(8)  # stands for the stamp, so that alignment counts from the right place
@@ -170,7 +225,6 @@ def _add_text(made: bytearray, text: str) -> None:
     made += bytes(-len(made) % 4) + _COUNT.pack(len(closed)) + closed
 
 
-@lru_cache(maxsize=4096)
 def _array_lead(phase: int, count: int, itemsize: int) -> bytes:
     """Return padding, count and padding before an array's numbers, at a position of this phase modulo 8."""
     made = bytes(-phase % 4) + struct.pack("<I", count)

@@ -97,6 +97,11 @@ def test_repeated_names_another_frame_and_unequal_arrays_are_refused_by_name() -
         decode(encode(made(MocapFrame, ("cf1", "cf1"), 0), 0), MocapFrame)
     with pytest.raises(BadMessageError, match="frame_id 'wOrld'"):
         decode(encode(made(MocapFrame, ("cf1",), 0), 0).replace(b"world", b"wOrld"), MocapFrame)
-    short = MocapFrame(0.0, ("cf1", "cf2"), np.zeros((1, 3)), np.zeros((2, 4)))
+    whole = encode(made(MocapFrame, ("cf1", "cf2"), 0), 0)
+    count = np.uint32(6).tobytes()
+    assert whole.count(count) == 2  # the length of "world" with its zero, and of position
+    head, _, numbers = whole.rpartition(count)
     with pytest.raises(BadMessageError, match="position has 3 numbers; 2 names need 6"):
-        decode(encode(short, 0), MocapFrame)
+        decode(head + np.uint32(3).tobytes() + numbers, MocapFrame)
+    with pytest.raises(BadMessageError, match="MocapFrame makes 148 bytes; 2 names need 172"):
+        encode(MocapFrame(0.0, ("cf1", "cf2"), np.zeros((1, 3)), np.zeros((2, 4))), 0)
