@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.layout import LAYOUTS, Signal
+from q2q_model.signal_rows import SignalRows, rows_of_signals
 from q2q_model.signals import Array, Names, index_of
 
 
@@ -97,6 +98,11 @@ class JoinedFlight:
 
 
 def flight_from_signals(name: str, signals: Mapping[str, Sequence[Signal]]) -> JoinedFlight:
+    """Join signals by their stamps into a flight; see `flight_from_rows`."""
+    return flight_from_rows(name, {topic: rows_of_signals(found) for topic, found in signals.items()})
+
+
+def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> JoinedFlight:
     """Join signals by their stamps into a flight.
 
     Args:
@@ -114,16 +120,16 @@ def flight_from_signals(name: str, signals: Mapping[str, Sequence[Signal]]) -> J
         dict.fromkeys(vehicle for topic in _NAMING for vehicle in _names_in(present.get(topic, ())))
     )
     ticks_of = next(iter(present))
-    t = np.unique([signal.t for signal in present[ticks_of]])
+    t = np.unique(_stamps(present[ticks_of]))
     arrays = {
         field: np.full((len(t), len(names), width)[: 2 if width == 1 else 3], np.nan)
         for field, width in _WIDTHS.items()
     }
     repairs: list[str] = []
     for topic, found in present.items():
-        stamps = np.array([signal.t for signal in found])
-        repairs += _remarks(topic, stamps, t, ticks_of)
-        _fill(arrays, topic, found, (t, names))
+        repairs += _remarks(topic, _stamps(found), t, ticks_of)
+        for rows in found:
+            _fill(arrays, topic, rows, (t, names))
     return JoinedFlight(Flight(name=name, names=names, t=t, **arrays), tuple(repairs))
 
 
@@ -131,9 +137,16 @@ _NAMING = ("truth", "reference", "state", "command", "reference_safe", "interfer
 """Where vehicle names are looked for first: topics that always carry the whole swarm, in its order."""
 
 
-def _names_in(signals: Sequence[Signal]) -> dict[str, None]:
-    groups = dict.fromkeys(signal.names for signal in signals)
-    return dict.fromkeys(vehicle for group in groups for vehicle in group)
+def _names_in(found: Sequence[SignalRows]) -> dict[str, None]:
+    """Return the vehicles in the order in which the recording names them."""
+    groups = sorted(found, key=lambda rows: int(rows.place[0]))
+    return dict.fromkeys(vehicle for rows in groups for vehicle in rows.names)
+
+
+def _stamps(found: Sequence[SignalRows]) -> Array:
+    """Return the stamps of all rows in the order of the recording."""
+    stamps = np.concatenate([rows.t for rows in found])
+    return stamps[np.argsort(np.concatenate([rows.place for rows in found]))]
 
 
 def _remarks(topic: str, stamps: Array, t: Array, ticks_of: str) -> list[str]:
@@ -154,16 +167,10 @@ def _remarks(topic: str, stamps: Array, t: Array, ticks_of: str) -> list[str]:
     return said
 
 
-def _fill(arrays: dict[str, Array], topic: str, signals: Sequence[Signal], axes: tuple[Array, Names]) -> None:
+def _fill(arrays: dict[str, Array], topic: str, rows: SignalRows, axes: tuple[Array, Names]) -> None:
     t, names = axes
-    groups: dict[Names, list[Signal]] = {}
-    for signal in signals:
-        groups.setdefault(signal.names, []).append(signal)
-    for group_names, group in groups.items():
-        stamps = np.array([signal.t for signal in group])
-        known = np.isin(stamps, t)
-        ticks = np.searchsorted(t, stamps[known])
-        columns = index_of(group_names, names)
-        for attribute, field in FLIGHT_FIELDS[topic].items():
-            values = np.stack([getattr(signal, attribute) for signal in group])
-            arrays[field][ticks[:, None], columns] = values[known]
+    known = np.isin(rows.t, t)
+    ticks = np.searchsorted(t, rows.t[known])
+    columns = index_of(rows.names, names)
+    for attribute, field in FLIGHT_FIELDS[topic].items():
+        arrays[field][ticks[:, None], columns] = rows.values[attribute][known]

@@ -8,6 +8,7 @@ from q2q_model.bag.fault import BagError
 from q2q_model.bag.source import Channel, RawMessage, open_source
 from q2q_model.cdr import BadMessageError, SignalReader
 from q2q_model.layout import LAYOUTS, Signal
+from q2q_model.signal_rows import SignalRows, rows_of_messages
 
 SIGNALS = {f"q2q_msgs/msg/{layout.message}": signal for signal, layout in LAYOUTS.items()}
 """Message type to signal class."""
@@ -84,3 +85,18 @@ class BagReader:
                     f"bag {self.path}, topic {message.topic} at {message.stamp_ns} ns: {bad}"
                 ) from bad
             yield TimedSignal(message.topic, message.stamp_ns, signal)
+
+    def rows(self, topics: Collection[str]) -> dict[str, list[SignalRows]]:
+        """Return the messages of topics that hold signals, topic by topic, as arrays over time.
+
+        Raises BagError for a topic that is not there, damage, or a message that does not fit its type.
+        """
+        data: dict[str, list[bytes]] = {topic: [] for topic in topics}
+        for message in self.raw(data):
+            data[message.topic].append(message.data)
+        try:
+            return {topic: rows_of_messages(data[topic], SIGNALS[self.topics[topic]]) for topic in data}
+        except BadMessageError as bad:
+            for _ in self.signals(data):  # says which message it is
+                pass
+            raise BagError(f"bag {self.path}: {bad}") from bad

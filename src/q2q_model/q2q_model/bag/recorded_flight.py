@@ -5,8 +5,7 @@ from pathlib import Path
 
 from q2q_model.bag.fault import BagError, state_repairs
 from q2q_model.bag.reader import SIGNALS, BagReader
-from q2q_model.flights import FLIGHT_FIELDS, Flight, flight_from_signals
-from q2q_model.layout import Signal
+from q2q_model.flights import FLIGHT_FIELDS, Flight, flight_from_rows
 
 
 def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Flight:
@@ -20,15 +19,14 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
     """
     bag = BagReader(path)
     topics = _topics_by_name(bag)
-    signals: dict[str, list[Signal]] = {name: [] for name in topics.values()}
-    for found in bag.signals(topics.keys()):
-        signals[topics[found.topic]].append(found.signal)
+    signals = {topics[topic]: rows for topic, rows in bag.rows(topics).items()}
     for name in required:
         if not signals.get(name):
-            has = ", ".join(f"{key} ({len(values)})" for key, values in signals.items()) or "none of ours"
+            counts = {key: sum(one.t.size for one in rows) for key, rows in signals.items()}
+            has = ", ".join(f"{key} ({count})" for key, count in counts.items()) or "none of ours"
             raise BagError(f"bag {bag.path} has no message on {name}; it has {has}")
     try:
-        joined = flight_from_signals(Path(path).stem, signals)
+        joined = flight_from_rows(Path(path).stem, signals)
     except ValueError as misfit:
         raise BagError(f"bag {bag.path}: {misfit}") from misfit
     state_repairs(bag.repairs + tuple(f"bag {bag.path}: {repair}" for repair in joined.repairs))

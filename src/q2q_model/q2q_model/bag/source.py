@@ -1,7 +1,8 @@
 """Open a bag of any kind as a list of channels and a stream of bytes.
 
-A bag that cannot be opened the regular way (cut off by a kill, without metadata.yaml) is salvaged when it is
-MCAP; what was mended is stated in `repairs`.
+Whole MCAP files are read by their index (q2q_model.bag.indexed_mcap), all else through rosbags. A bag that
+cannot be opened the regular way (cut off by a kill, without metadata.yaml) is salvaged when it is MCAP; what
+was mended is stated in `repairs`.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -13,6 +14,7 @@ from rosbags.rosbag1 import Reader as Ros1Reader
 from rosbags.rosbag2 import Reader
 
 from q2q_model.bag.fault import BagError
+from q2q_model.bag.indexed_mcap import IndexedFile, NotIndexedError, indexed_files, logged
 from q2q_model.bag.salvage import salvage
 
 STORAGES = (".mcap", ".db3")
@@ -83,6 +85,34 @@ def _open_bare_folder(bag: Path) -> Source:
 
 
 def _regular(bag: Path, file: Path, repairs: tuple[str, ...] = ()) -> Source:
+    try:
+        return _indexed(bag, indexed_files(file), repairs)
+    except NotIndexedError:
+        return _through_rosbags(bag, file, repairs)
+
+
+def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> Source:
+    channels: dict[tuple[str, str], Channel] = {}
+    for one in (found for file in files for found in file.channels.values()):
+        key = (one.topic, one.type_name)
+        count = one.count + (channels[key].count if key in channels else 0)
+        channels[key] = Channel(*key, one.definition, count)
+
+    def read(topics: Collection[str]) -> Iterator[RawMessage]:
+        done = 0
+        try:
+            for file in files:
+                for number, stamp_ns, data in logged(file, topics):
+                    channel = file.channels[number]
+                    done += 1
+                    yield RawMessage(channel.topic, stamp_ns, data, channel.type_name)
+        except Exception as damage:
+            raise BagError(f"bag {bag} is damaged after {done} messages: {damage}") from damage
+
+    return Source(bag, tuple(channels.values()), read, repairs)
+
+
+def _through_rosbags(bag: Path, file: Path, repairs: tuple[str, ...]) -> Source:
     ros1 = file.suffix == ".bag"
     with (Ros1Reader if ros1 else Reader)(file) as reader:
         channels = tuple(_channel(connection) for connection in reader.connections)

@@ -1,0 +1,161 @@
+"""Read whole MCAP files by their summary: channels without touching the data, messages chunk by chunk.
+
+The regular way to read a rosbag2 folder of MCAP files (specification: mcap.dev). Message records are found by
+their lengths alone, so reading costs a quarter of a reader that makes an object of every record. A file that
+is anything but whole and indexed is left to others: NotIndexedError.
+
+    record   op uint8 | length uint64 | content
+    message  channel uint16 | sequence uint32 | log time uint64 | publish time uint64 | data
+"""
+
+import struct
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO
+
+import yaml
+from mcap.data_stream import ReadDataStream
+from mcap.reader import make_reader
+from mcap.records import Channel, Chunk, ChunkIndex, Schema
+from mcap.stream_reader import get_chunk_data_stream
+
+NEWEST = 9
+"""Version of metadata.yaml that is known."""
+MESSAGE = 0x05
+_RECORD = struct.Struct("<BQHIQQ")
+"""A message record up to its data."""
+_LEAD = 9
+"""Bytes of op and length."""
+
+Logged = tuple[int, int, bytes]
+"""Number of the channel, log time [ns], data."""
+
+
+class NotIndexedError(ValueError):
+    """Say that a bag is not made of whole, indexed MCAP files."""
+
+
+@dataclass(frozen=True, slots=True)
+class IndexedChannel:
+    """Hold one channel of a file."""
+
+    topic: str
+    type_name: str
+    definition: str
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class IndexedFile:
+    """Hold what lies in a file, and where."""
+
+    path: Path
+    channels: Mapping[int, IndexedChannel]
+    chunks: tuple[ChunkIndex, ...]
+    """In the order of their first message."""
+
+
+def indexed_files(bag: Path) -> list[IndexedFile]:
+    """Return the indexes of a bag: a rosbag2 folder, or one .mcap file.
+
+    Raises NotIndexedError for anything that must be read another way.
+    """
+    try:
+        return [_index(file) for file in (_named_files(bag) if bag.is_dir() else [bag])]
+    except NotIndexedError:
+        raise
+    except Exception as damage:  # a parser on damaged bytes raises anything
+        raise NotIndexedError(f"{bag}: {type(damage).__name__}: {damage}") from damage
+
+
+def logged(file: IndexedFile, topics: Collection[str]) -> Iterator[Logged]:
+    """Yield the messages on these topics in the order of their log time.
+
+    Whatever is wrong with the file's bytes raises an Exception when it is reached, also messages that the
+    summary counts and no chunk holds.
+    """
+    left = {number: one.count for number, one in file.channels.items() if one.topic in topics}
+    waiting: list[Logged] = []
+    with file.path.open("rb") as stream:
+        for place, chunk in enumerate(file.chunks if left else ()):
+            found = _messages_of(_unpacked(stream, chunk), left.keys())
+            for number, _, _ in found:
+                left[number] -= 1
+            waiting = sorted(waiting + found, key=lambda one: one[1])
+            later = [one.message_start_time for one in file.chunks[place + 1 : place + 2]]
+            ready = _count_before(waiting, later)
+            yield from waiting[:ready]
+            del waiting[:ready]
+    if any(left.values()):
+        raise ValueError(f"{sum(left.values())} messages that the summary counts are not there")
+
+
+def _count_before(waiting: list[Logged], later: list[int]) -> int:
+    """Return how many messages no later chunk can come before."""
+    if not later or not waiting or waiting[-1][1] < later[0]:
+        return len(waiting)
+    return sum(stamp_ns < later[0] for _, stamp_ns, _ in waiting)
+
+
+def _named_files(bag: Path) -> list[Path]:
+    """Return the files that a folder's metadata names."""
+    fast = yaml.CSafeLoader if yaml.__with_libyaml__ else yaml.SafeLoader
+    loaded = yaml.load((bag / "metadata.yaml").read_text(encoding="utf-8"), Loader=fast)  # noqa: S506 (safe)
+    info = loaded["rosbag2_bagfile_information"]
+    files = [bag / Path(name).name for name in info["relative_file_paths"]]
+    plain = info["storage_identifier"] == "mcap" and not info.get("compression_mode")
+    if not (plain and info["version"] <= NEWEST and files and all(file.is_file() for file in files)):
+        raise NotIndexedError(f"{bag} is not made of plain MCAP files")
+    return files
+
+
+def _index(file: Path) -> IndexedFile:
+    with file.open("rb") as stream:
+        reader = make_reader(stream)
+        summary, profile = reader.get_summary(), reader.get_header().profile
+    if summary is None or summary.statistics is None or profile != "ros2":
+        raise NotIndexedError(f"{file} has no summary")
+    known = len(summary.chunk_indexes)
+    if known != summary.statistics.chunk_count or (summary.statistics.message_count and not known):
+        raise NotIndexedError(f"{file} has messages that no index tells of")
+    counts = summary.statistics.channel_message_counts
+    channels = {
+        number: _channel(channel, summary.schemas.get(channel.schema_id), counts.get(number, 0))
+        for number, channel in summary.channels.items()
+    }
+    return IndexedFile(
+        file, channels, tuple(sorted(summary.chunk_indexes, key=lambda one: one.message_start_time))
+    )
+
+
+def _channel(channel: Channel, schema: Schema | None, count: int) -> IndexedChannel:
+    if schema is None or channel.message_encoding != "cdr":
+        raise NotIndexedError(f"{channel.topic} is not CDR of a known type")
+    return IndexedChannel(channel.topic, schema.name, schema.data.decode() if schema.encoding else "", count)
+
+
+def _unpacked(stream: BinaryIO, chunk: ChunkIndex) -> bytes:
+    """Return a chunk's records, their checksum found right."""
+    stream.seek(chunk.chunk_start_offset + _LEAD)
+    content = BytesIO(stream.read(chunk.chunk_length - _LEAD))
+    records, size = get_chunk_data_stream(Chunk.read(ReadDataStream(content)), validate_crc=True)
+    return records.read(size)
+
+
+def _messages_of(records: bytes, wanted: Collection[int]) -> list[Logged]:
+    found: list[Logged] = []
+    at, end, data_at = 0, len(records), _RECORD.size
+    while at < end:
+        if records[at] == MESSAGE:
+            _, length, number, _, stamp_ns, _ = _RECORD.unpack_from(records, at)
+            after = at + _LEAD + length
+            if number in wanted:
+                found.append((number, stamp_ns, records[at + data_at : after]))
+        else:
+            after = at + _LEAD + int.from_bytes(records[at + 1 : at + _LEAD], "little")
+        if after > end:
+            raise ValueError("a record is longer than its chunk")
+        at = after
+    return found
