@@ -1,64 +1,120 @@
-"""Say what to command when the inputs of a tick do not come: hold, then level, then nothing.
+"""Say what a vehicle is commanded as what its controller knows grows old: the ladder of safety.
 
-| age of the last answered tick | command | status |
-|---|---|---|
-| up to hold_s | none of ours: the tick is still expected | |
-| hold_s to level_s | the last command again | HOLD |
-| level_s to silent_s | level attitude, hover thrust | LEVEL |
-| above | nothing: the firmware's watchdog levels out (0.5 s) and cuts the motors (2 s) | |
+| phase | from an age of | command | CommandStatus |
+|---|---|---|---|
+| ok | 0 | the controller's | OK, SATURATED |
+| degraded | degraded_s | the controller's, on a predicted state | DEGRADED |
+| hold | no usable state; or no tick for hold_s | the last command again | HOLD |
+| hold | q2q_control.row_memory's hold_time; or no tick for level_s | level, hover thrust | LEVEL |
+| land | land_s | level, less than hover thrust: it sinks | LAND |
+| cut | cut_s, or an emergency: for good | motors off | CUT |
+
+The age of a vehicle's knowledge is the time since its newest believed measurement, by the stamps and ages
+that messages carry (q2q_control.guard), never a count of messages. The firmware's own watchdog levels after
+0.5 s without a packet and cuts after 2 s: the last net, where the controller itself is gone.
+
+Sinking blind from h takes sqrt(2 h / a) at a = (1 - land_share k) g, where k is how much more thrust rotors
+give than is asked (1.03 in real flights, q2q_sim.settings): 3.6 s from 2 m at the weakest, arriving with
+1.1 m/s.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.parameters import check_bounds, tunable
-from q2q_model.signals import CommandStatus, SwarmCommand
+from q2q_model.signals import Array, CommandStatus, Status, SwarmCommand
 
 
 @dataclass(frozen=True, slots=True)
 class FallbackParams:
-    """Hold the ages at which the fallback changes."""
+    """Hold the ages at which the phases change."""
 
-    hold_s: float = tunable(0.03, "age from which the last command is repeated", unit="s", low=0.0, high=1.0)
-    level_s: float = tunable(0.10, "age from which level hover is commanded", unit="s", low=0.0, high=1.0)
-    silent_s: float = tunable(0.40, "age from which nothing is sent", unit="s", low=0.0, high=10.0)
+    degraded_s: float = tunable(
+        0.05, "age of a state from which it counts as predicted", unit="s", low=0.0, high=1.0, read_only=True
+    )
+    hold_s: float = tunable(
+        0.03, "live: time without a tick until the last command is repeated", unit="s", low=0.0, high=1.0,
+        read_only=True,
+    )  # fmt: skip
+    level_s: float = tunable(
+        0.10, "live: time without a tick until level hover", unit="s", low=0.0, high=1.0, read_only=True
+    )
+    land_s: float = tunable(
+        1.0, "age from which a vehicle sinks", unit="s", low=0.1, high=60.0, read_only=True
+    )
+    cut_s: float = tunable(
+        5.0, "age from which its motors are off, for good", unit="s", low=0.1, high=120.0, read_only=True
+    )
+    land_share: float = tunable(
+        0.94, "share of hover thrust while sinking blind", low=0.5, high=1.0, read_only=True
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of bounds or out of order."""
         check_bounds(self)
-        if not self.hold_s <= self.level_s <= self.silent_s:
+        if not self.hold_s <= self.level_s <= self.land_s <= self.cut_s:
             raise ValueError(
-                f"hold_s {self.hold_s}, level_s {self.level_s}, silent_s {self.silent_s}: these must rise"
+                f"hold_s {self.hold_s}, level_s {self.level_s}, land_s {self.land_s}, cut_s {self.cut_s}: "
+                "these must rise"
             )
 
 
 def fallback_command(
     last: SwarmCommand, age: float, params: FallbackParams, hover_thrust: float
-) -> SwarmCommand | None:
-    """Return what to send `age` seconds after the last answered tick; None where nothing is due.
+) -> SwarmCommand:
+    """Return what vehicles are commanded when the tick after `last` is `age` late: held, then level.
 
     Args:
         last: the last tick's command.
         age: time since that tick was answered [s].
-        params: ages of the states.
+        params: ages of the phases.
         hover_thrust: thrust that carries one vehicle [N].
     """
-    if age < params.hold_s or age >= params.silent_s:
-        return None
+    count = len(last.names)
     if age < params.level_s:
-        return replace(last, t=last.t + age, status=_all(last, CommandStatus.HOLD))
-    zero = np.zeros(len(last.names))
+        return replace(last, t=last.t + age, status=_all(count, CommandStatus.HOLD))
+    zero = np.zeros(count)
     return SwarmCommand(
         t=last.t + age,
         names=last.names,
-        thrust=np.full(len(last.names), hover_thrust),
+        thrust=np.full(count, hover_thrust),
         roll=zero,
         pitch=zero,
         yaw_rate=zero,
-        status=_all(last, CommandStatus.LEVEL),
+        status=_all(count, CommandStatus.LEVEL),
     )
 
 
-def _all(last: SwarmCommand, status: CommandStatus) -> np.ndarray[tuple[int], np.dtype[np.uint8]]:
-    return np.full(len(last.names), status, dtype=np.uint8)
+def descended(
+    command: SwarmCommand, ages: Array, down: NDArray[np.bool_], params: FallbackParams, hover_thrust: float
+) -> SwarmCommand:
+    """Return the command with vehicles landing or cut where what is known of them is too old.
+
+    Args:
+        command: what else would be sent.
+        ages: age of what is known of each vehicle [s], (n,).
+        down: whose motors are off for good, (n,).
+        params: ages of the phases.
+        hover_thrust: thrust that carries one vehicle [N].
+    """
+    landing = ~(ages < params.land_s)  # NaN too
+    if not (landing.any() or down.any()):
+        return command
+    still = landing | down
+    sinking = np.where(landing, params.land_share * hover_thrust, command.thrust)
+    status = np.where(landing, CommandStatus.LAND, command.status)
+    return SwarmCommand(
+        t=command.t,
+        names=command.names,
+        thrust=np.where(down, 0.0, sinking),
+        roll=np.where(still, 0.0, command.roll),
+        pitch=np.where(still, 0.0, command.pitch),
+        yaw_rate=np.where(still, 0.0, command.yaw_rate),
+        status=np.where(down, CommandStatus.CUT, status).astype(np.uint8),
+    )
+
+
+def _all(count: int, status: CommandStatus) -> Status:
+    return np.full(count, status, dtype=np.uint8)

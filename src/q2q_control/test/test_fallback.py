@@ -1,9 +1,9 @@
-"""What is commanded when ticks stay away, and how a command is said in the firmware's units."""
+"""What is commanded as knowledge grows old, and how a command is said in the firmware's units."""
 
 import numpy as np
 import pytest
 
-from q2q_control.fallback import FallbackParams, fallback_command
+from q2q_control.fallback import FallbackParams, descended, fallback_command
 from q2q_control.legacy import PWM_MAX, LegacyScale, legacy_setpoints
 from q2q_model.signals import CommandStatus, SwarmCommand
 
@@ -16,37 +16,61 @@ LAST = SwarmCommand(
     yaw_rate=np.array([0.0, 1.0]),
     status=np.zeros(2, np.uint8),
 )
+PARAMS = FallbackParams()
+UP = np.zeros(2, dtype=np.bool_)
 
 
-def test_a_tick_that_is_merely_late_changes_nothing() -> None:
-    assert fallback_command(LAST, 0.02, FallbackParams(), 0.33) is None
-
-
-def test_then_the_last_command_is_held() -> None:
-    held = fallback_command(LAST, 0.05, FallbackParams(), 0.33)
-    assert held is not None
+def test_a_late_tick_first_repeats_the_last_command() -> None:
+    held = fallback_command(LAST, 0.0999, PARAMS, 0.33)
     assert held.status.tolist() == [CommandStatus.HOLD] * 2
     assert held.roll.tolist() == LAST.roll.tolist()
-    assert held.t == pytest.approx(4.05)
+    assert held.thrust.tolist() == LAST.thrust.tolist()
+    assert held.t == pytest.approx(4.0999)
 
 
 def test_then_the_vehicles_level_out_at_hover_thrust() -> None:
-    level = fallback_command(LAST, 0.2, FallbackParams(), 0.33)
-    assert level is not None
+    level = fallback_command(LAST, 0.10, PARAMS, 0.33)
     assert level.status.tolist() == [CommandStatus.LEVEL] * 2
     assert level.thrust.tolist() == [0.33, 0.33]
-    assert not level.roll.any()
-    assert not level.pitch.any()
-    assert not level.yaw_rate.any()
+    assert level.t == pytest.approx(4.10)
+    for angle in (level.roll, level.pitch, level.yaw_rate):
+        assert angle.tolist() == [0.0, 0.0]
 
 
-def test_then_the_firmwares_watchdog_is_left_to_act() -> None:
-    assert fallback_command(LAST, 0.45, FallbackParams(), 0.33) is None
+def test_each_vehicle_lands_by_its_own_age_level_and_sinking() -> None:
+    told = descended(LAST, np.array([0.999, 1.0]), UP, PARAMS, 0.33)
+    assert told.status.tolist() == [CommandStatus.OK, CommandStatus.LAND]
+    assert told.thrust.tolist() == [0.3, pytest.approx(0.94 * 0.33)]
+    assert told.roll.tolist() == [0.1, 0.0]
+    assert told.pitch.tolist() == [0.2, 0.0]
+    assert told.yaw_rate.tolist() == [0.0, 0.0]
+    assert told.t == LAST.t
 
 
-def test_ages_out_of_order_are_refused() -> None:
+def test_a_vehicle_that_is_down_gets_nothing_at_all() -> None:
+    told = descended(LAST, np.array([0.0, 0.0]), np.array([True, False]), PARAMS, 0.33)
+    assert told.status.tolist() == [CommandStatus.CUT, CommandStatus.OK]
+    assert told.thrust.tolist() == [0.0, 0.4]
+    assert told.roll.tolist() == [0.0, -0.1]
+    assert told.yaw_rate.tolist() == [0.0, 1.0]
+
+
+def test_an_age_that_is_no_number_lands() -> None:
+    told = descended(LAST, np.array([np.nan, 0.0]), UP, PARAMS, 0.33)
+    assert told.status.tolist() == [CommandStatus.LAND, CommandStatus.OK]
+
+
+def test_young_knowledge_changes_nothing() -> None:
+    assert descended(LAST, np.array([0.5, 0.0]), UP, PARAMS, 0.33) is LAST
+
+
+@pytest.mark.parametrize(
+    "ages",
+    [{"hold_s": 0.2, "level_s": 0.1}, {"level_s": 0.9, "land_s": 0.5}, {"land_s": 2.0, "cut_s": 1.0}],
+)
+def test_ages_out_of_order_are_refused(ages: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="must rise"):
-        FallbackParams(hold_s=0.2, level_s=0.1)
+        FallbackParams(**ages)
 
 
 def test_a_command_in_the_firmwares_units_is_pitch_roll_yaw_rate_in_degrees_and_pwm() -> None:

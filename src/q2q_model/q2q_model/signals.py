@@ -47,6 +47,9 @@ class CommandStatus(IntEnum):
     SATURATED = 1
     HOLD = 2
     LEVEL = 3
+    DEGRADED = 4
+    LAND = 5
+    CUT = 6
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,16 +7,21 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 from q2q_control.controller import Controller
+from q2q_control.fallback import FallbackParams
+from q2q_control.guard import Guard
 from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.receding import Mpc
 from q2q_control.pid import Pid, PidParams
 from q2q_control.plan_samples import Curve, sampled_preview
 from q2q_model.interaction.model import InteractionModel
 from q2q_model.interaction.predictor import InteractionPredictor
+from q2q_model.level_set import peak
 from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.model_file import ModelFile
 from q2q_model.parameters import ParameterValue
 from q2q_model.zone import Zone
 from q2q_planner.avoidance import avoid
+from q2q_planner.draft_zone import PAPER_LOOP, LearnedDraft, avoid_draft
 from q2q_planner.minsnap import minimum_snap_plan
 from q2q_planner.potential_field import PotentialField, PotentialFieldParams
 from q2q_planner.replanner import Replanner
@@ -26,7 +31,7 @@ from q2q_planner.trajectory import SwarmPlan
 from q2q_sim.room import TICK_S
 from q2q_sim.scenario import Scenario, block_params
 
-__all__ = ["TICK_S", "Blocks", "Mode", "Options", "blocks_of", "plan_of"]
+__all__ = ["TICK_S", "Blocks", "Mode", "Options", "blocks_of", "plan_around", "plan_of"]
 
 Mode = Literal["ignoring", "aware", "aware_unlimited"]
 MODES: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
@@ -83,6 +88,21 @@ def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
     return avoid(scenario.waypoints, zone, scenario.reading).plan
 
 
+def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
+    """Return a plan proven to keep every pair out of the draft of a learned model.
+
+    How much air that is, is chosen by what it brings (`draft_zone`); where the model knows no draft, the
+    zone of its file is taken.
+
+    Raises:
+        InfeasibleError: no such plan was found.
+    """
+    if not peak(known.interaction) > 0.0:
+        return plan_of(scenario, known.zone)
+    draft = LearnedDraft(known.interaction, known.gains or PAPER_LOOP)
+    return avoid_draft(scenario.waypoints, draft, scenario.reading).found.plan
+
+
 def filter_params(scenario: Scenario) -> MocapFilterParams:
     """Return the mocap filter's parameters."""
     return block_params("mocap_filter", MocapFilterParams(), scenario.overrides)
@@ -120,7 +140,9 @@ def blocks_of(
         mocap_filter=MocapFilter(filter_params(scenario), scenario.names),
         predictor=InteractionPredictor(model),
         replanner=_replanner(scenario, options),
-        controller=_controller(scenario, options, model, flown),
+        controller=Guard(
+            _controller(scenario, options, model, flown), FallbackParams(), scenario.vehicle.hover_thrust
+        ),
     )
 
 

@@ -11,7 +11,7 @@ from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.receding import Mpc
 from q2q_control.plan_samples import sampled_preview
 from q2q_control.preview import SampledPreview
-from q2q_control.ros.command_watch import CommandWatch
+from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_control.ros.legacy_topics import LegacyTopics
 from q2q_control.ros.plan_curves import curves_of
 from q2q_model.layout import Signal
@@ -62,21 +62,21 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         inputs["interference"] = Interference
     wiring = TickWiring(node, inputs, ("command", SwarmCommand))
     wiring.then(LegacyTopics(node, LegacyScale(vehicle.thrust_max), own.legacy_hz).publish)
-    if own.live:
-        CommandWatch(node, wiring, declare(node, FallbackParams()), vehicle.hover_thrust)
+    guarded = GuardedCommands(block, declare(node, FallbackParams()), vehicle.hover_thrust, live=own.live)
+    guarded.wire(node, wiring)
 
     def take_plan(message: Plan) -> None:
         block.preview = preview_of(message)
 
     def update(state: SwarmState, setpoint: SwarmSetpoint, draft: Interference | None = None) -> SwarmCommand:
-        command = block.update(state, setpoint, draft)
+        command = guarded.update(state, setpoint, draft)
         report = block.report
         wiring.health.fallbacks += int(report.shifted + report.pid > 0)
         wiring.health.extra["iterations"] = str(report.iterations)
         return command
 
     node.create_subscription(Plan, "plan", take_plan, LATCHED)
-    wiring.rehearse(update, block.reset, own.vehicles)
+    wiring.rehearse(update, guarded.reset, own.vehicles)
     wiring.start(update)
     return wiring
 

@@ -7,7 +7,7 @@ from rclpy.node import Node
 from q2q_control.fallback import FallbackParams
 from q2q_control.legacy import LegacyScale
 from q2q_control.pid import Pid, PidParams
-from q2q_control.ros.command_watch import CommandWatch
+from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_control.ros.legacy_topics import LegacyTopics
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
@@ -54,16 +54,10 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         inputs["interference"] = Interference
     wiring = TickWiring(node, inputs, ("command", SwarmCommand))
     wiring.then(LegacyTopics(node, LegacyScale(vehicle.thrust_max), own.legacy_hz).publish)
-    if own.live:
-        CommandWatch(node, wiring, declare(node, FallbackParams()), vehicle.hover_thrust)
-
-    def update(
-        state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
-    ) -> SwarmCommand:
-        return block.update(state, setpoint, interference)
-
-    wiring.rehearse(update, block.reset, own.vehicles)
-    wiring.start(update)
+    guarded = GuardedCommands(block, declare(node, FallbackParams()), vehicle.hover_thrust, live=own.live)
+    guarded.wire(node, wiring)
+    wiring.rehearse(guarded.update, guarded.reset, own.vehicles)
+    wiring.start(guarded.update)
     return wiring
 
 

@@ -1,0 +1,186 @@
+"""Guard a controller: fly by it while what it knows is young, and down the ladder of safety as it grows old.
+
+The same object stands before the PID and the MPC, in closed_loop and in the nodes; the ladder itself is
+q2q_control.fallback. The age of what is known of vehicle i at the tick t is
+
+    a_i = t - b_i + l        b_i = t - (t - t_state) - age_i   where the controller could use the state,
+                             b_i as it was                     where it answered HOLD or LEVEL
+
+so it grows by stamps, whether samples, frames or whole messages stay away. A vehicle that was never seen
+counts from the guard's first tick. Seen again before it is cut, a vehicle flies on; cut, it stays cut.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| a | ages | age of what is known [s], (n,) |
+| b | _basis | time of the newest believed measurement [s], (n,) |
+| age | state.age | since the last accepted measurement, as the filter says [s], (n,) |
+| l | lateness | how much later than usual the tick came, live [s] |
+
+A tick older than the last answered one gets the last answer again; older by more than STEP_BACK it is a clock
+that was set back, and everything is forgotten but an emergency.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_control.controller import Controller
+from q2q_control.fallback import FallbackParams, descended, fallback_command
+from q2q_model.signals import (
+    Array,
+    CommandStatus,
+    Interference,
+    Names,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    index_of,
+)
+
+STEP_BACK = 1.0
+"""A tick older than the last one by more is a clock set back [s]: the mocap filter's clock_jump_s."""
+_SOUND = int(CommandStatus.SATURATED)
+"""The statuses up to here are computed from a usable state."""
+
+
+def on_time(_: float) -> float:
+    """Return 0: the tick itself is the clock, as in lockstep."""
+    return 0.0
+
+
+class Guard:
+    """Hold what is known of every vehicle since when, and who is cut."""
+
+    def __init__(
+        self,
+        controller: Controller,
+        params: FallbackParams,
+        hover_thrust: float,
+        lateness: Callable[[float], float] = on_time,
+    ) -> None:
+        """Guard a controller.
+
+        Args:
+            controller: computes the commands.
+            params: ages of the phases.
+            hover_thrust: thrust that carries one vehicle [N].
+            lateness: says how much later than usual the tick of a stamp [s] came [s].
+        """
+        self._controller = controller
+        self._params = params
+        self._hover_thrust = hover_thrust
+        self._lateness = lateness
+        self._emergency = False
+        self._last: SwarmCommand | None = None
+        self._names: Names = ()
+        self._basis = np.zeros(0)
+        self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+
+    @property
+    def last(self) -> SwarmCommand | None:
+        """Return the last answer."""
+        return self._last
+
+    def reset(self) -> None:
+        """Forget everything, the controller's memory too; an emergency stays."""
+        self._controller.reset()
+        self._forget()
+
+    def cut(self) -> None:
+        """Cut all motors from now on, for good: an emergency."""
+        self._emergency = True
+
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+    ) -> SwarmCommand:
+        """Return the tick's command; `interference` None means ignoring the draft."""
+        last = self._last
+        if last is not None and setpoint.t < last.t:
+            if last.t - setpoint.t <= STEP_BACK:
+                return last
+            self.reset()
+        command = self._controller.update(state, setpoint, interference)
+        known = command.t - state.t + self._lateness(command.t)
+        calm = self._is_calm(command, state, known)
+        self._last = (
+            command if calm else self._laddered(command, _ages(state, command.names) + max(known, 0.0))
+        )
+        return self._last
+
+    def without_tick(self, age: float) -> SwarmCommand | None:
+        """Return what is due `age` [s] after the last answered tick; None where it is merely late."""
+        last = self._last
+        if last is None or (age < self._params.hold_s and not self._emergency):
+            return None
+        ages = last.t - self._basis + age
+        self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
+        held = fallback_command(last, age, self._params, self._hover_thrust)
+        return descended(held, ages, self._down, self._params, self._hover_thrust)
+
+    def _forget(self) -> None:
+        self._last, self._names = None, ()
+        self._basis = np.zeros(0)
+        self._down = np.zeros(0, dtype=np.bool_)
+
+    def _is_calm(self, command: SwarmCommand, state: SwarmState, known: float) -> bool:
+        """Return whether all is known of everybody, and note since when: nearly every tick."""
+        if (
+            self._emergency
+            or command.names != self._names
+            or state.names != self._names
+            or self._down.any()
+            or not float(state.age.max(initial=0.0)) + known < self._params.degraded_s
+            or float(state.age.min(initial=0.0)) < 0.0
+            or int(command.status.max(initial=0)) > _SOUND
+            or not _is_finite(command)
+        ):
+            return False
+        self._basis = command.t - state.age - max(known, 0.0)
+        return True
+
+    def _laddered(self, command: SwarmCommand, heard: Array) -> SwarmCommand:
+        """Return the command as it may be sent; `heard` is the state's age of every vehicle [s], (n,)."""
+        self._follow(command)
+        command = self._without_nonsense(command)
+        sound = command.status <= _SOUND
+        self._basis = np.where(sound, np.fmax(self._basis, command.t - heard), self._basis)
+        ages = command.t - self._basis
+        self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
+        predicted = sound & ~(ages < self._params.degraded_s)
+        status = np.where(predicted, CommandStatus.DEGRADED, command.status).astype(np.uint8)
+        told = replace(command, status=status)
+        return descended(told, ages, self._down, self._params, self._hover_thrust)
+
+    def _follow(self, command: SwarmCommand) -> None:
+        """Keep what is known of vehicles by name; a new one is known since now."""
+        if command.names == self._names:
+            return
+        rows = index_of(command.names, self._names)
+        self._basis = np.append(self._basis, command.t)[rows]
+        self._down = np.append(self._down, False)[rows]
+        self._names = command.names
+
+    def _without_nonsense(self, command: SwarmCommand) -> SwarmCommand:
+        """Return the command with level hover, and so marked, where a controller did not give numbers."""
+        if _is_finite(command):
+            return command
+        values = np.stack([command.thrust, command.roll, command.pitch, command.yaw_rate])  # (4, n)
+        bad = ~np.isfinite(values).all(axis=0)
+        level = np.array([[self._hover_thrust], [0.0], [0.0], [0.0]])
+        thrust, roll, pitch, yaw_rate = np.where(bad, level, values)
+        status = np.where(bad, CommandStatus.LEVEL, command.status).astype(np.uint8)
+        return SwarmCommand(command.t, command.names, thrust, roll, pitch, yaw_rate, status)
+
+
+def _is_finite(command: SwarmCommand) -> bool:
+    total = command.thrust.sum() + command.roll.sum() + command.pitch.sum() + command.yaw_rate.sum()
+    return isfinite(float(total))
+
+
+def _ages(state: SwarmState, names: Names) -> Array:
+    """Return the age of each vehicle's measurement [s], infinite where there is none, (n,)."""
+    ages = np.append(np.where(state.age >= 0.0, state.age, np.inf), np.inf)
+    return np.asarray(ages[index_of(names, state.names)])

@@ -1,0 +1,90 @@
+"""Let a controller's node fly by its guard: an emergency service, and live a watch on the wall clock."""
+
+from time import monotonic
+
+from rclpy.node import Node
+from std_srvs.srv import Empty
+
+from q2q_control.controller import Controller
+from q2q_control.fallback import FallbackParams
+from q2q_control.guard import Guard, on_time
+from q2q_control.tick_watch import TickWatch
+from q2q_control.transit import Transit
+from q2q_model.cdr import SignalReader
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.qos import TICK
+from q2q_model.ros.tick import TickWiring
+from q2q_model.signals import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
+
+EMERGENCY = "all/emergency"
+"""The service's name: Crazyswarm2's."""
+PERIOD_S = 0.01
+"""How often to look [s]: the tick of the house."""
+
+
+class GuardedCommands:
+    """Hold the guard, and in live flight the newest state and the watch."""
+
+    def __init__(
+        self, controller: Controller, params: FallbackParams, hover_thrust: float, *, live: bool
+    ) -> None:
+        self._transit = Transit()
+        self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
+        self._watch = TickWatch(self._guard, params) if live else None
+        self._reader = SignalReader(SwarmState)
+        self._heard: bytes = b""
+
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
+    ) -> SwarmCommand:
+        """Return the tick's command."""
+        command = self._guard.update(state, setpoint, interference)
+        if self._watch is not None:
+            self._watch.answered(setpoint, monotonic())
+        return command
+
+    def wire(self, node: Node, wiring: TickWiring[SwarmCommand]) -> None:
+        """Offer the emergency service, count fallbacks, and live look at the wall clock."""
+        self._wiring = wiring
+        node.create_service(Empty, EMERGENCY, self._on_emergency)
+        wiring.then(self._count)
+        if self._watch is not None:
+            node.create_subscription(MESSAGES[SwarmState], "state", self._hear, TICK, raw=True)
+            node.create_timer(PERIOD_S, self._look)
+
+    def reset(self) -> None:
+        """Forget all ticks."""
+        self._guard.reset()
+        if self._watch is not None:
+            self._watch = TickWatch(self._guard, self._watch.params)
+        self._transit = Transit()
+
+    def _lateness(self, stamp: float) -> float:
+        return self._transit.lateness(stamp, monotonic())
+
+    def _hear(self, data: bytes) -> None:
+        self._heard = data
+
+    def _count(self, _: int, command: SwarmCommand) -> None:
+        self._wiring.health.fallbacks += int(command.status.max(initial=0) > CommandStatus.SATURATED)
+
+    def _look(self) -> None:
+        if self._watch is not None:
+            self._send(self._watch.due(self._state(), monotonic()))
+
+    def _state(self) -> SwarmState | None:
+        """Return the newest state; one that cannot be read is none, and the wiring has counted it."""
+        try:
+            return self._reader.read(self._heard) if self._heard else None
+        except ValueError:
+            return None
+
+    def _send(self, command: SwarmCommand | None) -> None:
+        if command is not None:
+            self._wiring.health.fallbacks += 1
+            self._wiring.publish(round(command.t * 1e9), command)
+
+    def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
+        self._guard.cut()
+        self._send(self._guard.without_tick(0.0))
+        return response

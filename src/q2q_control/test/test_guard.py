@@ -1,0 +1,308 @@
+"""The state machine of a vehicle's controller: by ages, down the ladder and up again, and an emergency."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from q2q_control.controller import Controller
+from q2q_control.fallback import FallbackParams
+from q2q_control.guard import Guard
+from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.receding import Mpc
+from q2q_control.pid import Pid, PidParams
+from q2q_control.tick_watch import TickWatch
+from q2q_control.transit import MOST_S, WINDOW_S, Transit
+from q2q_model.interaction.none import NoInteraction
+from q2q_model.signals import CommandStatus, Names, SwarmCommand, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_model.vehicle import CRAZYFLIE_2_0
+
+HOVER = CRAZYFLIE_2_0.hover_thrust
+TICK = 0.01
+NAMES = ("cf1", "cf2")
+PARAMS = FallbackParams()
+OK, SATURATED, HOLD, LEVEL, DEGRADED, LAND, CUT = (int(CommandStatus[name]) for name in (
+    "OK", "SATURATED", "HOLD", "LEVEL", "DEGRADED", "LAND", "CUT"
+))  # fmt: skip
+
+
+def state_at(t: float, ages: tuple[float, ...] = (0.0, 0.0), coast: float = 0.35) -> SwarmState:
+    """Return two hovering vehicles, measured `ages` ago; lost beyond `coast`, as the filter has it."""
+    age = np.array(ages)
+    late = np.where(age <= coast, TrackStatus.COASTING, TrackStatus.LOST)
+    return SwarmState(
+        t=t,
+        names=NAMES,
+        pos=np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.5]]),
+        vel=np.zeros((2, 3)),
+        quat=np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)),
+        ang_vel_body=np.zeros((2, 3)),
+        age=age,
+        status=np.where(age == 0.0, TrackStatus.TRACKED, late).astype(np.uint8),
+    )
+
+
+def setpoint_at(t: float, names: Names = NAMES, x: float = 0.1) -> SwarmSetpoint:
+    count = len(names)
+    pos = np.array([[x, 0.0, 1.0], [1.0, 0.0, 1.5]])[:count]
+    zero = np.zeros((count, 3))
+    return SwarmSetpoint(
+        t, names, pos, zero, zero, np.zeros(count), np.zeros(count), np.zeros(count, dtype=np.uint8)
+    )
+
+
+def pid() -> Pid:
+    return Pid(PidParams(), CRAZYFLIE_2_0)
+
+
+def mpc() -> Mpc:
+    return Mpc(MpcParams(), CRAZYFLIE_2_0, NoInteraction())
+
+
+def guarded(controller: Controller | None = None) -> Guard:
+    return Guard(controller or pid(), PARAMS, HOVER)
+
+
+def fly(guard: Guard, first: int, last: int, unseen_since: float | None = None) -> list[SwarmCommand]:
+    """Answer ticks first to last, not seeing cf1 since a time [s]."""
+    made = []
+    for k in range(first, last):
+        t = k * TICK
+        age = 0.0 if unseen_since is None or t <= unseen_since else t - unseen_since
+        made.append(guard.update(state_at(t, (age, 0.0)), setpoint_at(t), None))
+    return made
+
+
+def test_a_guard_lets_every_command_of_fresh_states_through_untouched() -> None:
+    guard, bare = guarded(), pid()
+    for k in range(20):
+        t = k * TICK
+        told, given = (
+            guard.update(state_at(t), setpoint_at(t), None),
+            bare.update(state_at(t), setpoint_at(t), None),
+        )
+        for name in ("thrust", "roll", "pitch", "yaw_rate", "status"):
+            np.testing.assert_array_equal(getattr(told, name), getattr(given, name))
+
+
+@pytest.mark.parametrize("make", [pid, mpc], ids=["pid", "mpc"])
+def test_an_unseen_vehicle_goes_down_the_ladder_by_age_and_its_neighbour_flies_on(make: type) -> None:
+    commands = fly(guarded(make()), 0, 620, unseen_since=0.1)
+    statuses = np.array([command.status for command in commands])
+    assert (statuses[:, 1] <= SATURATED).all()
+    since = {
+        status: float(np.flatnonzero(statuses[:, 0] == status)[0]) * TICK - 0.1
+        for status in (DEGRADED, HOLD, LEVEL, LAND, CUT)
+    }
+    # ages as documented; within a tick, since ages are differences of floats. hold_time is 0.1 s after 0.35 s
+    assert since[DEGRADED] == pytest.approx(0.05, abs=0.0101)
+    assert since[HOLD] == pytest.approx(0.36, abs=0.0101)
+    assert since[LEVEL] == pytest.approx(0.46, abs=0.0101)
+    assert since[LAND] == pytest.approx(1.0, abs=0.0101)
+    assert since[CUT] == pytest.approx(5.0, abs=0.0101)
+    assert since[DEGRADED] <= 0.06  # the safe action within 60 ms of the fault
+    landing = commands[200]
+    assert landing.thrust[0] == pytest.approx(0.94 * HOVER)
+    assert commands[-1].thrust[0] == 0.0
+    order = [
+        status for status, before in zip(statuses[1:, 0], statuses[:-1, 0], strict=True) if status != before
+    ]
+    assert [int(one) for one in order if one not in (OK, SATURATED)] == [DEGRADED, HOLD, LEVEL, LAND, CUT]
+
+
+def test_a_vehicle_that_is_seen_again_before_the_cut_flies_on_and_a_cut_one_does_not() -> None:
+    guard = guarded()
+    fly(guard, 0, 450, unseen_since=0.1)
+    back = fly(guard, 450, 452)[-1]
+    assert back.status[0] <= SATURATED
+    assert back.pitch[0] > 0.0  # towards its setpoint
+    guard = guarded()
+    fly(guard, 0, 520, unseen_since=0.1)
+    assert fly(guard, 520, 522)[-1].status[0] == CUT
+
+
+def test_a_vehicle_never_seen_counts_from_the_first_tick() -> None:
+    guard = guarded()
+    commands = [
+        guard.update(state_at(k * TICK, (np.inf, 0.0)), setpoint_at(k * TICK), None) for k in range(510)
+    ]
+    assert commands[0].status[0] == LEVEL
+    assert commands[99].status[0] == LEVEL
+    assert commands[101].status[0] == LAND
+    assert commands[501].status[0] == CUT
+
+
+def test_the_age_counts_however_trusting_the_filter_is() -> None:
+    guard = guarded()
+    statuses = []
+    for k in range(120):
+        t = k * TICK
+        statuses.append(int(guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None).status[0]))
+    assert statuses[4] <= SATURATED
+    assert statuses[6] == DEGRADED
+    assert statuses[98] == DEGRADED
+    assert statuses[101] == LAND
+
+
+@pytest.mark.parametrize("age", [np.nan, -1.0, np.inf])
+def test_an_age_that_is_none_is_not_trusted(age: float) -> None:
+    guard = guarded()
+    fly(guard, 0, 5)
+    statuses = [
+        int(guard.update(state_at(k * TICK, (age, 0.0), coast=np.inf), setpoint_at(k * TICK), None).status[0])
+        for k in range(5, 120)
+    ]
+    assert statuses[-1] == LAND
+
+
+def test_an_emergency_cuts_all_at_once_and_stays_through_a_reset() -> None:
+    guard = guarded()
+    fly(guard, 0, 5)
+    guard.cut()
+    at_once = guard.without_tick(0.0)
+    assert at_once is not None
+    for command in (at_once, fly(guard, 5, 6)[0]):
+        assert command.thrust.tolist() == [0.0, 0.0]
+        assert command.status.tolist() == [CUT, CUT]
+    guard.reset()
+    assert fly(guard, 0, 1)[0].status.tolist() == [CUT, CUT]
+
+
+def test_an_older_tick_gets_the_last_answer_and_a_clock_set_back_starts_anew() -> None:
+    guard = guarded()
+    last = fly(guard, 0, 300)[-1]
+    assert guard.update(state_at(2.5), setpoint_at(2.5), None) is last
+    assert guard.update(state_at(2.0), setpoint_at(2.0), None) is last  # 0.99 s back: still the same flight
+    anew = guard.update(state_at(1.98), setpoint_at(1.98), None)
+    assert anew.t == 1.98
+
+
+def test_a_controller_that_gives_no_numbers_is_answered_with_level_hover() -> None:
+    class Broken:
+        def update(self, _: SwarmState, setpoint: SwarmSetpoint, __: object) -> SwarmCommand:
+            return SwarmCommand(
+                setpoint.t,
+                NAMES,
+                np.array([np.nan, 0.3]),
+                np.array([0.1, 0.1]),
+                np.zeros(2),
+                np.zeros(2),
+                np.zeros(2, dtype=np.uint8),
+            )
+
+        def reset(self) -> None:
+            pass
+
+    told = guarded(Broken()).update(state_at(0.0), setpoint_at(0.0), None)
+    assert told.thrust.tolist() == [HOVER, 0.3]
+    assert told.roll.tolist() == [0.0, 0.1]
+    assert told.status.tolist() == [LEVEL, OK]
+
+
+def test_what_is_known_follows_vehicles_by_name() -> None:
+    guard = guarded()
+    fly(guard, 0, 200, unseen_since=0.1)  # cf1 lands
+    alone = guard.update(state_at(2.0, (1.9, 0.0)), setpoint_at(2.0, ("cf1",)), None)
+    assert alone.names == ("cf1",)
+    assert alone.status.tolist() == [LAND]
+
+
+def test_without_ticks_all_are_held_then_level_then_land_then_cut() -> None:
+    guard = guarded()
+    last = fly(guard, 0, 10)[-1]
+    assert guard.without_tick(0.029) is None
+    found = {age: guard.without_tick(age) for age in (0.03, 0.10, 1.0, 4.99, 5.0)}
+    statuses = {age: command.status.tolist() for age, command in found.items() if command is not None}
+    assert statuses == {
+        0.03: [HOLD] * 2,
+        0.10: [LEVEL] * 2,
+        1.0: [LAND] * 2,
+        4.99: [LAND] * 2,
+        5.0: [CUT] * 2,
+    }
+    held = found[0.03]
+    assert held is not None
+    np.testing.assert_array_equal(held.pitch, last.pitch)
+    assert held.t == pytest.approx(last.t + 0.03)
+    # cut stays, though ticks come again
+    assert fly(guard, 600, 601)[0].status.tolist() == [CUT] * 2
+
+
+def test_nothing_is_sent_before_the_first_tick_ever() -> None:
+    assert guarded().without_tick(10.0) is None
+    assert TickWatch(guarded(), PARAMS).due(state_at(0.0), 10.0) is None
+
+
+def watched(ticks: int) -> tuple[Guard, TickWatch]:
+    guard = guarded()
+    watch = TickWatch(guard, PARAMS)
+    for k in range(ticks):
+        guard.update(state_at(k * TICK), setpoint_at(k * TICK), None)
+        watch.answered(setpoint_at(k * TICK), now=100.0 + k * TICK)
+    return guard, watch
+
+
+def test_a_reference_that_stays_away_leaves_a_vehicle_hovering_where_it_was_sent() -> None:
+    _, watch = watched(10)
+    assert watch.due(state_at(0.12), now=100.0 + 0.115) is None  # 25 ms late: merely late
+    command = watch.due(state_at(0.12), now=100.0 + 0.125)
+    assert command is not None
+    assert command.t == 0.12
+    assert command.status.tolist() == [DEGRADED] * 2
+    assert command.pitch[0] == pytest.approx(
+        4.0 * 0.1 / 9.81, rel=0.02
+    )  # k_p_xy x error over g: still tracking
+    again = watch.due(state_at(0.13), now=100.0 + 0.135)
+    assert again is not None
+    assert again.t == 0.13  # the next state is taken at once
+
+
+def test_a_real_tick_ends_the_hovering() -> None:
+    guard, watch = watched(10)
+    watch.due(state_at(0.12), now=100.125)
+    guard.update(state_at(0.13), setpoint_at(0.13), None)
+    watch.answered(setpoint_at(0.13), now=100.131)
+    assert watch.due(state_at(0.14), now=100.141) is None
+
+
+def test_frames_that_repeat_are_no_news() -> None:
+    _, watch = watched(10)
+    statuses = []
+    for k in range(10, 130):  # the last tick is answered again and again
+        now = 100.0 + k * TICK
+        watch.answered(setpoint_at(0.09), now)
+        command = watch.due(state_at(0.09), now)
+        statuses.append(None if command is None else int(command.status[0]))
+    assert statuses[0] is None
+    assert statuses[4] == HOLD
+    assert statuses[50] == LEVEL
+    assert statuses[-1] == LAND
+
+
+def test_a_stream_that_is_suddenly_late_shows_by_how_much() -> None:
+    clock = Transit()
+    for k in range(100):
+        assert clock.lateness(k * TICK, 5000.0 + k * TICK + 0.02) == pytest.approx(0.0, abs=1e-9)
+    assert clock.lateness(1.0, 5001.0 + 0.02 + 0.2) == pytest.approx(0.2, abs=1e-9)
+    assert clock.lateness(1.01, 5001.01 + 0.02 + 3.0) == MOST_S
+
+
+def test_what_was_usual_is_forgotten_after_two_windows() -> None:
+    clock = Transit()
+    clock.lateness(0.0, 100.0)
+    late = [clock.lateness(k * TICK, 100.0 + k * TICK + 0.1) for k in range(1, round(2.5 * WINDOW_S / TICK))]
+    assert late[0] == pytest.approx(0.1, abs=1e-9)
+    assert late[round(1.5 * WINDOW_S / TICK)] == pytest.approx(0.1, abs=1e-9)
+    assert late[-1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_lateness_adds_to_the_age() -> None:
+    said: NDArray[np.float64] = np.zeros(1)
+    guard = Guard(pid(), PARAMS, HOVER, lateness=lambda _: float(said[0]))
+    assert guard.update(state_at(0.0), setpoint_at(0.0), None).status.tolist() == [OK, OK]
+    said[0] = 0.06
+    assert guard.update(state_at(0.01), setpoint_at(0.01), None).status.tolist() == [
+        OK,
+        OK,
+    ]  # known since 0.0
+    told = [guard.update(state_at(k * TICK), setpoint_at(k * TICK), None).status[0] for k in range(2, 12)]
+    assert DEGRADED in told
