@@ -63,6 +63,11 @@ def encode(signal: Signal, stamp_ns: int) -> bytes:
     return data
 
 
+def encode_stamp(stamp_ns: int) -> bytes:
+    """Return the bytes of a message that is nothing but a stamp, as rosgraph_msgs/Clock."""
+    return ENCAPSULATION + _STAMP.pack(*divmod(stamp_ns, NANOSECONDS))
+
+
 def decode(data: bytes, signal: type[S]) -> S:
     """Return the signal in a message's bytes; its arrays are read-only views of them.
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from q2q_model.cdr import BadMessageError, decode, encode, header_stamp_ns
+from q2q_model.cdr import BadMessageError, decode, encode, encode_stamp, header_stamp_ns
 from q2q_model.layout import LAYOUTS, Signal
 from q2q_model.signals import MocapFrame, SwarmImu, SwarmState
 
@@ -105,3 +105,9 @@ def test_repeated_names_another_frame_and_unequal_arrays_are_refused_by_name() -
         decode(head + np.uint32(3).tobytes() + numbers, MocapFrame)
     with pytest.raises(BadMessageError, match="MocapFrame makes 148 bytes; 2 names need 172"):
         encode(MocapFrame(0.0, ("cf1", "cf2"), np.zeros((1, 3)), np.zeros((2, 4))), 0)
+
+
+@given(STAMPS)
+def test_a_clock_is_a_stamp_and_nothing_else(stamp_ns: int) -> None:
+    clock = STORE.deserialize_cdr(encode_stamp(stamp_ns), "rosgraph_msgs/msg/Clock").clock
+    assert (clock.sec, clock.nanosec) == divmod(stamp_ns, 10**9)

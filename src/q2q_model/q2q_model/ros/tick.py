@@ -10,7 +10,7 @@ from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.ending import forgiving_the_end
+from q2q_model.ros.ending import ForgivingTheEnd
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK, TICK_WRITER
 from q2q_model.signals import Names
@@ -32,6 +32,7 @@ class TickWiring(Generic[Made]):
         self.health = Health()
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         self._node = node
+        self._forgiving = ForgivingTheEnd(node)
         topic, signal = output
         self._publisher = node.create_publisher(MESSAGES[signal], topic, TICK_WRITER)
         self._inputs = inputs
@@ -55,7 +56,7 @@ class TickWiring(Generic[Made]):
 
     def publish(self, stamp_ns: int, signal: Made) -> None:
         """Publish a signal under a stamp."""
-        with forgiving_the_end(self._node):
+        with self._forgiving:
             self._publisher.publish(encode(signal, stamp_ns))
 
     def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., Made]) -> None:
@@ -77,6 +78,6 @@ class TickWiring(Generic[Made]):
         made = update(*values)
         self.publish(stamp_ns, made)
         self.health.ticks += 1
-        with forgiving_the_end(self._node):
+        with self._forgiving:
             for follow in self._after:
                 follow(stamp_ns, made)

@@ -38,6 +38,8 @@ class VehicleTopics:
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), as Odometry's child frame asks
         for row, name in enumerate(state.names):
             pose, odom = self._of(name)
+            if not (pose.get_subscription_count() or odom.get_subscription_count()):
+                continue
             header = header_at(stamp_ns)
             where = _pose(state.pos[row], state.quat[row])
             pose.publish(PoseStamped(header=header, pose=where))

@@ -18,13 +18,13 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.cdr import decode, encode, header_stamp_ns
+from q2q_model.cdr import SignalReader, encode, encode_stamp, header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.ending import forgiving_the_end
-from q2q_model.ros.messages import MESSAGES, header_at
+from q2q_model.ros.ending import ForgivingTheEnd
+from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.ros.run import run
@@ -92,6 +92,8 @@ class Simulator:
 
     def _wire(self, node: Node) -> None:
         self._node = node
+        self._forgiving = ForgivingTheEnd(node)
+        self._reader = SignalReader(SwarmCommand)
         self._writers = {
             topic: node.create_publisher(MESSAGES[kind], topic, TICK_WRITER)
             for topic, kind in OUTPUTS.items()
@@ -129,18 +131,18 @@ class Simulator:
         self._publish("truth", self._tick.truth, self._tick.stamp_ns)
         self._publish("truth_interference", self._tick.truth_interference, self._tick.stamp_ns)
         self._publish("imu", self._tick.imu, self._tick.stamp_ns)
-        self._clock_writer.publish(Clock(clock=header_at(self._tick.stamp_ns).stamp))
+        self._clock_writer.publish(encode_stamp(self._tick.stamp_ns))
 
     def _publish_frame(self, tick: Tick) -> None:
         self._publish("mocap", tick.frame, tick.frame_stamp_ns)
 
     def _publish(self, topic: str, signal: Signal, stamp_ns: int) -> None:
-        with forgiving_the_end(self._node):
+        with self._forgiving:
             self._writers[topic].publish(encode(signal, stamp_ns))
 
     def _on_command(self, data: bytes) -> None:
         try:
-            whole = self._gate.offer(header_stamp_ns(data), decode(data, SwarmCommand))
+            whole = self._gate.offer(header_stamp_ns(data), self._reader.read(data))
         except ValueError as refusal:
             self._refuse(refusal)
             return
