@@ -15,8 +15,10 @@ from rclpy.task import Future
 from q2q_model.ros.ready import offer_drained, offer_ready
 
 WAKE_S = 0.5
-"""How often the spin loop looks whether it should end [s]. (EventsExecutor.spin() runs nothing here, and spin_once
-costs more than a message.)"""
+"""How often the spin loop looks whether it should end [s].
+
+EventsExecutor.spin() runs nothing here, and a spin_once for each message costs more than the message.
+"""
 
 Kept = TypeVar("Kept")
 
