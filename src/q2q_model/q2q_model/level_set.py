@@ -78,6 +78,11 @@ def level_set(model: InteractionModel, threshold: float) -> LevelSet:
     return LevelSet(threshold=threshold, table=table)
 
 
+def peak(model: InteractionModel) -> float:
+    """Return the strongest draft of a law anywhere [m/s^2]; 0 where it knows none."""
+    return float(_strength(model).max())
+
+
 def _strength(model: InteractionModel) -> Array:
     """Return max(|eta(dr)|, |eta(-dr)|) on the grid, zero beyond the law's reach."""
     reach = model.reach

@@ -12,6 +12,10 @@ credits.
 
 Where the references want to be on each other's far side, a push across n leads around: to the side where
 the reference lies, and to the right where it lies straight behind. That breaks the symmetric tie.
+
+Heights are what drafts disturb and what formations hold, so a push goes aside where aside helps: of all
+pushes p with n.p = need, the one of least |p_flat|^2 + p_up^2 / w, with w below 1 the weight of height:
+p = need (n_flat, w n_up) / (n_flat^2 + w n_up^2). Straight above each other, n_flat = 0, it is all height.
 """
 
 from collections.abc import Callable
@@ -33,8 +37,8 @@ TIE = 0.02
 Rows = NDArray[np.intp]
 States = tuple[Array, Array, Array]
 """pos (n, 3), vel (n, 3) and reference position (n, 3); strangers' reference is where they are."""
-Law = tuple[int, float, float, float, float, float]
-"""Rows of the swarm, eps [m], d [m], k_1 [1/s], k_0 [1/s^2], share of a push that leads around."""
+Law = tuple[int, float, float, float, float, float, float]
+"""Rows of the swarm, eps [m], d [m], k_1 [1/s], k_0 [1/s^2], share of a push that leads around, w."""
 
 
 def _nearest_face(rel_pos: tuple[float, float, float], eps: float, d: float, face: Array) -> float:
@@ -59,7 +63,7 @@ def _asked(states: States, pair: tuple[int, int], wide: Array, law: Law, face: A
     """Return n.(a_i - a_j) that the barrier asks of a pair [m/s^2]; its face is written to `face`."""
     pos, vel, _ = states
     i, j = pair
-    _, eps, d, k_1, k_0, _ = law
+    _, eps, d, k_1, k_0, _, _ = law
     x, y = pos[i, 0] - pos[j, 0], pos[i, 1] - pos[j, 1]
     h = _face_of((x, y, pos[i, 2] - pos[j, 2]), eps, d, face) - wide[0]
     u, v, w = vel[i, 0] - vel[j, 0], vel[i, 1] - vel[j, 1], vel[i, 2] - vel[j, 2]
@@ -85,7 +89,7 @@ def _push_apart(
         law: see Law.
     """
     ref, faces = states[2], np.empty((pairs[0].size, 4))
-    own, eps, around = law[0], law[1], law[5]
+    own, eps, around, height = law[0], law[1], law[5], law[6]
     asked, pushed = np.empty(pairs[0].size), np.zeros(acc.shape[0], np.bool_)
     for row in range(pairs[0].size):
         asked[row] = _asked_of(states, (pairs[0][row], pairs[1][row]), wide[row], law, faces[row])
@@ -102,11 +106,12 @@ def _push_apart(
         lead = n * around * need * min(1.0, max(0.0, -(goal_x * x + goal_y * y) / (eps + wide[row, 0])))
         lead *= -1.0 if goal_y * x - goal_x * y < -TIE else 1.0
         share = 0.5 if j < own else 1.0
+        size = need / (n * n + height * up * up)
         for vehicle, sign in ((i, share), (j, -share)):
             if vehicle < own:
-                acc[vehicle, 0] += sign * (need * n * x - lead * y)
-                acc[vehicle, 1] += sign * (need * n * y + lead * x)
-                acc[vehicle, 2] += sign * need * up
+                acc[vehicle, 0] += sign * (size * n * x - lead * y)
+                acc[vehicle, 1] += sign * (size * n * y + lead * x)
+                acc[vehicle, 2] += sign * size * height * up
                 pushed[vehicle] = True
     return pushed
 

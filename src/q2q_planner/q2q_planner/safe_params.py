@@ -23,6 +23,9 @@ class SafeReplannerParams:
     k_d: float = tunable(4.0, "damping towards the reference", unit="1/s", low=0.01, high=100.0)
     approach: float = tunable(2.0, "both poles of the approach to a zone", unit="1/s", low=0.1, high=20.0)
     around: float = tunable(0.5, "share of a push that leads around", low=0.0, high=2.0)
+    height: float = tunable(
+        0.05, "weight of height in a push: below 1 it goes aside where it can", low=1e-3, high=1.0
+    )
     tracking: float = tunable(
         0.05, "how far vehicles may be from their setpoints", unit="m", low=0.0, high=1.0
     )

@@ -121,7 +121,8 @@ def _wanted(
     wide = scene.growth[scene.pairs[0]] + scene.growth[scene.pairs[1]]
     wide[:, 0] += params.margin + FLOOR
     reference = np.concatenate([setpoint.pos, scene.pos[scene.own :]])
-    law = scene.own, params.eps, params.d, 2.0 * params.approach, params.approach**2, params.around
+    poles = 2.0 * params.approach, params.approach**2
+    law = scene.own, params.eps, params.d, *poles, params.around, params.height
     pushed = push_apart(turned, (scene.pos, scene.vel, reference), scene.pairs, wide, law)[: scene.own]
     limited = np.where(pushed[:, None], _limited(turned[: scene.own], params.acc_max), turned[: scene.own])
     return limited, pushed | (limited != acc).any(axis=1)

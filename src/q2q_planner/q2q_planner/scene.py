@@ -3,7 +3,8 @@
 What is not known of a vehicle grows its zone by g0 [m] now and g1 [m/s] later on. Of our own: `tracking`,
 and `drift` for a measurement that is missing. Of a stranger heard of at age A: it may have turned by acc_max
 since, and go on so for `hold`, so its velocity is known within acc_max (A + hold) and its position within
-half of that times A + hold; neither can have changed by more than `speed_max` allows. What a stranger that
+half of that times A + hold; neither can have changed by more than `speed_max` allows; and it may be off its
+own trajectory by `tracking`, as ours may be. What a stranger that
 keeps the law *surely* does is less: it brakes, from `hold` after its message, for it may only have chosen
 otherwise where that was proven against us.
 """
@@ -115,13 +116,13 @@ def _strangers(word: Word, params: SafeReplannerParams) -> Scene:
         return _ALONE
     age, most, step = word.age + params.hold, params.acc_max, params.hold
     fastest = params.speed_max + np.sqrt((word.vel**2).sum(-1))
-    spread = np.minimum(0.5 * most * age**2, fastest * age) + SNAP_POS
+    spread = np.minimum(0.5 * most * age**2, fastest * age) + SNAP_POS + params.tracking
     growth = np.stack([spread, np.minimum(most * age, fastest) + SNAP_VEL], -1)
     count = len(word.names)
     still = np.zeros((count, 3))
     pos, vel = motion_after((word.pos, word.vel, still, np.minimum(step, word.age), growth), word.age, most)
     rest = np.sqrt((word.vel**2).sum(-1)) / most
-    slack = -0.5 * most * step**2 - most * step * rest - SNAP_POS - SNAP_VEL * rest
+    slack = params.tracking - 0.5 * most * step**2 - most * step * rest - SNAP_POS - SNAP_VEL * rest
     sure = pos, vel, still, np.maximum(step - word.age, 0.0), np.stack([slack, np.zeros(count)], -1)
     there = word.pos + word.vel * word.age[:, None]
     return Scene(0, there, word.vel, growth, sure, (NOBODY, NOBODY))

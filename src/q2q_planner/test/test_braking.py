@@ -49,7 +49,7 @@ def test_compiled_and_plain_agree(seed: int) -> None:
         assert compiled_stays_out(motions, i, j, LAW, 1e-3) == stays_out_plain(motions, i, j, LAW, 1e-3)
     pairs = np.array([0, 0, 1, 2]), np.array([1, 3, 2, 3])
     states, wide = (motions[0], motions[1], -motions[0]), np.full((4, 2), 0.1)
-    law = 3, 0.2, 1.1, 4.0, 4.0, 0.5
+    law = 3, 0.2, 1.1, 4.0, 4.0, 0.5, 0.05
     once, twice = motions[2].copy(), motions[2].copy()
     assert np.array_equal(
         push_apart(once, states, pairs, wide, law), push_apart_plain(twice, states, pairs, wide, law)
@@ -98,4 +98,6 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
             assert compiled_stays_out((pos, vel, bound, hold, growth), i, j, LAW, 0.0)
             turned, pair = bound.copy(), (np.array([i]), np.array([j]))
             wide = (growth[i] + growth[j])[None, :]
-            assert not push_apart(turned, (pos, vel, pos), pair, wide, (12, 0.2, 1.1, 4.0, 4.0, 0.5)).any()
+            assert not push_apart(
+                turned, (pos, vel, pos), pair, wide, (12, 0.2, 1.1, 4.0, 4.0, 0.5, 0.05)
+            ).any()

@@ -19,6 +19,7 @@ from q2q_model.zone import Cylinder, Ellipsoid, Zone
 from q2q_planner import plan_file
 from q2q_planner.avoidance import AvoidanceParams, avoid
 from q2q_planner.certificate import Certificate, certify
+from q2q_planner.draft_zone import PAPER_LOOP, LearnedDraft, avoid_draft
 from q2q_planner.flight_limits import FlightLimits, check_flyable, timed_document, with_limits_of
 from q2q_planner.minsnap import minimum_snap_plan, plan_cost
 from q2q_planner.plan_file import PlanFacts
@@ -28,6 +29,7 @@ from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
 
 EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --json cost.json --csv plan.csv
+  ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --cut 0.88
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --no-avoid --upload uploads/
 
 waypoints.yaml:
@@ -93,6 +95,7 @@ def _add_zone(made: CommandLine) -> None:
     zone.add_argument("--d", type=float, default=1.1, help="half height of the zone [m] (default 1.1)")
     zone.add_argument("--model", help="take this interaction model's zone: a shipped name or a .q2q file")
     zone.add_argument("--threshold", type=float, help="with --model: where its draft is above this [m/s^2]")
+    zone.add_argument("--cut", type=float, help="with --model: so large that this share of the draft is gone")
 
 
 def _add_limits(made: CommandLine) -> None:
@@ -102,11 +105,15 @@ def _add_limits(made: CommandLine) -> None:
     limits.add_argument("--acceleration", type=float, default=4.0, help="[m/s^2] (default 4)")
 
 
-def planned(asked: argparse.Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone) -> Planned:
-    """Return the plan that the command line asks for; raise ValueError where there is none."""
+def planned(
+    asked: argparse.Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, before: float
+) -> Planned:
+    """Return the plan that the command line asks for; raise ValueError where there is none.
+
+    `before` is the processor time at which work on it began [s].
+    """
     warm = plan_file.load(asked.warm) if asked.warm else None
     params = AvoidanceParams(starts=asked.starts)
-    before = process_time()
     if asked.avoid:
         found = avoid(swarm, zone, asked.reading, params, warm)
         return Planned(found.plan, found.certificate, found.cost, found.infimum, _ms_since(before))
@@ -116,8 +123,10 @@ def planned(asked: argparse.Namespace, swarm: Sequence[VehicleWaypoints], zone: 
     return Planned(plan, proof, cost, cost, _ms_since(before))
 
 
-def zone_of(asked: argparse.Namespace) -> tuple[Zone, str]:
+def zone_of(asked: argparse.Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
     """Return the zone that the command line asks for, and in words."""
+    if asked.cut is not None:
+        return _zone_by_cut(asked, swarm)
     if asked.model and asked.threshold is not None:
         words = f"level set of {asked.model} at {asked.threshold} m/s^2"
         return level_set(find_model(asked.model).interaction, asked.threshold), words
@@ -131,6 +140,20 @@ def zone_of(asked: argparse.Namespace) -> tuple[Zone, str]:
             raise ValueError(f"--{name} = {value}: allowed is 0 to {LARGEST} m, both excluded")
     shape = Cylinder if asked.shape == "cylinder" else Ellipsoid
     return shape(asked.eps, asked.d), f"{asked.shape} eps {asked.eps} m, d {asked.d} m"
+
+
+def _zone_by_cut(asked: argparse.Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
+    if not asked.model or asked.threshold is not None:
+        raise ValueError(f"--cut {asked.cut} needs --model, and no --threshold: it chooses that")
+    file = find_model(asked.model)
+    draft = LearnedDraft(file.interaction, file.gains or PAPER_LOOP, asked.cut)
+    made = avoid_draft(swarm, draft, asked.reading, AvoidanceParams(starts=asked.starts))
+    if made.cut < asked.cut:
+        raise ValueError(
+            f"--cut {asked.cut}: at most {made.cut:.3f} was found; ask for less, or allow more time"
+        )
+    words = f"level set of {asked.model} at {made.zone.threshold:.4g} m/s^2"
+    return made.zone, f"{words}: spares {100.0 * made.cut:.1f} % of the height error foretold"
 
 
 def swarm_of(asked: argparse.Namespace) -> tuple[VehicleWaypoints, ...]:
@@ -156,8 +179,9 @@ def as_json(made: Planned) -> dict[str, float | bool | int | None]:
 
 
 def _run(asked: argparse.Namespace) -> int:
-    swarm, (zone, words) = swarm_of(asked), zone_of(asked)
-    made = planned(asked, swarm, zone)
+    swarm, before = swarm_of(asked), process_time()
+    zone, words = zone_of(asked, swarm)
+    made = planned(asked, swarm, zone, before)
     check_flyable(made.plan, swarm, vehicle_by_name(asked.vehicle))
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
     asked.out.parent.mkdir(parents=True, exist_ok=True)

@@ -17,6 +17,7 @@ from q2q_sim.flight_clock import FlightTiming, timing_of
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.ros.flight_director import FlightDirector
 from q2q_sim.scenario import Scenario
+from q2q_sim.tools.cores import allowed_cores, cores_of
 from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.processes import NodeSpec, Processes
 
@@ -36,7 +37,7 @@ class FlightRequest:
     replan: str = "none"
     """none, paper or safe."""
     plan: str = "none"
-    """none, or avoid: plan around the zone of the interaction model."""
+    """none, or avoid: plan around the draft of the interaction model."""
     live: bool = False
     seed: int = 0
     model: str = ""
@@ -85,9 +86,9 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
         raise ValueError(f"bag {bag} exists: choose another folder or delete it")
     folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(scenario, request, folder, bag)
-    with own_domain(), Processes(folder) as processes:
+    with own_domain() as domain, Processes(folder) as processes:
         for spec in specs:
-            processes.start(spec)
+            processes.start(replace(spec, cores=cores_of(spec.executable, domain, allowed_cores())))
         with FlightDirector(processes.check) as director:
             director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S, lambda: progress(0.0))
             director.start()
@@ -101,8 +102,10 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
 def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:
     """Return the nodes of a flight with their parameters; write the plan they fly."""
     plan = folder / "plan.json"
-    zone = find_model(scenario.model).zone if request.plan == "avoid" else None
-    plan_file.save(plan, assembly.plan_of(scenario, zone))
+    if request.plan == "avoid":
+        plan_file.save(plan, assembly.plan_around(scenario, find_model(scenario.model)))
+    else:
+        plan_file.save(plan, assembly.plan_of(scenario))
     pace = "live" if request.live else "lockstep"
     return [
         NodeSpec(

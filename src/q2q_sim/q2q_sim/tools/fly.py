@@ -60,7 +60,10 @@ def parser() -> CommandLine:
     )
     made.add_argument("--no-replan", dest="replan", action="store_const", const="none", help="--replan none")
     made.add_argument(
-        "--plan", default="none", choices=("none", "avoid"), help="plan ahead around the model's zone, or not"
+        "--plan",
+        default="none",
+        choices=("none", "avoid"),
+        help="plan ahead around the model's draft, or not",
     )
     _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as the commands come", default=False)
     made.add_argument("--seed", type=int, default=0, help="seed of everything random")

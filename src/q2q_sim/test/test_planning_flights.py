@@ -1,0 +1,70 @@
+"""Section 4.1 flown in the paper's wake: planning around what was learned, and replanning, spare the draft.
+
+The model is learned from the recorded flights of Table 2 alone; the wake flown in is the simulator's own.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.flights import Flight
+from q2q_model.identification.procedure import ProcedureParams, identify
+from q2q_model.model_file import ModelFile
+from q2q_model.signals import Array
+from q2q_model.tools.models import find_model
+from q2q_model.tools.recordings import read_recordings
+from q2q_model.zone import Cylinder
+from q2q_planner.minsnap import plan_cost
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_sim import assembly, scenarios
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.metrics import measure
+
+BAGS = Path(__file__).parents[3] / "bags"
+SCENARIO = scenarios.load("section4_1")
+
+
+def height_errors(flight: Flight) -> Array:
+    """Return the z RMSE of each vehicle against what was planned before the flight [m], (n,)."""
+    return np.array([one.z_rmse_m for one in measure(flight, SCENARIO.vehicle).vehicles.values()])
+
+
+@pytest.fixture(scope="module")
+def original() -> Flight:
+    return fly(SCENARIO, FlightOptions(mode="ignoring"))
+
+
+@pytest.fixture(scope="module")
+def learned() -> ModelFile:
+    recordings, _ = read_recordings(sorted(BAGS.glob("table2_*")))
+    return identify(recordings, ProcedureParams(model_type="jet"), lambda _: None).file
+
+
+def test_planning_around_the_learned_draft_spares_both_85_percent(
+    original: Flight, learned: ModelFile
+) -> None:
+    plan = assembly.plan_around(SCENARIO, learned)
+    assert plan.certified
+    assert plan_cost(plan) <= 1.3 * plan_cost(assembly.plan_of(SCENARIO))
+    flown = fly(SCENARIO, FlightOptions(mode="ignoring", plan=plan))
+    assert (height_errors(flown) <= 0.15 * height_errors(original)).all()
+
+
+def test_the_safe_replanner_spares_both_95_percent_and_never_enters_the_zone(original: Flight) -> None:
+    flown = fly(SCENARIO, FlightOptions(mode="ignoring", replan="safe"))
+    assert (height_errors(flown) <= 0.05 * height_errors(original)).all()
+    params = SafeReplannerParams()
+    zone = Cylinder(params.eps, params.d)
+    assert measure(flown, SCENARIO.vehicle, zone).zone_time_s == 0.0
+    assert measure(original, SCENARIO.vehicle, zone).zone_time_s > 10.0
+    moved = flown.safe_pos - flown.ref_pos
+    assert np.hypot(moved[..., 0], moved[..., 1]).max() < params.eps
+    assert np.abs(moved[..., 2]).max() < 2e-3  # a push goes aside: heights stay
+    assert not moved[-1].any()
+
+
+def test_a_model_without_draft_is_planned_around_by_its_zone() -> None:
+    none = find_model("none")
+    plan = assembly.plan_around(SCENARIO, none)
+    assert plan_cost(plan) == plan_cost(assembly.plan_of(SCENARIO, none.zone))
