@@ -26,7 +26,7 @@ KEYS = {
     "torch": "python3-torch",
     "yaml": "python3-yaml",
 }
-WITHOUT_KEY = {"backports", "casadi", "cflib", "daqp", "foxglove", "mcap", "piqp", "pyarrow"}
+WITHOUT_KEY = {"backports", "casadi", "cflib", "daqp", "foxglove", "mcap", "piqp", "pyarrow", "threadpoolctl"}
 
 ROS_PACKAGES = {
     "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "launch", "launch_ros",

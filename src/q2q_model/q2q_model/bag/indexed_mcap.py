@@ -141,7 +141,8 @@ def _unpacked(stream: BinaryIO, chunk: ChunkIndex) -> bytes:
     stream.seek(chunk.chunk_start_offset + _LEAD)
     content = BytesIO(stream.read(chunk.chunk_length - _LEAD))
     records, size = get_chunk_data_stream(Chunk.read(ReadDataStream(content)), validate_crc=True)
-    return records.read(size)
+    unpacked: bytes = records.read(size)
+    return unpacked
 
 
 def _messages_of(records: bytes, wanted: Collection[int]) -> list[Logged]:

@@ -44,8 +44,7 @@ def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.i
         if j != i:
             rel_pos = motion.pos[rows, j] - motion.pos[rows, i]
             near = _in_reach(model, rel_pos, motion.vel[:, j])
-            left = motion.t[rows[near]] - model.delay(rel_pos[near])
-            pos, vel, axis = _at(motion, j, left)
+            pos, vel, axis = _as_it_was(model, motion, j, rows[near], rel_pos[near])
             pair = PairMotion(source_vel=vel, source_axis=axis, vel=motion.vel[rows[near], i])
             eta[near] += model.acceleration(pos - motion.pos[rows[near], i], pair)
     return eta
@@ -53,11 +52,21 @@ def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.i
 
 def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np.bool_]:
     """Return where the source may push, (k,): the model's reach, and how far the source may have moved."""
-    fastest = float(np.sqrt(3.0) * np.abs(vel).max(initial=0.0))  # no component is larger: a cheap bound
-    moved = model.max_delay * fastest
+    moved = 0.0
+    if model.max_delay > 0.0:  # no component is larger: a cheap bound
+        moved = model.max_delay * float(np.sqrt(3.0) * np.abs(vel).max(initial=0.0))
     across2 = rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2
     wide, tall = model.reach.horizontal + moved, model.reach.vertical + moved
     return np.asarray((across2 <= wide * wide) & (np.abs(rel_pos[:, 2]) <= tall))
+
+
+def _as_it_was(
+    model: InteractionModel, motion: Motion, j: int, rows: NDArray[np.intp], rel_pos: Array
+) -> tuple[Array, Array, Array]:
+    """Return pos, vel and axis of j, (k, 3), when what arrives at ticks `rows` left it."""
+    if model.max_delay == 0.0:
+        return motion.pos[rows, j], motion.vel[rows, j], motion.axis[rows, j]
+    return _at(motion, j, motion.t[rows] - model.delay(rel_pos))
 
 
 def _at(motion: Motion, j: int, when: Array) -> tuple[Array, Array, Array]:

@@ -162,20 +162,25 @@ def _is_needed(system: _Equation, terms: list[int], term: int) -> bool:
 def _robust(design: Array, target: Array) -> tuple[Array, Array]:
     """Return the parameters and the Huber weight of every row, by reweighting."""
     weight = np.ones_like(target)
+    scale = _scale(design)
+    scaled = design / scale
     for _ in range(ROUNDS):
-        value = _solve(design, target, weight)
-        residual = np.abs(target - design @ value)
+        value = _solve(scaled, target, weight)
+        residual = np.abs(target - scaled @ value)
         before, weight = weight, np.minimum(1.0, HUBER * _spread(residual) / np.maximum(residual, 1e-12))
         if np.abs(weight - before).max() < SETTLED:
             break
-    return value, weight
+    return value / scale, weight
 
 
-def _solve(design: Array, target: Array, weight: Array) -> Array:
-    weighted = weight[:, None] * design
-    scale = np.maximum(np.abs(design).max(axis=0), 1e-12)  # a column of zeros stays one
-    normal = (weighted / scale).T @ (design / scale)
-    return np.asarray(np.linalg.lstsq(normal, (weighted / scale).T @ target, rcond=None)[0] / scale)
+def _scale(design: Array) -> Array:
+    """Return the largest entry of each column; a column of zeros stays one."""
+    return np.asarray(np.maximum(np.abs(design).max(axis=0), 1e-12))
+
+
+def _solve(scaled: Array, target: Array, weight: Array) -> Array:
+    weighted = (weight[:, None] * scaled).T
+    return np.asarray(np.linalg.lstsq(weighted @ scaled, weighted @ target, rcond=None)[0])
 
 
 def _spread(residual: Array) -> float:
@@ -184,4 +189,5 @@ def _spread(residual: Array) -> float:
 
 
 def _weighted_residual(design: Array, target: Array, weight: Array) -> Array:
-    return np.asarray(np.sqrt(weight) * (target - design @ _solve(design, target, weight)))
+    scaled = design / _scale(design)
+    return np.asarray(np.sqrt(weight) * (target - scaled @ _solve(scaled, target, weight)))

@@ -4,14 +4,17 @@ push = faz_est / m_log                           logs of two and three Crazyflie
 push = (R f_body)_z - lagged(U1) b_z / m         f_body: accelerometer, U1: commanded thrust
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numba
 import numpy as np
-from scipy.signal import lfilter
 
 from q2q_model.flight_log import FlightLog
 from q2q_model.flights import Flight
 from q2q_model.identification.along_flight import Motion
 from q2q_model.identification.altitude_record import UP
-from q2q_model.identification.draft_force import ForceRecord
+from q2q_model.identification.draft_force import ForceRecord, Mask
 from q2q_model.rotations import rotate
 from q2q_model.signals import Array, CommandStatus
 from q2q_model.vehicle import Vehicle
@@ -41,6 +44,35 @@ def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Sensed:
+    """Hold what accelerometer and command say of a flight."""
+
+    t: Array
+    force: Array
+    """(R f_body)_z [m/s^2], (T, n)."""
+    thrust: Array
+    """Commanded U1 [N], (T, n)."""
+    lean: Array
+    """b_z / m [1/kg], (T, n)."""
+    whole: Mask
+    """Where all of it and the place is known, (T, n)."""
+
+    def push(self, lag: float) -> Array:
+        """Return the push [m/s^2], (T, n), for thrust behind its command by `lag` [s]; 0 where unknown."""
+        return np.where(self.whole, self.force - lagged(self.thrust, self.t, lag) * self.lean, 0.0)
+
+
+def sensed(flight: Flight, vehicle: Vehicle) -> Sensed | None:
+    """Return what the sensors of a flight say; None where it lacks accelerometer or command."""
+    force = rotate(flight.quat, flight.specific_force_body)[..., 2]
+    lean = rotate(flight.quat, UP)[..., 2] / vehicle.mass
+    whole = np.isfinite(force * lean) & np.isfinite(flight.thrust) & np.isfinite(flight.pos).all(axis=-1)
+    if not whole.any():
+        return None
+    return Sensed(flight.t, force, flight.thrust, lean, np.asarray(whole))
+
+
 def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord | None:
     """Return the push between accelerometer and command; None where a flight lacks either.
 
@@ -49,19 +81,15 @@ def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord
         vehicle: whose mass.
         lag: time constant of thrust behind its command [s].
     """
-    force = rotate(flight.quat, flight.specific_force_body)[..., 2]
-    axis = rotate(flight.quat, UP)
-    given = lagged(flight.thrust, flight.t, lag) * axis[..., 2] / vehicle.mass
-    push = force - given
-    whole = np.asarray(np.isfinite(push) & np.isfinite(flight.thrust) & np.isfinite(flight.pos).all(axis=-1))
-    if not whole.any():
+    found = sensed(flight, vehicle)
+    if found is None:
         return None
     return ForceRecord(
         name=flight.name,
         names=flight.names,
         motion=motion_of(flight),
-        push=np.where(whole, push, 0.0),
-        whole=whole,
+        push=found.push(lag),
+        whole=found.whole,
         saturated=np.asarray(flight.command_status == CommandStatus.SATURATED),
     )
 
@@ -80,8 +108,18 @@ def lagged(values: Array, t: Array, lag: float) -> Array:
     if lag <= 0.0:
         return known
     keep = np.exp(-float(np.median(np.diff(t))) / lag)
-    out, _ = lfilter([1.0 - keep], [1.0, -keep], known, axis=0, zi=keep * known[:1])
-    return np.asarray(out)
+    return _first_order(np.ascontiguousarray(known), keep)
+
+
+def _first_order_plain(values: Array, keep: float) -> Array:
+    """Return y_k = keep y_(k-1) + (1 - keep) values_k, (T, n), settled on the first value before."""
+    out = values.copy()
+    for k in range(1, values.shape[0]):
+        out[k] = keep * out[k - 1] + (1.0 - keep) * values[k]
+    return out
+
+
+_first_order: Callable[[Array, float], Array] = numba.njit(cache=True)(_first_order_plain)
 
 
 def _filled(t: Array, values: Array) -> Array:

@@ -6,13 +6,15 @@ Only rows without a neighbour within half a metre sideways count: there the roto
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from q2q_model.flights import Flight
-from q2q_model.identification.recorded_push import push_of_sensors
-from q2q_model.signals import Array
+from q2q_model.identification.draft_force import Mask
+from q2q_model.identification.recorded_push import Sensed, motion_of, sensed
+from q2q_model.signals import Array, CommandStatus
 from q2q_model.vehicle import Vehicle
 
 CLEAR = 0.5
@@ -23,26 +25,40 @@ FEWEST = 200
 """Rows of one vehicle: 2 s at 100 Hz."""
 
 
+@dataclass(frozen=True, slots=True)
+class _ClearAir:
+    """Hold a flight's sensors, and each vehicle's rows in clear air."""
+
+    found: Sensed
+    clear: Mask
+    """(T, n)"""
+
+
 def thrust_lag(flights: Sequence[Flight], vehicle: Vehicle) -> float | None:
     """Return the lag T [s] that explains the flights best; None where none has accelerometer and command."""
+    flown = [one for flight in flights if (one := _clear_air(flight, vehicle)) is not None]
+    if not any((one.clear.sum(axis=0) >= FEWEST).any() for one in flown):
+        return None
 
     def spread(lag: float) -> float:
-        parts = [part for flight in flights for part in _clear_pushes(flight, vehicle, lag)]
-        return float(np.mean(np.concatenate(parts) ** 2)) if parts else float("nan")
+        return float(np.mean(np.concatenate([part for one in flown for part in _pushes(one, lag)]) ** 2))
 
-    if np.isnan(spread(0.0)):
-        return None
     found = minimize_scalar(spread, bounds=(0.0, LONGEST), method="bounded", options={"xatol": 1e-3})
     return float(found.x)
 
 
-def _clear_pushes(flight: Flight, vehicle: Vehicle, lag: float) -> list[Array]:
-    record = push_of_sensors(flight, vehicle, lag)
-    if record is None:
-        return []
-    pos = record.motion.pos
+def _clear_air(flight: Flight, vehicle: Vehicle) -> _ClearAir | None:
+    found = sensed(flight, vehicle)
+    if found is None:
+        return None
+    pos = motion_of(flight).pos
     rel = np.hypot(*(pos[:, None, :, :2] - pos[:, :, None, :2]).transpose(3, 0, 1, 2))  # (T, n, n)
     rel[:, np.arange(pos.shape[1]), np.arange(pos.shape[1])] = np.inf
-    clear = record.whole & ~record.saturated & (rel > CLEAR).all(axis=2)
-    rows = [record.push[clear[:, i], i] for i in range(pos.shape[1])]
+    saturated = flight.command_status == CommandStatus.SATURATED
+    return _ClearAir(found, np.asarray(found.whole & ~saturated & (rel > CLEAR).all(axis=2)))
+
+
+def _pushes(one: _ClearAir, lag: float) -> list[Array]:
+    push = one.found.push(lag)
+    rows = [push[one.clear[:, i], i] for i in range(push.shape[1])]
     return [part - np.median(part) for part in rows if part.size >= FEWEST]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from threadpoolctl import threadpool_limits
 
 from q2q_model.bag import BagError
 from q2q_model.identification.procedure import Identification, ProcedureParams, identify
@@ -37,7 +38,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.live:
             return _refine_live(given.model, vehicle_by_name(given.vehicle), given.out)
-        found, seconds = _run(given.bags, _params(given), console)
+        with threadpool_limits(1, user_api="blas"):  # the matrices are small: more threads only wait
+            found, seconds = _run(given.bags, _params(given), console)
         save(given.out, found.file)
         wanted = given.json or given.out.with_suffix(".json")
         wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")

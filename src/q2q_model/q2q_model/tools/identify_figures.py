@@ -32,7 +32,7 @@ def draw_all(found: Identification, stem: Path) -> list[Path]:
     figures["fig8_9_draft"] = _draft_figure(found.file.interaction)
     paths = [stem.with_name(f"{stem.name}_{name}.png") for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
-        figure.savefig(path, dpi=DPI)
+        figure.savefig(path, dpi=DPI, pil_kwargs={"compress_level": 1})
     return paths
 
 
@@ -62,7 +62,8 @@ def _altitude_figure(
     deviation = free_response(loop, record.dt, record.start, record.jerk)
     if model is not None:
         deviation = deviation + draft_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
-    figure = Figure(figsize=(9.0, 2.8 * n), layout="constrained")
+    figure = Figure(figsize=(9.0, 2.8 * n))
+    figure.subplots_adjust(left=0.09, right=0.98, top=1.0 - 0.2 / n, bottom=0.18 / n, hspace=0.08)
     figure.suptitle(f"{record.name}: {title}")
     for i, axes in enumerate(figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]):
         role = "lower" if is_lower(record)[i] else "upper"
@@ -78,7 +79,8 @@ def _altitude_figure(
 
 def _draft_figure(model: InteractionModel) -> Figure:
     """Draw eta of the lower and the upper vehicle over where the other is (Figs 8 and 9)."""
-    figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+    figure = Figure(figsize=(10.0, 4.2))
+    figure.subplots_adjust(left=0.07, right=0.97, top=0.92, bottom=0.13, wspace=0.32)
     across = np.linspace(0.0, 0.4, 81)
     for axes, sign, title in zip(figure.subplots(1, 2), (1.0, -1.0), ("lower", "upper"), strict=True):
         gap = np.linspace(0.1, 1.5, 141)
@@ -96,7 +98,8 @@ def _grid(model: InteractionModel, across: Array, dz: Array) -> Array:
 
 
 def _axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    figure = Figure(figsize=(7.0, 4.0))
+    figure.subplots_adjust(left=0.11, right=0.97, top=0.92, bottom=0.13)
     axes = figure.add_subplot()
     axes.set(title=title, xlabel=x, ylabel=y)
     axes.grid(alpha=0.3)
