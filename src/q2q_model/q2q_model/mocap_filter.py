@@ -26,6 +26,7 @@ from q2q_model.outliers import Mask, OutlierThresholds
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
 from q2q_model.tracking.attitudes import AttitudeParams, AttitudeTracks
+from q2q_model.tracking.glide import POS, QUAT, RATE, VEL
 from q2q_model.tracking.positions import PositionTracks, TrackParams, Verdict
 from q2q_model.tracking.rivals import SAME_INSTANT
 
@@ -132,8 +133,10 @@ class MocapFilter:
         self._last: SwarmState | None = None
         self._order: Names = ()
         self._rows: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
+        self._offered = 0  # rows of a frame that belong to a track
         self._in_order = False
-        self._heard = (np.zeros((0, 3)), np.zeros((0, 4)))
+        self._pose: Array = np.full((count, 7), np.nan)  # this frame's positions and quaternions
+        self._heard: Array = np.full((count, 7), np.nan)  # the last frame's
 
     def update(self, frame: MocapFrame) -> SwarmState:
         """Return the state of every vehicle at the frame's time; an old or repeated frame gets the last one.
@@ -155,50 +158,63 @@ class MocapFilter:
         return self._last
 
     def _step(self, frame: MocapFrame) -> SwarmState:
-        pos, quat = self._by_track(frame)
-        verdict = self._positions.update(frame.t, pos, self._repeated(pos, quat))
-        turned_away = self._attitudes.update(frame.t, quat if verdict.plain else self._quat_of(verdict, quat))
-        self._count(frame, pos, verdict)
-        if turned_away.any():
-            self._counts["attitudes_refused"] += int(turned_away.sum())
-        return self._state(frame.t, verdict)
+        self._by_track(frame)
+        now = np.empty((len(self._names), 13))  # columns of tracking.glide
+        verdict = None
+        if not self._positions.glide(frame.t, (self._pose, self._heard), now):
+            verdict = self._judged(frame.t, now)
+        self._count(frame, verdict)
+        pose = self._pose
+        if verdict is not None and not verdict.plain:
+            pose = np.hstack([pose[:, :3], self._quat_of(verdict, pose[:, 3:])])
+        self._counts["attitudes_refused"] += self._attitudes.update(frame.t, pose)
+        now[:, QUAT], now[:, RATE] = self._attitudes.quat, self._attitudes.ang_vel_body
+        self._pose, self._heard = self._heard, self._pose
+        return self._state(frame.t, now, verdict)
 
-    def _by_track(self, frame: MocapFrame) -> tuple[Array, Array]:
+    def _judged(self, t: float, now: Array) -> Verdict:
+        pos, quat = self._pose[:, :3], self._pose[:, 3:]
+        verdict = self._positions.update(t, pos, self._repeated(pos, quat))
+        now[:, POS], now[:, VEL] = verdict.pos, verdict.vel
+        return verdict
+
+    def _by_track(self, frame: MocapFrame) -> None:
+        """Write the frame's poses into the rows of their tracks; NaN where absent."""
         rows = self._match(frame.names)
         if self._in_order:
-            return frame.pos, frame.quat
-        pos, quat = np.full((len(self._names), 3), np.nan), np.full((len(self._names), 4), np.nan)
+            np.concatenate((frame.pos, frame.quat), axis=1, out=self._pose)
+            return
+        self._pose.fill(np.nan)
         ours = rows >= 0
-        pos[rows[ours]], quat[rows[ours]] = frame.pos[ours], frame.quat[ours]
-        return pos, quat
+        self._pose[rows[ours]] = np.hstack([frame.pos[ours], frame.quat[ours]])
 
     def _repeated(self, pos: Array, quat: Array) -> Mask | None:
         """Return whose pose is that of the last frame to the last digit, (n,); None where nobody's is."""
-        heard, self._heard = self._heard, (pos.copy(), quat.copy())
-        if len(heard[0]) < len(pos) or not (pos[:, 0] == heard[0][:, 0]).any():
+        pos_before, quat_before = self._heard[:, :3], self._heard[:, 3:]
+        if not (pos[:, 0] == pos_before[:, 0]).any():
             return None
-        turned = (quat != heard[1]) & ~(np.isnan(quat) & np.isnan(heard[1]))
-        return np.asarray((pos == heard[0]).all(axis=1) & ~turned.any(axis=1))
+        turned = (quat != quat_before) & ~(np.isnan(quat) & np.isnan(quat_before))
+        return np.asarray((pos == pos_before).all(axis=1) & ~turned.any(axis=1))
 
     def _quat_of(self, verdict: Verdict, quat: Array) -> Array:
         lent = np.where((verdict.source >= 0)[:, None], quat[verdict.source], np.nan)
         return self._attitudes.nearest(quat, lent)
 
-    def _state(self, t: float, verdict: Verdict) -> SwarmState:
+    def _state(self, t: float, now: Array, verdict: Verdict | None) -> SwarmState:
         age, status = self._age_and_status(t, verdict)
         return SwarmState(
             t=t,
             names=self._names,
-            pos=verdict.pos,
-            vel=verdict.vel,
-            quat=self._attitudes.quat.copy(),
-            ang_vel_body=self._attitudes.ang_vel_body.copy(),
+            pos=now[:, POS],
+            vel=now[:, VEL],
+            quat=now[:, QUAT],
+            ang_vel_body=now[:, RATE],
             age=age,
             status=status,
         )
 
-    def _age_and_status(self, t: float, verdict: Verdict) -> tuple[Array, Status]:
-        if verdict.plain:
+    def _age_and_status(self, t: float, verdict: Verdict | None) -> tuple[Array, Status]:
+        if verdict is None or verdict.plain:
             return np.zeros(len(self._names)), np.zeros(len(self._names), dtype=np.uint8)
         age = self._positions.age(t)
         late = np.where(age <= self._params.coast_s + SAME_INSTANT, TrackStatus.COASTING, TrackStatus.LOST)
@@ -216,6 +232,7 @@ class MocapFilter:
             [track_of.get(name, -1) if name not in names[:row] else -1 for row, name in enumerate(names)],
             dtype=np.intp,
         )
+        self._offered = int((self._rows >= 0).sum())
         self._in_order = bool(np.array_equal(self._rows, np.arange(len(self._names))))
         return self._rows
 
@@ -224,22 +241,30 @@ class MocapFilter:
         self._names += new
         self._positions.grow(len(new))
         self._attitudes.grow(len(new))
+        unseen = np.full((len(new), 7), np.nan)
+        self._pose, self._heard = np.vstack([self._pose, unseen]), np.vstack([self._heard, unseen])
 
-    def _count(self, frame: MocapFrame, pos: Array, verdict: Verdict) -> None:
+    def _count(self, frame: MocapFrame, verdict: Verdict | None) -> None:
         counts = self._counts
         counts["frames"] += 1
-        if verdict.plain and self._in_order:
-            counts["samples"] += len(pos)
-            return
-        present = np.isfinite(pos).all(axis=1)
-        tracks = np.arange(len(pos))
-        counts["samples"] += int(present.sum())
+        samples = len(self._names)
+        if verdict is not None and not verdict.plain:
+            samples = self._count_unusual(verdict)
+        counts["samples"] += samples
+        if not self._in_order:
+            counts["repeated_names"] += len(frame.names) - len(set(frame.names))
+            counts["unknown_names"] += len(set(frame.names) - set(self._names))
+        counts["not_finite"] += self._offered - samples
+
+    def _count_unusual(self, verdict: Verdict) -> int:
+        """Count what became of samples; return how many there were."""
+        counts = self._counts
+        present = np.isfinite(self._pose[:, :3]).all(axis=1)
+        tracks = np.arange(len(self._names))
         counts["swapped"] += int((verdict.accepted & (verdict.source != tracks)).sum())
         counts["refused"] += int((present & ~np.isin(tracks, verdict.source)).sum())
         counts["restarted"] += int(verdict.restarted.sum())
-        counts["repeated_names"] += len(frame.names) - len(set(frame.names))
-        counts["unknown_names"] += len(set(frame.names) - set(self._names))
-        counts["not_finite"] += int((self._rows >= 0).sum() - present.sum())
+        return int(present.sum())
 
 
 def _check_shapes(frame: MocapFrame) -> None:

@@ -17,6 +17,7 @@ In a dropout the attitude is held and the rate is zero.
 | T | rate_filter_s | time constant of the rate [s]; 0 is none |
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,11 +25,9 @@ import numpy as np
 from q2q_model.outliers import Mask
 from q2q_model.rotations import identity_quat, quat_between, vector_from_quat
 from q2q_model.signals import Array
+from q2q_model.tracking.glide import UNIT_TOLERANCE, glide_attitudes
 from q2q_model.tracking.memory import padded
 from q2q_model.tracking.rivals import SAME_INSTANT
-
-UNIT_TOLERANCE = 0.05
-"""A quaternion whose length is further from 1 is damaged: a float32 one is within 1e-6, four digits 1e-3."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +53,7 @@ class AttitudeTracks:
         self._time: Array = np.zeros(count)
         self._refused_since: Array = np.full(count, np.inf)
         self._whole_at: float | None = None  # the last tick, if every vehicle's sample was taken
-        self._nobody: Mask = np.zeros(count, dtype=bool)
+        self._turn = np.empty(4)
         self.quat: Array = identity_quat((count,))
         """Orientation x y z w, (n, 4); level for a vehicle never seen."""
         self.ang_vel_body: Array = np.zeros((count, 3))
@@ -65,7 +64,6 @@ class AttitudeTracks:
         self._settle()
         self._seen, self._time = padded(self._seen, extra), padded(self._time, extra)
         self._refused_since = np.append(self._refused_since, np.full(extra, np.inf))
-        self._nobody = padded(self._nobody, extra)
         self.quat = np.concatenate([self.quat, identity_quat((extra,))])
         self.ang_vel_body = padded(self.ang_vel_body, extra)
 
@@ -74,8 +72,16 @@ class AttitudeTracks:
         near, far = (np.nan_to_num(np.abs(np.sum(q * self.quat, axis=1)), nan=-1.0) for q in (offered, other))
         return np.where((near >= far)[:, None], offered, other)
 
-    def update(self, t: float, measured: Array) -> Mask:
-        """Take one tick's quaternions (n, 4), NaN where absent; return which were there but refused."""
+    def update(self, t: float, pose: Array) -> int:
+        """Take one tick's quaternions; return how many were there but refused.
+
+        Args:
+            t: Capture time [s], later than before.
+            pose: Position and quaternion of every vehicle, (n, 7); NaN where absent.
+        """
+        if self._glide(t, pose):
+            return 0
+        measured = pose[:, 3:]
         if not np.abs(measured).max(initial=0.0) <= 1.0 + UNIT_TOLERANCE:  # also NaN
             measured = np.where(np.abs(measured) <= 1.0 + UNIT_TOLERANCE, measured, np.nan)
         length = np.sqrt((measured * measured).sum(axis=1))
@@ -84,22 +90,19 @@ class AttitudeTracks:
         quat = measured / length[:, None]
         turn = quat_between(self.quat, quat)
         quat *= np.copysign(1.0, turn[:, 3:])
-        if not self._glide(t, quat, turn):
-            return self._sort_out(t, quat, turn)
-        return self._nobody
+        return int(self._sort_out(t, quat, turn).sum())
 
-    def _glide(self, t: float, quat: Array, turn: Array) -> bool:
+    def _glide(self, t: float, pose: Array) -> bool:
         """Take a whole tick after a whole tick, where nothing is unusual; else return False."""
-        elapsed = np.inf if self._whole_at is None else t - self._whole_at
-        if elapsed > self._params.coast_s:
+        if self._whole_at is None or t - self._whole_at > self._params.coast_s:
             return False
+        elapsed = t - self._whole_at
         believable = self._params.turn_max + self._params.turn_rate_max * elapsed
-        if not np.abs(turn[:, 3]).min(initial=1.0) >= np.cos(0.5 * min(believable, np.pi)):  # also NaN
-            return False
-        raw = vector_from_quat(turn) / elapsed
         blend = elapsed / (elapsed + self._params.rate_filter_s)
-        self.ang_vel_body = self.ang_vel_body + blend * (raw - self.ang_vel_body)
-        self.quat, self._whole_at = quat, t
+        turning = elapsed, math.cos(0.5 * min(believable, math.pi)), blend
+        if not glide_attitudes(pose, self.quat, self.ang_vel_body, turning, self._turn):
+            return False
+        self._whole_at = t
         return True
 
     def _settle(self) -> None:

@@ -15,6 +15,7 @@ about its name, so a wrong start heals. What is still refused but stays together
 lost, its position held and its velocity zero.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from q2q_model.outliers import REPEAT_STEP, Mask, OutlierThresholds
 from q2q_model.signals import Array
 from q2q_model.tracking import white_jerk
+from q2q_model.tracking.glide import glide_positions
 from q2q_model.tracking.memory import padded
 from q2q_model.tracking.rivals import SAME_INSTANT, Rivals
 from q2q_model.tracking.swaps import swapped_sources
@@ -85,14 +87,12 @@ class _Steady:
     """The last tick [s]."""
     dt: float
     """The spacing they belong to [s]."""
-    moved: Array
-    """F, (n, 3, 3)."""
     gain: Array
-    """K, (n, 3, 1)."""
-    gate: float
-    """Half side of a box inside every position gate [m]."""
-    reach: float
-    """Half side of a box inside every velocity gate [m]."""
+    """K, (n, 3)."""
+    moving: Array
+    """F and the gates, as of glide.glide_positions, (7,)."""
+    ticks: int = 0
+    """How many were taken by them, and are not written down yet."""
 
 
 class PositionTracks:
@@ -111,9 +111,12 @@ class PositionTracks:
         self._swapped = np.zeros(count, dtype=np.int64)  # samples taken from others since
         self._motion = (self._cov, self._cov)
         self._settle_rows(count)
+        none, still = np.zeros((0, 7)), np.zeros((0, 3, 3))
+        glide_positions((none, none), still, np.zeros((0, 3)), np.zeros(7), np.zeros((0, 13)))  # loads it
 
     def grow(self, extra: int) -> None:
         """Add vehicles that were never seen."""
+        self._settle()
         self._seen, self._time = padded(self._seen, extra), padded(self._time, extra)
         self._state, self._cov = padded(self._state, extra), padded(self._cov, extra)
         self._right, self._swapped = padded(self._right, extra), padded(self._swapped, extra)
@@ -137,9 +140,7 @@ class PositionTracks:
             measured: Positions [m], (n, 3); NaN where absent.
             repeated: Whose pose is the last one again to the last digit, (n,); None where nobody's is.
         """
-        verdict = self._glide(t, measured, repeated)
-        if verdict is not None:
-            return verdict
+        self._settle()
         ahead = self._expect(t)
         inside = np.where(np.abs(measured) <= self._params.limits.pos_max, measured, np.nan)
         if repeated is not None:
@@ -150,28 +151,33 @@ class PositionTracks:
         self._steady = None
         return self._sort_out(t, inside, ahead, fits)
 
+    def glide(self, t: float, poses: tuple[Array, Array], out: Array) -> bool:
+        """Take a whole tick with the gains of the last, where nothing is unusual; else return False.
+
+        Args:
+            t: Capture time [s], later than before.
+            poses: Positions and quaternions of this frame and of the last, (n, 7) each.
+            out: Where positions and velocities are written, (n, 13).
+        """
+        steady = self._steady
+        if steady is None or abs(t - steady.t - steady.dt) > SAME_INSTANT:
+            return False
+        if not glide_positions(poses, self._state, steady.gain, steady.moving, out):
+            return False
+        steady.t = t
+        steady.ticks += 1
+        return True
+
+    def _settle(self) -> None:
+        """Write down what `glide` left aside."""
+        steady = self._steady
+        if steady is not None and steady.ticks:
+            self._taken(steady.t, steady.ticks)
+            steady.ticks = 0
+
     def _stale(self, repeated: Mask, expected: Array) -> Mask:
         moved = np.abs(expected[:, 0] - self._state[:, 0]).max(axis=1) > REPEAT_STEP
         return np.asarray(repeated & moved)
-
-    def _glide(self, t: float, measured: Array, repeated: Mask | None) -> Verdict | None:
-        """Take a whole tick with the gains of the last, where nothing is unusual; else return None."""
-        steady = self._steady
-        if steady is None or abs(t - steady.t - steady.dt) > SAME_INSTANT:
-            return None
-        expected = steady.moved @ self._state
-        if repeated is not None and self._stale(repeated, expected).any():
-            return None
-        miss = measured - expected[:, 0]
-        step = measured - self._state[:, 0]
-        calm = np.abs(miss).max() <= steady.gate and np.abs(step).max() <= steady.reach  # false for NaN
-        if not calm or np.abs(measured).max() > self._params.limits.pos_max:
-            return None
-        state = expected + steady.gain * miss[:, None, :]
-        if self._noise_var == 0.0:
-            state[:, 0] = measured
-        self._state, steady.t = state, t
-        return self._all_taken(t)
 
     def _follow(self, t: float, measured: Array, ahead: _Ahead) -> Verdict:
         """Take a whole tick; note when the gains no longer change."""
@@ -179,18 +185,25 @@ class PositionTracks:
         self._state, self._cov = white_jerk.correct(ahead.state, ahead.cov, measured, self._noise_var)
         even = len(dt) > 0 and np.ptp(dt) < SAME_INSTANT and dt[0] <= self._params.coast_s
         if even and np.all(np.abs(self._cov - before) <= STEADY * np.abs(before).max(axis=0)):
-            gain = white_jerk.gain(ahead.cov, self._noise_var)[:, :, None]
-            gate, reach = (float(radius.min()) / np.sqrt(3.0) for radius in (ahead.gate, ahead.reach))
-            self._steady = _Steady(t, float(dt[0]), self._motion[0], gain, gate, reach)
-        return self._all_taken(t)
-
-    def _all_taken(self, t: float) -> Verdict:
-        self._time[:] = t
-        self._right += 1
-        self._swapped[:] = 0
-        self._rivals.forget(self._every)
+            self._steady = _Steady(t, float(dt[0]), *self._settled_gains(ahead))
+        self._taken(t, 1)
         pos, vel = self._state[:, 0].copy(), self._state[:, 1].copy()
         return Verdict(pos, vel, self._every, self._rows, ~self._every, plain=True)
+
+    def _settled_gains(self, ahead: _Ahead) -> tuple[Array, Array]:
+        """Return K and what else `glide` needs of the motion, which all vehicles share."""
+        gate, reach = (float(radius.min()) / math.sqrt(3.0) for radius in (ahead.gate, ahead.reach))
+        moved, exact = self._motion[0][0], float(self._noise_var == 0.0)
+        room = self._params.limits.pos_max
+        moving = np.array([moved[0, 1], moved[0, 2], moved[1, 2], gate, reach, room, exact])
+        return white_jerk.gain(ahead.cov, self._noise_var), moving
+
+    def _taken(self, t: float, ticks: int) -> None:
+        """Write down that every vehicle's own sample was taken, `ticks` times, the last one at t [s]."""
+        self._time[:] = t
+        self._right += ticks
+        self._swapped[:] = 0
+        self._rivals.forget(self._every)
 
     def _expect(self, t: float) -> _Ahead:
         elapsed = np.where(self._seen, t - self._time, 0.0)
