@@ -5,14 +5,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap_ros2.reader import read_ros2_messages
+from numpy.typing import NDArray
 
 from q2q_model.bag import BagReader, read_flight
+from q2q_model.flights import Flight
+from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.outliers import find_outliers
+from q2q_model.signals import MocapFrame, TrackStatus
 from q2q_model.tools.models import find_model
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.room import TICK_S, Room
+from q2q_sim.vicon import Injected, Vicon
 
 BAGS = sorted((Path(__file__).parents[1] / "bags").glob("table2_*"))
 TOPICS = {"/mocap", "/state", "/truth_interference", "/imu", "/reference", "/command"}
+Mask = NDArray[np.bool_]
 LARGEST = 15_000_000
 """All bags together [bytes]."""
 
@@ -40,12 +48,60 @@ def test_an_independent_reader_reads_every_message_of_a_bag() -> None:
     assert len(seen) == len(TOPICS) * ticks_of(bag)
 
 
-def test_a_bag_holds_what_its_scenario_and_seed_give_today() -> None:
+@pytest.fixture(scope="module")
+def flown() -> Flight:
+    """Return flight 3, flown again."""
     scenario = scenarios.load("table2_3")
     model = find_model(scenario.model).interaction
-    flown = fly(scenario, FlightOptions(mode="ignoring", seed=3, model=model))
+    return fly(scenario, FlightOptions(mode="ignoring", seed=3, model=model))
+
+
+def test_a_bag_holds_what_its_scenario_and_seed_give_today(flown: Flight) -> None:
     kept = read_flight(BAGS[2])
     for name in ("mocap_pos", "pos", "true_eta", "ref_pos", "thrust", "specific_force_body"):
         np.testing.assert_allclose(
             getattr(kept, name), getattr(flown, name), rtol=0.0, atol=1e-9, err_msg=f"{name}: run bags/remake"
         )
+
+
+def injected(bag: Path) -> Mask:
+    """Return which samples of a bag the simulated cameras put elsewhere, by their own word, (T, n)."""
+    scenario, seed = scenarios.load(bag.name), int(bag.name[-1])
+    truth = Room(scenario, seed).capture().truth  # where vehicles are does not decide what is injected
+    cameras = Vicon(scenario.vicon, len(scenario.names), TICK_S, seed)
+    flags = []
+    for _ in range(ticks_of(bag)):
+        cameras.observe(truth)
+        flags.append(cameras.injected)
+    wrong = Injected.OUTLIER | Injected.SWAP | Injected.STALE | Injected.NAN
+    return np.asarray(np.array(flags) & np.uint8(wrong) != 0)
+
+
+def refused_online(flight: Flight) -> Mask:
+    """Return where the filter of flight coasts although there is a sample, (T, n)."""
+    online = MocapFilter(MocapFilterParams(), flight.names)
+    refused = np.zeros(flight.mocap_pos.shape[:2], dtype=np.bool_)
+    for tick, t in enumerate(flight.t):
+        rows = np.flatnonzero(np.isfinite(flight.mocap_pos[tick]).all(axis=1))
+        names = tuple(flight.names[row] for row in rows)
+        frame = MocapFrame(float(t), names, flight.mocap_pos[tick, rows], flight.mocap_quat[tick, rows])
+        refused[tick, rows] = online.update(frame).status[rows] != TrackStatus.TRACKED
+    return refused
+
+
+@pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
+def test_every_injected_outlier_is_found_and_no_good_sample_touched(bag: Path) -> None:
+    """91 outliers among 42 508 samples of the six flights; by the batch rule and by the filter of flight."""
+    flight = read_flight(bag)
+    seen = np.isfinite(flight.mocap_pos).all(axis=-1)
+    wrong = injected(bag) & seen
+    assert wrong.sum() >= 10
+    for found in (find_outliers(flight.t, flight.mocap_pos) & seen, refused_online(flight)):
+        np.testing.assert_array_equal(found, wrong)
+
+
+def test_what_was_injected_is_what_lies_off_the_truth(flown: Flight) -> None:
+    kept = read_flight(BAGS[2])
+    off = np.linalg.norm(kept.mocap_pos - flown.true_pos, axis=-1)
+    assert np.nanmax(np.where(injected(BAGS[2]), np.nan, off)) < 1e-3  # six spreads of noise of 0.15 mm
+    assert np.nanmin(np.where(injected(BAGS[2]), off, np.nan)) > 0.2 - 1e-3  # the smallest step
