@@ -6,6 +6,7 @@ import signal
 import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -26,6 +27,8 @@ class NodeSpec:
     package: str
     executable: str
     parameters: Mapping[str, ParameterValue]
+    cores: frozenset[int] = frozenset()
+    """Where it may run; empty is anywhere."""
 
 
 class NodeDiedError(RuntimeError):
@@ -71,7 +74,7 @@ class Processes:
                 stdout=log,
                 stderr=log,
                 stdin=subprocess.DEVNULL,
-                preexec_fn=_die_with_parent,  # noqa: PLW1509 (no threads of ours run before the nodes do)
+                preexec_fn=partial(_settle, spec.cores),  # noqa: PLW1509 (no threads of ours run before the nodes do)
             )
 
     def pid(self, executable: str) -> int:
@@ -127,6 +130,9 @@ def _wait(process: subprocess.Popen[bytes]) -> int:
         return process.wait()
 
 
-def _die_with_parent() -> None:
+def _settle(cores: frozenset[int]) -> None:
+    """Make the new process a session of its own that dies with its parent and stays on its cores."""
     os.setsid()
+    if cores:
+        os.sched_setaffinity(0, cores)
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
