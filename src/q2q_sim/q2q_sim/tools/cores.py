@@ -1,8 +1,8 @@
 """Choose the cores that a flight's nodes run on.
 
-Within a tick most nodes wait for each other: simulator -> mocap_filter -> interference -> controller -> simulator.
-Left to the scheduler they wander between cores, and each finds the cache of another; on one core of their own a
-tick takes a quarter less. What works beside the chain (trajectory, replanner, recorder) gets all other cores.
+Within a tick most nodes wait for each other: simulator, mocap_filter, interference, controller, simulator. Left
+to the scheduler they wander between cores, and each finds the cache of another; on one core of their own a tick
+takes a quarter less. What works beside the chain (trajectory, replanner, recorder) gets all other cores.
 """
 
 import os
