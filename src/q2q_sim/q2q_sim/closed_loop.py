@@ -5,17 +5,26 @@
 Order, inputs and stamps are those of the nodes in lockstep; a test holds both to the same numbers.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from q2q_model.flights import Flight
 from q2q_model.interaction.model import InteractionModel
 from q2q_model.interaction.none import NoInteraction
+from q2q_model.layout import Signal
 from q2q_model.signals import SwarmCommand
 from q2q_planner.trajectory import SwarmPlan, setpoint_at
 from q2q_sim.assembly import TICK_S, Blocks, Mode, Options, blocks_of
 from q2q_sim.recording import FlightRecording
 from q2q_sim.room import TICK_NS, Room, Tick
 from q2q_sim.scenario import Scenario
+
+Listener = Callable[[str, int, Signal], None]
+"""Called with topic, tick's stamp [ns] and signal."""
+
+
+def deaf(_: str, __: int, ___: Signal) -> None:
+    """Hear nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +40,8 @@ class FlightOptions:
     """What the predictor is given; the scenario's: q2q_model.tools.models.find_model(scenario.model)."""
     plan: SwarmPlan | None = None
     """Flown in place of the scenario's own."""
+    hear: Listener = deaf
+    """Told every signal, as a recorder of the nodes' topics would be."""
 
 
 def fly(scenario: Scenario, options: FlightOptions) -> Flight:
@@ -47,7 +58,8 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
         number, tick = room.tick, room.capture()
         recording.frame(number, tick.stamp_ns, tick.frame)
         recording.truth(number, tick.truth, tick.truth_interference, tick.imu)
-        room.advance(_answer(blocks, tick, recording, aware=options.mode != "ignoring"))
+        options.hear("truth", tick.stamp_ns, tick.truth)
+        room.advance(_answer(blocks, tick, recording, options))
     return recording.flight(f"{scenario.name} {options.mode} seed {options.seed}")
 
 
@@ -57,15 +69,18 @@ def ticks_of(scenario: Scenario) -> int:
     return count + (count * TICK_S < scenario.duration)
 
 
-def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, *, aware: bool) -> SwarmCommand:
+def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: FlightOptions) -> SwarmCommand:
     """Return the command of a tick, and write down how it came about."""
     number = tick.stamp_ns // TICK_NS
     state = blocks.mocap_filter.update(tick.frame)
     draft = blocks.predictor.update(state)
     planned = setpoint_at(blocks.plan, tick.frame.t)
     given = blocks.replanner.update(planned, state)
-    command = blocks.controller.update(state, given, draft if aware else None)
+    command = blocks.controller.update(state, given, draft if options.mode != "ignoring" else None)
     recording.state(number, state, draft)
     recording.setpoints(number, planned, given)
     recording.command(number, command)
+    told = {"mocap": tick.frame, "state": state, "reference_safe": given, "command": command}
+    for topic, signal in told.items():
+        options.hear(topic, tick.stamp_ns, signal)
     return command

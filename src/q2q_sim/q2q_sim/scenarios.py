@@ -1,6 +1,7 @@
 """Find scenarios: the shipped YAML files, `swarmN` for any N, and files of the user's own."""
 
 import re
+from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import yaml
 from q2q_sim.scenario import Scenario, scenario_from_document
 from q2q_sim.swarm_scenario import MOST, swarm_scenario
 
-__all__ = ["Scenario", "describe", "load", "names"]
+__all__ = ["Scenario", "describe", "document", "load", "names"]
 
 FOLDER = Path(__file__).parent / "scenarios"
 """Where the shipped scenarios lie."""
@@ -50,14 +51,24 @@ def load(name_or_path: str) -> Scenario:
     )
 
 
+def document(name: str) -> Mapping[str, object]:
+    """Return a shipped scenario as its YAML says it; raise ValueError where there is no such file."""
+    return _parsed(FOLDER / f"{name}.yaml")
+
+
 def _read(path: Path) -> Scenario:
+    parsed = _parsed(path)
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ValueError(f"scenario file {path}: cannot be read ({error.strerror})") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ValueError(f"scenario file {path}: is no YAML ({error})") from error
-    try:
-        return scenario_from_document(path.stem, document)
+        return scenario_from_document(path.stem, parsed)
     except ValueError as error:
         raise ValueError(f"scenario {path.stem}: {error}") from error
+
+
+def _parsed(path: Path) -> Mapping[str, object]:
+    try:
+        found: Mapping[str, object] = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ValueError(f"scenario file {path}: cannot be read ({error.strerror})") from error
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+        raise ValueError(f"scenario file {path}: is no YAML ({error})") from error
+    return found

@@ -1,0 +1,74 @@
+"""Judge recorded flights by the safety policies: `policies BAG...`; ends with 1 where one is violated."""
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from q2q_model.bag import BagReader
+from q2q_model.tools.command_line import CommandLine, without_ros
+from q2q_model.vehicle import VEHICLES, vehicle_by_name
+from q2q_sim import scenarios
+from q2q_sim.policies import POLICIES, Circumstances, Evidence, Heard, Violation, evidence_of, judge
+from q2q_sim.tools.run_json import Json, finite
+from q2q_sim.topics import TICK_TOPICS
+
+EXAMPLE = """  ros2 run q2q_sim policies out/fly/bag
+  ros2 run q2q_sim policies out/campaign/violations/17 --scenario out/campaign/violations/17.yaml --json"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Judge the bags the command line names; return the exit status."""
+    asked = parser().parse_args(without_ros(arguments))
+    try:
+        circumstances = circumstances_of(asked.scenario, asked.vehicle)
+        found = {str(bag): judge(evidence_in(bag), circumstances) for bag in asked.bags}
+    except (ValueError, OSError) as refusal:
+        print(f"policies: {refusal}", file=sys.stderr)
+        return 2
+    if asked.json:
+        print(json.dumps({bag: as_json(violations) for bag, violations in found.items()}, indent=1))
+    else:
+        for bag, violations in found.items():
+            print("\n".join(f"{bag}: {one}" for one in violations) or f"{bag}: keeps {', '.join(POLICIES)}")
+    return int(any(found.values()))
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("policies", __doc__, EXAMPLE)
+    made.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bag folder of a flight")
+    made.add_argument("--scenario", default="", help="what was flown: its vehicle and its faults")
+    made.add_argument("--vehicle", default="", help=f"without a scenario: one of {', '.join(VEHICLES)}")
+    made.add_argument("--json", action="store_true", help="print the violations as JSON")
+    return made
+
+
+def circumstances_of(scenario: str, vehicle: str) -> Circumstances:
+    """Return what is known of a flight besides its bag; raise ValueError for an unknown name."""
+    if scenario:
+        flown = scenarios.load(scenario)
+        return Circumstances(vehicle=flown.vehicle, faults=flown.faults)
+    return Circumstances(vehicle=vehicle_by_name(vehicle)) if vehicle else Circumstances()
+
+
+def evidence_in(bag: Path) -> Evidence:
+    """Return the evidence in a bag; raise ValueError for a bag that cannot be read or has no flight."""
+    reader = BagReader(bag)
+    known = {topic for topic in reader.topics if topic.lstrip("/") in TICK_TOPICS}
+    return evidence_of(
+        Heard(one.topic.lstrip("/"), one.stamp_ns * 1e-9, one.signal) for one in reader.signals(known)
+    )
+
+
+def as_json(violations: Sequence[Violation]) -> Json:
+    """Return violations as plain values."""
+    return [
+        {key: finite(value) if isinstance(value, float) else value for key, value in asdict(one).items()}
+        for one in violations
+    ]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,199 @@
+"""Prove that each policy sees its own breach, and that a flight without one keeps them all."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.bag import BagWriter
+from q2q_model.signals import CommandStatus, MocapFrame, SwarmCommand, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_model.tools.models import find_model
+from q2q_sim import scenarios
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.faults import Fault
+from q2q_sim.policies import POLICIES, Circumstances, Heard, evidence_of, judge
+from q2q_sim.radio import RadioParams
+from q2q_sim.tools import policies as tool
+from q2q_sim.vicon import ViconParams
+
+SCENARIO = replace(scenarios.load("stack3"), duration=8.0, vicon=ViconParams(), radio=RadioParams())
+AROUND = Circumstances(vehicle=SCENARIO.vehicle)
+Change = Callable[[Heard], Heard]
+
+
+@cache
+def heard() -> tuple[Heard, ...]:
+    """Return what a flight of three vehicles without faults says."""
+    found: list[Heard] = []
+    options = FlightOptions(
+        model=find_model(SCENARIO.model).interaction,
+        hear=lambda topic, stamp_ns, signal: found.append(Heard(topic, stamp_ns * 1e-9, signal)),
+    )
+    fly(SCENARIO, options)
+    return tuple(found)
+
+
+def broken(change: Change, around: Circumstances = AROUND) -> set[str]:
+    return {one.policy for one in judge(evidence_of(map(change, heard())), around)}
+
+
+def changed(kind: type, since: float, until: float, **columns: Callable[[np.ndarray], np.ndarray]) -> Change:
+    """Return a change of signals of a kind from a time to another."""
+
+    def change(one: Heard) -> Heard:
+        if not isinstance(one.signal, kind) or not since <= one.signal.t < until:
+            return one
+        new = {key: edit(getattr(one.signal, key).copy()) for key, edit in columns.items()}
+        return replace(one, signal=replace(one.signal, **new))
+
+    return change
+
+
+def only(topic: str, change: Change) -> Change:
+    return lambda one: change(one) if one.topic == topic else one
+
+
+def with_row(row: int, value: float | np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    def edit(column: np.ndarray) -> np.ndarray:
+        column[row] = value
+        return column
+
+    return edit
+
+
+def test_a_flight_without_faults_keeps_every_policy() -> None:
+    assert broken(lambda one: one) == set()
+    assert len(POLICIES) == 11
+
+
+def test_two_vehicles_that_touch_break_the_separation_and_who_strays_the_room() -> None:
+    at = heard()[0].signal
+    assert isinstance(at, SwarmState)
+    near = only(
+        "truth", changed(SwarmState, 3.0, 3.1, pos=with_row(0, at.pos[1] + np.array([0.0, 0.10, 0.0])))
+    )
+    assert {"separation", "room"} <= broken(near)
+    apart = only(
+        "truth", changed(SwarmState, 3.0, 3.1, pos=with_row(0, at.pos[1] + np.array([0.0, 0.20, 0.0])))
+    )
+    assert "separation" not in broken(apart)
+
+
+def test_a_vehicle_in_the_zone_breaks_it_only_where_it_was_sent_clear_of_it() -> None:
+    at = heard()[0].signal
+    assert isinstance(at, SwarmState)
+    below = at.pos[1] - np.array([0.0, 0.0, 0.6])
+    stray = only("truth", changed(SwarmState, 3.0, 3.1, pos=with_row(0, below)))
+    assert "zone" in broken(stray)
+    sent = changed(SwarmSetpoint, 3.0, 3.1, pos=with_row(0, below))
+    assert "zone" not in broken(lambda one: sent(stray(one)))
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "policy"),
+    [
+        ("thrust", SCENARIO.vehicle.thrust_max * 1.01, "thrust"),
+        ("thrust", -0.001, "thrust"),
+        ("roll", 0.37, "tilt"),
+        ("pitch", -0.37, "tilt"),
+        ("yaw_rate", np.nan, "numbers"),
+        ("thrust", np.inf, "numbers"),
+    ],
+)
+def test_a_command_out_of_bounds_breaks_its_policy(column: str, value: float, policy: str) -> None:
+    found = broken(changed(SwarmCommand, 3.0, 3.01, **{column: with_row(2, value)}))
+    assert policy in found
+    assert found <= {policy, "thrust"}
+
+
+def test_tilt_counts_roll_and_pitch_together() -> None:
+    # cos(tilt) = cos(roll) cos(pitch): 0.27 and 0.27 make 0.379
+    both = changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27), pitch=with_row(0, 0.27))
+    assert broken(both) == {"tilt"}
+    assert broken(changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27))) == set()
+
+
+def test_a_command_on_an_old_state_breaks_the_age_unless_it_says_so() -> None:
+    old = changed(SwarmState, 3.0, 3.05, age=with_row(1, 0.06))
+    assert broken(old) == {"age"}
+    says = changed(SwarmCommand, 3.0, 3.05, status=with_row(1, CommandStatus.DEGRADED))
+    assert broken(lambda one: says(old(one))) == set()
+
+
+def test_an_unseen_vehicle_flown_as_usual_breaks_the_action_after_60_ms() -> None:
+    def gone(ticks: int) -> Change:
+        # NaN: seen as nowhere
+        return changed(MocapFrame, 3.0, 3.0 + ticks * 0.01 - 0.005, pos=with_row(0, np.nan))
+
+    def gone_and_marked(one: Heard) -> Heard:
+        late = changed(SwarmCommand, 3.06, 3.5, status=with_row(0, CommandStatus.HOLD))
+        return late(gone(7)(one))
+
+    unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
+    assert "action" not in broken(lambda one: unmarked(gone(6)(one)))  # 0.06 s after it was last seen
+    assert "action" in broken(lambda one: unmarked(gone(7)(one)))
+    assert "action" not in broken(gone_and_marked)
+
+
+def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
+    def told_late(one: Heard) -> Heard:
+        return replace(one, at=one.at + 100.0)
+
+    silent = [one for one in heard() if not (one.topic == "command" and 3.0 <= one.signal.t < 3.065)]
+    assert {one.policy for one in judge(evidence_of(silent), AROUND)} == set()
+    (found,) = judge(evidence_of(map(told_late, silent)), AROUND)
+    assert found.policy == "silence"
+    assert found.value == pytest.approx(0.08, abs=1e-6)
+
+
+def test_a_false_state_breaks_the_belief_unless_it_is_coasting_or_a_sensor_lies_steadily() -> None:
+    false = only("state", changed(SwarmState, 3.0, 3.05, pos=lambda pos: pos + np.array([0.0, 0.0, 0.12])))
+    assert broken(false) == {"belief"}
+    coasting = only(
+        "state", changed(SwarmState, 3.0, 3.05, status=lambda _: np.full(3, TrackStatus.COASTING))
+    )
+    assert broken(lambda one: coasting(false(one))) == set()
+    lie = replace(AROUND, faults=(Fault("jump", 2.8, 0.3, SCENARIO.names, 0.12),))
+    assert broken(false, lie) == set()
+    outlier = replace(AROUND, faults=(Fault("outlier", 2.8, 0.3, SCENARIO.names, 0.12),))
+    assert "belief" in broken(false, outlier)
+
+
+def test_a_vehicle_that_does_not_come_back_breaks_the_return_once_it_had_its_time() -> None:
+    away = only("truth", changed(SwarmState, 7.0, 8.0, pos=lambda pos: pos + np.array([0.0, 0.4, 0.0])))
+    assert "return" in broken(away)
+    recent = replace(AROUND, faults=(Fault("weak_rotor", 4.0, 1.0, ("cf1",), 0.1),))
+    assert "return" not in broken(away, recent)
+    earlier = replace(AROUND, faults=(Fault("weak_rotor", 2.0, 1.0, ("cf1",), 0.1),))
+    assert "return" in broken(away, earlier)
+
+
+def test_a_violation_tells_who_when_and_how_much() -> None:
+    change = changed(SwarmCommand, 3.0, 3.01, roll=with_row(2, 0.5))
+    (found,) = judge(evidence_of(map(change, heard())), AROUND)
+    assert (found.policy, found.who, found.limit) == ("tilt", "cf3", 0.36)
+    assert found.t == pytest.approx(3.0)
+    assert found.value == pytest.approx(0.5, abs=0.1)
+    assert str(found).startswith("tilt: cf3 at 3.00 s: 0.5")
+
+
+def test_no_ticks_are_no_flight() -> None:
+    with pytest.raises(ValueError, match="no ticks: a flight needs one of truth"):
+        evidence_of([])
+
+
+def test_a_bag_is_judged_as_its_signals_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    change = changed(SwarmCommand, 3.0, 3.01, roll=with_row(2, 0.5))
+    for name, edit in (("good", lambda one: one), ("bad", change)):
+        with BagWriter(tmp_path / name) as writer:
+            for one in map(edit, heard()):
+                writer.write_signal(f"/{one.topic}", round(one.at * 1e9), one.signal)
+    assert tool.main([str(tmp_path / "good")]) == 0
+    assert "keeps separation, zone" in capsys.readouterr().out
+    assert tool.main([str(tmp_path / "bad"), "--scenario", "stack3"]) == 1
+    assert "tilt: cf3 at 3.00 s" in capsys.readouterr().out
+    assert tool.main([str(tmp_path / "none")]) == 2
+    assert "no bag at" in capsys.readouterr().err
