@@ -74,7 +74,7 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
         ValueError: the flights lack what a step needs; the message says which flight and what to record.
     """
     tell("records")
-    records = [_record(one, params.vehicle) for one in recordings]
+    records = [recorded_altitudes(one, params.vehicle) for one in recordings]
     tell("gains")
     gains, remarks = _gains(records)
     lag = thrust_lag([one.flight for one in recordings], params.vehicle) or params.vehicle.thrust_lag
@@ -110,7 +110,7 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
     )
 
 
-def _record(one: Recording, vehicle: Vehicle) -> AltitudeRecord:
+def recorded_altitudes(one: Recording, vehicle: Vehicle) -> AltitudeRecord:
     """Return a flight's record; what its log says the controller took off counts as told."""
     record = altitude_record(one.flight, vehicle)
     if one.log is None or FEED_FORWARD not in one.log.columns:
