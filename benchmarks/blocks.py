@@ -19,7 +19,8 @@ from q2q_sim.assembly import TICK_S, Options, blocks_of
 from q2q_sim.room import Room
 from row import Row
 
-P, T = ParamSpec("P"), TypeVar("T")
+P = ParamSpec("P")
+T = TypeVar("T")
 
 FLIGHTS = {"table6": 5000, "swarm100": 300}
 """Ticks flown of each scenario; table6 has its vehicles near each other in the middle third."""

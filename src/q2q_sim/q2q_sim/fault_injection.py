@@ -78,6 +78,8 @@ class FaultInjection:
     def jammed(self, stamp_ns: int) -> Mask:
         """Return which vehicles lose their packet of this tick, (n,)."""
         lost = np.zeros(len(self._names), dtype=np.bool_)
+        if not self._faults:
+            return lost
         for fault in self._acting(stamp_ns):
             if fault.kind == "radio_loss":
                 lost |= self._struck(fault) & (self._loss.random(len(lost)) < fault.size)

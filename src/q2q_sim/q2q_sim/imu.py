@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.parameters import check_bounds, tunable
-from q2q_model.rotations import rotate_inverse
 from q2q_model.signals import Array, SwarmImu, SwarmState
 from q2q_model.vehicle import GRAVITY
 from q2q_sim.streams import stream
@@ -32,6 +32,24 @@ class ImuParams:
         check_bounds(self)
 
 
+def _readings(motion: tuple[Array, Array, Array], bias: Array, out: tuple[Array, Array]) -> None:
+    quat, ang_vel, acc = motion
+    force, rate = out
+    for i in range(quat.shape[0]):
+        x, y, z, w = -quat[i, 0], -quat[i, 1], -quat[i, 2], quat[i, 3]
+        ax, ay, az = acc[i, 0], acc[i, 1], acc[i, 2] + GRAVITY
+        tx, ty, tz = 2.0 * (y * az - z * ay), 2.0 * (z * ax - x * az), 2.0 * (x * ay - y * ax)
+        force[i, 0] = ax + w * tx + (y * tz - z * ty) + bias[0, i, 0]
+        force[i, 1] = ay + w * ty + (z * tx - x * tz) + bias[0, i, 1]
+        force[i, 2] = az + w * tz + (x * ty - y * tx) + bias[0, i, 2]
+        for k in range(3):
+            rate[i, k] = ang_vel[i, k] + bias[1, i, k]
+
+
+readings = compiled(_readings)
+"""Write force and rate (n, 3): ((quat, ang_vel_body, acc), bias (2, n, 3), (force, rate))."""
+
+
 class Imu:
     """Turn true motion into readings."""
 
@@ -43,8 +61,8 @@ class Imu:
 
     def read(self, truth: SwarmState, acc: Array) -> SwarmImu:
         """Return the readings at `truth` with acceleration `acc` [m/s^2], world, (n, 3); a call is a tick."""
-        force = rotate_inverse(truth.quat, acc + np.array([0.0, 0.0, GRAVITY])) + self._bias[0]
-        rate = truth.ang_vel_body + self._bias[1]
+        force, rate = np.empty_like(self._bias[0]), np.empty_like(self._bias[0])
+        readings((truth.quat, truth.ang_vel_body, acc), self._bias, (force, rate))
         params = self._params
         if params.acc_noise > 0.0 or params.gyro_noise > 0.0:
             noise = self._rng.standard_normal((2, *force.shape))

@@ -22,12 +22,9 @@ from q2q_control.legacy import PWM_MAX, LegacyScale, legacy_setpoints
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array, SwarmCommand
 from q2q_sim.episodes import Mask
+from q2q_sim.packets import deliver, put
 from q2q_sim.streams import stream
 
-LEVEL_AFTER_NS = 500_000_000
-"""COMMANDER_WDT_TIMEOUT_STABILIZE of the firmware [ns]."""
-CUT_AFTER_NS = 2_000_000_000
-"""COMMANDER_WDT_TIMEOUT_SHUTDOWN of the firmware [ns]."""
 PWM_MIN = 1000
 """MIN_THRUST of the firmware [PWM]."""
 
@@ -50,17 +47,6 @@ class RadioParams:
         check_bounds(self)
 
 
-@dataclass(frozen=True, slots=True)
-class _Burst:
-    """Hold packets on their way that arrive together."""
-
-    arrival_ns: int
-    rows: Rows
-    """Vehicles they are for, (k,)."""
-    values: Array
-    """Thrust [N], roll, pitch [rad], yaw rate [rad/s], (k, 4)."""
-
-
 class Radio:
     """Hold the packets on their way, and what each vehicle obeys."""
 
@@ -72,72 +58,52 @@ class Radio:
         self._loss, self._jitter = stream(seed, "radio loss"), stream(seed, "radio jitter")
         self._gap_ns, self._latency_ns = round(1e9 / params.rate), round(1e9 * params.latency)
         self._next_ns = np.zeros(n, dtype=np.int64)
-        self._flying: list[_Burst] = []
-        self._heard_ns = np.zeros(n, dtype=np.int64)
-        self._locked = np.full(n, not params.unlocked)
-        self._obeyed = np.zeros((n, 4))
-        self._obeyed[:, 0] = np.where(self._locked, 0.0, at_start)
+        self._in_time = np.zeros(n, dtype=np.int64)
+        self._flying = np.zeros((n, 2), dtype=np.int64), np.zeros((n, 4))  # packets in the air; they grow
+        self._count = 0  # of them
+        locked, obeyed = np.full(n, not params.unlocked), np.zeros((n, 4))
+        obeyed[:, 0] = np.where(locked, 0.0, at_start)
+        self._onboard = np.zeros(n, dtype=np.int64), locked, obeyed
+        sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
+        put(self._flying, 0, np.zeros((4, 0)), sent, (0, 0, 0))  # loads it before the first tick
 
     def send(self, now_ns: int, rows: Rows, command: SwarmCommand, jammed: Mask) -> None:
         """Send the command of the tick at now_ns; row k of it is for vehicle rows[k].
 
         Packets to vehicles that are `jammed` (n,) are lost besides those that are lost anyway.
         """
-        due = self._next_ns[rows] <= now_ns
-        next_ns = np.maximum(self._next_ns[rows], now_ns - self._gap_ns) + self._gap_ns
-        self._next_ns[rows[due]] = next_ns[due]
-        kept = np.flatnonzero(due & ~self._lost(rows) & ~jammed[rows])
-        values, rows = self._coded(command)[kept], rows[kept]
-        arrival_ns = now_ns + self._latency_ns
-        if self._params.jitter == 0.0:
-            self._flying.append(_Burst(arrival_ns, rows, values))
-            return
-        late = self._jitter.random(len(self._next_ns)) * (self._params.jitter * 1e9)  # [ns], one a vehicle
-        self._flying += [
-            _Burst(arrival_ns + round(late[row]), rows[k : k + 1], values[k : k + 1])
-            for k, row in enumerate(rows.tolist())
-        ]
+        values = self._coded(command)
+        while self._count + len(rows) > len(self._flying[0]):
+            when, what = self._flying
+            self._flying = np.vstack([when, np.zeros_like(when)]), np.vstack([what, np.zeros_like(what)])
+        sent = rows, self._next_ns, jammed | self._lost(), self._late_ns()
+        self._count = put(self._flying, self._count, values, sent, (now_ns, self._gap_ns, self._latency_ns))
 
     def obeyed(self, now_ns: int, step_ns: int, steps: int) -> Array:
         """Return what each vehicle obeys in each of the physics steps from now on, (steps, n, 4)."""
-        self._watch(now_ns)
-        out = np.repeat(self._obeyed[None], steps, axis=0)
-        last_ns = now_ns + (steps - 1) * step_ns
-        for burst in self._flying:
-            if burst.arrival_ns <= last_ns:
-                first = max(-((now_ns - burst.arrival_ns) // step_ns), 0)  # first step at or after arrival
-                self._receive(burst, out[first:], now_ns)
-        self._flying = [burst for burst in self._flying if burst.arrival_ns > last_ns]
-        self._obeyed = out[-1].copy()
+        out = np.empty((steps, len(self._next_ns), 4))
+        self._count = deliver(self._flying, self._count, self._onboard, (now_ns, step_ns), out)
         return out
 
-    def _lost(self, rows: Rows) -> Mask:
-        if self._params.loss == 0.0:
-            return np.zeros(len(rows), dtype=np.bool_)
-        return self._loss.random(len(self._next_ns))[rows] < self._params.loss
+    def _lost(self) -> Mask | bool:
+        """Return whose packet of this tick is lost, (n,)."""
+        return self._params.loss > 0.0 and self._loss.random(len(self._next_ns)) < self._params.loss
+
+    def _late_ns(self) -> NDArray[np.int64]:
+        """Return how late the packets of this tick come beside the latency [ns], (n,)."""
+        if self._params.jitter == 0.0:
+            return self._in_time
+        late = self._jitter.random(len(self._next_ns)) * (self._params.jitter * 1e9)
+        return np.rint(late).astype(np.int64)
 
     def _coded(self, command: SwarmCommand) -> Array:
-        """Return what the packets say, back in N and rad, (k, 4)."""
+        """Return what the packets say, back in N and rad: thrust, roll, pitch, yaw rate, (4, k)."""
         if not self._params.quantised:
-            thrust = np.clip(command.thrust, 0.0, self._scale.thrust_max)
-            return np.column_stack([thrust, command.roll, command.pitch, command.yaw_rate])
+            values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
+            values = values.reshape(4, -1)
+            np.clip(values[0], 0.0, self._scale.thrust_max, out=values[0])
+            return values
         pitch, roll, yaw_rate, pwm = legacy_setpoints(command, self._scale).T
         degrees = np.stack([roll, pitch, yaw_rate]).astype(np.float32).astype(np.float64)
         thrust = np.where(pwm < PWM_MIN, 0.0, pwm) / PWM_MAX * self._scale.thrust_max
-        return np.column_stack([thrust, *np.radians(degrees)])
-
-    def _receive(self, burst: _Burst, rest: Array, now_ns: int) -> None:
-        """Let vehicles obey packets in the rest of the tick's steps (k, n, 4)."""
-        rows = burst.rows
-        self._locked[rows] &= burst.values[:, 0] > 0.0
-        self._heard_ns[rows] = max(burst.arrival_ns, now_ns)
-        rest[:, rows] = burst.values
-        if self._locked.any():
-            rest[:, self._locked, 0] = 0.0
-
-    def _watch(self, now_ns: int) -> None:
-        silent_ns = now_ns - self._heard_ns
-        self._obeyed[silent_ns > LEVEL_AFTER_NS, 1:] = 0.0
-        cut = silent_ns > CUT_AFTER_NS
-        self._obeyed[cut] = 0.0
-        self._locked |= cut
+        return np.stack([thrust, *np.radians(degrees)])

@@ -8,6 +8,7 @@ same to it. The camera's latency is therefore added to the radio's, and frames c
 Both calls are deterministic: the same scenario, seed and commands give the same numbers to the last bit.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,6 @@ import numpy as np
 from q2q_model.signals import (
     Array,
     Interference,
-    InterferenceStatus,
     MocapFrame,
     Names,
     SwarmCommand,
@@ -28,7 +28,7 @@ from q2q_sim.disturbance import Disturbance
 from q2q_sim.fault_injection import FaultInjection
 from q2q_sim.imu import Imu
 from q2q_sim.quadcopter import ACC
-from q2q_sim.radio import Radio, RadioParams
+from q2q_sim.radio import Radio, RadioParams, Rows
 from q2q_sim.scenario import Scenario
 from q2q_sim.swarm import PHYSICS_RATE, Swarm
 from q2q_sim.vicon import Flags, Vicon
@@ -72,6 +72,11 @@ class Room:
         self._faults = FaultInjection(scenario.faults, scenario.names, TICK_NS, seed)
         hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
         self._radio = Radio(_with_camera_latency(scenario), hover, vehicle.thrust_max, seed)
+        self._commanded: Names = ()
+        self._command_rows: Rows = np.zeros(0, dtype=np.intp)
+        self._valid = np.zeros(n, dtype=np.uint8)  # InterferenceStatus.VALID; ticks share it
+        self._exact = np.zeros((n, 3))
+        self._valid.flags.writeable = self._exact.flags.writeable = False
         self._tick = 0
         self._seen: Tick | None = None
 
@@ -129,23 +134,31 @@ class Room:
         self._tick += 1
         self._seen = None
 
-    def _rows_of(self, command: SwarmCommand) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-        rows = index_of(command.names, self.names)
+    def _rows_of(self, command: SwarmCommand) -> Rows:
+        if command.names != self._commanded:
+            self._command_rows = self._known_rows(command.names)
+            self._commanded = command.names
+        values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
+        if not math.isfinite(values.sum()):
+            self._check_finite(command.names, values.reshape(4, -1).T)
+        return self._command_rows
+
+    def _known_rows(self, names: Names) -> Rows:
+        rows = index_of(names, self.names)
         if (rows < 0).any():
-            strangers = ", ".join(name for name in command.names if name not in self.names)
+            strangers = ", ".join(name for name in names if name not in self.names)
             raise ValueError(f"command for {strangers}: no such vehicle; flying are {', '.join(self.names)}")
-        values = np.column_stack([command.thrust, command.roll, command.pitch, command.yaw_rate])
-        bad = ~np.isfinite(values).all(axis=1)
-        if bad.any():
-            who = command.names[int(np.argmax(bad))]
-            raise ValueError(f"command for {who} is not finite: {values[bad][0]}; send finite numbers")
         return rows
 
+    def _check_finite(self, names: Names, values: Array) -> None:
+        bad = ~np.isfinite(values).all(axis=1)
+        if bad.any():
+            who = names[int(np.argmax(bad))]
+            raise ValueError(f"command for {who} is not finite: {values[bad][0]}; send finite numbers")
+
     def _true_draft(self, truth: SwarmState) -> Interference:
-        n = len(truth.names)
-        status = np.full(n, InterferenceStatus.VALID, dtype=np.uint8)
         return Interference(
-            t=truth.t, names=truth.names, acc=self._swarm.draft(), std=np.zeros((n, 3)), status=status
+            t=truth.t, names=truth.names, acc=self._swarm.draft(), std=self._exact, status=self._valid
         )
 
 

@@ -122,10 +122,19 @@ def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Arr
         remember(state, ring, rows[n] % ring.shape[0], body[5, 0] * GRAVITY)
 
 
+def _draft_of(state: Array, air: tuple[int, Array, Rows], step: float, eta: Array) -> None:
+    kind, ring, rows = air
+    drafts(state, ring, rows, kind, step)
+    for i in range(state.shape[0]):
+        eta[i, 0], eta[i, 1], eta[i, 2] = 0.0, 0.0, state[i, 20]
+
+
 seen, late_draft = compiled(_seen), compiled(_late_draft)
 sort_by_x, remember = compiled(_sort_by_x), compiled(_remember)
 drafts = compiled(_drafts)
 """Write eta_z of every vehicle: (state, ring, rows, kind, step)."""
+draft_of = compiled(_draft_of)
+"""Write eta [m/s^2] (n, 3) of every vehicle now: (state, (kind, ring, rows), step, eta)."""
 run = compiled(_run, nogil=True)
 """Take steps: (state, (kind, ring, rows), commands, drive, body); releases the interpreter while it runs."""
 
@@ -149,6 +158,9 @@ class Swarm:
         self.state = state_at_rest(start, vehicle.mass)
         self.air = still_air(self.state, wake, self.body)
         self._air = (int(wake), self.air.ring, self.air.rows)
+        self._age = np.zeros(len(names))  # all states share these two
+        self._tracked = np.full(len(names), int(TrackStatus.TRACKED), dtype=np.uint8)
+        self._age.flags.writeable = self._tracked.flags.writeable = False
 
     def step(self, commands: Array, drive: Array) -> None:
         """Move by one physics step a row of `commands`.
@@ -162,15 +174,12 @@ class Swarm:
 
     def draft(self) -> Array:
         """Return eta of every vehicle now [m/s^2], world, (n, 3)."""
-        kind, ring, rows = self._air
-        drafts(self.state, ring, rows, kind, 1.0 / PHYSICS_RATE)
-        eta = np.zeros((len(self.names), 3))
-        eta[:, 2] = self.state[:, 20]
+        eta = np.empty((len(self.names), 3))
+        draft_of(self.state, self._air, 1.0 / PHYSICS_RATE, eta)
         return eta
 
     def truth(self, t: float) -> SwarmState:
         """Return the true state, stamped t [s]."""
-        n = len(self.names)
         now = self.state.copy()
         return SwarmState(
             t=t,
@@ -179,6 +188,6 @@ class Swarm:
             vel=now[:, VEL],
             quat=now[:, QUAT],
             ang_vel_body=now[:, RATE],
-            age=np.zeros(n),
-            status=np.full(n, TrackStatus.TRACKED, dtype=np.uint8),
+            age=self._age,
+            status=self._tracked,
         )
