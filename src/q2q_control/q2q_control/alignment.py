@@ -10,10 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_model.signals import (
     Array,
     Interference,
     Names,
+    Status,
     SwarmSetpoint,
     SwarmState,
     TrackStatus,
@@ -28,10 +30,10 @@ QUAT_SLACK = 0.1
 POS, VEL, QUAT = slice(0, 3), slice(3, 6), slice(6, 10)
 REF_POS, REF_VEL, REF_ACC = slice(10, 13), slice(13, 16), slice(16, 19)
 YAW, YAW_RATE, ETA = 19, 20, slice(21, 24)
-_WIDTH = 24
+TRACK = 24
+_WIDTH = 25
 _LOST = int(TrackStatus.LOST)
-_HOVER = np.zeros(_WIDTH)
-_HOVER[9] = 1.0  # level: the quaternion's w
+_QUAT_AT, _ETA_AT = 6, 21
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +45,9 @@ class Aligned:
     usable: NDArray[np.bool_]
     """(n,)"""
     table: Array
-    """Columns POS, VEL, QUAT of the state, REF_POS, REF_VEL, REF_ACC, YAW, YAW_RATE of the setpoint, and
-    the draft's acceleration ETA (0 where none is predicted): units and frames of the signals, (n, 24)."""
+    """Columns POS, VEL, QUAT of the state, REF_POS, REF_VEL, REF_ACC, YAW, YAW_RATE of the setpoint, the
+    draft's acceleration ETA (0 where none is predicted), and the state's TRACK status: units and frames of
+    the signals, (n, 25)."""
 
 
 def align(
@@ -55,47 +58,58 @@ def align(
     Vehicles that are absent from a signal get unusable rows; a draft that is absent or not finite is 0.
     """
     names = vehicles or setpoint.names
-    table = np.zeros((len(names), _WIDTH))
-    _fill(table, _rows(state.names, names), (POS, state.pos), (VEL, state.vel), (QUAT, state.quat))
-    plan = _rows(setpoint.names, names)
-    _fill(table, plan, (REF_POS, setpoint.pos), (REF_VEL, setpoint.vel), (REF_ACC, setpoint.acc))
-    _fill(table, plan, (YAW, setpoint.yaw), (YAW_RATE, setpoint.yaw_rate))
-    usable = _sound(table, _lost(state, names))
-    if interference is not None:
-        _fill(table, _rows(interference.names, names), (ETA, interference.acc))
-        eta = table[:, ETA]
-        if not np.abs(eta).max(initial=0.0) < ABSURD:  # NaN too
-            eta[~(np.abs(eta) < ABSURD)] = 0.0
-    if not usable.all():
-        table[~usable] = _HOVER
+    table, usable = np.empty((len(names), _WIDTH)), np.empty(len(names), dtype=np.bool_)
+    parts = _columns(state, setpoint, interference, len(names))
+    same = interference is None or interference.names == names
+    if same and state.names == names and setpoint.names == names:
+        np.concatenate([part for _, columns in parts for part in columns], axis=1, out=table)
+    else:
+        at = 0
+        for have, columns in parts:
+            rows = index_of(names, have or names)
+            for part in columns:
+                table[:, at : at + part.shape[1]] = np.nan
+                table[rows >= 0, at : at + part.shape[1]] = part[rows[rows >= 0]]
+                at += part.shape[1]
+    sort_out(table, usable)
     return Aligned(setpoint.t, names, usable, table)
 
 
-def _rows(have: Names, want: Names) -> NDArray[np.intp] | None:
-    """Return the row in `have` of each of `want`, -1 where absent; None where they are the same."""
-    return None if have == want else index_of(want, have)
+def _columns(
+    state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None, vehicles: int
+) -> tuple[tuple[Names, tuple[Array | Status, ...]], ...]:
+    """Return the columns of a table, in order, with the names of their rows; () are the table's own."""
+    yaw, yaw_rate = setpoint.yaw[:, None], setpoint.yaw_rate[:, None]
+    plan = setpoint.pos, setpoint.vel, setpoint.acc, yaw, yaw_rate
+    draft = (
+        ((), (np.zeros((vehicles, 3)),))
+        if interference is None
+        else (interference.names, (interference.acc,))
+    )
+    return (
+        (state.names, (state.pos, state.vel, state.quat)),
+        (setpoint.names, plan),
+        draft,
+        (state.names, (state.status[:, None],)),
+    )
 
 
-def _fill(table: Array, rows: NDArray[np.intp] | None, *columns: tuple[slice | int, Array]) -> None:
-    for where, part in columns:
-        if rows is None:
-            table[:, where] = part
-            continue
-        table[:, where] = np.nan
-        table[rows >= 0, where] = part[rows[rows >= 0]]
+def _sort_out(table: Array, usable: NDArray[np.bool_]) -> None:
+    for i in range(table.shape[0]):
+        row = table[i]
+        whole, length = row[TRACK] != _LOST, 0.0
+        for k in range(_ETA_AT):
+            whole = whole and abs(row[k]) < ABSURD  # False for NaN
+        for k in range(_QUAT_AT, _QUAT_AT + 4):
+            length += row[k] * row[k]
+        usable[i] = whole and abs(length - 1.0) < QUAT_SLACK
+        if not usable[i]:
+            row[:] = 0.0
+            row[_QUAT_AT + 3] = 1.0  # level: the quaternion's w
+        for k in range(_ETA_AT, _ETA_AT + 3):
+            if not abs(row[k]) < ABSURD:
+                row[k] = 0.0
 
 
-def _lost(state: SwarmState, names: Names) -> NDArray[np.bool_]:
-    lost = state.status == _LOST
-    rows = _rows(state.names, names)
-    return lost if rows is None else np.append(lost, True)[rows]
-
-
-def _sound(table: Array, lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which rows can be flown on, (n,); rows that are not numbers become 0."""
-    whole = (np.abs(table) < ABSURD).all(axis=1)  # False for NaN
-    if not whole.all():
-        table[~whole] = 0.0
-    quat = table[:, QUAT]
-    length = (quat * quat).sum(axis=1)
-    return np.asarray(whole & (np.abs(length - 1.0) < QUAT_SLACK) & ~lost)
+sort_out = compiled(_sort_out)
+"""Write which rows of a table can be flown on into `usable` (n,); the others become a hover at rest."""

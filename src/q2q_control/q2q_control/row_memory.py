@@ -15,7 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.alignment import Aligned
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array, CommandStatus, Names, Status, SwarmCommand, index_of
+
+Flags = NDArray[np.bool_]
+
+_OK, _SATURATED = int(CommandStatus.OK), int(CommandStatus.SATURATED)
+_HOLD, _LEVEL = int(CommandStatus.HOLD), int(CommandStatus.LEVEL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,25 +47,14 @@ class RowMemory:
         self._values = np.zeros((0, 4))  # thrust roll pitch yaw_rate
         self._stamps = np.zeros(0)
 
-    def completed(self, tick: Aligned, values: Array, saturated: NDArray[np.bool_]) -> SwarmCommand:
+    def completed(self, tick: Aligned, values: Array, saturated: Flags) -> SwarmCommand:
         """Return the tick's command: `values` thrust, roll, pitch, yaw rate (n, 4) where usable."""
         if tick.names != self._names:
             self._reorder(tick.names)
-        status = np.where(saturated, CommandStatus.SATURATED, CommandStatus.OK).astype(np.uint8)
-        if tick.usable.all():
-            self._values = values
-            self._stamps.fill(tick.t)
-            return _command(tick, values, status)
-        self._values = np.where(tick.usable[:, None], values, self._values)
-        self._stamps = np.where(tick.usable, tick.t, self._stamps)
-        return self._without(tick, status)
-
-    def _without(self, tick: Aligned, status: Status) -> SwarmCommand:
-        old = tick.t - self._stamps > self.rule.hold_time
-        level = np.array([self.rule.hover_thrust, 0.0, 0.0, 0.0])
-        values = np.where((~tick.usable & old)[:, None], level, self._values)
-        fallback = np.where(old, CommandStatus.LEVEL, CommandStatus.HOLD)
-        return _command(tick, values, np.where(tick.usable, status, fallback).astype(np.uint8))
+        out, status = np.empty((4, len(values))), np.empty(len(values), dtype=np.uint8)
+        fresh, kept = (values, saturated, tick.usable), (self._values, self._stamps)
+        complete(fresh, kept, (tick.t, self.rule.hold_time, self.rule.hover_thrust), out, status)
+        return SwarmCommand(tick.t, tick.names, out[0], out[1], out[2], out[3], status)
 
     def _reorder(self, names: Names) -> None:
         rows = index_of(names, self._names)
@@ -68,6 +63,29 @@ class RowMemory:
         self._names, self._values, self._stamps = names, values[rows], stamps[rows]
 
 
-def _command(tick: Aligned, values: Array, status: Status) -> SwarmCommand:
-    thrust, roll, pitch, yaw_rate = values.T.copy()
-    return SwarmCommand(tick.t, tick.names, thrust, roll, pitch, yaw_rate, status)
+def _complete(
+    fresh: tuple[Array, Flags, Flags],
+    kept: tuple[Array, Array],
+    rule: tuple[float, float, float],
+    out: Array,
+    status: Status,
+) -> None:
+    values, saturated, usable = fresh
+    last, stamps = kept
+    t, hold_time, hover_thrust = rule
+    for i in range(usable.size):
+        if usable[i]:
+            last[i], stamps[i] = values[i], t
+            status[i] = _SATURATED if saturated[i] else _OK
+        elif t - stamps[i] > hold_time:
+            out[:, i], out[0, i] = 0.0, hover_thrust
+            status[i] = _LEVEL
+            continue
+        else:
+            status[i] = _HOLD
+        out[:, i] = last[i]
+
+
+complete = compiled(_complete)
+"""Write commands (4, n) and their status (n,), keep what was computed: ((values (n, 4), saturated, usable),
+(last values (n, 4), stamps (n,)), (t, hold_time, hover_thrust), commands, status)."""
