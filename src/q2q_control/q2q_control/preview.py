@@ -2,7 +2,11 @@
 
 A controller that looks ahead asks for the reference at times to come. Whoever knows the plan answers: a
 table sampled from the plan, or, where nothing is known, the setpoint going on at its velocity.
-A replanner moves setpoints off the plan; `shifted_preview` carries that difference on, fading in a second.
+A replanner moves setpoints off the plan; `shifted_preview` carries a small difference on, fading in a second.
+A setpoint far off its plan, as one that is kept out of a zone the plan goes through, speaks for itself:
+
+    preview = w shifted + (1 - w) going on,     w = exp(-(d / AWAY)^2),  d: setpoint to plan [m]
+    going on: a(s) = a exp(-s / STEADY), v and r its integrals
 """
 
 from dataclasses import dataclass
@@ -17,6 +21,10 @@ FADE = 1.0
 """Time constant of a difference between setpoint and plan [s]: above the replanner's k_d / k_p = 0.6 s."""
 SAME = 1e-6
 """A setpoint as near as this to its plan [SI] has not been moved: tables are straight between samples."""
+AWAY = 0.1
+"""Distance from its plan beyond which a setpoint does not follow it [m]: eps of the paper's zone."""
+STEADY = 0.3
+"""How long a moved setpoint keeps its acceleration [s]: half the replanner's k_d / k_p."""
 COAST = 0.5
 """How long a setpoint without plan is taken to go on at its velocity [s]."""
 
@@ -58,7 +66,7 @@ class SampledPreview:
 def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, times: Array) -> Array:
     """Return the references of the setpoint's vehicles at `times` (K,) [s], (n, K, 9).
 
-    The first row at the setpoint's own time is the setpoint; what it differs from the plan fades.
+    At the setpoint's own time, position and velocity are the setpoint's; what it differs from the plan fades.
     """
     ahead = (times - setpoint.t)[:, None]
     here = np.concatenate([setpoint.pos, setpoint.vel, setpoint.acc], axis=1)  # (n, 9)
@@ -73,6 +81,8 @@ def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, t
     shifted = plan[:, 1:].copy()
     shifted[..., :3] += (off[:, None, :3] + off[:, None, 3:6] * ahead) * fade
     shifted[..., 3:6] += off[:, None, 3:6] * fade
+    share = np.exp(-np.sum(off[:, :3] ** 2, axis=1) / AWAY**2)[:, None, None]
+    shifted = share * shifted + (1.0 - share) * _going_on(here, ahead)
     if np.isfinite(far):
         return shifted
     unknown = np.isnan(plan.sum(axis=(1, 2)))
@@ -84,6 +94,16 @@ def _coasting(here: Array, ahead: Array) -> Array:
     pos = here[:, None, :3] + here[:, None, 3:6] * gone
     vel = here[:, None, 3:6] * np.exp(-np.maximum(ahead, 0.0) / COAST)
     return np.concatenate([pos, vel, -vel / COAST], axis=-1)
+
+
+def _going_on(here: Array, ahead: Array) -> Array:
+    pos, vel, acc = here[:, None, :3], here[:, None, 3:6], here[:, None, 6:9]
+    later = np.maximum(ahead, 0.0)
+    fade = np.exp(-later / STEADY)
+    gained = STEADY * (1.0 - fade)  # (K, 1): velocity over acceleration
+    return np.concatenate(
+        [pos + vel * later + acc * STEADY * (later - gained), vel + acc * gained, acc * fade], axis=-1
+    )
 
 
 def _picked(known: Array, rows: NDArray[np.intp]) -> Array:

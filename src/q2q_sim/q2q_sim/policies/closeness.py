@@ -3,6 +3,7 @@
 import numpy as np
 
 from q2q_model.signals import Array
+from q2q_sim.policies.blindness import blind_lately
 from q2q_sim.policies.evidence import Evidence
 from q2q_sim.policies.verdicts import Circumstances, Violation
 
@@ -22,13 +23,18 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
 
 
 def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the ordered pairs that were in the zone though their setpoints kept clear of it by `stray`."""
+    """Return the ordered pairs that were in the zone though their setpoints kept clear of it by `stray`.
+
+    A vehicle flown blind goes where the air takes it: it and its pairs are judged again `settle` later.
+    """
     found = []
+    blind = blind_lately(evidence, circumstances.limits.settle)
     for i, j in _pairs(evidence):
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))
             meant = circumstances.zone.signed_distance(_between(evidence.sent_pos, one, other))
-            inside = np.where(meant > circumstances.limits.stray, real, np.nan)
+            sighted = ~(blind[:, one] | blind[:, other])
+            inside = np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
             deepest = _lowest(inside)
             if deepest is not None and inside[deepest] < 0.0:
                 found.append(

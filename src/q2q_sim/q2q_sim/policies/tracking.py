@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from q2q_model.signals import CommandStatus, TrackStatus
 from q2q_sim.faults import KINDS, Fault
+from q2q_sim.policies.blindness import blind
 from q2q_sim.policies.evidence import Evidence
 from q2q_sim.policies.verdicts import Circumstances, Violation, worst
 
@@ -12,9 +13,6 @@ LYING = ("jump", "swap", "clock_jump")
 """Faults in which sensors lie so steadily that no filter can know: a marker moved is a vehicle moved."""
 BELIEVED_S = 1.0
 """How long a steady lie may be believed after it ended [s]: until the true track is believed again."""
-BLIND = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
-"""Commands that no state was used for."""
-
 Mask = NDArray[np.bool_]
 
 
@@ -45,7 +43,7 @@ def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violatio
 
 def last_trouble(evidence: Evidence, faults: tuple[Fault, ...]) -> float:
     """Return when anything was last wrong [s]: a fault, or a command not computed; -inf for never."""
-    wrong = np.isin(evidence.command_status, BLIND).any(axis=1)
+    wrong = blind(evidence).any(axis=1)
     noted = [float(evidence.t[wrong][-1])] if wrong.any() else []
     return max([*noted, *(_end(fault) for fault in faults)], default=-np.inf)
 
