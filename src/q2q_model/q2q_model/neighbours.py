@@ -26,7 +26,7 @@ def pairs_in_reach(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
         pos: positions [m], world, (n, 3).
         reach: how far apart the two of a pair may be, horizontally and vertically.
     """
-    keys = _compiled_sweep(np.ascontiguousarray(pos), reach.horizontal, reach.vertical)
+    keys = compiled_sweep(np.ascontiguousarray(pos), reach.horizontal, reach.vertical)
     i, j = np.divmod(keys, max(len(pos), 1))
     return i, j
 
@@ -63,4 +63,5 @@ def _sweep(pos: Array, horizontal: float, vertical: float) -> Rows:
     return np.sort(keys[:count])
 
 
-_compiled_sweep: Callable[[Array, float, float], Rows] = numba.njit(cache=True)(_sweep)
+compiled_sweep: Callable[[Array, float, float], Rows] = numba.njit(cache=True)(_sweep)
+"""Return n i + j of every pair, rising, for compiled loops: (pos (n, 3), horizontal, vertical reach [m])."""

@@ -145,13 +145,13 @@ def test_exchanging_the_model_acts_at_the_next_stamp():
 
 
 def test_history_interpolates_a_straight_line_exactly_however_long_it_runs():
-    history, vel, axis = StateHistory(1, span=0.5), np.array([[2.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]])
+    history = StateHistory(1, span=0.5)
     for k in range(1000):  # many times the first capacity
-        history.push(0.01 * k, np.array([[0.02 * k, 0.0, 1.0]]), vel, axis)
+        history.push(0.01 * k, np.array([[0.02 * k, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0]]))
     times = np.array([9.503, 9.7777, 9.99])
-    pos, found, _ = history.at(times, np.zeros(3, dtype=np.intp))
-    np.testing.assert_allclose(pos[:, 0], 2.0 * times, rtol=1e-12)
-    np.testing.assert_allclose(found[:, 0], 2.0)
+    found = history.at(times, np.zeros(3, dtype=np.intp))
+    np.testing.assert_allclose(found[:, 0], 2.0 * times, rtol=1e-12)
+    np.testing.assert_allclose(found[:, 3], 2.0)
     assert history.oldest == pytest.approx(9.49)  # one sample beyond the span, so that it is covered
     assert history.newest == pytest.approx(9.99)
 
@@ -159,9 +159,9 @@ def test_history_interpolates_a_straight_line_exactly_however_long_it_runs():
 def test_history_grows_when_the_span_holds_more_than_its_first_capacity():
     history = StateHistory(1, span=3.0)
     for k in range(1000):
-        history.push(0.01 * k, np.array([[0.01 * k, 0.0, 0.0]]), np.zeros((1, 3)), np.zeros((1, 3)))
-    pos, _, _ = history.at(np.array([7.0, 0.0]), np.zeros(2, dtype=np.intp))
-    np.testing.assert_allclose(pos[:, 0], [7.0, 6.99], rtol=1e-12)  # older than held: the oldest counts
+        history.push(0.01 * k, np.array([[0.01 * k, *np.zeros(8)]]))
+    found = history.at(np.array([7.0, 0.0]), np.zeros(2, dtype=np.intp))
+    np.testing.assert_allclose(found[:, 0], [7.0, 6.99], rtol=1e-12)  # older than held: the oldest counts
 
 
 def test_a_leaning_source_is_aimed_by_its_orientation():

@@ -33,36 +33,35 @@ class StateHistory:
         """Return the newest stamp held [s]; minus infinity when there is none."""
         return float(self._stamps[self._end - 1]) if self._end > self._start else -np.inf
 
-    def push(self, t: float, pos: Array, vel: Array, axis: Array) -> None:
-        """Store the states (n, 3) of time t [s], which must be later than the newest."""
+    def push(self, t: float, sample: Array) -> None:
+        """Store pos, vel and axis (n, 9) of time t [s], which must be later than the newest."""
         if self._end == self._stamps.size:
             self._make_room()
         self._stamps[self._end] = t
-        np.concatenate((pos, vel, axis), axis=1, out=self._samples[self._end])
+        self._samples[self._end] = sample
         self._end += 1
         while self._end - self._start > 2 and self._stamps[self._start + 1] <= t - self._span:
             self._start += 1
 
-    def at(self, t: Array, vehicles: NDArray[np.intp]) -> tuple[Array, Array, Array]:
-        """Return pos, vel and axis (p, 3) of rows `vehicles` (p,) at times t (p,) [s], interpolated.
+    def at(self, t: Array, vehicles: NDArray[np.intp]) -> Array:
+        """Return pos, vel and axis (p, 9) of rows `vehicles` (p,) at times t (p,) [s], interpolated.
 
         Outside the samples held, the oldest or the newest counts. NaN where a sample used is NaN.
         """
         stamps, samples = self._stamps[self._start : self._end], self._samples[self._start : self._end]
         after = np.searchsorted(stamps, t).clip(1, max(stamps.size - 1, 1))
         if stamps.size == 1:
-            return _parts(samples[0, vehicles])
+            return np.asarray(samples[0, vehicles])
         before = after - 1
         share = ((t - stamps[before]) / (stamps[after] - stamps[before])).clip(0.0, 1.0)[:, None]
-        value = (1.0 - share) * samples[before, vehicles] + share * samples[after, vehicles]
-        return _parts(value)
+        return np.asarray((1.0 - share) * samples[before, vehicles] + share * samples[after, vehicles])
 
     def reordered(self, rows: NDArray[np.intp]) -> "StateHistory":
         """Return the same memory for other vehicles: row k is old row rows[k]; -1 is one unknown, NaN."""
         other = StateHistory(rows.size, self._span)
         for k in range(self._start, self._end):
             sample = np.where((rows < 0)[:, None], np.nan, self._samples[k][rows])
-            other.push(float(self._stamps[k]), *_parts(sample))
+            other.push(float(self._stamps[k]), sample)
         return other
 
     def _make_room(self) -> None:
@@ -73,7 +72,3 @@ class StateHistory:
         self._stamps[:held] = self._stamps[self._start : self._end].copy()
         self._samples[:held] = self._samples[self._start : self._end].copy()
         self._start, self._end = 0, held
-
-
-def _parts(sample: Array) -> tuple[Array, Array, Array]:
-    return sample[:, :3], sample[:, 3:6], sample[:, 6:]

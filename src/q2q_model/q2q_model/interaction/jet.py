@@ -31,18 +31,17 @@ feed-forward was off.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
+from q2q_model.interaction.jet_kernel import STEEPEST, jet_pairs
 from q2q_model.interaction.model import PairMotion, Reach
-from q2q_model.interaction.roles import lower_share, smooth_gap
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array
 
 EDGE = 4.3
 """Standard deviations to where a Gaussian has fallen to 1e-4."""
-STEEPEST = 0.5
-"""Largest slope b_xy / b_z that a jet follows [-]: 27 degrees; beyond, and upside down, it is cut."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,10 +84,7 @@ class Jet:
 
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return eta [m/s^2], world, (..., 3)."""
-        share = lower_share(rel_pos[..., 2])
-        eta = np.zeros(rel_pos.shape)
-        eta[..., 2] = (self.upper_ratio * (1.0 - share) - share) * self.push(rel_pos, motion)
-        return eta
+        return self._evaluate(rel_pos, motion)[1]
 
     def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return one standard deviation [m/s^2], (..., 3): known along z only, a share of the push."""
@@ -99,33 +95,32 @@ class Jet:
 
     def push(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return the push on a lower vehicle, downwards [m/s^2], (...,), of the height difference alone."""
-        gap = smooth_gap(rel_pos[..., 2])
-        off_axis = rel_pos[..., :2] + self._drift(rel_pos, motion)
-        r2 = off_axis[..., 0] ** 2 + off_axis[..., 1] ** 2
-        gaussian = np.exp(-r2 / (2.0 * (self.width + self.spread * gap) ** 2))
-        return np.asarray(self.strength * self._decay(gap) * gaussian * self._meeting(motion))
+        return self._evaluate(rel_pos, motion)[0]
 
-    def _meeting(self, motion: PairMotion) -> Array | float:
-        """Return how much faster a climbing vehicle meets the air [-]; never backwards."""
-        if self.carried == 0.0 or self.travel_speed == 0.0:
-            return 1.0
-        return np.maximum(1.0 + self.carried * motion.vel[..., 2] / self.travel_speed, 0.0)
+    def _evaluate(self, rel_pos: Array, motion: PairMotion) -> tuple[Array, Array]:
+        """Return push (...,) and eta (..., 3)."""
+        shape = rel_pos.shape
+        push, eta = np.empty(shape[:-1]), np.empty(shape)
+        parts = (_as_pairs(part, shape) for part in (motion.source_vel, motion.source_axis, motion.vel))
+        pairs = _as_pairs(rel_pos, shape)
+        jet_pairs(pairs, tuple(parts), _numbers_of(self), push.reshape(-1), eta.reshape(-1, 3))
+        return push, eta
 
-    def _drift(self, rel_pos: Array, motion: PairMotion) -> Array:
-        """Return how far aside the air has come on its way [m], (..., 2)."""
-        if self.carried == 0.0:
-            return np.zeros(2)
-        fall = np.maximum(rel_pos[..., 2:], 0.0)
-        slope = motion.source_axis[..., :2] / np.maximum(motion.source_axis[..., 2:], 0.5)
-        slope = slope / np.maximum(np.linalg.norm(slope, axis=-1, keepdims=True) / STEEPEST, 1.0)
-        return np.asarray(
-            self.carried * (motion.source_vel[..., :2] * self.delay(rel_pos)[..., None] - fall * slope)
-        )
 
-    def _decay(self, gap: Array) -> Array:
-        if self.decay == "power":
-            return ((self.virtual_origin + self.reference_gap) / (self.virtual_origin + gap)) ** 2
-        return np.asarray(np.exp(-self.decay_rate * (gap - self.reference_gap)))
+def _as_pairs(part: Array, shape: tuple[int, ...]) -> Array:
+    """Return (..., 3) as contiguous (p, 3), broadcast to `shape`."""
+    if part.shape != shape:
+        part = np.broadcast_to(part, shape)
+    return np.ascontiguousarray(part, dtype=np.float64).reshape(-1, 3)
+
+
+@lru_cache(maxsize=64)
+def _numbers_of(jet: Jet) -> Array:
+    """Return what jet_kernel reads, (11,)."""
+    shape = jet.strength, jet.reference_gap, float(jet.decay == "power"), jet.virtual_origin, jet.decay_rate
+    return np.array(
+        [*shape, jet.width, jet.spread, jet.upper_ratio, jet.travel_speed, jet.carried, jet.range]
+    )
 
 
 PAPER_LAW = Jet()

@@ -21,20 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.interaction.history import StateHistory
-from q2q_model.interaction.model import UP, InteractionModel, PairMotion, Reach
-from q2q_model.neighbours import pairs_in_reach
-from q2q_model.rotations import rotate
-from q2q_model.signals import (
-    Array,
-    Interference,
-    InterferenceStatus,
-    Names,
-    SwarmState,
-    TrackStatus,
-    index_of,
-)
+from q2q_model.interaction.model import InteractionModel, PairMotion
+from q2q_model.interaction.pairs import add_up, lay_out, look_back, meet
+from q2q_model.signals import Array, Interference, Names, SwarmState, index_of
 
-Rows = NDArray[np.intp]
+_NO_PAIR = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_)
 
 
 class InteractionPredictor:
@@ -60,12 +51,21 @@ class InteractionPredictor:
         """Return the draft on every vehicle of `state`, in its order."""
         if self._last is not None and state.t == self._last.t and state.names == self._last.names:
             return self._last
-        axis = _body_z(state)
-        self._remember(state, axis)
-        self._last = self._predict(state, axis)
+        states = np.concatenate(
+            (state.pos, state.vel, state.quat, state.status[:, None]), axis=1, dtype=np.float64
+        )  # (n, 11)
+        model, now = self.model, np.empty((len(state.names), 9))
+        reach, delay = model.reach, model.max_delay
+        keys = meet(states, now, (reach.horizontal, reach.vertical, delay))
+        self._remember(state, now)
+        answers = self._answers(state.t, states, now, keys) if keys.size else _NO_PAIR
+        acc, std = np.empty((2, *state.pos.shape))
+        status = np.empty(len(state.names), dtype=np.uint8)
+        add_up(keys, answers, states, reach.horizontal > 0.0, (acc, std, status))
+        self._last = Interference(t=state.t, names=state.names, acc=acc, std=std, status=status)
         return self._last
 
-    def _remember(self, state: SwarmState, axis: Array) -> None:
+    def _remember(self, state: SwarmState, now: Array) -> None:
         if state.t < self._history.oldest:
             self.reset()
         if state.names != self._names:
@@ -74,50 +74,16 @@ class InteractionPredictor:
             self._history = self._history.reordered(rows) if self._names else fresh
             self._names = state.names
         if state.t > self._history.newest:
-            self._history.push(state.t, state.pos, state.vel, axis)
+            self._history.push(state.t, now)
 
-    def _predict(self, state: SwarmState, axis: Array) -> Interference:
-        n = len(state.names)
-        acc, variance = np.zeros((n, 3)), np.zeros((n, 3))
-        status = np.full(n, InterferenceStatus.VALID, dtype=np.uint8)
-        seen = _finite_rows(state.pos, state.vel)
-        i, j = pairs_in_reach(np.where(seen[:, None], state.pos, np.nan), self._reach(state.vel[seen]))
-        if i.size:
-            rel_pos, motion, stale = self._retarded(state, axis, i, j)
-            np.add.at(acc, i, self.model.acceleration(rel_pos, motion))
-            np.add.at(variance, i, self.model.deviation(rel_pos, motion) ** 2)
-            status[i[stale]] = InterferenceStatus.STALE_SOURCE
-        unknown = ~seen if self.model.reach.horizontal > 0.0 else np.ones(n, dtype=np.bool_)
-        status[unknown], variance[unknown] = InterferenceStatus.NO_MODEL, np.nan
-        return Interference(t=state.t, names=state.names, acc=acc, std=np.sqrt(variance), status=status)
-
-    def _reach(self, vel: Array) -> Reach:
-        """Return the model's reach, widened by how far a source may have moved within the delay."""
-        reach = self.model.reach
-        if self.model.max_delay == 0.0 or vel.size == 0:
-            return reach
-        moved = self.model.max_delay * float(np.sqrt((vel * vel).sum(axis=1).max()))
-        return Reach(reach.horizontal + moved, reach.vertical + moved)
-
-    def _retarded(
-        self, state: SwarmState, axis: Array, i: Rows, j: Rows
-    ) -> tuple[Array, PairMotion, NDArray[np.bool_]]:
-        """Return rel_pos (p, 3) and motion as the air left, and whether they are guesswork (p,)."""
-        stale = np.not_equal(state.status[j], TrackStatus.TRACKED)
-        rel_pos, now = state.pos[j] - state.pos[i], PairMotion(state.vel[j], axis[j], state.vel[i])
-        if self.model.max_delay == 0.0:
-            return rel_pos, now, stale
-        pos, vel, leaning = self._history.at(state.t - self.model.delay(rel_pos), j)
-        lost = ~_finite_rows(pos, vel)
-        if lost.any():
-            pos[lost], vel[lost], leaning[lost] = state.pos[j][lost], state.vel[j][lost], axis[j][lost]
-        return pos - state.pos[i], PairMotion(vel, leaning, now.vel), stale | lost
-
-
-def _body_z(state: SwarmState) -> Array:
-    axis = rotate(state.quat, UP)
-    return np.where(np.isfinite(axis), axis, UP)
-
-
-def _finite_rows(pos: Array, vel: Array) -> NDArray[np.bool_]:
-    return np.asarray(np.isfinite(np.concatenate((pos, vel), axis=1)).all(axis=1))
+    def _answers(
+        self, t: float, states: Array, now: Array, keys: NDArray[np.intp]
+    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Return eta and its deviation (p, 3) of each pair, and whether they are guesswork (p,)."""
+        pairs, stale = np.empty((4, keys.size, 3)), np.empty(keys.size, dtype=np.bool_)
+        lay_out(states, now, keys, pairs, stale)
+        if self.model.max_delay > 0.0:
+            left = t - self.model.delay(pairs[0])
+            look_back(now, keys, self._history.at(left, keys % len(now)), pairs, stale)
+        rel_pos, motion = pairs[0], PairMotion(pairs[1], pairs[2], pairs[3])
+        return self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion), stale
