@@ -7,9 +7,9 @@ its start a trajectory rests at its first point, after its end at its last.
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.signals import Array, Names, SetpointStatus, SwarmSetpoint
+from q2q_model.compiled import compiled
+from q2q_model.signals import Array, Names, SetpointStatus, Status, SwarmSetpoint
 
 AXES = 4
 """x, y, z, yaw."""
@@ -60,18 +60,16 @@ class Trajectory:
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """Hold every vehicle's polynomials side by side, so that one pass evaluates them all."""
+    """Hold every vehicle's polynomials side by side, so that one compiled pass evaluates them all."""
 
     starts: Array
     """Start of each piece [s], (n, most pieces); beyond the last piece infinite."""
     duration: Array
     """[s], (n,)"""
     coefficients: Array
-    """xi, xi', xi'' by ascending powers, (order, n * most pieces, 3, 4)."""
-    first: NDArray[np.intp]
-    """Where each vehicle's first piece lies in that second axis, (n,)."""
-    shortest: float
-    """Least duration [s]."""
+    """Ascending powers as of Trajectory, (n, most pieces, 4, order)."""
+    status: Status
+    """NOMINAL for everybody, (n,): all setpoints share it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +95,7 @@ class SwarmPlan:
         if len(set(self.names)) != len(self.names):
             raise ValueError(f"names {', '.join(self.names)}: each vehicle needs its own")
         object.__setattr__(self, "_table", _side_by_side(self.trajectories))
+        setpoint_at(self, 0.0)  # loads the compiled pass before the first tick
 
     @property
     def duration(self) -> float:
@@ -106,7 +105,9 @@ class SwarmPlan:
 
 def setpoint_at(plan: SwarmPlan, t: float, start: float = 0.0) -> SwarmSetpoint:
     """Return every vehicle's setpoint at time t [s] of a plan that starts at `start` [s]."""
-    xi = _swarm_at(plan._table, t - start)  # noqa: SLF001  (n, 3, 4)
+    table = plan._table  # noqa: SLF001
+    xi = np.empty((len(plan.names), _DERIVATIVES, AXES))
+    swarm_at(table.starts, table.duration, table.coefficients, float(t - start), xi)
     return SwarmSetpoint(
         t=t,
         names=plan.names,
@@ -115,7 +116,7 @@ def setpoint_at(plan: SwarmPlan, t: float, start: float = 0.0) -> SwarmSetpoint:
         acc=xi[:, 2, :3],
         yaw=xi[:, 0, 3],
         yaw_rate=xi[:, 1, 3],
-        status=np.full(len(plan.names), SetpointStatus.NOMINAL, dtype=np.uint8),
+        status=table.status,
     )
 
 
@@ -134,32 +135,38 @@ def _side_by_side(trajectories: tuple[Trajectory, ...]) -> _Table:
     order = max(trajectory.coefficients.shape[-1] for trajectory in trajectories)
     starts = np.full((n, most), np.inf)
     starts[:, 0] = 0.0
-    coefficients = np.zeros((order, n, most, _DERIVATIVES, AXES))
+    coefficients = np.zeros((n, most, AXES, order))
     for row, trajectory in enumerate(trajectories):
         pieces = len(trajectory.durations)
         starts[row, 1:pieces] = np.cumsum(trajectory.durations)[:-1]
-        for k in range(_DERIVATIVES):
-            derived = derive(trajectory.coefficients, k)  # (pieces, 4, order - k)
-            coefficients[: derived.shape[-1], row, :pieces, k] = np.moveaxis(derived, -1, 0)
+        coefficients[row, :pieces, :, : trajectory.coefficients.shape[-1]] = trajectory.coefficients
     duration = np.array([np.cumsum(trajectory.durations)[-1] for trajectory in trajectories])
-    flat = coefficients.reshape(order, n * most, _DERIVATIVES, AXES)
-    return _Table(starts, duration, flat, np.arange(n) * most, float(duration.min()))
+    status = np.full(n, int(SetpointStatus.NOMINAL), dtype=np.uint8)
+    status.flags.writeable = False
+    return _Table(starts, duration, coefficients, status)
 
 
-def _swarm_at(table: _Table, when: float) -> Array:
-    """Return xi, xi', xi'' of every vehicle, (n, 3, 4)."""
-    clipped = np.minimum(max(when, 0.0), table.duration)  # (n,)
-    cell = table.first + np.count_nonzero(table.starts <= clipped[:, None], axis=1) - 1
-    tau = (clipped - table.starts.take(cell))[:, None, None]
-    coefficients = table.coefficients.take(cell, axis=1)  # (order, n, 3, 4)
-    xi = coefficients[-1]
-    for row in coefficients[-2::-1]:
-        xi *= tau
-        xi += row
-    if when < 0.0 or when > table.shortest:
-        resting = when > table.duration if when > 0.0 else np.ones(len(tau), dtype=np.bool_)
-        xi[resting, 1:] = 0.0
-    return np.asarray(xi)
+def _swarm_at(starts: Array, duration: Array, coefficients: Array, when: float, xi: Array) -> None:
+    order = coefficients.shape[3]
+    for i in range(duration.size):
+        clipped = min(max(when, 0.0), duration[i])
+        piece = 0
+        while piece + 1 < starts.shape[1] and starts[i, piece + 1] <= clipped:
+            piece += 1
+        tau, resting = clipped - starts[i, piece], when < 0.0 or when > duration[i]
+        for axis in range(AXES):
+            value, vel, half_acc = 0.0, 0.0, 0.0
+            for k in range(order - 1, -1, -1):  # Horner's scheme of a polynomial and its derivatives
+                half_acc = half_acc * tau + vel
+                vel = vel * tau + value
+                value = value * tau + coefficients[i, piece, axis, k]
+            xi[i, 0, axis] = value
+            xi[i, 1, axis] = 0.0 if resting else vel
+            xi[i, 2, axis] = 0.0 if resting else 2.0 * half_acc
+
+
+swarm_at = compiled(_swarm_at)
+"""Write xi, xi', xi'' of every vehicle: (starts, duration, coefficients, time since the start [s], xi)."""
 
 
 def _horner(coefficients: Array, tau: Array) -> Array:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_model.signals import SetpointStatus
@@ -23,6 +23,7 @@ def swarm(seed: int) -> SwarmPlan:
     return minimum_snap_plan(vehicles, "free")
 
 
+@settings(deadline=None)  # the first call compiles
 @given(st.integers(0, 10**6), st.floats(-5.0, 20.0))
 def test_the_swarm_is_read_as_each_vehicle_by_itself(seed: int, t: float) -> None:
     plan = swarm(seed)
@@ -36,6 +37,7 @@ def test_the_swarm_is_read_as_each_vehicle_by_itself(seed: int, t: float) -> Non
         assert setpoint.yaw_rate[row] == pytest.approx(trajectory.at(when, 1)[3], abs=1e-12)
 
 
+@settings(deadline=None)  # the first call compiles
 @given(st.integers(0, 10**6), st.floats(0.01, 0.99))
 def test_velocity_and_acceleration_are_the_derivatives_of_position(seed: int, share: float) -> None:
     plan = swarm(seed)
