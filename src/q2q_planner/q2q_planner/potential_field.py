@@ -99,6 +99,7 @@ class PotentialField:
     def reset(self) -> None:
         """Forget the modified trajectories; the next update starts on the reference."""
         self._error = no_error(())
+        self._on_reference = True
         self._before: SwarmSetpoint | None = None
         self._answer: SwarmSetpoint | None = None
 
@@ -110,6 +111,9 @@ class PotentialField:
         """
         if self._answer is not None and setpoint.t == self._answer.t:
             return self._answer
+        if self._on_reference and not self.params.enabled:  # nothing pushes, nothing glides back
+            self._before = self._answer = setpoint
+            return setpoint
         before = self._before
         if before is None or not 0.0 < setpoint.t - before.t <= LONGEST_GAP:
             self._error = no_error(setpoint.names)
@@ -118,6 +122,7 @@ class PotentialField:
             self._error = _advance(error, _rows_as(before, setpoint), setpoint, self.params)
         push = swarm_push(setpoint.pos + self._error.pos, self.params)
         self._error = settled(self._error, np.asarray(push.any(axis=1)))
+        self._on_reference = not (self._error.pos.any() or self._error.vel.any())
         acc = push - self.params.k_d * self._error.vel - self.params.k_p * self._error.pos
         self._before, self._answer = setpoint, shifted(setpoint, self._error, acc)
         return self._answer
