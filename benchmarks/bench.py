@@ -18,7 +18,7 @@ from q2q_model.tools.command_line import CommandLine
 from row import Row
 
 HERE = Path(__file__).parent
-NOT_AREAS = ("bench", "row")
+NOT_AREAS = ("bench", "neural_trajectory", "row")
 
 
 def areas() -> list[str]:

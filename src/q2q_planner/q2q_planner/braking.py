@@ -116,8 +116,35 @@ compiled_stays_out: Callable[[Motions, int, int, tuple[float, float, float], flo
 stays_out_plain = _stays_out
 
 
+def _motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, Array]:
+    """Return position and velocity (n, 3) of n motions, each at its own time `when` (n,) [s]."""
+    pos, vel, acc, hold, _ = motions
+    there, moving = np.empty_like(pos), np.empty_like(vel)
+    for row in range(len(hold)):
+        first = min(when[row], hold[row])
+        speed = _speed(vel[row], acc[row], first)
+        late = min(when[row] - first, speed / brake)
+        way = late - 0.5 * brake * late * late / speed if speed > 0.0 else 0.0
+        left = max(0.0, 1.0 - brake * late / speed) if speed > 0.0 else 0.0
+        for axis in range(3):
+            rate = vel[row, axis] + acc[row, axis] * first
+            begun = pos[row, axis] + vel[row, axis] * first + 0.5 * acc[row, axis] * first * first
+            there[row, axis] = begun + rate * way
+            moving[row, axis] = rate * left
+    return there, moving
+
+
+_compiled_motions: Callable[[Motions, Array, float], tuple[Array, Array]] = compiled(_motions_after)
+
+
 def motion_after(motions: Motions, s: float | Array, brake: float) -> tuple[Array, Array]:
     """Return position and velocity (n, 3) of n motions at time s [s], one for all or one each."""
+    count = len(motions[3])
+    return _compiled_motions(motions, np.full(count, s, dtype=np.float64), brake)
+
+
+def motion_after_plain(motions: Motions, s: float | Array, brake: float) -> tuple[Array, Array]:
+    """Return the same by numpy."""
     pos, vel, acc, hold, _ = motions
     when = np.broadcast_to(s, hold.shape)[:, None]
     first = np.minimum(when, hold[:, None])

@@ -2,7 +2,7 @@
 
 An encounter is a plan that knows nothing of zones, and how its vehicles hear of each other: `together`, one
 replanner moves them all; or `apart`, each has its own and hears of each other vehicle by messages, one a
-tick, each of them up to `delay` ticks late (so they may overtake each other) and lost with probability
+tick, each of them up to `delay` late (so they may overtake each other) and lost with probability
 `loss`. The judgement knows nothing of the law but its promise (`safe_replanner`): motion between ticks is
 the cubic through positions and velocities, looked at `BETWEEN` times a tick.
 
@@ -25,14 +25,14 @@ from q2q_planner.safe_replanner import SafeReplanner
 from q2q_planner.trajectory import SwarmPlan, setpoint_at
 from q2q_planner.waypoints import Point, VehicleWaypoints, Waypoint
 
-TICK = 0.01
-"""[s]"""
+TICKS = (0.01, 0.02, 0.05)
+"""Replanners run at 100, 50 or 20 Hz [s]; a motion is held for two ticks."""
 BETWEEN = 4
 """Moments of each tick that are looked at."""
 AFTERWARDS = 1.0
 """Flown on after the last waypoint [s]."""
-LATEST = 30
-"""Most ticks that a message is late: 300 ms."""
+LATEST = 0.3
+"""Most that a message is late [s]."""
 MOST_LOST = 0.1
 """Largest share of messages that are lost."""
 CLEAR = 0.02
@@ -57,9 +57,11 @@ class Encounter:
     """Hold who meets whom, and how they hear of each other."""
 
     plan: SwarmPlan
+    tick: float
+    """[s]"""
     apart: bool
     delay: Array
-    """Most ticks that messages of j to i are late, (n, n); of no use together."""
+    """Most that messages of j to i are late [s], (n, n); of no use together."""
     loss: float
     """Share of messages that are lost."""
 
@@ -104,8 +106,9 @@ def random_encounter(generator: np.random.Generator, fewest: int = 2, most: int 
         ],
         "free",
     )
-    delay = generator.integers(0, LATEST + 1, (n, n))
-    return Encounter(plan, bool(generator.integers(2)), delay, float(generator.uniform(0.0, MOST_LOST)))
+    delay, tick = generator.uniform(0.0, LATEST, (n, n)), float(generator.choice(TICKS))
+    loss = float(generator.uniform(0.0, MOST_LOST))
+    return Encounter(plan, tick, bool(generator.integers(2)), delay, loss)
 
 
 def _points(generator: np.random.Generator, shape: Shape, n: int, side: float) -> Array:
@@ -134,12 +137,13 @@ def fly_encounter(
     encounter: Encounter, params: SafeReplannerParams, generator: np.random.Generator
 ) -> list[SwarmSetpoint]:
     """Return the modified setpoints of all vehicles at every tick; `generator` delays and loses messages."""
-    ticks = round((encounter.plan.duration + AFTERWARDS) / TICK)
-    references = [setpoint_at(encounter.plan, k * TICK) for k in range(ticks)]
+    ticks = round((encounter.plan.duration + AFTERWARDS) / encounter.tick)
+    references = [setpoint_at(encounter.plan, k * encounter.tick) for k in range(ticks)]
+    held = replace(params, hold=2.0 * encounter.tick)
     if not encounter.apart:
-        replanner = SafeReplanner(params)
+        replanner = SafeReplanner(held)
         return [replanner.update(reference, None) for reference in references]
-    return _fly_apart(references, encounter, params, _newest_heard(encounter, ticks, generator))
+    return _fly_apart(references, encounter, held, _newest_heard(encounter, ticks, generator))
 
 
 def _newest_heard(encounter: Encounter, ticks: int, generator: np.random.Generator) -> Array:
@@ -149,7 +153,8 @@ def _newest_heard(encounter: Encounter, ticks: int, generator: np.random.Generat
     sent = np.arange(1, ticks)
     for i in range(n):
         for j in range(n):
-            comes = sent + generator.integers(0, encounter.delay[i, j] + 1, ticks - 1)
+            late = generator.uniform(0.0, encounter.delay[i, j], ticks - 1)
+            comes = sent + np.ceil(late / encounter.tick).astype(np.intp)
             there = (generator.random(ticks - 1) >= encounter.loss) & (comes < ticks)
             np.maximum.at(newest[:, i, j], comes[there], sent[there])
     return np.maximum.accumulate(newest, axis=0)
@@ -221,36 +226,35 @@ def conditions_hold(encounter: Encounter, params: SafeReplannerParams) -> bool:
 
 def judge(flown: Sequence[SwarmSetpoint], encounter: Encounter, params: SafeReplannerParams) -> Verdict:
     """Return what became of an encounter."""
-    pos = _between(flown)  # (ticks, BETWEEN, n, 3)
+    tick = encounter.tick
+    pos = _between(flown, tick)  # (ticks, BETWEEN, n, 3)
     i, j = np.triu_indices(pos.shape[2], 1)
     distance = Cylinder(params.eps, params.d).signed_distance(pos[:, :, i] - pos[:, :, j])
-    said = np.array([tick.status == SetpointStatus.PROMISE_BROKEN for tick in flown])
+    said = np.array([one.status == SetpointStatus.PROMISE_BROKEN for one in flown])
     inside = distance < 0.0  # (ticks, BETWEEN, pairs)
     silent = inside & ~(said[:, i] | said[:, j])[:, None]
     last = setpoint_at(encounter.plan, flown[-1].t)
-    moved = np.array([tick.pos for tick in flown]) - np.array(
-        [setpoint_at(encounter.plan, tick.t).pos for tick in flown]
-    )
+    moved = [one.pos[:, :2] - setpoint_at(encounter.plan, one.t).pos[:, :2] for one in flown]
     return Verdict(
         vehicles=pos.shape[2],
         apart=encounter.apart,
         conditions_hold=conditions_hold(encounter, params),
-        zone_time=float(inside.any(axis=2).mean(axis=1).sum() * TICK),
-        silent_time=float(silent.any(axis=2).mean(axis=1).sum() * TICK),
+        zone_time=float(inside.any(axis=2).mean(axis=1).sum() * tick),
+        silent_time=float(silent.any(axis=2).mean(axis=1).sum() * tick),
         broken=bool(said.any()),
         clearance=float(distance.min()),
         arrived=bool(np.abs(flown[-1].pos - last.pos).max() < NEAR) if _all_clear(last.pos) else None,
-        shift=float(np.hypot(moved[..., 0], moved[..., 1]).max()),
+        shift=float(np.sqrt((np.array(moved) ** 2).sum(-1)).max()),
     )
 
 
-def _between(flown: Sequence[SwarmSetpoint]) -> Array:
+def _between(flown: Sequence[SwarmSetpoint], tick: float) -> Array:
     """Return positions within each tick [m], (ticks, BETWEEN, n, 3): the cubic to the next one."""
-    pos, vel = np.array([tick.pos for tick in flown]), np.array([tick.vel for tick in flown])
+    pos, vel = np.array([one.pos for one in flown]), np.array([one.vel for one in flown])
     after, rate = np.concatenate([pos[1:], pos[-1:]]), np.concatenate([vel[1:], vel[-1:]])
     found = []
     for share in np.arange(BETWEEN) / BETWEEN:
         rest = 1.0 - share
         ends = (1.0 + 2.0 * share) * rest**2 * pos + share**2 * (3.0 - 2.0 * share) * after
-        found.append(ends + TICK * share * rest * (rest * vel - share * rate))
+        found.append(ends + tick * share * rest * (rest * vel - share * rate))
     return np.stack(found, axis=1)

@@ -46,12 +46,15 @@ def at_reference(setpoint: SwarmSetpoint) -> HeldMotion:
 
 def carried_on(held: HeldMotion | None, setpoint: SwarmSetpoint, brake: float) -> HeldMotion:
     """Return where the swarm is now; who is new, and everyone after a gap, starts on the reference."""
-    fresh = at_reference(setpoint)
     if held is None or not 0.0 < setpoint.t - held.t <= LONGEST_GAP:
-        return fresh
+        return at_reference(setpoint)
     passed = round(setpoint.t - held.t, 9)  # stamps are whole nanoseconds
     doubt = np.zeros((len(held.names), 2))
     pos, vel = motion_after((held.pos, held.vel, held.acc, held.hold, doubt), passed, brake)
+    left = np.maximum(held.hold - passed, 0.0)
+    if held.names == setpoint.names:
+        return HeldMotion(setpoint.t, held.names, pos, vel, held.acc, left, held.on_reference, held.pushed)
+    fresh = at_reference(setpoint)
     rows = index_of(setpoint.names, held.names)
     known = rows >= 0
     col = known[:, None]
@@ -61,7 +64,7 @@ def carried_on(held: HeldMotion | None, setpoint: SwarmSetpoint, brake: float) -
         np.where(col, pos[rows], fresh.pos),
         np.where(col, vel[rows], fresh.vel),
         np.where(col, held.acc[rows], 0.0),
-        np.where(known, np.maximum(held.hold[rows] - passed, 0.0), 0.0),
+        np.where(known, left[rows], 0.0),
         held.on_reference[rows] | ~known,
         held.pushed[rows] & known,
     )

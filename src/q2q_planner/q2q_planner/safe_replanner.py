@@ -29,10 +29,12 @@ chosen at that tick, and every other choice is the rest of a motion proven befor
 the least push that keeps the pair's approach stoppable, sideways along the zone's normal.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState, index_of
 from q2q_planner.barrier import push_apart
 from q2q_planner.braking import Motions
@@ -144,10 +146,17 @@ def _choice(
     return choose_motions(new, (pos, vel, push, hold, growth), scene.pairs, proven, limits)[:own]
 
 
-def _limited(acc: Array, most: float) -> Array:
+def _shorten(acc: Array, most: float) -> Array:
     """Return accelerations (n, 3) shortened to `most` [m/s^2]."""
-    size = np.sqrt((acc**2).sum(-1, keepdims=True))
-    return np.where(size > most, acc * (most / np.where(size > most, size, 1.0)), acc)
+    short = acc.copy()
+    for row in range(len(acc)):
+        size = np.sqrt(acc[row, 0] ** 2 + acc[row, 1] ** 2 + acc[row, 2] ** 2)
+        if size > most:
+            short[row] *= most / size
+    return short
+
+
+_limited: Callable[[Array, float], Array] = compiled(_shorten)
 
 
 def _decided(held: HeldMotion, wanted: Array, choice: Choices, pushed: Mask, hold: float) -> HeldMotion:

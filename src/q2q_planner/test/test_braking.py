@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from q2q_model.zone import Cylinder
 from q2q_planner.barrier import push_apart, push_apart_plain
-from q2q_planner.braking import compiled_stays_out, motion_after, stays_out_plain
+from q2q_planner.braking import compiled_stays_out, motion_after, motion_after_plain, stays_out_plain
 from q2q_planner.meetings import meetings
 
 BRAKE = 3.0
@@ -101,3 +101,16 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
             assert not push_apart(
                 turned, (pos, vel, pos), pair, wide, (12, 0.2, 1.1, 4.0, 4.0, 0.5, 0.05)
             ).any()
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.integers(0, 10**9))
+def test_compiled_motions_are_the_plain_ones(seed: int) -> None:
+    motions = random_motions(seed, 5)
+    motions[1][0], motions[2][0] = 0.0, 0.0  # one at rest
+    when = np.random.default_rng(seed).uniform(0.0, 2.0, 5)
+    for s in (0.0, 0.3, when):
+        for ours, twin in zip(
+            motion_after(motions, s, BRAKE), motion_after_plain(motions, s, BRAKE), strict=True
+        ):
+            assert ours == pytest.approx(twin, rel=1e-12, abs=1e-12)  # sums in another order

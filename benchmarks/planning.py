@@ -1,0 +1,209 @@
+"""Time planning: section 4.1 beside the paper's networks, minimum snap beside a QP, swarms that cross a room.
+
+Everything is timed in processor time of this process, references in the same run. A room of N vehicles has
+free air in proportion to N: they start on a jittered grid, 0.8 m apart, and each flies straight to another's
+place, so that all cross each other's way in its middle. Zones are the paper's I(0.1, 1.1).
+"""
+
+from collections.abc import Callable, Sequence
+from time import process_time
+
+import numpy as np
+import osqp
+from scipy import sparse
+
+from neural_trajectory import NeuralPlan, plan_neural
+from q2q_model.signals import Array
+from q2q_model.zone import Cylinder
+from q2q_planner.avoidance import AvoidanceParams, AvoidancePlan, InfeasibleError, avoid
+from q2q_planner.minsnap import minimum_snap, minimum_snap_plan, snap_cost
+from q2q_planner.potential_field import PotentialField
+from q2q_planner.replanner import Replanner
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.safe_replanner import SafeReplanner
+from q2q_planner.trajectory import setpoint_at
+from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from row import Row
+
+ZONE = Cylinder()
+SECTION_4_1 = (
+    VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),
+    VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0)))),
+)
+NEURAL_TIME = 60.0
+"""Processor time that the paper's way is given [s]."""
+ROOMS = (10, 50, 100)
+TICKS = {10: 400, 100: 400, 500: 100}
+"""Vehicles, and how many ticks are timed in the middle of the crossing."""
+GRID, JITTER = 0.8, 0.1
+"""Places of a room are this far apart, and off by up to this [m]."""
+SPEED = 0.5
+"""Mean speed across a room [m/s]: a peak of 1.1."""
+TICK_ZONE = SafeReplannerParams(eps=0.15, tracking=0.02)
+
+
+def run() -> list[Row]:
+    """Return the rows of this area."""
+    rows = _section_4_1(NEURAL_TIME) + _minimum_snap()
+    rows += [row for count in TICKS for row in _tick(count)]
+    return rows + [row for count in ROOMS for row in _joint(count)]
+
+
+def _section_4_1(longest: float) -> list[Row]:
+    """Return our plan beside that of networks and SLSQP, both around the paper's zone."""
+    ours = _best(lambda: avoid(SECTION_4_1, ZONE), 3)
+    found = avoid(SECTION_4_1, ZONE)
+    neural = plan_neural(SECTION_4_1, ZONE, longest)
+    speed = "the paper's networks by SLSQP, " + ("converged" if neural.converged else "not converged")
+    return [
+        Row("section 4.1, planned and certified", 1e3 * ours, "ms", speed, neural.cpu / ours),
+        Row("  snap cost over the infimum", found.cost / found.infimum, ""),
+        Row("  clearance, proven for every t", 1e3 * found.certificate.clearance, "mm"),
+        *_neural_rows(neural, found.infimum),
+    ]
+
+
+def _neural_rows(neural: NeuralPlan, infimum: float) -> list[Row]:
+    return [
+        Row("networks: processor time taken", neural.cpu, "s"),
+        Row("networks: converged (1) or not (0)", float(neural.converged), ""),
+        Row("networks: iterations", neural.iterations, ""),
+        Row("networks: snap cost over the infimum", neural.cost / infimum, ""),
+        Row("networks: waypoints missed by up to", 1e3 * neural.waypoint_error, "mm"),
+        Row("networks: inside the zone on their grid, share", neural.zone_error, ""),
+    ]
+
+
+def _minimum_snap() -> list[Row]:
+    """Return minimum snap through many waypoints beside a QP over the polynomials' coefficients."""
+    generator, rows = np.random.default_rng(0), []
+    for count in (3, 10, 100):
+        points = generator.uniform([-1.0, -1.0, 0.5], [1.0, 1.0, 2.5], (count, 3))
+        times = np.concatenate([[0.0], np.cumsum(generator.uniform(1.0, 3.0, count - 1))])
+        vehicle = _vehicle("cf1", times, points)
+        ours = _best(lambda vehicle=vehicle: minimum_snap(vehicle, "free"), 5)
+        theirs, cost = _by_osqp(times, points)
+        name = f"minimum snap, {count} waypoints, free derivatives"
+        rows.append(Row(name, 1e3 * ours, "ms", "OSQP over coefficients, set up and solved", theirs / ours))
+        ratio = cost / snap_cost(minimum_snap(vehicle, "free"))
+        rows.append(Row("  cost of OSQP's solution over ours", ratio, ""))
+    return rows
+
+
+def _by_osqp(times: Array, points: Array) -> tuple[float, float]:
+    """Return the time and the cost of the QP in monomials of unit time (Mellinger and Kumar, 2011)."""
+    spans = np.diff(times)
+    order, pieces = 8, len(spans)
+    k = np.arange(order)
+    fall = np.array([_falling(k, p) for p in range(4)])  # derivatives 0..3 at u = 0 and 1
+    snap = _falling(k, 4)
+    power = k[:, None] + k - 7
+    gram = np.where(power > 0, np.outer(snap, snap) / np.maximum(power, 1), 0.0)
+    before, cost = process_time(), 0.0
+    weight = sparse.block_diag([2.0 * gram / span**7 for span in spans], format="csc")
+    rows, ends = [], np.zeros((0, 3))
+    for piece, span in enumerate(spans):
+        for at, share in ((piece, 0.0), (piece + 1, 1.0)):
+            row = np.zeros(order * pieces)
+            row[order * piece : order * (piece + 1)] = share**k
+            rows.append(row)
+            ends = np.vstack([ends, points[at]])
+        for p in range(1, 4 if piece in (0, pieces - 1) else 1):
+            row = np.zeros(order * pieces)
+            row[order * piece + k] = fall[p] * (0.0 ** np.maximum(k - p, 0) if piece == 0 else 1.0)
+            rows.append(row)
+            ends = np.vstack([ends, np.zeros(3)])
+        for p in range(1, 7 if piece < pieces - 1 else 1):
+            row = np.zeros(order * pieces)
+            row[order * piece + k] = _falling(k, p) / span**p
+            row[order * (piece + 1) + p] = -_falling(k, p)[p] / spans[piece + 1] ** p
+            rows.append(row)
+            ends = np.vstack([ends, np.zeros(3)])
+    equal = sparse.csc_matrix(np.array(rows))
+    for axis in range(3):
+        solver = osqp.OSQP()
+        solver.setup(
+            weight, np.zeros(order * pieces), equal, ends[:, axis], ends[:, axis],
+            verbose=False, eps_abs=1e-7, eps_rel=1e-7, max_iter=20_000, polishing=True,
+        )  # fmt: skip
+        x = solver.solve().x
+        cost += 0.5 * float(x @ (weight @ x))
+    return process_time() - before, cost
+
+
+def _falling(k: Array, p: int) -> Array:
+    """Return k (k-1) ... (k-p+1), (order,): the factors of the p-th derivative."""
+    return np.asarray(np.prod([k - i for i in range(p)], axis=0) * np.ones(len(k)))
+
+
+def _tick(count: int) -> list[Row]:
+    """Return one tick of both laws while a room is crossed."""
+    plan = minimum_snap_plan(_room(count))
+    middle = 0.5 * plan.duration - 0.005 * TICKS[count]
+    ticks = [setpoint_at(plan, middle + 0.01 * k) for k in range(TICKS[count])]
+    laws: dict[str, Replanner] = {"safe": SafeReplanner(TICK_ZONE), "paper": PotentialField()}
+    rows = []
+    for law, replanner in laws.items():
+        taken = []
+        for tick in ticks:
+            start = process_time()
+            replanner.update(tick, None)
+            taken.append(1e3 * (process_time() - start))
+        late = np.array(taken[len(taken) // 10 :])  # the first ones compile
+        name, beside = f"replanner tick, {law} law, {count} vehicles", "a tick of 100 Hz"
+        rows.append(
+            Row(f"{name}, median", float(np.median(late)), "ms", beside, 10.0 / float(np.median(late)))
+        )
+        rows.append(Row(f"{name}, p99", float(np.percentile(late, 99)), "ms"))
+    return rows
+
+
+def _joint(count: int) -> list[Row]:
+    """Return how long it takes to plan a room's crossing, certified."""
+    swarm = _room(count)
+    begun = process_time()
+    try:
+        found: AvoidancePlan | None = avoid(swarm, ZONE, params=AvoidanceParams(starts=1))
+    except InfeasibleError:
+        found = None
+    taken = process_time() - begun
+    name = f"joint plan of {count} vehicles across a room"
+    if found is None:
+        return [Row(f"{name}, NOT found", taken, "s")]
+    return [
+        Row(f"{name}, certified", taken, "s"),
+        Row("  snap cost over the infimum", found.cost / found.infimum, ""),
+        Row("  clearance, proven for every t", 1e3 * found.certificate.clearance, "mm"),
+    ]
+
+
+def _room(count: int) -> tuple[VehicleWaypoints, ...]:
+    """Return vehicles that fly to each other's places, all at the same time."""
+    generator = np.random.default_rng(count)
+    side = int(np.ceil(np.sqrt(count)))
+    grid = np.stack(np.divmod(generator.permutation(side * side)[:count], side), axis=-1) * GRID
+    places = np.column_stack([grid, np.full(count, 1.2)]) + generator.uniform(-JITTER, JITTER, (count, 3))
+    goals = places[generator.permutation(count)]
+    end = max(6.0, GRID * side / SPEED)
+    times = np.array([0.0, end])
+    return tuple(
+        _vehicle(f"cf{row}", times, np.array(pair))
+        for row, pair in enumerate(zip(places, goals, strict=True))
+    )
+
+
+def _vehicle(name: str, times: Array, points: Array) -> VehicleWaypoints:
+    stops = zip(times, points.tolist(), strict=True)
+    return VehicleWaypoints(name, tuple(Waypoint(float(t), (x, y, z)) for t, (x, y, z) in stops))
+
+
+def _best(task: Callable[[], object], count: int) -> float:
+    """Return the least processor time of one call [s]."""
+    taken: Sequence[float] = [_seconds(task) for _ in range(count)]
+    return min(taken)
+
+
+def _seconds(task: Callable[[], object]) -> float:
+    start = process_time()
+    task()
+    return process_time() - start

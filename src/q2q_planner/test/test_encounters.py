@@ -1,0 +1,76 @@
+"""Random encounters keep the safe law's promise; what judges them sees what it should."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from q2q_model.signals import SetpointStatus
+from q2q_planner.encounters import Encounter, fly_encounter, judge, random_encounter
+from q2q_planner.minsnap import minimum_snap_plan
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.trajectory import setpoint_at
+from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+
+PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)
+TICK = 0.01
+
+
+def kept_promise(seed: int, most: int) -> None:
+    generator = np.random.default_rng(seed)
+    encounter = random_encounter(generator, most=most)
+    verdict = judge(fly_encounter(encounter, PARAMS, generator), encounter, PARAMS)
+    assert verdict.silent_time == 0.0
+    if verdict.conditions_hold:
+        assert not verdict.broken
+        assert verdict.zone_time == 0.0
+        assert verdict.clearance > 2.0 * PARAMS.tracking  # room for both to be off their trajectories
+
+
+@settings(deadline=None, max_examples=3)
+@given(st.integers(0, 10**9))
+def test_any_encounter_keeps_the_promise_or_says_so(seed: int) -> None:
+    kept_promise(seed, most=4)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_encounters_of_up_to_ten_keep_the_promise_or_say_so(seed: int) -> None:
+    kept_promise(seed, most=10)
+
+
+def head_on() -> Encounter:
+    """Return two vehicles that swap places 3 m apart in 6 s, passing exactly head on."""
+    plan = minimum_snap_plan(
+        [
+            VehicleWaypoints("cf1", (Waypoint(0, (-1.5, 0, 1)), Waypoint(6, (1.5, 0, 1)))),
+            VehicleWaypoints("cf2", (Waypoint(0, (1.5, 0, 1)), Waypoint(6, (-1.5, 0, 1)))),
+        ]
+    )
+    return Encounter(plan, TICK, apart=True, delay=np.array([[0.0, 0.3], [0.05, 0.0]]), loss=0.05)
+
+
+def test_two_replanners_that_hear_each_other_late_avoid_each_other() -> None:
+    encounter = head_on()
+    verdict = judge(fly_encounter(encounter, PARAMS, np.random.default_rng(0)), encounter, PARAMS)
+    assert verdict.conditions_hold
+    assert verdict.zone_time == 0.0
+    assert not verdict.broken
+
+
+def test_references_that_nobody_moves_are_judged_inside_and_silent() -> None:
+    """The middle of a swap is flown at 35/16 of 0.5 m/s: 0.4 m of zone pass at twice that speed."""
+    encounter = head_on()
+    references = [setpoint_at(encounter.plan, k * TICK) for k in range(700)]
+    verdict = judge(references, encounter, PARAMS)
+    assert verdict.zone_time == pytest.approx(0.4 / (2.0 * 35.0 / 16.0 * 0.5), abs=0.01)
+    assert verdict.silent_time == verdict.zone_time
+    assert verdict.clearance == pytest.approx(-PARAMS.eps, abs=0.01)
+    assert verdict.shift == 0.0
+    assert verdict.arrived
+    said = np.array([SetpointStatus.PROMISE_BROKEN, SetpointStatus.NOMINAL], dtype=np.uint8)
+    told = judge([replace(one, status=said) for one in references], encounter, PARAMS)
+    assert told.zone_time == verdict.zone_time
+    assert told.silent_time == 0.0
+    assert told.broken
