@@ -1,0 +1,154 @@
+"""Fly random faults through random scenarios, and judge every flight: `campaign --runs N`.
+
+A run is a seed. Ended runs are kept in a file of JSON lines, so that a campaign that was interrupted goes
+on where it was; a violation prints its seed and keeps its bag and scenario. Ends with 1 where any policy
+was violated.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from q2q_model.tools.command_line import CommandLine, without_ros
+from q2q_sim.campaign.outcome import Outcome, as_document, from_document, summary
+from q2q_sim.tools.campaign_engine import ENGINES, outcomes
+from q2q_sim.tools.campaign_nodes import NodeFlights
+from q2q_sim.tools.fly import warn_plainly
+
+EXAMPLE = """  scripts/campaign --runs 20
+  scripts/campaign --runs 2000 --jobs 2 --through-nodes 200 --json out/campaign.json
+  DASK_SCHEDULER_ADDRESS=tcp://host:8786 scripts/campaign --runs 20000 --engine dask"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Fly the campaign the command line asks for; return the exit status."""
+    asked = parser().parse_args(without_ros(arguments))
+    warn_plainly("campaign")
+    try:
+        flown, seconds = _fly(asked)
+    except KeyboardInterrupt:
+        print("campaign: interrupted; call it again to go on", file=sys.stderr)
+        return 130
+    except (ValueError, OSError) as refusal:
+        print(f"campaign: {refusal}", file=sys.stderr)
+        return 2
+    show(flown, seconds)
+    if asked.json:
+        asked.json.parent.mkdir(parents=True, exist_ok=True)
+        asked.json.write_text(json.dumps(summary(flown, seconds), indent=1) + "\n")
+    return int(any(one.violations for one in flown))
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("campaign", __doc__, EXAMPLE)
+    made.add_argument("--runs", type=_count, default=20, help="how many runs in all (default 20)")
+    made.add_argument("--jobs", type=_count, default=1, help="how many at once (default 1)")
+    made.add_argument(
+        "--through-nodes", type=_count, default=0, help="how many of them through the real nodes, in lockstep"
+    )
+    made.add_argument("--seed", type=_count, default=0, help="seed of the first run; the others follow it")
+    made.add_argument("--engine", choices=ENGINES, default="local", help="who runs them at once")
+    made.add_argument("--out", type=Path, default=Path("out/campaign"), help="folder of runs and bags")
+    made.add_argument("--json", type=Path, help="write what it comes to to this file")
+    return made
+
+
+def _count(text: str) -> int:
+    count = int(text) if text.isdigit() else -1
+    if count < 0:
+        raise argparse.ArgumentTypeError(f"{text}: a whole number, 0 or above")
+    return count
+
+
+def _fly(asked: argparse.Namespace) -> tuple[list[Outcome], float]:
+    if asked.through_nodes > asked.runs:
+        raise ValueError(f"--through-nodes {asked.through_nodes}: at most the {asked.runs} --runs")
+    asked.out.mkdir(parents=True, exist_ok=True)
+    log, kept = asked.out / "runs.jsonl", asked.out / "violations"
+    seeds = range(asked.seed, asked.seed + asked.runs)
+    by_nodes = set(seeds[: asked.through_nodes])
+    done = {
+        one.seed: one
+        for one in read(log)
+        if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes)
+    }
+    pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
+    nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
+    with log.open("a", encoding="utf-8") as file, _bar() as bar:
+        task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
+        for one in _all(asked, pure, nodes, kept):
+            file.write(json.dumps(as_document(one)) + "\n")
+            file.flush()
+            done[one.seed] = one
+            tell(one, bar.console)
+            bar.update(task, advance=1, violations=sum(bool(each.violations) for each in done.values()))
+    flown = [done[seed] for seed in seeds]
+    return flown, sum(one.seconds for one in flown)
+
+
+def _all(
+    asked: argparse.Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path
+) -> Iterable[Outcome]:
+    if pure:
+        yield from outcomes(asked.engine, pure, asked.jobs, kept)
+    if nodes:
+        with NodeFlights(asked.out / "nodes", kept) as flights:
+            yield from map(flights.fly_and_judge, nodes)
+
+
+def read(log: Path) -> list[Outcome]:
+    """Return the runs in a file of JSON lines; a last line that was cut off is no run.
+
+    Raises:
+        ValueError: the file holds something else.
+    """
+    lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
+    found = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            found.append(from_document(json.loads(line)))
+        except ValueError as wrong:
+            if number < len(lines):
+                raise ValueError(f"{log}, line {number}: {wrong}; delete the file to begin anew") from wrong
+    return found
+
+
+def tell(outcome: Outcome, console: Console) -> None:
+    """Print a run that violated a policy."""
+    if outcome.violations:
+        console.print(f"seed {outcome.seed}: {outcome.what}", highlight=False)
+        for one in outcome.violations:
+            console.print(f"    {one}", highlight=False)
+
+
+def show(flown: Sequence[Outcome], seconds: float) -> None:
+    """Print the table of a campaign."""
+    total = summary(flown, seconds)
+    table = Table(title=f"{total['runs']} runs, {total['through_nodes']} through the nodes, {seconds:.0f} s")
+    table.add_column("policy")
+    table.add_column("runs that violate it", justify="right")
+    counts = total["by_policy"]
+    for policy, count in counts.items() if isinstance(counts, dict) else ():
+        table.add_row(policy, str(count))
+    table.add_row("any", str(total["violations"]))
+    Console().print(table)
+    if total["seeds_of_violations"]:
+        print(f"seeds of violations: {total['seeds_of_violations']}")
+
+
+def _bar() -> Progress:
+    words = TextColumn("{task.description}, violations {task.fields[violations]}")
+    return Progress(
+        words, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=Console(stderr=True)
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
