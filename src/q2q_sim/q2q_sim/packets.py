@@ -32,8 +32,11 @@ Onboard = tuple[Nanoseconds, Flags, Array]
 """heard_ns, locked, obeyed."""
 
 
-def _put(flying: Flying, count: int, values: Array, sent: Sent, clock: tuple[int, int, int]) -> int:
+def _put(
+    flying: Flying, count: int, asked: tuple[Array, float], sent: Sent, clock: tuple[int, int, int]
+) -> int:
     when, what = flying
+    values, thrust_max = asked
     rows, next_ns, lost, late_ns = sent
     now_ns, gap_ns, latency_ns = clock
     for k in range(rows.size):
@@ -44,7 +47,8 @@ def _put(flying: Flying, count: int, values: Array, sent: Sent, clock: tuple[int
         if lost[row]:
             continue
         when[count, 0], when[count, 1] = now_ns + latency_ns + late_ns[row], row
-        for c in range(4):
+        what[count, 0] = min(max(values[0, k], 0.0), thrust_max)
+        for c in range(1, 4):
             what[count, c] = values[c, k]
         count += 1
     return count
@@ -88,8 +92,8 @@ def _deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int
 
 watch = compiled(_watch)
 put = compiled(_put)
-"""Send packets of `values` (4, k): (flying, packets in the air, values, sent, (now, gap, latency) [ns]);
-return how many are in the air then."""
+"""Send packets, values (4, k): (flying, packets in the air, (values, largest thrust [N]), sent,
+(now, gap, latency) [ns]); return how many are in the air then."""
 deliver = compiled(_deliver)
 """Write what each vehicle obeys in each physics step from now on into `out` (steps, n, 4):
 (flying, packets in the air, onboard, (now, step) [ns], out); return how many packets are still in the air."""

@@ -65,19 +65,21 @@ class Radio:
         obeyed[:, 0] = np.where(locked, 0.0, at_start)
         self._onboard = np.zeros(n, dtype=np.int64), locked, obeyed
         sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
-        put(self._flying, 0, np.zeros((4, 0)), sent, (0, 0, 0))  # loads it before the first tick
+        put(
+            self._flying, 0, (np.zeros((4, 0)), thrust_max), sent, (0, 0, 0)
+        )  # loads it before the first tick
 
     def send(self, now_ns: int, rows: Rows, command: SwarmCommand, jammed: Mask) -> None:
         """Send the command of the tick at now_ns; row k of it is for vehicle rows[k].
 
         Packets to vehicles that are `jammed` (n,) are lost besides those that are lost anyway.
         """
-        values = self._coded(command)
+        asked = self._coded(command), self._scale.thrust_max
         while self._count + len(rows) > len(self._flying[0]):
             when, what = self._flying
             self._flying = np.vstack([when, np.zeros_like(when)]), np.vstack([what, np.zeros_like(what)])
         sent = rows, self._next_ns, jammed | self._lost(), self._late_ns()
-        self._count = put(self._flying, self._count, values, sent, (now_ns, self._gap_ns, self._latency_ns))
+        self._count = put(self._flying, self._count, asked, sent, (now_ns, self._gap_ns, self._latency_ns))
 
     def obeyed(self, now_ns: int, step_ns: int, steps: int) -> Array:
         """Return what each vehicle obeys in each of the physics steps from now on, (steps, n, 4)."""
@@ -100,9 +102,7 @@ class Radio:
         """Return what the packets say, back in N and rad: thrust, roll, pitch, yaw rate, (4, k)."""
         if not self._params.quantised:
             values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-            values = values.reshape(4, -1)
-            np.clip(values[0], 0.0, self._scale.thrust_max, out=values[0])
-            return values
+            return values.reshape(4, -1)
         pitch, roll, yaw_rate, pwm = legacy_setpoints(command, self._scale).T
         degrees = np.stack([roll, pitch, yaw_rate]).astype(np.float32).astype(np.float64)
         thrust = np.where(pwm < PWM_MIN, 0.0, pwm) / PWM_MAX * self._scale.thrust_max
