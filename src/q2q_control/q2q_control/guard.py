@@ -29,11 +29,13 @@ from numpy.typing import NDArray
 
 from q2q_control.controller import Controller
 from q2q_control.fallback import FallbackParams, descended, fallback_command
+from q2q_model.compiled import compiled
 from q2q_model.signals import (
     Array,
     CommandStatus,
     Interference,
     Names,
+    Status,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
@@ -127,16 +129,11 @@ class Guard:
 
     def _is_calm(self, command: SwarmCommand, state: SwarmState, known: float) -> bool:
         """Return whether all is known of everybody, and note since when: nearly every tick."""
-        if (
-            self._emergency
-            or command.names != self._names
-            or state.names != self._names
-            or self._down.any()
-            or not float(state.age.max(initial=0.0)) + known < self._params.degraded_s
-            or float(state.age.min(initial=0.0)) < 0.0
-            or int(command.status.max(initial=0)) > _SOUND
-            or not _is_finite(command)
-        ):
+        if self._emergency or command.names != self._names or state.names != self._names:
+            return False
+        values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
+        ages = state.age + known
+        if not all_calm((ages, known, self._params.degraded_s), values, command.status, self._down):
             return False
         self._basis = command.t - state.age - max(known, 0.0)
         return True
@@ -173,6 +170,24 @@ class Guard:
         thrust, roll, pitch, yaw_rate = np.where(bad, level, values)
         status = np.where(bad, CommandStatus.LEVEL, command.status).astype(np.uint8)
         return SwarmCommand(command.t, command.names, thrust, roll, pitch, yaw_rate, status)
+
+
+def _all_calm(
+    known: tuple[Array, float, float], values: Array, status: Status, down: NDArray[np.bool_]
+) -> bool:
+    ages, least, most = known
+    for i in range(ages.size):
+        if not (least <= ages[i] < most) or status[i] > _SOUND or down[i]:
+            return False
+    for value in values:  # noqa: SIM110  numba knows no all()
+        if not isfinite(value):
+            return False
+    return True
+
+
+all_calm = compiled(_all_calm)
+"""Return whether all is known of everybody: ((ages of what is known [s] (n,), their least and their bound),
+the commands' numbers, status, whose motors are off (n,))."""
 
 
 def _is_finite(command: SwarmCommand) -> bool:
