@@ -56,6 +56,16 @@ def test_the_same_seed_gives_the_same_numbers_to_the_last_digit(run: FlightRun, 
         np.testing.assert_array_equal(again[name], values, err_msg=name)
 
 
+def test_one_process_for_the_road_flies_the_same_numbers_and_records_every_topic(
+    run: FlightRun, tmp_path: Path
+) -> None:
+    request = FlightRequest(SCENARIO, seed=3, stack=True)
+    stacked = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    assert stacked.timing.missed_ticks == 0
+    for name, values in arrays_of(run.flight).items():
+        np.testing.assert_array_equal(arrays_of(stacked.flight)[name], values, err_msg=name)
+
+
 def test_another_seed_gives_another_flight(run: FlightRun, tmp_path: Path) -> None:
     other = flown(tmp_path, seed=4).flight
     assert np.abs(other.true_pos - run.flight.true_pos).max() > 1e-4

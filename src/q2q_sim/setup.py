@@ -29,6 +29,7 @@ setup(
             "simulator = q2q_sim.ros.simulator_node:main",
             "bag_record = q2q_sim.ros.bag_record_node:main",
             "bag_play = q2q_sim.ros.bag_play_node:main",
+            "stack = q2q_sim.ros.stack:main",
             "view = q2q_sim.ros.view_node:main",
             "bag_import = q2q_sim.tools.bag_import:main",
             "crtp = q2q_sim.tools.crtp:main",

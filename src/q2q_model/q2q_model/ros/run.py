@@ -2,7 +2,7 @@
 
 import gc
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 import rclpy
@@ -31,16 +31,29 @@ def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | 
         build: declares parameters, subscribes and publishes; what it returns is kept alive.
         end: called with that once the node has stopped, as to close files.
     """
+
+    def alone() -> dict[Node, Kept]:
+        return {(node := Node(name)): build(node)}
+
+    run_together(name, alone, end)
+
+
+def run_together(
+    name: str, build: Callable[[], Mapping[Node, Kept]], end: Callable[[Kept], None] | None = None
+) -> None:
+    """Run several nodes in one process, as `run` does one; `name` speaks for all."""
     rclpy.init()
     try:
-        kept = build(node := Node(name))
-        offer_ready(node)
-        offer_drained(node)
+        kept = build()
+        for node in kept:
+            offer_ready(node)
+            offer_drained(node)
         try:
-            spin(node)
+            spin(*kept)
         finally:
             if end is not None:
-                end(kept)
+                for one in kept.values():
+                    end(one)
     except (ValueError, OSError) as refusal:
         print(f"{name}: {refusal}", file=sys.stderr)
         sys.exit(2)

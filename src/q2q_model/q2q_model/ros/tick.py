@@ -1,6 +1,7 @@
 """Wire a block into the graph: join the inputs of a tick by stamp, update, publish under that stamp."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Generic, TypeVar
 
 from rclpy.node import Node
@@ -8,7 +9,9 @@ from rclpy.node import Node
 from q2q_model.cdr import SignalReader, encode, header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.layout import Signal
+from q2q_model.local_bus import LocalBus
 from q2q_model.rehearsal import rehearsal
+from q2q_model.ros.bus_node import BusNode
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.ending import ForgivingTheEnd
 from q2q_model.ros.messages import MESSAGES
@@ -37,6 +40,8 @@ class TickWiring(Generic[Made]):
         self._publisher = node.create_publisher(MESSAGES[signal], topic, TICK_WRITER)
         self._inputs = inputs
         self._after: list[Callable[[int, Made], None]] = []
+        self._topic = topic
+        self._bus = node.bus if isinstance(node, BusNode) else LocalBus(())
         publish_health(node, self.health)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
@@ -55,19 +60,33 @@ class TickWiring(Generic[Made]):
         self._after.append(follow)
 
     def publish(self, stamp_ns: int, signal: Made) -> None:
-        """Publish a signal under a stamp."""
+        """Publish a signal under a stamp: first to listeners within the process, if it has a bus."""
+        self._bus.post(self._topic, stamp_ns, signal, partial(self._tell_world, stamp_ns, signal))
+
+    def _tell_world(self, stamp_ns: int, signal: Made) -> None:
         with self._forgiving:
             self._publisher.publish(encode(signal, stamp_ns))
 
     def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., Made]) -> None:
         reader = SignalReader(signal)
 
-        def receive(data: bytes) -> None:
+        def take(stamp_ns: int, value: Signal) -> None:
             try:
-                self._receive(topic, header_stamp_ns(data), reader.read(data), update)
+                self._receive(topic, stamp_ns, value, update)
             except ValueError as refusal:
                 self.health.refuse(f"{topic}: {refusal}")
 
+        def receive(data: bytes) -> None:
+            try:
+                value = reader.read(data)
+            except ValueError as refusal:
+                self.health.refuse(f"{topic}: {refusal}")
+                return
+            take(header_stamp_ns(data), value)
+
+        if self._bus.carries(topic):
+            self._bus.listen(topic, take)
+            return
         self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Callable[..., Made]) -> None:

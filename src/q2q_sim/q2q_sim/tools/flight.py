@@ -42,6 +42,8 @@ class FlightRequest:
     seed: int = 0
     model: str = ""
     """Interaction model in place of the scenario's; empty keeps that."""
+    stack: bool = False
+    """Run the road from mocap_filter to controller in one process."""
     record: tuple[str, ...] = ()
     """Topics that go into the bag; empty is all."""
 
@@ -90,11 +92,12 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
         for spec in specs:
             processes.start(replace(spec, cores=cores_of(spec.executable, domain, allowed_cores())))
         with FlightDirector(processes.check) as director:
-            director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S, lambda: progress(0.0))
+            names = [name for spec in specs for name in spec.nodes]
+            director.wait_wired(names, WIRING_TIMEOUT_S, lambda: progress(0.0))
             director.start()
             total = scenario.duration / assembly.TICK_S
             summary = director.wait_summary(lambda ticks: progress(ticks / total))
-            director.wait_drained([*(spec.executable for spec in specs[1:]), RECORDER])
+            director.wait_drained([*(name for name in names if name != RECORDER), RECORDER])
     flight = read_flight(bag)
     return FlightRun(request, flight, measure(flight, scenario.vehicle), timing_of(summary), bag)
 
@@ -107,6 +110,17 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
     else:
         plan_file.save(plan, assembly.plan_of(scenario))
     pace = "live" if request.live else "lockstep"
+    road = (
+        NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
+        NodeSpec("q2q_model", "interference", {"model": scenario.model}),
+        NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
+        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, request.options)),
+        NodeSpec(
+            "q2q_control",
+            request.controller,
+            assembly.controller_parameters(scenario, request.options) | {"live": request.live},
+        ),
+    )
     return [
         NodeSpec(
             "q2q_sim",
@@ -117,18 +131,16 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
                 "topics": request.record,
             },
         ),
-        NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
-        NodeSpec("q2q_model", "interference", {"model": scenario.model}),
-        NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
-        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, request.options)),
-        NodeSpec(
-            "q2q_control",
-            request.controller,
-            assembly.controller_parameters(scenario, request.options) | {"live": request.live},
-        ),
+        *(one_process(road) if request.stack else road),
         NodeSpec(
             "q2q_sim",
             "simulator",
             {"scenario": request.scenario, "seed": request.seed, "pace": pace, "autostart": False},
         ),
     ]
+
+
+def one_process(road: tuple[NodeSpec, ...]) -> list[NodeSpec]:
+    """Return the process in which these nodes run together."""
+    names = tuple(spec.executable for spec in road)
+    return [NodeSpec("q2q_sim", "stack", {"nodes": names}, inside=road)]

@@ -66,6 +66,9 @@ def parser() -> CommandLine:
         help="plan ahead around the model's draft, or not",
     )
     _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as the commands come", default=False)
+    made.add_argument(
+        "--stack", action="store_true", help="run filter, model, planner and controller in one process"
+    )
     made.add_argument("--seed", type=int, default=0, help="seed of everything random")
     made.add_argument("--model", default="", help="interaction model: none, a shipped name, or a .q2q file")
     made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
@@ -121,6 +124,7 @@ def request_of(asked: argparse.Namespace) -> FlightRequest:
         replan=asked.replan,
         plan=asked.plan,
         live=asked.live,
+        stack=asked.stack,
         seed=asked.seed,
         model=asked.model,
         record=tuple(asked.record),

@@ -29,6 +29,13 @@ class NodeSpec:
     parameters: Mapping[str, ParameterValue]
     cores: frozenset[int] = frozenset()
     """Where it may run; empty is anywhere."""
+    inside: tuple["NodeSpec", ...] = ()
+    """Nodes that run in its process."""
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """Return the names of all nodes of the process."""
+        return (self.executable, *(spec.executable for spec in self.inside))
 
 
 class NodeDiedError(RuntimeError):
@@ -65,7 +72,7 @@ class Processes:
     def start(self, spec: NodeSpec) -> None:
         """Start a node with its parameters; its output goes to `<executable>.log`."""
         parameters = self._folder / f"{spec.executable}.yaml"
-        parameters.write_text(yaml.safe_dump({"/**": {"ros__parameters": _plain(spec.parameters)}}))
+        parameters.write_text(yaml.safe_dump(_sections(spec)))
         program = str(find_executable(spec.package, spec.executable))
         command = [program, "--ros-args", "--params-file", str(parameters)]
         with self._log(spec.executable).open("wb") as log:
@@ -103,6 +110,15 @@ class Processes:
     def _last_words(self, name: str) -> str:
         lines = [line for line in self._log(name).read_text(errors="replace").splitlines() if line.strip()]
         return lines[-1] if lines else "it said nothing"
+
+
+def _sections(spec: NodeSpec) -> dict[str, object]:
+    """Return the parameter file of a process: one section, or one for each of its nodes."""
+    if not spec.inside:
+        return {"/**": {"ros__parameters": _plain(spec.parameters)}}
+    return {
+        f"/**/{one.executable}": {"ros__parameters": _plain(one.parameters)} for one in (spec, *spec.inside)
+    }
 
 
 def _plain(parameters: Mapping[str, ParameterValue]) -> dict[str, object]:
