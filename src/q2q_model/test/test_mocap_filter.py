@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from q2q_model.mocap_filter import IDEAL_SENSING, MocapFilter, MocapFilterParams
 from q2q_model.rotations import identity_quat, quat_from_euler, quat_multiply
 from q2q_model.signals import Array, MocapFrame, Names, SwarmState, TrackStatus
+from q2q_model.tracking import attitudes, positions
 
 STEP_NS = 10_000_000
 PAIR: Names = ("cf1", "cf2")
@@ -301,6 +302,26 @@ def test_without_names_vehicles_are_adopted_as_they_appear():
         assert state.names == ("cf2", "cf1")[: len(rows)]
         assert np.allclose(state.pos, expected.pos[: len(rows)], atol=0)
         assert np.allclose(state.vel, expected.vel[: len(rows)], atol=1e-12)  # the same sums in another order
+
+
+def test_the_compiled_usual_tick_is_the_general_one(monkeypatch: pytest.MonkeyPatch):
+    rng = np.random.default_rng(7)
+    frames = []
+    for tick in range(600):
+        turned = quat_from_euler(*rng.normal(0.0, 0.05, (3, 2)))
+        frames.append(_frame(tick, _truth(tick)[0] + rng.normal(0.0, 1e-3, (2, 3)), turned))
+    swift = MocapFilter(MocapFilterParams(), PAIR)
+    quick = [swift.update(frame) for frame in frames]
+    monkeypatch.setattr(positions, "glide_positions", lambda *_: False)
+    monkeypatch.setattr(attitudes, "glide_attitudes", lambda *_: False)
+    slow = MocapFilter(MocapFilterParams(), PAIR)
+    for one, other in zip(quick, (slow.update(frame) for frame in frames), strict=True):
+        assert np.allclose(one.pos, other.pos, rtol=0.0, atol=1e-9)  # gains have settled to 1e-9
+        assert np.allclose(one.vel, other.vel, rtol=0.0, atol=1e-7)  # a gain of 20 1/s on 1 mm
+        assert np.allclose(one.quat, other.quat, rtol=0.0, atol=1e-12)
+        assert np.allclose(one.ang_vel_body, other.ang_vel_body, rtol=0.0, atol=1e-10)  # 1e-16 / 0.01 s
+        assert np.array_equal(one.status, other.status)
+    assert swift.report == slow.report
 
 
 def test_body_rate_comes_from_successive_attitudes():
