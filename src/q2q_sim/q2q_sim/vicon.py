@@ -17,14 +17,16 @@ The camera's latency is not made here: a controller knows stamps only, so late f
 the same to it, and the room adds both delays to the radio's (q2q_sim.room).
 """
 
+import math
 from dataclasses import dataclass
 from enum import IntFlag
 
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_model.parameters import check_bounds, tunable
-from q2q_model.rotations import quat_from_vector, quat_multiply
+from q2q_model.rotations import quat_multiply
 from q2q_model.signals import Array, MocapFrame, SwarmState
 from q2q_sim.episodes import Episodes, Frequency, Mask
 from q2q_sim.streams import stream
@@ -45,6 +47,9 @@ class Injected(IntFlag):
 
 
 Flags = NDArray[np.uint8]
+
+_SMALL_ANGLE = 1e-8
+"""Below this sin(x)/x is 1 to the last digit [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +122,9 @@ class Vicon:
         if params.pos_noise == 0.0 and params.angle_noise == 0.0:
             return truth.pos, truth.quat
         noise = self._rng["noise"].standard_normal((2, *truth.pos.shape))
-        turn = quat_from_vector(params.angle_noise * noise[1])
-        return truth.pos + params.pos_noise * noise[0], quat_multiply(truth.quat, turn)
+        pos, quat = np.empty(truth.pos.shape), np.empty(truth.quat.shape)
+        blur((truth.pos, truth.quat), noise, (params.pos_noise, params.angle_noise), pos, quat)
+        return pos, quat
 
     def _flipped(self, quat: Array) -> Array:
         flips, begins = self._step("flip")
@@ -175,6 +181,35 @@ class Vicon:
         absent = self._step("dropout")[0] | self._step("missing")[0]
         self._mark(absent, Injected.DROPOUT)
         return ~absent
+
+
+def _blur(
+    truth: tuple[Array, Array], noise: Array, sizes: tuple[float, float], pos: Array, quat: Array
+) -> None:
+    true_pos, true_quat = truth
+    for i in range(true_pos.shape[0]):
+        squared = 0.0
+        for k in range(3):
+            pos[i, k] = true_pos[i, k] + sizes[0] * noise[0, i, k]
+            squared += (sizes[1] * noise[1, i, k]) ** 2
+        angle = math.sqrt(squared)
+        scale = sizes[1] * (0.5 if angle < _SMALL_ANGLE else math.sin(0.5 * angle) / angle)
+        a, b, c, d = (
+            scale * noise[1, i, 0],
+            scale * noise[1, i, 1],
+            scale * noise[1, i, 2],
+            math.cos(0.5 * angle),
+        )
+        x, y, z, w = true_quat[i, 0], true_quat[i, 1], true_quat[i, 2], true_quat[i, 3]
+        quat[i, 0] = w * a + x * d + y * c - z * b
+        quat[i, 1] = w * b + y * d + z * a - x * c
+        quat[i, 2] = w * c + z * d + x * b - y * a
+        quat[i, 3] = w * d - x * a - y * b - z * c
+
+
+blur = compiled(_blur)
+"""Write poses off by noise: ((pos, quat), normal numbers (2, n, 3), their sizes [m], [rad], pos, quat); the
+attitude turns by exp of a rotation vector, as q2q_model.rotations has it."""
 
 
 def _frequencies(params: ViconParams) -> dict[str, Frequency]:
