@@ -6,8 +6,8 @@ Definitions are taken from the bag, so that message types of any version are rea
 read as ROS 2 Jazzy.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 
@@ -59,7 +59,8 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     """
     source = open_source(path)
     channels = {channel.topic: channel for channel in source.channels}
-    wanted = {*topic_map.vehicles.values(), *topic_map.signals.values(), *filter(None, [topic_map.poses])}
+    mapped = (topic_map.vehicles, topic_map.references, topic_map.signals)
+    wanted = {topic for some in mapped for topic in some.values()} | set(filter(None, [topic_map.poses]))
     missing = sorted(wanted - channels.keys())
     if missing:
         raise BagError(f"bag {path} has no topic {', '.join(missing)}; it has {', '.join(sorted(channels))}")
@@ -73,7 +74,8 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     except ValueError as misfit:
         raise BagError(f"bag {path}: {misfit}") from misfit
     state_repairs(source.repairs + tuple(f"bag {path}: {said}" for said in (*repairs, *joined.repairs)))
-    return joined.flight
+    given = _sorted(source, _rows_by_vehicle(source, channels, topic_map.references, topic_map))
+    return _with_references(source, joined.flight, given)
 
 
 def _signals(source: Source, channel: Channel) -> list[Signal]:
@@ -87,21 +89,48 @@ def _signals(source: Source, channel: Channel) -> list[Signal]:
 
 
 def _tracks(source: Source, channels: dict[str, Channel], topic_map: TopicMap) -> dict[str, _Poses]:
-    rows: dict[str, list[Row]] = {}
-    for vehicle, topic in topic_map.vehicles.items():
-        rows[vehicle] = [row for _, row in _rows(source, channels[topic], topic_map)]
+    rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map)
     if topic_map.poses:
         for name, row in _rows(source, channels[topic_map.poses], topic_map):
             rows.setdefault(topic_map.rename.get(name, name), []).append(row)
+    if not rows:
+        raise BagError(f"bag {source.path} has no pose of any vehicle")
+    return _sorted(source, rows)
+
+
+def _rows_by_vehicle(
+    source: Source, channels: dict[str, Channel], topics: Mapping[str, str], topic_map: TopicMap
+) -> dict[str, list[Row]]:
+    return {
+        vehicle: [row for _, row in _rows(source, channels[topic], topic_map)]
+        for vehicle, topic in topics.items()
+    }
+
+
+def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, _Poses]:
     empty = sorted(vehicle for vehicle, found in rows.items() if not found)
-    if empty or not rows:
-        raise BagError(f"bag {source.path} has no pose of {', '.join(empty) or 'any vehicle'}")
+    if empty:
+        raise BagError(f"bag {source.path} has no pose of {', '.join(empty)}")
     tracks = {}
     for vehicle, found in rows.items():
         table = np.array(found)
         table = table[np.argsort(table[:, 0], kind="stable")]
         tracks[vehicle] = _Poses(table[:, 0], table[:, 1:4], table[:, 4:8])
     return tracks
+
+
+def _with_references(source: Source, flight: Flight, given: Mapping[str, _Poses]) -> Flight:
+    """Return the flight with the places its vehicles were given: at each tick the last one before it."""
+    ref_pos = flight.ref_pos.copy()
+    for vehicle, track in given.items():
+        if vehicle not in flight.names:
+            raise BagError(
+                f"bag {source.path}: references of {vehicle}; vehicles are {', '.join(flight.names)}"
+            )
+        row = np.searchsorted(track.t, flight.t, side="right") - 1
+        held = np.where((row >= 0)[:, None], track.pos[np.clip(row, 0, None)], np.nan)
+        ref_pos[:, flight.names.index(vehicle)] = held
+    return replace(flight, ref_pos=ref_pos)
 
 
 def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tuple[str, Row]]:

@@ -5,6 +5,8 @@ vehicles:                 # one topic a vehicle: PoseStamped, TransformStamped o
   cf2: /cf2/odom
 poses: /poses             # and, or instead: NamedPoseArray, all vehicles in one message
 rename: {cf231: cf1}      # names in it that are called otherwise here
+references:               # and: where vehicles were to be, messages as under `vehicles`; the last one holds
+  cf1: /cf1/cmd_position
 signals:                  # and, or instead: topics of q2q_msgs under other names
   mocap: /room/frames
 stamps: header            # or: receive, for headers that nobody filled
@@ -21,7 +23,8 @@ from q2q_model.bag.fault import BagError
 
 TOLERANCE_S = 0.005
 """Half a period of VICON at 100 Hz [s]."""
-KEYS = ("vehicles", "poses", "rename", "signals", "stamps", "tolerance_s")
+_MAPPINGS = ("vehicles", "rename", "references", "signals")
+KEYS = ("vehicles", "poses", "rename", "references", "signals", "stamps", "tolerance_s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,8 @@ class TopicMap:
     """Topic of named poses of all vehicles."""
     rename: Mapping[str, str] = field(default_factory=dict)
     """Name in `poses` -> vehicle."""
+    references: Mapping[str, str] = field(default_factory=dict)
+    """Vehicle -> topic of the poses it was given."""
     signals: Mapping[str, str] = field(default_factory=dict)
     """Our topic name -> the bag's."""
     by_header: bool = True
@@ -59,7 +64,7 @@ def load_topic_map(path: Path | str) -> TopicMap:
         raise BagError(f"topic map {path}: stamps = {stamps!r}; allowed are header, receive")
     if not isinstance(tolerance, float | int) or not 0.0 <= tolerance <= 1.0:
         raise BagError(f"topic map {path}: tolerance_s = {tolerance!r}; allowed is 0 to 1 s")
-    names = {key: _names(path, key, loaded.get(key, {})) for key in ("vehicles", "rename", "signals")}
+    names = {key: _names(path, key, loaded.get(key, {})) for key in _MAPPINGS}
     made = TopicMap(
         **names, poses=str(loaded.get("poses", "")), by_header=stamps == "header", tolerance_s=tolerance
     )

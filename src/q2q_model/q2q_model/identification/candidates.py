@@ -9,13 +9,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from q2q_model.identification.altitude_loop import AltitudeLoop
-from q2q_model.identification.evidence import Evidence
+from q2q_model.identification.evidence import Evidence, shows_draft
 from q2q_model.identification.held_out import Fitter, Score, score_held_out
 from q2q_model.identification.jet_fit import JetFit, JetForm, fit_to_altitudes, fit_to_pushes
 from q2q_model.identification.network_fit import NetworkParams, fit_networks
 from q2q_model.identification.trajectory_loss import WIDE, passage
 from q2q_model.interaction.envelope_network import EnvelopeNetwork
 from q2q_model.interaction.model import InteractionModel
+from q2q_model.interaction.none import NoInteraction
 
 MARGIN = 0.02
 """Relative gain in held-out error that pays for more freedom [-]."""
@@ -49,7 +50,7 @@ FORMS = {
 
 
 def candidates(kind: str, flights: Sequence[Evidence], loop: AltitudeLoop) -> list[Candidate]:
-    """Return the candidates of a kind: auto, jet or envelope_network.
+    """Return the candidates of a kind: auto, jet or envelope_network; none where no draft can be seen.
 
     Raises:
         ValueError: an unknown kind.
@@ -57,6 +58,8 @@ def candidates(kind: str, flights: Sequence[Evidence], loop: AltitudeLoop) -> li
     kinds = {"auto": (_jets, _networks), "jet": (_jets,), "envelope_network": (_networks,)}
     if kind not in kinds:
         raise ValueError(f"unknown model type {kind!r}: choose one of {', '.join(kinds)}")
+    if not any(shows_draft(flight.record) for flight in flights):
+        return [Candidate("no draft: nobody flew under another", "none", 0, lambda _: NoInteraction())]
     return [one for made in kinds[kind] for one in made(flights, loop)]
 
 

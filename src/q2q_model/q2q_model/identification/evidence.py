@@ -12,6 +12,12 @@ NEAR = 0.5
 """Horizontal distance at which a vehicle is taken to be over or under another [m]."""
 
 
+UNDER = 0.15
+"""Horizontal distance within which a draft is felt; the scoring rule's (draft_force) [m]."""
+GAPS = (0.1, 1.2)
+"""Height differences of the scoring rule [m]."""
+
+
 @dataclass(frozen=True, slots=True)
 class Evidence:
     """Hold one flight: altitudes always, pushes where sensors and commands were recorded."""
@@ -28,6 +34,13 @@ class Evidence:
     def motion(self) -> Motion:
         """Return the flight's motion."""
         return Motion(self.record.t, self.record.pos, self.record.vel, self.record.axis)
+
+
+def shows_draft(record: AltitudeRecord) -> bool:
+    """Return whether some vehicle ever flies under another, so that a draft can be seen at all."""
+    rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
+    gap = np.abs(rel[..., 2])
+    return bool(((np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0]) & (gap < GAPS[1])).any())
 
 
 def is_lower(record: AltitudeRecord) -> list[bool]:

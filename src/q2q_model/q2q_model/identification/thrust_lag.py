@@ -21,6 +21,8 @@ CLEAR = 0.5
 """Horizontal distance beyond which no draft has been seen [m]."""
 LONGEST = 0.4
 """Largest lag looked for [s]."""
+RESOLUTION = 1e-3
+"""To which the lag is searched [s]: a tenth of a tick."""
 FEWEST = 200
 """Rows of one vehicle: 2 s at 100 Hz."""
 
@@ -35,7 +37,10 @@ class _ClearAir:
 
 
 def thrust_lag(flights: Sequence[Flight], vehicle: Vehicle) -> float | None:
-    """Return the lag T [s] that explains the flights best; None where none has accelerometer and command."""
+    """Return the lag T [s] that explains the flights best.
+
+    None where none has accelerometer and command, or the longest lag fits best: nothing moved enough to tell.
+    """
     flown = [one for flight in flights if (one := _clear_air(flight, vehicle)) is not None]
     if not any((one.clear.sum(axis=0) >= FEWEST).any() for one in flown):
         return None
@@ -43,8 +48,8 @@ def thrust_lag(flights: Sequence[Flight], vehicle: Vehicle) -> float | None:
     def spread(lag: float) -> float:
         return float(np.mean(np.concatenate([part for one in flown for part in _pushes(one, lag)]) ** 2))
 
-    found = minimize_scalar(spread, bounds=(0.0, LONGEST), method="bounded", options={"xatol": 1e-3})
-    return float(found.x)
+    found = minimize_scalar(spread, bounds=(0.0, LONGEST), method="bounded", options={"xatol": RESOLUTION})
+    return float(found.x) if found.x < LONGEST - 2.0 * RESOLUTION else None
 
 
 def _clear_air(flight: Flight, vehicle: Vehicle) -> _ClearAir | None:

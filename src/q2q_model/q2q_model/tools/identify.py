@@ -18,11 +18,12 @@ from q2q_model.plain_values import Plain, PlainValueError, to_plain
 from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_model.tools.identify_report import report, summary
 from q2q_model.tools.models import find_model
-from q2q_model.tools.recordings import read_recordings
+from q2q_model.tools.recordings import read_recordings, topic_map
 from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
 
 EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
   ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet
+  ros2 run q2q_model identify room/* --topics room.yaml --out model.q2q
   ros2 run q2q_model identify --live --model model.q2q --out refined.q2q"""
 STEPS = 12
 """Steps of a run with all candidates; the bar is a guide, not a promise."""
@@ -39,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
         if given.live:
             return _refine_live(given.model, vehicle_by_name(given.vehicle), given.out)
         with threadpool_limits(1, user_api="blas"):  # the matrices are small: more threads only wait
-            found, seconds = _run(given.bags, _params(given), console)
+            found, seconds = _run(given.bags, given.topics, _params(given), console)
         save(given.out, found.file)
         wanted = given.json or given.out.with_suffix(".json")
         wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
@@ -67,6 +68,7 @@ def _command_line() -> CommandLine:
         choices=("auto", "jet", "envelope_network"),
         help="auto picks by held-out error",
     )
+    parser.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
     parser.add_argument("--vehicle", default="crazyflie_2_0", choices=tuple(VEHICLES), help="whose mass")
     parser.add_argument(
         "--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]"
@@ -122,14 +124,14 @@ class _Steps:
 
 
 def _run(
-    bags: Sequence[Path], params: ProcedureParams, console: Console
+    bags: Sequence[Path], topics: Path | None, params: ProcedureParams, console: Console
 ) -> tuple[Identification, dict[str, float]]:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         progress.add_task("read", total=STEPS)
         steps = _Steps(progress)
         steps.tell("read")
-        recordings, repairs = read_recordings(bags)
+        recordings, repairs = read_recordings(bags, topic_map(topics))
         for repair in repairs:
             progress.console.print(f"identify: mended: {repair}", highlight=False)
         found = identify(recordings, params, steps.tell)

@@ -2,25 +2,61 @@
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from q2q_model.bag import BagError, BagRepairWarning, read_flight, read_flight_log
+from q2q_model.bag import (
+    BagError,
+    BagRepairWarning,
+    TopicMap,
+    load_topic_map,
+    read_flight,
+    read_flight_log,
+    read_mapped_flight,
+)
 from q2q_model.bag.log_topic import LOG_TYPE
 from q2q_model.flight_log import FlightLog
 from q2q_model.identification.filtered_states import with_states
 from q2q_model.identification.procedure import Recording
 
 
-def read_recordings(bags: Sequence[Path]) -> tuple[list[Recording], list[str]]:
+def read_recordings(
+    bags: Sequence[Path], topics: TopicMap | None = None
+) -> tuple[list[Recording], list[str]]:
     """Return the flights in bags, and the repairs that reading them took.
 
+    Flights are named by their folders, and by the folder above too where two would have the same name.
+    `topics` says which topics of somebody else's bags are what.
+
     Raises:
-        BagError: a bag cannot be read.
+        BagError: a bag cannot be read, or is given twice: a flight left out would be in the fit.
     """
+    _refuse_twins([bag.resolve() for bag in bags])
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", BagRepairWarning)
-        recordings = [Recording(with_states(read_flight(bag)), _log(bag)) for bag in bags]
+        recordings = [_recording(bag, topics) for bag in bags]
+    names = [one.flight.name for one in recordings]
+    for k, bag in enumerate(bags):
+        if names.count(names[k]) > 1:
+            flight = replace(recordings[k].flight, name=f"{bag.resolve().parent.name}/{names[k]}")
+            recordings[k] = replace(recordings[k], flight=flight)
     return recordings, [str(one.message) for one in said if issubclass(one.category, BagRepairWarning)]
+
+
+def topic_map(path: Path | None) -> TopicMap | None:
+    """Return the map in a file; None for none."""
+    return None if path is None else load_topic_map(path)
+
+
+def _refuse_twins(bags: Sequence[Path]) -> None:
+    twins = sorted({str(bag) for bag in bags if bags.count(bag) > 1})
+    if twins:
+        raise BagError(f"bag {', '.join(twins)} is given twice; a flight counts once")
+
+
+def _recording(bag: Path, topics: TopicMap | None) -> Recording:
+    flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
+    return Recording(with_states(flight), _log(bag))
 
 
 def _log(bag: Path) -> FlightLog | None:
