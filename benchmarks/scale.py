@@ -1,0 +1,115 @@
+"""Time the whole road for swarms of many sizes: live and in lockstep, one process a node and `stack`.
+
+Vehicles fly in pairs on a grid of 2 m, the upper half a metre over the lower, which feels its draft.
+CPU is that of all nodes, simulator and recorder among them, in cores (1 is one core fully used), between a
+fifth of the flight and its end. The reference of live latency is the tick of 10 ms, that of lockstep the wall
+clock. `Q2Q_SCALE_S` sets how long live flights take [s].
+"""
+
+import os
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+
+import yaml
+
+from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
+from row import Row
+
+SIZES = (2, 10, 50, 100, 200)
+LIVE_S = float(os.environ.get("Q2Q_SCALE_S", "20"))
+LOCKSTEP_S = 10.0
+RECORDED = ("mocap", "state", "command", "truth", "truth_interference")
+"""What metrics need; a recorder of all topics is a load of its own."""
+SETTLED = 0.2
+"""Share of the flight after which CPU is counted."""
+
+
+def run() -> list[Row]:
+    """Return latency, missed ticks, CPU and speed for every size."""
+    rows: list[Row] = []
+    for vehicles in SIZES:
+        for stack in (False, True):
+            rows += _live(vehicles, stack=stack) + _lockstep(vehicles, stack=stack)
+    return rows
+
+
+def _live(vehicles: int, *, stack: bool) -> list[Row]:
+    flown, cores = _flown(vehicles, LIVE_S, live=True, stack=stack)
+    timing, name = flown.timing, f"live, {vehicles} vehicles, {_way(stack=stack)}"
+    p50, p99 = timing.latency_p50_ms or float("nan"), timing.latency_p99_ms or float("nan")
+    return [
+        Row(f"{name}: latency p50", p50, "ms", "tick of 10 ms", 10.0 / p50),
+        Row(f"{name}: latency p99", p99, "ms", "tick of 10 ms", 10.0 / p99),
+        Row(f"{name}: missed of {timing.ticks}", timing.missed_ticks, "ticks"),
+        Row(f"{name}: CPU", cores, "cores"),
+    ]
+
+
+def _lockstep(vehicles: int, *, stack: bool) -> list[Row]:
+    flown, cores = _flown(vehicles, LOCKSTEP_S, live=False, stack=stack)
+    factor, name = flown.timing.real_time_factor or float("nan"), f"lockstep, {vehicles} vehicles"
+    wall = LOCKSTEP_S / factor
+    return [
+        Row(f"{name}, {_way(stack=stack)}", wall, f"s for {LOCKSTEP_S:g} s", "real time", factor),
+        Row(f"{name}, {_way(stack=stack)}: CPU", cores, "cores"),
+    ]
+
+
+def _way(*, stack: bool) -> str:
+    return "stack" if stack else "nodes"
+
+
+def _flown(vehicles: int, duration: float, *, live: bool, stack: bool) -> tuple[FlightRun, float]:
+    """Return the flight, and how many cores its nodes used."""
+    readings: list[tuple[float, float]] = []
+
+    def follow(share: float) -> None:
+        if share >= SETTLED:
+            readings.append((perf_counter(), children_cpu()))
+
+    with TemporaryDirectory() as place:
+        scenario = Path(place) / f"pairs_{vehicles}.yaml"
+        scenario.write_text(yaml.safe_dump(passing_pairs(vehicles, duration)))
+        request = FlightRequest(str(scenario), live=live, stack=stack, record=RECORDED)
+        flown = fly(request, Path(place) / "nodes", Path(place) / "bag", follow)
+    if len(readings) < 2:
+        return flown, float("nan")
+    (begin, cpu_before), (end, cpu_after) = readings[0], readings[-1]
+    return flown, (cpu_after - cpu_before) / (end - begin)
+
+
+def children_cpu() -> float:
+    """Return the CPU time of this process's running children [s], from /proc."""
+    tick = os.sysconf("SC_CLK_TCK")
+    total = 0
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:  # ended meanwhile
+            continue
+        if int(fields[1]) == os.getpid():
+            total += int(fields[11]) + int(fields[12])
+    return total / tick
+
+
+def passing_pairs(vehicles: int, duration: float) -> dict[str, object]:
+    """Return the scenario: lower ones hover, upper ones pass over them and come back."""
+    points: dict[str, object] = {}
+    for index in range(vehicles):
+        pair, upper = divmod(index, 2)
+        x, y = 2.0 * (pair % 10), 2.0 * (pair // 10)
+        here = [x - 0.6 * upper, y, 1.0 + 0.5 * upper]
+        there = [x + 0.6 * upper, y, 1.0 + 0.5 * upper]
+        times = (0.0, 0.5 * duration, duration)
+        points[f"cf{index + 1}"] = [
+            {"t": t, "pos": pos} for t, pos in zip(times, (here, there, here), strict=True)
+        ]
+    return {
+        "description": "Pairs on a grid, the upper one passes over the lower",
+        "duration": duration,
+        "wake": "measured",
+        "model": "measured_law",
+        "room": "capture",
+        "vehicles": points,
+    }
