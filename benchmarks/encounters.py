@@ -18,6 +18,8 @@ PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)
 """A zone somewhat wider than the paper's, in the small rooms of the encounters."""
 SHORT = 20
 """Encounters of `scripts/bench`."""
+TOLD = 25
+"""Progress is told this often."""
 EXAMPLE = """  python benchmarks/encounters.py --count 1000 --jobs 2
   python benchmarks/encounters.py --first 17 --count 1"""
 
@@ -67,18 +69,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     else:
         with ProcessPoolExecutor(asked.jobs) as pool:
             verdicts = _told(pool.map(verdict_of, seeds, chunksize=4), asked.first)
+            pool.shutdown(wait=False, cancel_futures=True)
     for row in rows_of(verdicts):
         print(f"{row.name:52} {row.value:10.4g} {row.unit}")
     return int(any(map(_fails, verdicts)))
 
 
 def _told(verdicts: Iterable[Verdict], first: int) -> list[Verdict]:
-    """Return the verdicts, naming each that fails as it comes."""
-    found = []
-    for verdict in verdicts:
-        if _fails(verdict):
-            print(f"seed {first + len(found)}: {verdict}", flush=True)
-        found.append(verdict)
+    """Return the verdicts, naming each that fails as it comes; interrupted, those that there are."""
+    found: list[Verdict] = []
+    try:
+        for verdict in verdicts:
+            if _fails(verdict):
+                print(f"seed {first + len(found)}: {verdict}", flush=True)
+            found.append(verdict)
+            if len(found) % TOLD == 0:
+                print(f"encounters: {len(found)} judged", file=sys.stderr, flush=True)
+    except KeyboardInterrupt:
+        print("encounters: interrupted", file=sys.stderr)
     return found
 
 

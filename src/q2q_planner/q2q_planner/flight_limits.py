@@ -21,7 +21,7 @@ from q2q_model.vehicle import GRAVITY, Vehicle
 from q2q_planner.bernstein import control_points, halves
 from q2q_planner.minsnap import Reading, minimum_snap
 from q2q_planner.trajectory import SwarmPlan, Trajectory, derive
-from q2q_planner.waypoints import SHORTEST_PIECE, VehicleWaypoints, Waypoint
+from q2q_planner.waypoints import FARTHEST, SHORTEST_PIECE, VehicleWaypoints, Waypoint
 
 PEAK_SPEED = 35.0 / 16.0
 """max s' of the rest-to-rest piece."""
@@ -131,6 +131,8 @@ def timed_document(document: object, limits: FlightLimits, reading: Reading = "s
 def _timed_rows(rows: object, limits: FlightLimits, reading: Reading) -> object:
     if not isinstance(rows, list) or len(rows) < 2 or not all(_wants_time(row) for row in rows):
         return rows
+    if not all(abs(value) <= FARTHEST for row in rows for value in row["pos"]):  # also NaN
+        return [{**row, "t": float(index)} for index, row in enumerate(rows)]  # for the reader to refuse
     points = [Waypoint(0.0, tuple(row["pos"])) for row in rows]
     times = allocate_times("", points, limits, reading).times
     return [{**row, "t": float(t)} for row, t in zip(rows, times, strict=True)]

@@ -19,6 +19,9 @@ from q2q_planner.trajectory import AXES, SwarmPlan, Trajectory
 FORMAT = "q2q_plan"
 VERSION = 1
 
+LARGEST = 1e30
+"""Largest coefficient: 1e4 m within the shortest piece, 1 ms, to the 7th power, and some."""
+
 REMEDY = "write one with `ros2 run q2q_planner plan`"
 
 
@@ -72,9 +75,14 @@ def decode(text: str, source: str = "plan") -> tuple[SwarmPlan, PlanFacts]:
         if not isinstance(certified, bool):
             raise ValueError(f"certified = {certified!r}: expected true or false")  # noqa: TRY301, TRY004
         plan = SwarmPlan(tuple(name for name, _ in named), tuple(curve for _, curve in named), certified)
-    except (ValueError, RecursionError) as error:  # a JSONDecodeError is a ValueError
+        facts = _facts(document)
+    except (ValueError, OverflowError, RecursionError) as error:  # a JSONDecodeError is a ValueError
         raise ValueError(f"{source} is no plan: {error}; {REMEDY}") from error
-    return plan, PlanFacts(
+    return plan, facts
+
+
+def _facts(document: Mapping[str, object]) -> PlanFacts:
+    return PlanFacts(
         zone=str(document.get("zone", "none")),
         snap_cost=_fact(document, "snap_cost"),
         snap_infimum=_fact(document, "snap_infimum"),
@@ -121,6 +129,8 @@ def _vehicle(row: object, index: int) -> tuple[str, Trajectory]:
     if coefficients.ndim != 3 or coefficients.shape[2] == 0:
         shape = f"{name}: coefficients have shape {coefficients.shape}"
         raise ValueError(f"{shape}, expected (pieces, {AXES}, order)")
+    if not (np.abs(coefficients) <= LARGEST).all() or not (durations <= LARGEST).all():
+        raise ValueError(f"{name}: durations and coefficients must be numbers of at most {LARGEST:g}")
     try:
         return name, Trajectory(durations, coefficients)
     except ValueError as error:

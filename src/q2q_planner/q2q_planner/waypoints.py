@@ -3,10 +3,12 @@
 A waypoint is (t, x, y, z, yaw) of eq. (17). Yaw is taken as given, without wrapping: 0 to 2 pi is a turn.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
+from reprlib import repr as shown
 
 import numpy as np
 
@@ -19,6 +21,13 @@ Point = tuple[float, float, float]
 
 SHORTEST_PIECE = 1e-3
 """Least time between waypoints [s]: a tenth of the 100 Hz tick; closer ones cannot be told apart."""
+
+FARTHEST, LONGEST, MOST_TURN = 1e4, 1e5, 1e4
+"""Largest coordinate [m], time [s] and yaw [rad]: beyond, a double's last bit is no longer below a micrometre
+once raised to the 7th power of time."""
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+"""What a vehicle may be called: it becomes part of topics and file names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,14 +100,20 @@ def swarm_from_document(document: object) -> tuple[VehicleWaypoints, ...]:
         ValueError: naming the vehicle, the waypoint and what is expected there.
     """
     vehicles = _mapping(_mapping(document, "the file").get("vehicles"), "vehicles")
-    swarm = tuple(_vehicle(str(name), rows) for name, rows in vehicles.items())
+    swarm = tuple(_vehicle(_name(name), rows) for name, rows in vehicles.items())
     check_swarm(swarm)
     return swarm
 
 
+def _name(given: object) -> str:
+    if not NAME.fullmatch(str(given)):
+        raise ValueError(f"vehicle {shown(given)}: a name is a letter, then letters, digits and _")
+    return str(given)
+
+
 def _vehicle(name: str, rows: object) -> VehicleWaypoints:
     if not isinstance(rows, list):
-        raise ValueError(f"{name}: got {rows!r}, expected a list of waypoints {{t, pos, yaw}}")  # noqa: TRY004
+        raise ValueError(f"{name}: got {shown(rows)}, expected a list of waypoints {{t, pos, yaw}}")  # noqa: TRY004
     waypoints = (_waypoint(f"{name}, waypoint {index}", row) for index, row in enumerate(rows))
     return VehicleWaypoints(name, tuple(waypoints))
 
@@ -107,12 +122,12 @@ def _waypoint(where: str, row: object) -> Waypoint:
     entry = _mapping(row, where)
     unknown = sorted(set(map(str, entry)) - {"t", "pos", "yaw"})
     if unknown:
-        raise ValueError(f"{where}: unknown key {unknown[0]!r}; known are t, pos, yaw")
+        raise ValueError(f"{where}: unknown key {shown(unknown[0])}; known are t, pos, yaw")
     if "t" not in entry or "pos" not in entry:
-        raise ValueError(f"{where}: got {dict(entry)}, expected t [s] and pos [x, y, z]")
+        raise ValueError(f"{where}: got {shown(dict(entry))}, expected t [s] and pos [x, y, z]")
     pos = entry["pos"]
     if not isinstance(pos, list | tuple) or len(pos) != 3:
-        raise ValueError(f"{where}: pos = {pos!r}, expected [x, y, z] in metres")
+        raise ValueError(f"{where}: pos = {shown(pos)}, expected [x, y, z] in metres")
     x, y, z = (_number(f"{where}: pos", value) for value in pos)
     return Waypoint(
         _number(f"{where}: t", entry["t"]), (x, y, z), _number(f"{where}: yaw", entry.get("yaw", 0.0))
@@ -121,23 +136,31 @@ def _waypoint(where: str, row: object) -> Waypoint:
 
 def _mapping(value: object, where: str) -> Mapping[object, object]:
     if not isinstance(value, Mapping):
-        raise ValueError(f"{where}: got {value!r}, expected a mapping, as {EXAMPLE}")  # noqa: TRY004
+        raise ValueError(f"{where}: got {shown(value)}, expected a mapping, as {EXAMPLE}")  # noqa: TRY004
     return value
 
 
 def _number(where: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{where} = {value!r}, expected a number")  # noqa: TRY004
-    return float(value)
+        raise ValueError(f"{where} = {shown(value)}, expected a number")  # noqa: TRY004
+    try:
+        return float(value)
+    except OverflowError as error:
+        raise ValueError(f"{where} = {shown(value)}, a number of at most {FARTHEST:g} is needed") from error
 
 
 def _check_finite(where: str, waypoint: Waypoint) -> None:
-    named: Iterable[tuple[str, float]] = zip(
-        ("t", "x", "y", "z", "yaw"), (waypoint.t, *waypoint.pos, waypoint.yaw), strict=True
+    named: Iterable[tuple[str, float, float]] = zip(
+        ("t", "x", "y", "z", "yaw"),
+        (waypoint.t, *waypoint.pos, waypoint.yaw),
+        (LONGEST, *3 * (FARTHEST,), MOST_TURN),
+        strict=True,
     )
-    for symbol, value in named:
+    for symbol, value, most in named:
         if not isfinite(value):
             raise ValueError(f"{where}: {symbol} = {value}, a finite number is needed")
+        if abs(value) > most:
+            raise ValueError(f"{where}: {symbol} = {value:g}, allowed is -{most:g} to {most:g}")
 
 
 def _check_rising(where: str, before: float, after: float) -> None:

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_planner.plan_file import PlanFacts, decode, encode, load, load_with_facts, save
 from q2q_planner.trajectory import SwarmPlan, Trajectory
 
 
+@settings(deadline=None)
 @given(st.integers(0, 2**32 - 1), st.booleans())
 def test_a_round_trip_keeps_every_bit(seed: int, certified: bool) -> None:
     generator = np.random.default_rng(seed)
@@ -56,6 +57,10 @@ def test_what_is_no_plan_is_refused(tmp_path: Path) -> None:
         "nan.json": json.dumps(
             {**document, "vehicles": [{"name": "cf1", "durations": [nan], "coefficients": [[[1.0]] * 4]}]}
         ),
+        "huge.json": whole.replace("1.0, 1.0, 1.0", "1e300, 1.0, 1.0", 1),
+        "vast.json": whole.replace("1.0, 1.0, 1.0", "1" + "0" * 400 + ", 1.0, 1.0", 1),
+        "vast_fact.json": whole.replace('"snap_cost": null', '"snap_cost": 1' + "0" * 400),
+        "twice.json": json.dumps({**document, "vehicles": document["vehicles"] * 2}),
         "empty.json": json.dumps({**document, "vehicles": []}),
         "deep.json": "[" * 100_000,
     }
@@ -65,3 +70,33 @@ def test_what_is_no_plan_is_refused(tmp_path: Path) -> None:
             load(tmp_path / name)
     with pytest.raises(ValueError, match=r"absent\.json cannot be read"):
         load(tmp_path / "absent.json")
+
+
+Anything = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=12,
+)
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    st.sampled_from(["format", "version", "certified", "zone", "snap_cost", "clearance_m", "vehicles"]),
+    st.sampled_from([None, "name", "durations", "coefficients"]),
+    Anything,
+)
+def test_a_plan_with_any_entry_replaced_is_read_or_refused(
+    key: str, inner: str | None, value: object
+) -> None:
+    curve = Trajectory(np.array([1.0]), np.ones((1, 4, 3)))
+    document = json.loads(encode(SwarmPlan(("cf1",), (curve,))))
+    if inner is None:
+        document[key] = value
+    else:
+        document["vehicles"][0][inner] = value
+    text, said = json.dumps(document), ""
+    try:
+        plan, _ = decode(text, "fuzzed")
+    except ValueError as refusal:
+        said = str(refusal)
+    assert said.startswith("fuzzed is no plan: ") if said else np.isfinite(plan.duration)

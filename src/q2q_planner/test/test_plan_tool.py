@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 
 from q2q_planner.plan_file import load, load_with_facts
 from q2q_planner.tools.plan import main
@@ -74,6 +75,53 @@ def test_exports_hold_the_plan(crossing: Path, tmp_path: Path) -> None:
     assert numbers[:, 1:].reshape(-1, 4, 8) == pytest.approx(plan.trajectories[0].coefficients, abs=0.0)
 
 
+def test_an_upload_read_as_crazyswarm2_does_flies_the_plan(crossing: Path, tmp_path: Path) -> None:
+    """crazyflie_py: loadtxt, then one polynomial an axis and piece, in time since the piece's start."""
+    out, uploads = tmp_path / "plan.json", tmp_path / "uploads"
+    assert main([str(crossing), "--out", str(out), "--upload", str(uploads)]) == 0
+    plan = load(out)
+    for name, trajectory in zip(plan.names, plan.trajectories, strict=True):
+        data = np.loadtxt(uploads / f"{name}.csv", delimiter=",", skiprows=1, usecols=range(33), ndmin=2)
+        begun = 0.0
+        for row in data:
+            for t in np.linspace(begun, begun + row[0], 7):
+                axes = [Polynomial(row[1 + 8 * axis : 9 + 8 * axis]) for axis in range(4)]
+                for derivative, tolerance in ((0, 1e-12), (1, 1e-12), (2, 1e-10)):  # sums in another order
+                    flown = [
+                        axis.deriv(derivative)(t - begun) if derivative else axis(t - begun) for axis in axes
+                    ]
+                    assert flown == pytest.approx(trajectory.at(np.asarray(t), derivative), abs=tolerance)
+            begun += row[0]
+        assert begun == pytest.approx(plan.duration, abs=1e-12)
+
+
+def test_more_pieces_than_a_crazyflie_holds_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "long.yaml"
+    rows = ", ".join(f"{{t: {2 * k}, pos: [{k % 2}, 0, 1]}}" for k in range(33))
+    path.write_text(f"vehicles: {{cf1: [{rows}]}}")
+    arguments = ["--out", str(tmp_path / "plan.json"), "--upload", str(tmp_path / "uploads")]
+    assert main([str(path), *arguments]) == 1
+    assert "cf1: 32 pieces, a Crazyflie's memory holds 31" in capsys.readouterr().err
+
+
+def test_the_zone_is_chosen_by_what_it_spares(
+    crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, facts = tmp_path / "plan.json", tmp_path / "facts.json"
+    asked = [str(crossing), "--out", str(out), "--model", "paper_law", "--cut"]
+    assert main([*asked, "0.5", "--json", str(facts), "--starts", "1"]) == 0
+    told = json.loads(facts.read_text())
+    assert told["certified"] is True
+    assert told["snap_cost"] <= 1.1 * told["snap_infimum"]  # half of the draft costs less than 88 % of it
+    assert "spares 5" in capsys.readouterr().out  # 50 to 60 %
+    assert main([*asked, "1.5"]) == 1
+    assert "cut = 1.5: allowed is 0 to 1" in capsys.readouterr().err
+    assert main([str(crossing), "--out", str(out), "--cut", "0.5"]) == 1
+    assert "--cut 0.5 needs --model" in capsys.readouterr().err
+
+
 def test_figures_are_drawn(tmp_path: Path) -> None:
     path, figures = tmp_path / "quick.yaml", tmp_path / "figures"
     path.write_text(
@@ -121,7 +169,7 @@ def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
         ),
         (SECTION_4_1, ["--eps", "-1"], "--eps = -1.0: allowed is 0 to 5.0 m"),
         (SECTION_4_1, ["--model", "paper_law", "--threshold", "99"], "threshold = 99"),
-        ("vehicles: [", [], "bad.yaml: while parsing"),
+        ("vehicles: [", [], "bad.yaml: is no YAML: line 1: expected the node content"),
         (SECTION_4_1, ["--threshold", "1"], "needs --model"),
         ("nothing: 1", [], "vehicles: got None, expected a mapping"),
     ],

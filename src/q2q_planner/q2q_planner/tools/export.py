@@ -14,6 +14,10 @@ from q2q_planner.trajectory import AXES, SwarmPlan, setpoint_at
 UPLOAD_ORDER = 8
 """Coefficients a piece and axis: degree 7."""
 
+MOST_PIECES = 31
+"""Pieces that fit into the firmware's 4096 bytes of trajectory memory, 132 each (firmware:
+src/modules/interface/crtp_commander_high_level.h, TRAJECTORY_MEMORY_SIZE)."""
+
 SAMPLE_STEP = 0.01
 """Rows of the sampled CSV [s]: 100 Hz."""
 
@@ -37,7 +41,7 @@ def write_uploads(folder: Path, plan: SwarmPlan) -> None:
     """Write `<name>.csv` for each vehicle as Crazyswarm2 uploads it.
 
     Raises:
-        ValueError: where a piece has a higher degree than the firmware's 7.
+        ValueError: where a piece has a higher degree than the firmware's 7, or there are too many pieces.
     """
     header = ["Duration", *(f"{axis}^{k}" for axis in ("x", "y", "z", "yaw") for k in range(UPLOAD_ORDER))]
     folder.mkdir(parents=True, exist_ok=True)
@@ -45,6 +49,9 @@ def write_uploads(folder: Path, plan: SwarmPlan) -> None:
         order = trajectory.coefficients.shape[-1]
         if order > UPLOAD_ORDER and trajectory.coefficients[..., UPLOAD_ORDER:].any():
             raise ValueError(f"{name}: pieces of degree {order - 1}, Crazyswarm2 uploads degree 7 at most")
+        if len(trajectory.durations) > MOST_PIECES:
+            pieces = f"{name}: {len(trajectory.durations)} pieces"
+            raise ValueError(f"{pieces}, a Crazyflie's memory holds {MOST_PIECES}; plan a shorter flight")
         rows = np.zeros((len(trajectory.durations), AXES, UPLOAD_ORDER))
         rows[..., : min(order, UPLOAD_ORDER)] = trajectory.coefficients[..., :UPLOAD_ORDER]
         with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:

@@ -9,8 +9,6 @@ from math import isfinite
 from pathlib import Path
 from time import process_time
 
-import yaml
-
 from q2q_model.level_set import level_set
 from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_model.tools.models import find_model
@@ -20,12 +18,13 @@ from q2q_planner import plan_file
 from q2q_planner.avoidance import AvoidanceParams, avoid
 from q2q_planner.certificate import Certificate, certify
 from q2q_planner.draft_zone import PAPER_LOOP, LearnedDraft, avoid_draft
-from q2q_planner.flight_limits import FlightLimits, check_flyable, timed_document, with_limits_of
+from q2q_planner.flight_limits import FlightLimits, check_flyable, with_limits_of
 from q2q_planner.minsnap import minimum_snap_plan, plan_cost
 from q2q_planner.plan_file import PlanFacts
 from q2q_planner.tools.export import write_samples, write_uploads
+from q2q_planner.tools.waypoint_file import read_waypoints
 from q2q_planner.trajectory import SwarmPlan
-from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
+from q2q_planner.waypoints import VehicleWaypoints
 
 EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --json cost.json --csv plan.csv
@@ -59,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     asked = parser().parse_args(without_ros(arguments))
     try:
         return _run(asked)
-    except (ValueError, OSError, yaml.YAMLError) as refusal:
+    except (ValueError, OSError) as refusal:
         print(f"plan: {refusal}", file=sys.stderr)
         return 1
 
@@ -159,11 +158,7 @@ def _zone_by_cut(asked: argparse.Namespace, swarm: Sequence[VehicleWaypoints]) -
 def swarm_of(asked: argparse.Namespace) -> tuple[VehicleWaypoints, ...]:
     """Return the waypoints of the file, timed where it gives no times; raise ValueError naming the file."""
     limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration), vehicle_by_name(asked.vehicle))
-    try:
-        document = yaml.safe_load(asked.waypoints.read_text(encoding="utf-8"))
-        return swarm_from_document(timed_document(document, limits, asked.reading))
-    except (ValueError, yaml.YAMLError) as error:
-        raise ValueError(f"{asked.waypoints}: {error}") from error
+    return read_waypoints(asked.waypoints, limits, asked.reading)
 
 
 def as_json(made: Planned) -> dict[str, float | bool | int | None]:
