@@ -23,6 +23,8 @@ TWIN_M = 1e-9
 """How far a flight through the nodes may be from closed_loop's [m]: rounding of sums in another order."""
 TOPICS = ("mocap", "truth", "state", "reference_safe", "command")
 """What is recorded: what policies judge."""
+APART_EVERY = 4
+"""Every so many runs fly with a process for each node; the others with the road's nodes in one process."""
 
 
 class NodeFlights:
@@ -63,6 +65,7 @@ class NodeFlights:
             replan=options.replan,
             seed=run.seed,
             record=TOPICS,
+            stack=run.seed % APART_EVERY > 0,
         )
         bag = self._folder / "bag"
         try:

@@ -1,0 +1,118 @@
+"""Fly a scenario through the nodes and strike one of them: kill it, or stop it; let it come back, or not.
+
+    kill       SIGKILL: it is gone without a word; come back: started anew, to take its place in flight
+    stop       SIGSTOP: it stands still; come back: SIGCONT
+
+In lockstep the simulator waits for its tick with the patience given (q2q_sim.lockstep), so that a node
+which comes back in time costs no tick; live, nothing waits.
+"""
+
+import os
+import signal
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from q2q_sim.flight_clock import FlightTiming, timing_of
+from q2q_sim.ros.flight_director import FlightDirector
+from q2q_sim.tools.domain import own_domain
+from q2q_sim.tools.flight import RECORDER, WIRING_TIMEOUT_S, FlightRequest, load_scenario, node_specs
+from q2q_sim.tools.processes import NodeDiedError, NodeSpec, Processes
+
+LOOKS = 20
+"""Looks of the flight director (50 ms each) from a strike to the coming back."""
+
+
+@dataclass(frozen=True, slots=True)
+class Strike:
+    """Hold what happens to which node, and when."""
+
+    node: str
+    tick: int
+    """Not before this tick: ticks are told once a second."""
+    how: Literal["kill", "stop"] = "kill"
+    comes_back: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """Hold the simulator's patience in lockstep."""
+
+    again_s: float = 0.2
+    give_up_s: float = 60.0
+
+
+def fly_struck(
+    request: FlightRequest, strike: Strike, folder: Path, waiting: Waiting | None = None
+) -> FlightTiming:
+    """Fly a scenario into `folder`/bag, striking one node; return how it went in wall time.
+
+    Raises:
+        ValueError: an unknown scenario, or no such node in the flight.
+        NodeDiedError, TimeoutError: another node ended early, or the flight stood still.
+    """
+    scenario = load_scenario(request)
+    folder.mkdir(parents=True, exist_ok=True)
+    specs = [
+        _patient(spec, waiting or Waiting()) for spec in node_specs(scenario, request, folder, folder / "bag")
+    ]
+    known = {spec.executable: spec for spec in specs}
+    if strike.node not in known:
+        raise ValueError(f"no node {strike.node!r} in this flight; there are {', '.join(known)}")
+    with own_domain(), Processes(folder) as processes:
+        for spec in specs:
+            processes.start(spec)
+        hand = _Hand(processes, known[strike.node], strike)
+        with FlightDirector(hand.check) as director:
+            director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S)
+            director.start()
+            summary = director.wait_summary(hand.look)
+            if strike.node != RECORDER or strike.comes_back:
+                director.wait_drained([RECORDER])
+    return timing_of(summary)
+
+
+class _Hand:
+    """Hold what the strike has come to."""
+
+    def __init__(self, processes: Processes, spec: NodeSpec, strike: Strike) -> None:
+        self._processes, self._spec, self._strike = processes, spec, strike
+        self._looks = -1
+        """Since the strike; below 0: it has not fallen."""
+        self._gone = False
+
+    def check(self) -> None:
+        """Raise NodeDiedError where a node ended that was not struck."""
+        try:
+            self._processes.check()
+        except NodeDiedError as died:
+            if not (self._gone and str(died).startswith(f"{self._spec.executable} ")):
+                raise
+
+    def look(self, ticks: int) -> None:
+        """Strike once the flight has come to the tick, and let the node come back some looks later."""
+        if self._looks < 0 and ticks < self._strike.tick:
+            return
+        self._looks += 1
+        if self._looks == 0:
+            self._gone = self._strike.how == "kill"
+            self._send(signal.SIGKILL if self._gone else signal.SIGSTOP)
+        elif self._looks == LOOKS and self._strike.comes_back:
+            self._come_back()
+
+    def _come_back(self) -> None:
+        if self._gone:
+            self._gone = False
+            self._processes.start(self._spec)
+        else:
+            self._send(signal.SIGCONT)
+
+    def _send(self, number: signal.Signals) -> None:
+        os.kill(self._processes.pid(self._spec.executable), number)
+
+
+def _patient(spec: NodeSpec, waiting: Waiting) -> NodeSpec:
+    if spec.executable != "simulator":
+        return spec
+    patience = {"again_s": waiting.again_s, "give_up_s": waiting.give_up_s}
+    return replace(spec, parameters={**spec.parameters, **patience})

@@ -1,0 +1,86 @@
+"""Each node of a flight is killed, and stopped, in turn: the flight ends safely, and goes on where it may."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.signals import CommandStatus
+from q2q_sim import scenarios
+from q2q_sim.policies import POLICIES, Circumstances, Evidence, judge
+from q2q_sim.tools.flight import FlightRequest
+from q2q_sim.tools.policies import evidence_in
+from q2q_sim.tools.strikes import Strike, Waiting, fly_struck
+
+TABLE6 = "table6_room"
+LOW = str(Path(__file__).parent / "scenarios" / "low_hover.yaml")
+ROAD = ("mocap_filter", "interference", "trajectory", "replanner", "pid")
+WALL_TIME = "silence"
+"""The policy that a busy machine may break."""
+
+
+def violations(evidence: Evidence, scenario: str, *but: str) -> list[str]:
+    """Return what a flight broke of all policies but some."""
+    asked = {name: policy for name, policy in POLICIES.items() if name not in (*but, WALL_TIME)}
+    return [str(one) for one in judge(evidence, Circumstances(scenarios.load(scenario).vehicle), asked)]
+
+
+@pytest.mark.parametrize("node", ROAD)
+def test_a_node_killed_and_started_anew_takes_its_place_in_flight(node: str, tmp_path: Path) -> None:
+    timing = fly_struck(FlightRequest(TABLE6, seed=3), Strike(node, tick=1000), tmp_path)
+    evidence = evidence_in(tmp_path / "bag")
+    assert timing.missed_ticks == 0
+    assert len(evidence.t) == 5000
+    assert violations(evidence, TABLE6) == []
+    assert np.isfinite(evidence.thrust[-1]).all()
+    assert (evidence.command_status[-1] != CommandStatus.CUT).all()
+
+
+def test_a_node_that_stands_still_for_a_second_costs_lockstep_nothing(tmp_path: Path) -> None:
+    strike = Strike("replanner", tick=100, how="stop")
+    timing = fly_struck(FlightRequest(LOW, seed=3), strike, tmp_path)
+    assert timing.missed_ticks == 0
+    evidence = evidence_in(tmp_path / "bag")
+    assert len(evidence.t) == 1400
+    assert violations(evidence, LOW) == []
+
+
+def test_a_recorder_that_is_killed_leaves_a_bag_that_is_readable_up_to_its_end(tmp_path: Path) -> None:
+    strike = Strike("bag_record", tick=300, comes_back=False)
+    timing = fly_struck(FlightRequest(LOW, seed=3), strike, tmp_path)
+    assert timing.missed_ticks == 0
+    evidence = evidence_in(tmp_path / "bag")
+    # a chunk is a second of bag time: what was in the last one is lost
+    assert 100 <= len(evidence.t) < 1400
+    assert np.isfinite(evidence.true_pos).all()
+    assert violations(evidence, LOW) == []
+
+
+def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> None:
+    fly_struck(FlightRequest(LOW), Strike("pid", tick=100, comes_back=False), tmp_path, Waiting(0.01, 0.5))
+    evidence = evidence_in(tmp_path / "bag")
+    assert len(evidence.t) == 1400
+    assert violations(evidence, LOW, "return") == []  # they come down
+    # 2 s after its last packet the firmware cuts the motors, and 0.6 m takes 0.35 s to fall
+    silent = int(np.flatnonzero(np.isfinite(evidence.thrust).all(axis=1))[-1])
+    np.testing.assert_allclose(evidence.true_pos[silent + 240, :, 2], 0.0, atol=1e-9)
+    np.testing.assert_allclose(evidence.true_pos[-1, :, :2], evidence.sent_pos[silent, :, :2], atol=0.05)
+
+
+@pytest.mark.parametrize("node", ["mocap_filter", "trajectory"])
+def test_live_a_controller_without_its_inputs_acts_by_itself(node: str, tmp_path: Path) -> None:
+    fly_struck(FlightRequest(LOW, live=True), Strike(node, tick=200, comes_back=False), tmp_path)
+    evidence = evidence_in(tmp_path / "bag")
+    assert violations(evidence, LOW) == []
+    known = np.isfinite(evidence.command_status).all(axis=1)
+    status = evidence.command_status[known]
+    if node == "trajectory":  # states come: it hovers where it was last sent
+        assert status[-1].tolist() == [CommandStatus.DEGRADED] * 2
+        np.testing.assert_allclose(evidence.true_pos[-1], [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]], atol=0.05)
+        return
+    order = list(dict.fromkeys(status[:, 0].tolist()))
+    blind = [one for one in order if one in (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND)]
+    assert blind == [CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND]
+    assert status[-1].tolist() == [CommandStatus.CUT] * 2
+    np.testing.assert_allclose(evidence.true_pos[-1, :, 2], 0.0, atol=1e-9)  # on the ground, in its place
+    np.testing.assert_allclose(evidence.true_pos[-1, :, :2], [[0.0, 0.0], [0.0, 1.0]], atol=0.2)
