@@ -13,7 +13,7 @@ from q2q_model.layout import Signal
 from q2q_model.model_file import ModelFile, encode, save
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED, TICK
+from q2q_model.ros.qos import LATCHED, RECORD
 from q2q_model.ros.run import run
 from q2q_model.signals import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.tick_join import TickJoin
@@ -33,7 +33,7 @@ class LiveIdentification:
         self._join: TickJoin[Signal] = TickJoin(tuple(INPUTS))
         self._sent_t, self._sent_gain = float("-inf"), 1.0
         for topic, signal in INPUTS.items():
-            node.create_subscription(MESSAGES[signal], topic, self._receiver(topic, signal), TICK, raw=True)
+            node.create_subscription(MESSAGES[signal], topic, self._receiver(topic, signal), RECORD, raw=True)
 
     @property
     def refined(self) -> ModelFile:
