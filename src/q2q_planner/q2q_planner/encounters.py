@@ -179,8 +179,16 @@ def _fly_apart(
 
 def _alone(whole: SwarmSetpoint, row: int) -> SwarmSetpoint:
     one = slice(row, row + 1)
-    fields = (whole.pos, whole.vel, whole.acc, whole.yaw, whole.yaw_rate, whole.status)
-    return SwarmSetpoint(whole.t, whole.names[one], *(field[one] for field in fields))
+    return replace(
+        whole,
+        names=whole.names[one],
+        pos=whole.pos[one],
+        vel=whole.vel[one],
+        acc=whole.acc[one],
+        yaw=whole.yaw[one],
+        yaw_rate=whole.yaw_rate[one],
+        status=whole.status[one],
+    )
 
 
 def _heard(t: float, flown: Sequence[SwarmSetpoint], tick: Array) -> SwarmState:
