@@ -3,9 +3,11 @@
 The drafts of stage k are taken at its middle, where each vehicle is half-way between two stages of its last
 predicted path. A source pushes from where it was a delay tau ago: in the past, or on its predicted path.
 
-    rel_k = r_j(t_k - tau) - r_i(t_k),  eta_i,k = sum_j law(rel_k),  G_ij,k = d law / d rel at rel_k
+    rel_k = r_j(t_k - tau) - r_i(t_k)
+    eta_i,k = sum_j s_j,k law(rel_k),  G_ij,k = s_j,k d law / d rel at rel_k
 
-A source throws its air along the thrust it is predicted to have. G by central differences; in G a source's
+A source throws its air along the thrust it is predicted to have, and s_j,k as strongly as a hovering one: one
+that is pushed down itself carries its weight and its draft. G by central differences; in G a source's
 path counts as if its push came at once. The delay is exact in eta itself, so nothing is off where the path is
 the predicted one.
 
@@ -49,6 +51,8 @@ class Tracks:
     """How much each vehicle's draft counts: 1 where it is seen, (n,)."""
     first: int
     """Index of the horizon's first stage."""
+    strength: Array | None = None
+    """s: each source's draft over a hovering one's, (n, N); None is 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,9 +93,9 @@ def predict_drafts(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -> 
     strong = np.abs(law).max(axis=(1, 2)) > FAINT
     if not strong.all():
         i, j, law, slope = i[strong], j[strong], law[strong], slope[strong]
-    trust = tracks.trust[j]
-    if trust.min(initial=1.0) < 1.0:
-        law, slope = law * trust[:, None, None], slope * trust[:, None, None, None]
+    count = tracks.trust[:, None] if tracks.strength is None else tracks.trust[:, None] * tracks.strength
+    if not (count == 1.0).all():
+        law, slope = law * count[j][..., None], slope * count[j][..., None, None]
     eta = np.zeros(here.shape)
     np.add.at(eta, i, law)
     return DraftHorizon(eta, i, j, np.clip(slope, -rule.slope_max, rule.slope_max))

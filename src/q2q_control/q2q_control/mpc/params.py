@@ -28,6 +28,13 @@ class MpcParams:
     )
     jerk: float = tunable(0.2, "weight of a changing input over that of an input", low=0.0, high=100.0)
     slope_max: float = tunable(10.0, "largest slope of a draft believed", unit="1/s^2", low=0.0, high=100.0)
+    loading: float = tunable(
+        0.0,
+        "share of a source's thrust beyond its weight that strengthens its draft: 1 by momentum theory, "
+        "0 as in the paper; where not 0 drafts of now are the horizon's own",
+        low=0.0,
+        high=2.0,
+    )
     latency: float = tunable(0.026, "stamp of a tick to its command's effect", unit="s", low=0.0, high=0.3)
     attitude_lag: float = tunable(
         0.12, "tilt behind its command, without the rotors' lag", unit="s", low=0.0, high=1.0

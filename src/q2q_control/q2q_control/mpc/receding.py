@@ -117,6 +117,7 @@ class Mpc:
     def configure(self, params: MpcParams) -> None:
         """Use other parameters; plans and estimates start anew."""
         self._params = params
+        self._surroundings.loading = params.loading
         xy, z = ChainWeights(params.bandwidth_xy, params.jerk), ChainWeights(params.bandwidth_z, params.jerk)
         lags = axis_lags(params, self._vehicle)
         side, up = chain(lags[0], params.step, xy), chain(lags[2], params.step, z)
@@ -163,7 +164,7 @@ class Mpc:
             self.reset()
         tick = align(state, setpoint, interference, names)
         outlook = self._outlook(tick, (state, setpoint), aware=interference is not None)
-        if interference is not None and interference.status.any():
+        if interference is not None and (self._params.loading > 0.0 or interference.status.any()):
             self._mend_drafts(tick, interference, outlook.drafts)
         present = self._present.update(tick, state)
         horizon = self._horizon(tick, present, outlook)
@@ -186,9 +187,13 @@ class Mpc:
         return Outlook(reference, plan, drafts, everyone)
 
     def _mend_drafts(self, tick: Aligned, interference: Interference, drafts: DraftHorizon) -> None:
-        """Put our own drafts of now where the predictor's are not valid: it cannot know who is lost to us."""
+        """Put our own drafts of now where the predictor's are not valid, or do not know the sources' thrust.
+
+        It cannot know who is lost to us.
+        """
         status = np.append(interference.status, InterferenceStatus.NO_MODEL)
         doubtful = status[index_of(tick.names, interference.names)] != InterferenceStatus.VALID
+        doubtful |= self._params.loading > 0.0
         eta = drafts.eta[: len(tick.names)]
         early = 0.5 + self._params.latency / self._params.step  # stages from now to the first one's middle
         now = eta[:, 0] - early * (eta[:, 1] - eta[:, 0])

@@ -30,6 +30,7 @@ class Surroundings:
 
     def __init__(self) -> None:
         self.heard: Predictions | None = None
+        self.loading = 0.0
         self.reset()
 
     def reset(self) -> None:
@@ -63,8 +64,9 @@ class Surroundings:
         when[len(self._when)] = start
         pos = np.concatenate([np.stack(self._where), path.transpose(1, 0, 2)])
         lift = inputs + np.array([0.0, 0.0, GRAVITY])
-        axis = lift / np.sqrt((lift * lift).sum(axis=-1, keepdims=True))
-        return Tracks(when, pos, axis, trust, len(self._when))
+        thrust = np.sqrt((lift * lift).sum(axis=-1, keepdims=True))  # over mass, (n, N, 1)
+        strength = 1.0 + self.loading * (thrust[..., 0] / GRAVITY - 1.0) if self.loading > 0.0 else None
+        return Tracks(when, pos, lift / thrust, trust, len(self._when), strength)
 
     def _trust(self, tick: Aligned, path: Array) -> Array:
         """Return how much each vehicle's draft counts, (n,); put those that count nothing far away."""

@@ -1,0 +1,55 @@
+"""Every shipped file of gains fits the PID, says its sources, and makes a stable loop."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from q2q_control.pid import PidParams
+from q2q_model.parameters import with_overrides
+
+FOLDER = Path(__file__).parents[1] / "config"
+FILES = sorted(FOLDER.glob("pid_*.yaml"))
+
+
+def gains_in(path: Path) -> PidParams:
+    """Return the PID's parameters with a file's overrides; an unknown key or a bad value raises."""
+    document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return with_overrides(PidParams(), document["/**"]["ros__parameters"])
+
+
+def test_the_papers_the_firmwares_and_tuned_gains_are_shipped():
+    assert {path.stem for path in FILES} == {"pid_learned", "pid_mellinger", "pid_firmware", "pid_tuned"}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_file_of_gains_begins_with_its_source_and_makes_a_stable_loop(path: Path):
+    assert path.read_text(encoding="utf-8").startswith("# ")
+    found = gains_in(path)
+    for k_p, k_d, k_i in (
+        (found.k_p_z, found.k_d_z, found.k_i_z),
+        (found.k_p_xy, found.k_d_xy, found.k_i_xy),
+    ):
+        poles = np.roots([1.0, k_d, k_p, k_i])  # s^3 + K_d s^2 + K_p s + K_i; with K_i = 0 one pole is at 0
+        assert (poles.real < 1e-12).all()
+
+
+def test_the_learned_gains_are_the_defaults():
+    assert gains_in(FOLDER / "pid_learned.yaml") == PidParams()
+
+
+def test_mellingers_gains_are_the_firmwares_over_its_mass():
+    found, mass = gains_in(FOLDER / "pid_mellinger.yaml"), 0.029
+    # written with four decimals
+    assert found.k_p_z * mass == pytest.approx(1.25, abs=1e-5)
+    assert found.k_d_z * mass == pytest.approx(0.4, abs=1e-5)
+    assert found.k_p_xy * mass == pytest.approx(0.4, abs=1e-5)
+
+
+def test_the_firmwares_cascade_as_one_loop_has_the_cascades_poles():
+    found = gains_in(FOLDER / "pid_firmware.yaml")
+    c, outer, outer_i, inner, inner_i = 1000.0 / 65535.0 * 0.60 / 0.034, 2.0, 0.5, 25.0, 15.0
+    # s^2 e = -c (K (P e + Z int e + s e) + I int(P e + s e)), the product of integrals left out
+    cascade = [1.0, c * inner, c * (inner * outer + inner_i), c * (inner_i * outer + inner * outer_i)]
+    assert np.allclose([1.0, found.k_d_z, found.k_p_z, found.k_i_z], cascade, rtol=1e-3)  # three decimals

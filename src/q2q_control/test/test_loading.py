@@ -1,0 +1,45 @@
+"""A source that carries a draft of its own throws more air: the horizon may count that."""
+
+import numpy as np
+
+from q2q_control.alignment import align
+from q2q_control.mpc.draft_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.surroundings import Surroundings
+from q2q_model.interaction.jet import PAPER_LAW
+from q2q_model.signals import SwarmSetpoint, SwarmState
+from q2q_model.vehicle import GRAVITY
+
+PAIR = ("cf1", "cf2")
+STAGES = 4
+
+
+def tracks_of(loading: float, lift: float) -> Tracks:
+    """Return the tracks of a hovering pair whose upper vehicle pushes up with `lift` [m/s^2] more."""
+    pos = np.array([[0.0, 0.0, 1.0], [0.03, 0.0, 1.5]])
+    zero, flag, level = np.zeros((2, 3)), np.zeros(2, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    state = SwarmState(0.0, PAIR, pos, zero, level, zero, np.zeros(2), flag)
+    setpoint = SwarmSetpoint(0.0, PAIR, pos, zero, zero, np.zeros(2), np.zeros(2), flag)
+    inputs = np.zeros((2, STAGES, 3))
+    inputs[1, :, 2] = lift
+    times = 0.05 * np.arange(STAGES + 1)
+    path = np.repeat(pos[:, None], STAGES + 1, axis=1)
+    surroundings = Surroundings()
+    surroundings.loading = loading
+    return surroundings.tracks(align(state, setpoint, None), state, (times, path, inputs), 0.0)
+
+
+def test_a_draft_grows_with_its_sources_thrust_as_far_as_the_loading_says():
+    rule = SlopeRule((2,), 100.0)
+    paper, loaded = (predict_drafts(PAPER_LAW, tracks_of(share, 2.0), rule) for share in (0.0, 0.5))
+    growth = 1.0 + 0.5 * 2.0 / GRAVITY  # half of what the thrust exceeds the weight by
+    assert paper.eta[0, 0, 2] < -0.1
+    assert np.allclose(loaded.eta[0], growth * paper.eta[0], rtol=1e-12)
+    assert np.allclose(loaded.eta[1], paper.eta[1], rtol=1e-12)  # the lower one hovers
+    feels = int(np.flatnonzero(paper.i == 0)[0])
+    assert np.allclose(loaded.slope[feels], growth * paper.slope[feels], rtol=1e-12)
+
+
+def test_hovering_sources_have_the_drafts_of_the_law_whatever_the_loading():
+    rule = SlopeRule((2,), 100.0)
+    paper, loaded = (predict_drafts(PAPER_LAW, tracks_of(share, 0.0), rule) for share in (0.0, 1.0))
+    assert np.allclose(loaded.eta, paper.eta, rtol=1e-12)
