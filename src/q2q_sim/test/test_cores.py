@@ -1,6 +1,11 @@
 """The chain of a tick stays on one core, and two flights keep their chains apart."""
 
-from q2q_sim.tools.cores import cores_of
+from pathlib import Path
+
+import pytest
+
+from q2q_sim.tools.cores import beside_chain, cores_of
+from q2q_sim.tools.dds_profile import VARIABLES, profile_environment
 
 CHAIN = ("simulator", "mocap_filter", "interference", "pid", "mpc")
 
@@ -17,3 +22,15 @@ def test_neighbouring_domains_chain_on_different_cores() -> None:
 
 def test_on_one_core_all_share_it() -> None:
     assert cores_of("pid", 20, {7}) == cores_of("trajectory", 20, {7}) == {7}
+
+
+def test_timers_run_beside_the_chain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    (told,) = profile_environment(tmp_path, beside_chain(21, {0, 1, 3})).values()
+    assert f"<affinity>{0b1010}</affinity>" in Path(told).read_text()
+
+
+def test_a_profile_of_the_users_own_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLES[1], "mine.xml")
+    assert profile_environment(tmp_path, {1}) == {}

@@ -25,9 +25,11 @@ class LegacyTopics:
         if not self._due(command.t):
             return
         for name, row in zip(command.names, legacy_setpoints(command, self._scale).tolist(), strict=True):
-            pitch, roll, yaw_rate, pwm = row
-            twist = Twist(linear=Vector3(x=pitch, y=roll, z=pwm), angular=Vector3(z=yaw_rate))
-            self._of(name).publish(twist)
+            writer = self._of(name)
+            if writer.get_subscription_count():
+                pitch, roll, yaw_rate, pwm = row
+                twist = Twist(linear=Vector3(x=pitch, y=roll, z=pwm), angular=Vector3(z=yaw_rate))
+                writer.publish(twist)
 
     def _of(self, name: str) -> Publisher:
         if name not in self._publishers:

@@ -17,7 +17,8 @@ from q2q_sim.flight_clock import FlightTiming, timing_of
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.ros.flight_director import FlightDirector
 from q2q_sim.scenario import Scenario
-from q2q_sim.tools.cores import allowed_cores, cores_of
+from q2q_sim.tools.cores import allowed_cores, beside_chain, cores_of
+from q2q_sim.tools.dds_profile import profile_environment
 from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.processes import NodeSpec, Processes
 
@@ -88,7 +89,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
         raise ValueError(f"bag {bag} exists: choose another folder or delete it")
     folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(scenario, request, folder, bag)
-    with own_domain() as domain, Processes(folder) as processes:
+    with own_domain() as domain, _processes(folder, domain) as processes:
         for spec in specs:
             processes.start(replace(spec, cores=cores_of(spec.executable, domain, allowed_cores())))
         with FlightDirector(processes.check) as director:
@@ -100,6 +101,10 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
             director.wait_drained([*(name for name in names if name != RECORDER), RECORDER])
     flight = read_flight(bag)
     return FlightRun(request, flight, measure(flight, scenario.vehicle), timing_of(summary), bag)
+
+
+def _processes(folder: Path, domain: int) -> Processes:
+    return Processes(folder, profile_environment(folder, beside_chain(domain, allowed_cores())))
 
 
 def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:

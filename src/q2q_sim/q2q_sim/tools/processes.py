@@ -56,9 +56,10 @@ def find_executable(package: str, executable: str) -> Path:
 class Processes:
     """Hold the running nodes. Use as a context manager: leaving it ends them all."""
 
-    def __init__(self, folder: Path) -> None:
-        """Take the folder for parameter files and logs."""
+    def __init__(self, folder: Path, environment: Mapping[str, str] | None = None) -> None:
+        """Take the folder for parameter files and logs, and what to add to the nodes' environment."""
         self._folder = folder
+        self._environment = environment or {}
         self._running: dict[str, subprocess.Popen[bytes]] = {}
 
     def __enter__(self) -> Self:
@@ -81,6 +82,7 @@ class Processes:
                 stdout=log,
                 stderr=log,
                 stdin=subprocess.DEVNULL,
+                env={**os.environ, **self._environment},
                 preexec_fn=partial(_settle, spec.cores),  # noqa: PLW1509 (no threads of ours run before the nodes do)
             )
 
