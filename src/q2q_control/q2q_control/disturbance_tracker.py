@@ -28,7 +28,7 @@ class TrackerParams:
         20.0, "how quickly estimated position and velocity follow", unit="rad/s", low=0.1, high=100.0
     )
     observer_bandwidth: float = tunable(
-        3.0, "how quickly unexplained acceleration is believed", unit="rad/s", low=0.01, high=50.0
+        6.0, "how quickly unexplained acceleration is believed", unit="rad/s", low=0.01, high=50.0
     )
     disturbance_max: float = tunable(
         3.0, "largest unexplained acceleration believed", unit="m/s^2", low=0.0, high=9.81
