@@ -2,7 +2,7 @@
 
 Within a tick most nodes wait for each other: simulator, mocap_filter, interference, controller, simulator.
 Left to the scheduler they wander between cores, and each finds the cache of another; on one core of their own
-a tick takes a quarter less. What works beside the chain (trajectory, replanner, recorder) gets all other cores.
+a tick takes a quarter less. What works beside the chain (trajectory, replanner, recorder) gets all others.
 """
 
 import os
