@@ -76,7 +76,7 @@ def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, t
     off = here - plan[:, 0]
     far = np.abs(off).max(initial=0.0)
     if far < SAME:
-        return plan[:, 1:]
+        return np.asarray(plan[:, 1:])
     fade = np.exp(-ahead / FADE)
     shifted = plan[:, 1:].copy()
     shifted[..., :3] += (off[:, None, :3] + off[:, None, 3:6] * ahead) * fade

@@ -52,7 +52,8 @@ def encode(signal: Signal, stamp_ns: int) -> bytes:
 
     Raises BadMessageError where its arrays do not fit its names.
     """
-    form = _form(type(signal), signal.names)
+    kind: type = type(signal)
+    form = _form(kind, signal.names)
     parts = [ENCAPSULATION, _STAMP.pack(*divmod(stamp_ns, NANOSECONDS)), form.head]
     for attribute, lead in form.leads:
         parts += (lead, getattr(signal, attribute).tobytes())
@@ -201,7 +202,7 @@ class _Form:
 
 
 @lru_cache(maxsize=256)
-def _form(kind: type[Signal], names: Names) -> _Form:
+def _form(kind: type, names: Names) -> _Form:
     head = _head(BODY if kind is SwarmImu else WORLD, names)
     at, leads = NAMES_AT + len(head), []
     for column in LAYOUTS[kind].columns:

@@ -80,7 +80,8 @@ def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: Fli
     recording.state(number, state, draft)
     recording.setpoints(number, planned, given)
     recording.command(number, command)
-    told = {"mocap": tick.frame, "state": state, "reference_safe": given, "command": command}
+    told: dict[str, Signal] = {"mocap": tick.frame, "state": state, "reference_safe": given}
+    told["command"] = command
     for topic, signal in told.items():
         options.hear(topic, tick.stamp_ns, signal)
     return command

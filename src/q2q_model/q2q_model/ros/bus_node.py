@@ -5,7 +5,7 @@ from rclpy.node import Node
 from q2q_model.local_bus import LocalBus
 
 
-class BusNode(Node):
+class BusNode(Node):  # type: ignore[misc]  # rclpy has no types
     """A node whose wiring reads from a bus what is written within the process."""
 
     def __init__(self, name: str, bus: LocalBus) -> None:
