@@ -84,7 +84,7 @@ def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, t
     share = np.exp(-np.sum(off[:, :3] ** 2, axis=1) / AWAY**2)[:, None, None]
     shifted = share * shifted + (1.0 - share) * _going_on(here, ahead)
     if np.isfinite(far):
-        return shifted
+        return np.asarray(shifted)
     unknown = np.isnan(plan.sum(axis=(1, 2)))
     return np.where(unknown[:, None, None], _coasting(here, ahead), shifted)
 
