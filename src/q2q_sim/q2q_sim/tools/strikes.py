@@ -67,8 +67,10 @@ def fly_struck(
             director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S)
             director.start()
             summary = director.wait_summary(hand.look)
-            if strike.node != RECORDER or strike.comes_back:
-                director.wait_drained([RECORDER])
+            there = [
+                name for name in known if name != RECORDER and (strike.comes_back or name != strike.node)
+            ]
+            director.wait_drained([*there, RECORDER] if strike.node != RECORDER else there)
     return timing_of(summary)
 
 
