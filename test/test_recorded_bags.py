@@ -42,8 +42,8 @@ def test_every_tick_is_on_every_topic(bag: Path) -> None:
     assert counts == dict.fromkeys(TOPICS, ticks_of(bag))
 
 
-def test_an_independent_reader_reads_every_message_of_a_bag() -> None:
-    bag = BAGS[0]
+@pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
+def test_an_independent_reader_reads_every_message_of_a_bag(bag: Path) -> None:
     seen = [message.channel.topic for message in read_ros2_messages(bag / f"{bag.name}_0.mcap")]
     assert len(seen) == len(TOPICS) * ticks_of(bag)
 
