@@ -31,6 +31,7 @@ setup(
             "bag_play = q2q_sim.ros.bag_play_node:main",
             "stack = q2q_sim.ros.stack:main",
             "view = q2q_sim.ros.view_node:main",
+            "ablation = q2q_sim.tools.ablation:main",
             "bag_import = q2q_sim.tools.bag_import:main",
             "crtp = q2q_sim.tools.crtp:main",
             "fly = q2q_sim.tools.fly:main",

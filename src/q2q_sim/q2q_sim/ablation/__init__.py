@@ -1,0 +1,1 @@
+"""Compare controllers that know the draft with ones that do not."""

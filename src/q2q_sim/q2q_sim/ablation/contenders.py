@@ -1,0 +1,91 @@
+"""Build the controllers that the ablation compares, all from the same gains and the same learned model.
+
+| name | knows the draft | against what is not explained |
+|---|---|---|
+| ignoring | no | nothing |
+| integral | no | integral |
+| observer | no | disturbance observer |
+| PD aware | yes | nothing |
+| PID aware | yes | integral |
+| observer aware | yes | disturbance observer |
+| MPC | yes, ahead | nothing |
+| MPC observer | yes, ahead | disturbance observer |
+| explicit | yes, ahead | disturbance observer |
+
+K_p and K_d are the scenario's; K_i = 0.12 K_p K_d, an eighth of what the loop bears (Routh: K_i < K_p K_d).
+The MPC's tuning is its default. The explicit law is distilled for the case's vehicle, bound and model.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from q2q_control.controller import Controller
+from q2q_control.disturbance_tracker import TrackerParams
+from q2q_control.explicit.controller import ExplicitController
+from q2q_control.explicit.distillation import Teacher, answers, distil, random_questions
+from q2q_control.mpc.receding import Mpc
+from q2q_control.observed_pid import ObservedPid
+from q2q_control.pid import Pid, PidParams
+from q2q_control.plan_samples import Curve, sampled_preview
+from q2q_control.preview import SampledPreview
+from q2q_planner.trajectory import SwarmPlan
+from q2q_sim.ablation.learning import Learned
+from q2q_sim.assembly import mpc_params, pid_params
+from q2q_sim.scenario import Scenario
+
+CONTENDERS = (
+    "ignoring", "PD aware", "PID aware", "integral", "observer", "observer aware", "MPC", "MPC observer",
+    "explicit",
+)  # fmt: skip
+BLIND = ("ignoring", "integral", "observer")
+"""Those that are given no draft."""
+INTEGRAL_SHARE = 0.12
+"""K_i over K_p K_d [-]."""
+QUESTIONS = 600
+"""That the explicit law is distilled from."""
+LAYERS = (16, 10)
+"""Of the explicit law."""
+
+
+def built(name: str, flown: tuple[Scenario, SwarmPlan], learned: Learned, *, limited: bool) -> Controller:
+    """Return a fresh contender for a scenario and its plan; raise ValueError for an unknown name."""
+    scenario, plan = flown
+    gains = pid_params(scenario, limited=limited)
+    integral = replace(gains, k_i_z=INTEGRAL_SHARE * gains.k_p_z * gains.k_d_z)
+    latency = scenario.vicon.latency + scenario.radio.latency
+    tracker = TrackerParams(latency=latency)
+    if name in ("ignoring", "PD aware"):
+        return Pid(gains, scenario.vehicle)
+    if name in ("integral", "PID aware"):
+        return Pid(integral, scenario.vehicle)
+    if name in ("observer", "observer aware"):
+        return ObservedPid(gains, tracker, scenario.vehicle)
+    if name == "explicit":
+        return _explicit(flown, (gains, tracker), learned, limited=limited)
+    if name not in CONTENDERS:
+        raise ValueError(f"unknown contender {name!r}: choose one of {', '.join(CONTENDERS)}")
+    params = replace(mpc_params(scenario, limited=limited), loading=learned.loading)
+    mpc = Mpc(replace(params, observe=name == "MPC observer"), scenario.vehicle, learned.model)
+    mpc.preview = _preview(plan)
+    return mpc
+
+
+def _explicit(
+    flown: tuple[Scenario, SwarmPlan], settings: tuple[PidParams, TrackerParams], learned: Learned,
+    *, limited: bool,
+) -> Controller:  # fmt: skip
+    scenario, plan = flown
+    vehicle, params = scenario.vehicle, mpc_params(scenario, limited=limited)
+    bound = min(params.thrust_max, vehicle.thrust_max) if limited else vehicle.thrust_max
+    teacher = Teacher(params, vehicle, learned.model, bound)
+    questions = random_questions(QUESTIONS, np.random.default_rng(0))
+    law = distil(questions, answers(questions, teacher), teacher, LAYERS)
+    controller = ExplicitController(law, settings, vehicle, learned.model)
+    controller.preview = _preview(plan)
+    return controller
+
+
+def _preview(plan: SwarmPlan) -> SampledPreview:
+    curves = [Curve(one.durations, one.coefficients) for one in plan.trajectories]
+    return sampled_preview(plan.names, curves, 0.0)

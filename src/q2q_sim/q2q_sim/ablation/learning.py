@@ -1,0 +1,144 @@
+"""Learn the model that the contenders are given, from flights other than those they are judged by.
+
+Pairs of Crazyflies in the room `real`, in the air of the case: one hovers, one passes over it at 0.3 to 1 m,
+along other lines and at other speeds than in any case, and the controller ignores the draft. From
+accelerometers, commands and places the jet is fitted as `identify` does (draft_force, jet_fit); whether the
+air keeps its source's motion is chosen on a flight left out. Thrust is known to lag by the room's latency and
+the rotors' lag. A stack of three then shows whether the draft of a vehicle grows with its thrust, as momentum
+theory says and the paper does not: with the laws f_m, f_t of the middle and the top source on the lowest, and
+e the draft on the middle one,
+
+    y - f_t - f_m = c f_m (-e / g)                  c: loading, by least squares over exposed ticks
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| y | y | observed vertical push on the lowest [m/s^2] |
+| c | loading | [-] |
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.flights import Flight
+from q2q_model.identification.along_flight import Motion, eta_felt
+from q2q_model.identification.draft_force import ForceSamples, force_samples, score
+from q2q_model.identification.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.recorded_push import push_of_sensors
+from q2q_model.interaction.model import InteractionModel
+from q2q_model.signals import Array
+from q2q_model.vehicle import GRAVITY
+from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_sim import scenarios
+from q2q_sim.closed_loop import FlightOptions, fly
+
+PAIRS = 3
+"""Pairs in a training flight."""
+FLIGHTS = 3
+"""Training flights of pairs; the last is the one left out."""
+FORMS = (JetForm(carried=0.0), JetForm(carried=1.0))
+"""What is chosen between."""
+DURATION = 30.0
+"""[s]"""
+FIRST_SEED = 1000
+"""Seeds of training flights begin here, those of the judged flights at 0."""
+MOST_LOADING = 1.5
+"""Largest loading believed [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """Hold what was learned of an air."""
+
+    model: InteractionModel
+    loading: float
+    """Share of a source's thrust beyond its weight that strengthens its draft [-]."""
+    r2: float | None
+    """On pushes of the flight left out."""
+
+
+def learn(wake: str) -> Learned:
+    """Return what flights in an air teach."""
+    flown = [_flown(pairs_over(k), wake, FIRST_SEED + k) for k in range(FLIGHTS)]
+    pushes = [_pushes(flight) for flight in flown]
+    taught, left_out = [one for flight in pushes[:-1] for one in flight], pushes[-1]
+    trials = [(score(fit_to_pushes(taught, form).jet, left_out).r2_exposed, form) for form in FORMS]
+    r2, form = max(trials, key=lambda trial: -np.inf if trial[0] is None else trial[0])
+    model = fit_to_pushes([*taught, *left_out], form).jet
+    stack = _flown(stack_of_three(), wake, FIRST_SEED + FLIGHTS)
+    return Learned(model, loading_of(model, stack), r2)
+
+
+def pairs_over(number: int) -> tuple[VehicleWaypoints, ...]:
+    """Return the vehicles of a training flight: pairs 10 m apart, each with its own gap, line and speed."""
+    vehicles = []
+    for pair in range(PAIRS):
+        k = PAIRS * number + pair
+        gap, aside, turn, wait = 0.3 + 0.085 * k, 0.02 * (k % 4), 0.7 * k, 3.0 * (k % 2)
+        reach = 0.25 - 0.1 * (k % 3)
+        line = [(0.0, -1.0), (5.0, -1.0), (13.0, reach), (14.0 + wait, reach), (23.0, 1.0), (27.0, -1.0)]
+        over = [Waypoint(t, _beside(10.0 * pair, (along, aside), turn, 1.0 + gap)) for t, along in line]
+        below = Waypoint(0.0, (10.0 * pair, 0.0, 1.0))
+        vehicles += [_to_the_end(f"lower{pair}", [below]), _to_the_end(f"upper{pair}", over)]
+    return tuple(vehicles)
+
+
+def stack_of_three() -> tuple[VehicleWaypoints, ...]:
+    """Return two vehicles that pass one after the other under a third."""
+    low = [(0.0, -1.0), (8.0, -1.0), (14.0, 0.0), (18.0, 0.0), (24.0, 1.0)]
+    mid = [(0.0, -1.0), (4.0, -1.0), (10.0, 0.0), (21.0, 0.0), (27.0, 1.0)]
+    return (
+        _to_the_end("low", [Waypoint(t, (along, 0.03, 0.9)) for t, along in low]),
+        _to_the_end("mid", [Waypoint(t, (0.0, along, 1.35)) for t, along in mid]),
+        _to_the_end("top", [Waypoint(0.0, (0.0, 0.0, 1.9))]),
+    )
+
+
+def loading_of(model: InteractionModel, stack: Flight) -> float:
+    """Return c of a flight of `stack_of_three`; 0 where the lowest vehicle shows nothing."""
+    lowest = [one for one in _pushes(stack) if one.vehicle == 0]
+    if not lowest or not lowest[0].exposed.any():
+        return 0.0
+    return _least_squares(model, lowest[0])
+
+
+def _pushes(flight: Flight) -> list[ForceSamples]:
+    base = scenarios.load("stack3")
+    lag = base.vicon.latency + base.radio.latency + base.vehicle.thrust_lag
+    found = push_of_sensors(flight, base.vehicle, lag)
+    return [] if found is None else force_samples(found)
+
+
+def _least_squares(model: InteractionModel, low: ForceSamples) -> float:
+    rows = np.flatnonzero(low.exposed)
+    by_mid, by_top, on_mid = (_vertical(model, low, pair, rows) for pair in ((0, 1), (0, 2), (1, 2)))
+    more = by_mid * (-on_mid / GRAVITY)
+    power = float(more @ more)
+    best = float(more @ (low.y[rows] - by_mid - by_top)) / power if power > 0.0 else 0.0
+    return min(max(best, 0.0), MOST_LOADING)
+
+
+def _vertical(model: InteractionModel, low: ForceSamples, pair: tuple[int, int], rows: Array) -> Array:
+    """Return the vertical draft [m/s^2] that pair[1] alone puts on pair[0], (k,)."""
+    motion, both = low.motion, list(pair)
+    two = Motion(motion.t, motion.pos[:, both], motion.vel[:, both], motion.axis[:, both])
+    return eta_felt(model, two, 0, rows)[:, 2]
+
+
+def _flown(vehicles: tuple[VehicleWaypoints, ...], wake: str, seed: int) -> Flight:
+    base = scenarios.load("stack3")
+    scenario = replace(base, wake=wake, model="none", duration=DURATION, waypoints=vehicles)
+    return fly(scenario, FlightOptions(mode="ignoring", seed=seed))
+
+
+def _to_the_end(name: str, points: list[Waypoint]) -> VehicleWaypoints:
+    """Return a vehicle that rests at its last way-point until the flight ends."""
+    return VehicleWaypoints(name, (*points, replace(points[-1], t=DURATION)))
+
+
+def _beside(
+    middle: float, place: tuple[float, float], turn: float, height: float
+) -> tuple[float, float, float]:
+    """Return a place `along` and `aside` [m] a line through (middle, 0), turned by `turn` [rad]."""
+    (along, aside), c, s = place, float(np.cos(turn)), float(np.sin(turn))
+    return middle + along * c - aside * s, along * s + aside * c, height

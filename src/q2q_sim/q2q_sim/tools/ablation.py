@@ -1,0 +1,169 @@
+"""Compare controllers that know the draft with ones that do not, and write one table of it."""
+
+import json
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from q2q_model.model_file import ModelFile, decode, encode
+from q2q_model.signals import Array
+from q2q_model.tools.command_line import CommandLine, without_ros
+from q2q_sim.ablation.cases import CASES, Case
+from q2q_sim.ablation.contenders import CONTENDERS
+from q2q_sim.ablation.learning import Learned, learn
+from q2q_sim.ablation.table import key, page
+from q2q_sim.ablation.trial import trial
+
+EXAMPLE = """  ros2 run q2q_sim ablation --seeds 20 --json out/ablation.json --out docs/ablation.md --jobs 2
+  ros2 run q2q_sim ablation --seeds 5 --only stack3 --json out/stack3.json --out out/stack3.md"""
+READING = (
+    "Medians over n replicas, each with its own noise, air, losses and rotors, with 95 % intervals; rooms "
+    "without chance have one. 'Lower' is the lowest vehicle over the whole flight; 'under' counts vehicles "
+    "under another and for 1 s after; 'clear air' the same flight's vehicles under nobody for 3 s. What is "
+    "compared, and what each is given: `q2q_sim.ablation.contenders`; cases: `q2q_sim.ablation.cases`."
+)
+LEARNED = (
+    "The controllers' models were learned from other flights in the same air, in the same run "
+    "(`q2q_sim.ablation.learning`):"
+)
+FIRST = ("ignoring", "MPC observer")
+"""Flown first: an interrupted run can compare the worst and the best everywhere."""
+WAKES = ("measured", "paper")
+"""Airs that a model is learned of."""
+
+
+@dataclass(slots=True)
+class Results:
+    """Hold what has been flown, and keep it in a file after every flight."""
+
+    file: Path
+    seeds: int
+    models: dict[str, Learned]
+    cells: dict[str, Array]
+
+    def save(self) -> None:
+        """Write the file in whole, so that an interrupted run loses one flight at most."""
+        body = {
+            "seeds": self.seeds,
+            "models": {wake: _plain(learned) for wake, learned in self.models.items()},
+            "cells": {name: values.tolist() for name, values in self.cells.items()},
+        }
+        self.file.parent.mkdir(parents=True, exist_ok=True)
+        fresh = self.file.with_suffix(".part")
+        fresh.write_text(json.dumps(body, indent=1) + "\n", encoding="utf-8")
+        fresh.replace(self.file)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Fly what is missing, write the table; return 0, or 1 after an error."""
+    words = without_ros(arguments)
+    given = _command_line().parse_args(words)
+    try:
+        results = read(given.json, given.seeds)
+        wanted = [case for case in CASES if not given.only or case.scenario in given.only]
+        _fill(results, wanted, given.jobs)
+    except (ValueError, OSError) as wrong:
+        print(f"ablation: {wrong}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"ablation: interrupted; the same command goes on from {given.json}", file=sys.stderr)
+        return 1
+    given.out.parent.mkdir(parents=True, exist_ok=True)
+    command = f"ros2 run q2q_sim ablation {shlex.join(words)}"
+    given.out.write_text(page(results.cells, notes(results), command), encoding="utf-8")
+    print(f"table: {given.out}\nnumbers: {given.json}")
+    return 0
+
+
+def read(file: Path, seeds: int) -> Results:
+    """Return what a file holds, nothing where there is none; raise ValueError for one of other seeds."""
+    if not file.is_file():
+        return Results(file, seeds, {}, {})
+    try:
+        body = json.loads(file.read_text(encoding="utf-8"))
+        models = {wake: _learned(plain) for wake, plain in body["models"].items()}
+        cells = {name: np.array(values, dtype=np.float64) for name, values in body["cells"].items()}
+        flown = int(body["seeds"])
+    except (KeyError, TypeError, AttributeError, ValueError) as wrong:
+        raise ValueError(f"{file} is no ablation ({wrong}): remove it, or give another --json") from wrong
+    if flown != seeds:
+        raise ValueError(f"{file} holds {flown} seeds, not {seeds}: give another --json, or --seeds {flown}")
+    return Results(file, seeds, models, cells)
+
+
+def notes(results: Results) -> list[str]:
+    """Return what a reader of the table must know."""
+    models = [
+        f"- {wake} wake: {learned.model!r}, loading {learned.loading:.2f}"
+        + (f"; R² {learned.r2:.3f} on a flight left out" if learned.r2 is not None else "")
+        for wake, learned in sorted(results.models.items())
+    ]
+    return [READING, LEARNED, "\n".join(models)]
+
+
+def _command_line() -> CommandLine:
+    parser = CommandLine("ablation", __doc__, EXAMPLE)
+    parser.add_argument("--seeds", type=int, default=20, metavar="N", help="replicas of each case, 1 to 25")
+    parser.add_argument(
+        "--json", type=Path, required=True, metavar="FILE", help="numbers; what it holds already is not flown"
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="table to write (.md)")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="flights at once")
+    names = sorted({case.scenario for case in CASES})
+    parser.add_argument("--only", nargs="+", choices=names, metavar="SCENARIO", help="these scenarios only")
+    return parser
+
+
+def _fill(results: Results, wanted: Sequence[Case], jobs: int) -> None:
+    """Learn and fly what is missing."""
+    if not 1 <= results.seeds <= 25 or jobs < 1:
+        raise ValueError(f"seeds = {results.seeds}, jobs = {jobs}: 1 to 25 seeds, 1 job or more")
+    first = [(case, contender) for contender in FIRST for case in wanted]
+    pairs = dict.fromkeys(first + [(case, contender) for case in wanted for contender in CONTENDERS])
+    missing = [pair for pair in pairs if key(*pair) not in results.cells]
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    bar = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with pool, Progress(*bar, console=Console(stderr=True)) as progress:
+        unknown = [wake for wake in WAKES if missing and wake not in results.models]
+        for wake, work in [(wake, pool.submit(learn, wake)) for wake in unknown]:
+            results.models[wake] = work.result()
+            results.save()
+        task = progress.add_task("flights", total=len(missing))
+        flights = {
+            pool.submit(trial, *pair, _model_for(pair[0], results.models), results.seeds): pair
+            for pair in missing
+        }
+        try:
+            for done in as_completed(flights):
+                results.cells[key(*flights[done])] = done.result()
+                results.save()
+                progress.advance(task)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _model_for(case: Case, models: Mapping[str, Learned]) -> Learned:
+    return models["paper" if case.wake == "paper" else "measured"]
+
+
+def _plain(learned: Learned) -> dict[str, object]:
+    return {"file": encode(ModelFile(learned.model)), "loading": learned.loading, "r2": learned.r2}
+
+
+def _learned(plain: Mapping[str, object]) -> Learned:
+    r2 = plain["r2"]
+    model = decode(str(plain["file"])).interaction
+    return Learned(model, float(str(plain["loading"])), None if r2 is None else float(str(r2)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
