@@ -26,7 +26,18 @@ KEYS = {
     "torch": "python3-torch",
     "yaml": "python3-yaml",
 }
-WITHOUT_KEY = {"backports", "casadi", "cflib", "daqp", "foxglove", "mcap", "piqp", "pyarrow", "threadpoolctl"}
+WITHOUT_KEY = {
+    "backports",
+    "casadi",
+    "cflib",
+    "daqp",
+    "dask",
+    "foxglove",
+    "mcap",
+    "piqp",
+    "pyarrow",
+    "threadpoolctl",
+}
 
 ROS_PACKAGES = {
     "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "launch", "launch_ros",
@@ -82,11 +93,12 @@ def test_what_a_package_imports_is_pinned(package: Path):
     modules = {
         DISTRIBUTIONS.get(name, name).lower() for name in imports(package) & (KEYS.keys() | WITHOUT_KEY)
     }
-    missing = modules - pinned("ros.txt", "run.txt", "dev.txt", "radio.txt", "train.txt", "view.txt")
+    files = ("ros", "run", "dev", "radio", "train", "view", "campaign")
+    missing = modules - pinned(*(f"{name}.txt" for name in files))
     assert not missing, f"requirements/ pins no version of {sorted(missing)}"
 
 
-@pytest.mark.parametrize("name", ["build", "ros", "run", "dev", "radio", "train", "view"])
+@pytest.mark.parametrize("name", ["build", "ros", "run", "dev", "radio", "train", "view", "campaign"])
 def test_every_requirement_is_exact_and_says_why(name: str):
     for line in (ROOT / f"requirements/{name}.txt").read_text(encoding="utf-8").splitlines():
         assert line.startswith("#") or re.fullmatch(r"[A-Za-z0-9_.-]+(\[\w+\])?==\S+  # .+", line), line

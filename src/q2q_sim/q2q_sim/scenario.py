@@ -179,9 +179,9 @@ def _faults(value: object) -> tuple[Fault, ...]:
 
 
 def _reading(value: object) -> Reading:
-    if value not in READINGS:
+    if not isinstance(value, str) or value not in READINGS:
         raise ValueError(f"reading = {value!r}: choose one of {', '.join(READINGS)}")
-    return READINGS[str(value)]
+    return READINGS[value]
 
 
 def _number(value: object, where: str) -> float:

@@ -81,6 +81,7 @@ def _fly(asked: argparse.Namespace) -> tuple[list[Outcome], float]:
     }
     pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
     nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
+    mend(log)
     with log.open("a", encoding="utf-8") as file, _bar() as bar:
         task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
         for one in _all(asked, pure, nodes, kept):
@@ -118,6 +119,13 @@ def read(log: Path) -> list[Outcome]:
             if number < len(lines):
                 raise ValueError(f"{log}, line {number}: {wrong}; delete the file to begin anew") from wrong
     return found
+
+
+def mend(log: Path) -> None:
+    """Take off a last line that was cut off."""
+    text = log.read_text(encoding="utf-8") if log.exists() else ""
+    if text and not text.endswith("\n"):
+        log.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")
 
 
 def tell(outcome: Outcome, console: Console) -> None:

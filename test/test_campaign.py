@@ -1,0 +1,123 @@
+"""A short campaign: runs are their seeds, go on where they were broken off, and keep what they violate."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from q2q_sim import scenarios
+from q2q_sim.campaign import draw
+from q2q_sim.campaign.draw import CALM_S, CUTS, drawn, shortened
+from q2q_sim.campaign.outcome import CRASH, TWIN, Outcome, as_document, from_document, summary
+from q2q_sim.policies import POLICIES, Violation
+from q2q_sim.scenario import scenario_from_document
+from q2q_sim.tools import campaign, campaign_flight
+from q2q_sim.tools.campaign_engine import outcomes
+
+KEYS = {"runs", "through_nodes", "violations", "by_policy", "seeds_of_violations", "seconds"}
+BROKEN = Violation("tilt", "cf1", 1.0, 0.5, 0.36)
+
+
+def test_a_short_campaign_violates_nothing(tmp_path: Path) -> None:
+    asked = [
+        "--runs",
+        "3",
+        "--through-nodes",
+        "1",
+        "--out",
+        str(tmp_path),
+        "--json",
+        str(tmp_path / "it.json"),
+    ]
+    assert campaign.main(asked) == 0
+    found = json.loads((tmp_path / "it.json").read_text())
+    assert set(found) == KEYS
+    assert (found["runs"], found["through_nodes"], found["violations"]) == (3, 1, 0)
+    assert found["by_policy"] == dict.fromkeys((*POLICIES, CRASH, TWIN), 0)
+    assert found["seeds_of_violations"] == []
+    assert found["seconds"] > 0.0
+    assert not (tmp_path / "violations").exists()
+
+
+def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:
+    assert drawn(7) == drawn(7)
+    runs = [drawn(seed) for seed in range(60)]
+    assert len({str(run.document["description"]) for run in runs}) == len(CUTS)
+    assert {run.options.controller for run in runs} == {"pid", "mpc"}
+    assert {str(run.document["room"]) for run in runs} == set(draw.ROOMS)
+    for run in runs:
+        scenario = run.scenario
+        assert 1 <= len(scenario.faults) <= draw.MOST
+        assert all(fault.start <= scenario.duration - CALM_S for fault in scenario.faults)
+
+
+@pytest.mark.parametrize("cut", CUTS, ids=lambda cut: cut.scenario)
+def test_a_cut_begins_and_ends_where_its_scenario_is_then(cut: draw.Cut) -> None:
+    whole = scenarios.load(cut.scenario)
+    document = shortened(scenarios.document(cut.scenario), cut)
+    short = scenario_from_document("cut", document)
+    assert short.duration == pytest.approx((cut.end - cut.begin) * cut.pace)
+    for long_way, way in zip(whole.waypoints, short.waypoints, strict=True):
+        at_rest = [point.pos for point in long_way.waypoints if point.t <= cut.begin][-1]
+        assert way.waypoints[0].pos == at_rest
+        assert way.waypoints[0].t == 0.0
+        assert all(a.t < b.t for a, b in zip(way.waypoints, way.waypoints[1:], strict=False))
+
+
+def ended(seed: int, *violations: Violation) -> Outcome:
+    return Outcome(seed, through_nodes=False, what="made up", violations=violations, seconds=2.0)
+
+
+def test_a_campaign_counts_runs_not_violations() -> None:
+    found = summary([ended(1), ended(2, BROKEN, replace(BROKEN, who="cf2")), ended(3)], 6.0)
+    assert found["violations"] == 1
+    assert found["by_policy"]["tilt"] == 1
+    assert found["seeds_of_violations"] == [2]
+
+
+def test_outcomes_survive_a_file_and_nonsense_is_refused() -> None:
+    one = ended(2, BROKEN)
+    assert from_document(json.loads(json.dumps(as_document(one)))) == one
+    with pytest.raises(ValueError, match="no outcome of a run"):
+        from_document({"seed": 1})
+
+
+def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flown: list[int] = []
+
+    def fly(seed: int, kept: Path) -> Outcome:  # noqa: ARG001
+        flown.append(seed)
+        return ended(seed, *([BROKEN] if seed == 12 else []))
+
+    monkeypatch.setattr("q2q_sim.tools.campaign_engine.fly_and_judge", fly)
+    asked = ["--seed", "10", "--out", str(tmp_path)]
+    assert campaign.main(["--runs", "2", *asked]) == 0
+    with (tmp_path / "runs.jsonl").open("a") as log:
+        log.write('{"seed": 12, "thr')  # killed while writing
+    assert campaign.main(["--runs", "4", *asked]) == 1
+    assert flown == [10, 11, 12, 13]
+    said = capsys.readouterr()
+    assert "seeds of violations: [12]" in said.out
+    assert "tilt: cf1 at 1.00 s: 0.5" in said.err
+
+
+def test_a_run_that_raises_is_a_crash_and_leaves_its_bag(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("made up")
+
+    monkeypatch.setattr(campaign_flight, "judged", broken)
+    found = campaign_flight.fly_and_judge(5, tmp_path)
+    assert [one.policy for one in found.violations] == [CRASH]
+    assert "ZeroDivisionError: made up" in found.violations[0].who
+    assert scenarios.load(str(tmp_path / "5.yaml")).faults == drawn(5).scenario.faults
+    assert (tmp_path / "5" / "metadata.yaml").exists()
+
+
+def test_an_unknown_engine_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="unknown engine 'ray': choose one of local, dask"):
+        outcomes("ray", [1], 1, tmp_path)
