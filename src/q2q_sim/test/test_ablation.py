@@ -16,7 +16,7 @@ from q2q_sim.ablation.table import key, median_interval, page, ratio_to_clear_ai
 from q2q_sim.ablation.trial import COLUMNS, Trace, exposed, flown, measured
 from q2q_sim.assembly import Options, blocks_of, plan_of
 from q2q_sim.scenario import Scenario
-from q2q_sim.tools.ablation import Results, read
+from q2q_sim.tools.ablation import Results, main, read
 
 LEARNED = Learned(PAPER_LAW, 0.0, None)
 SHORT = 0.3
@@ -112,6 +112,16 @@ def test_results_are_kept_and_read_again(tmp_path: Path):
     file.write_text("{}")
     with pytest.raises(ValueError, match="is no ablation"):
         read(file, 2)
+
+
+def test_the_table_of_an_unfinished_run_can_be_written_without_flying(tmp_path: Path):
+    numbers, table = tmp_path / "numbers.json", tmp_path / "table.md"
+    Results(numbers, 2, {"measured": LEARNED}, cells_of(CASES[0])).save()
+    words = ["--seeds", "2", "--json", str(numbers), "--out", str(table), "--table-only"]
+    assert main(words) == 0
+    written = table.read_text()
+    assert "| ignoring | 2 |" in written
+    assert "--table-only" not in written
 
 
 def test_every_case_has_a_scenario_and_a_name_of_its_own():

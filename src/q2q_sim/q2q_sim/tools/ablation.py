@@ -34,6 +34,7 @@ LEARNED = (
     "The controllers' models were learned from other flights in the same air, in the same run "
     "(`q2q_sim.ablation.learning`):"
 )
+TABLE_ONLY = "--table-only"
 FIRST = ("ignoring", "MPC observer")
 """Flown first: an interrupted run can compare the worst and the best everywhere."""
 WAKES = ("measured", "paper")
@@ -69,7 +70,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         results = read(given.json, given.seeds)
         wanted = [case for case in CASES if not given.only or case.scenario in given.only]
-        _fill(results, wanted, given.jobs)
+        if not given.table_only:
+            _fill(results, wanted, given.jobs)
     except (ValueError, OSError) as wrong:
         print(f"ablation: {wrong}", file=sys.stderr)
         return 1
@@ -77,7 +79,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"ablation: interrupted; the same command goes on from {given.json}", file=sys.stderr)
         return 1
     given.out.parent.mkdir(parents=True, exist_ok=True)
-    command = f"ros2 run q2q_sim ablation {shlex.join(words)}"
+    command = f"ros2 run q2q_sim ablation {shlex.join(word for word in words if word != TABLE_ONLY)}"
     given.out.write_text(page(results.cells, notes(results), command), encoding="utf-8")
     print(f"table: {given.out}\nnumbers: {given.json}")
     return 0
@@ -117,6 +119,7 @@ def _command_line() -> CommandLine:
     )
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="table to write (.md)")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="flights at once")
+    parser.add_argument(TABLE_ONLY, action="store_true", help="fly nothing: write what the numbers hold")
     names = sorted({case.scenario for case in CASES})
     parser.add_argument("--only", nargs="+", choices=names, metavar="SCENARIO", help="these scenarios only")
     return parser
