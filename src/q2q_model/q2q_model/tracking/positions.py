@@ -184,6 +184,7 @@ class PositionTracks:
         before, dt = self._cov, t - self._time
         self._state, self._cov = white_jerk.correct(ahead.state, ahead.cov, measured, self._noise_var)
         even = len(dt) > 0 and np.ptp(dt) < SAME_INSTANT and dt[0] <= self._params.coast_s
+        self._steady = None  # gains of another spacing must not come back once their next tick would be due
         if even and np.all(np.abs(self._cov - before) <= STEADY * np.abs(before).max(axis=0)):
             self._steady = _Steady(t, float(dt[0]), *self._settled_gains(ahead))
         self._taken(t, 1)
