@@ -40,8 +40,8 @@ class Cut:
 
 
 CUTS = (
-    Cut("table6_room", 0.0, 50.0, 0.18),
-    Cut("stack3", 10.0, 36.0, 0.35),
+    Cut("table6_room", 0.0, 50.0, 0.2),
+    Cut("stack3", 10.0, 32.0, 0.45),
     Cut("table2_1", 15.5, 25.0),
     Cut("table2_2", 15.5, 25.0),
     Cut("table2_3", 15.5, 25.0),

@@ -1,12 +1,17 @@
-"""Say which vehicles are flown blind: by commands that no state was used for."""
+"""Say which vehicles are flown blind, by commands that no state was used for, and whose sensors lie."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals import CommandStatus
+from q2q_sim.faults import KINDS, Fault
 from q2q_sim.policies.evidence import Evidence
 
 BLIND = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
+LYING = ("jump", "swap", "clock_jump")
+"""Faults in which sensors lie so steadily that no filter can know: a marker moved is a vehicle moved."""
+BELIEVED_S = 1.0
+"""How long a steady lie may be believed after it ended [s]: until the true track is believed again."""
 
 Mask = NDArray[np.bool_]
 
@@ -21,3 +26,21 @@ def blind_lately(evidence: Evidence, settle: float) -> Mask:
     t = evidence.t[:, None]
     last = np.maximum.accumulate(np.where(blind(evidence), t, -np.inf), axis=0)
     return np.asarray(t - last < settle)
+
+
+def lied_to(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
+    """Return whose sensors lie steadily at each tick, or did less than `after` [s] before, (T, n)."""
+    lied = np.zeros((len(evidence.t), len(evidence.names)), dtype=np.bool_)
+    for fault in faults:
+        if fault.kind in LYING:
+            early = abs(fault.size) if fault.kind == "clock_jump" else 0.0
+            end = fault.start + fault.duration
+            times = (evidence.t >= fault.start - early) & (evidence.t <= end + early + after)
+            lied |= times[:, None] & _struck(evidence, fault)
+    return lied
+
+
+def _struck(evidence: Evidence, fault: Fault) -> Mask:
+    if KINDS[fault.kind].whole or not fault.vehicles:
+        return np.ones(len(evidence.names), dtype=np.bool_)
+    return np.isin(evidence.names, fault.vehicles)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_model.signals import Array
-from q2q_sim.policies.blindness import blind_lately
+from q2q_sim.policies.blindness import blind_lately, lied_to
 from q2q_sim.policies.evidence import Evidence
 from q2q_sim.policies.verdicts import Circumstances, Violation
 
@@ -25,15 +25,17 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
 def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the ordered pairs that were in the zone though their setpoints kept clear of it by `stray`.
 
-    A vehicle flown blind goes where the air takes it: it and its pairs are judged again `settle` later.
+    A vehicle flown blind goes where the air takes it, and one whose marker was moved where the marker says:
+    they and their pairs are judged again `settle` later.
     """
     found = []
-    blind = blind_lately(evidence, circumstances.limits.settle)
+    settle = circumstances.limits.settle
+    lost = blind_lately(evidence, settle) | lied_to(evidence, circumstances.faults, settle)
     for i, j in _pairs(evidence):
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))
             meant = circumstances.zone.signed_distance(_between(evidence.sent_pos, one, other))
-            sighted = ~(blind[:, one] | blind[:, other])
+            sighted = ~(lost[:, one] | lost[:, other])
             inside = np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
             deepest = _lowest(inside)
             if deepest is not None and inside[deepest] < 0.0:

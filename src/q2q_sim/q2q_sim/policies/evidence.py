@@ -16,6 +16,8 @@ from q2q_model.signals import Array, MocapFrame, Names, index_of
 
 NAMING = ("truth", "reference", "reference_safe", "state", "command", "mocap")
 """Topics that give ticks and names, the first that is there."""
+SIGHT_M = 0.1
+"""A sample as near as this to a vehicle shows it, whatever its name [m]: the paper's eps."""
 SAME_TICK = 1e-4
 """Stamps this near are the same tick [s]: a hundredth of a tick."""
 
@@ -43,7 +45,7 @@ class Evidence:
     sent_pos: Array
     """Where the controller was to fly them: reference_safe, else reference [m], (T, n, 3)."""
     seen: NDArray[np.bool_]
-    """Whether a frame under the tick's stamp had the vehicle, (T, n)."""
+    """Whether a frame under the tick's stamp had the vehicle, under its name or where it truly was, (T, n)."""
     state_pos: Array
     """[m], (T, n, 3)."""
     state_age: Array
@@ -89,12 +91,13 @@ def evidence_of(heard: Iterable[Heard]) -> Evidence:
     sent = signals.get("reference_safe") or signals.get("reference", [])
     states, commands = signals.get("state", []), signals.get("command", [])
     told = by_topic.get("command", [])
+    true_pos = table.column(signals.get("truth", []), "pos", 3)
     return Evidence(
         t=table.t,
         names=names,
-        true_pos=table.column(signals.get("truth", []), "pos", 3),
+        true_pos=true_pos,
         sent_pos=table.column(sent, "pos", 3),
-        seen=np.isfinite(table.column(signals.get("mocap", []), "pos", 3)).all(axis=2),
+        seen=_seen(table.column(signals.get("mocap", []), "pos", 3), true_pos),
         state_pos=table.column(states, "pos", 3),
         state_age=table.column(states, "age", 1),
         state_status=table.column(states, "status", 1),
@@ -108,6 +111,12 @@ def evidence_of(heard: Iterable[Heard]) -> Evidence:
             _nonsense(topic, found) for topic, found in signals.items() if _nonsense(topic, found)
         ),
     )
+
+
+def _seen(samples: Array, true_pos: Array) -> NDArray[np.bool_]:
+    """Return who was seen, (T, n): markers that carry each other's name are still seen."""
+    apart = np.linalg.norm(samples[:, None] - true_pos[:, :, None], axis=3)  # (T, vehicle, sample)
+    return np.asarray(np.isfinite(samples).all(axis=2) | (apart < SIGHT_M).any(axis=2))
 
 
 class _Table:
@@ -124,7 +133,7 @@ class _Table:
         stamps = np.array([signal.t for signal in signals])
         rows = np.clip(np.searchsorted(self.t, stamps - SAME_TICK), 0, len(self.t) - 1)
         mine = np.abs(self.t[rows] - stamps) <= SAME_TICK
-        for signal, row in zip((signals[k] for k in np.flatnonzero(mine)), rows[mine], strict=True):
+        for signal, row in zip((signals[k] for k in np.flatnonzero(mine).tolist()), rows[mine], strict=True):
             if signal.names not in columns:
                 columns[signal.names] = index_of(signal.names, self._names)
             at = columns[signal.names]

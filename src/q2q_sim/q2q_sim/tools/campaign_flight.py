@@ -11,6 +11,7 @@ import yaml
 from q2q_model.bag import BagWriter
 from q2q_model.layout import Signal
 from q2q_model.tools.models import find_model
+from q2q_sim.assembly import MODES
 from q2q_sim.campaign.draw import Run, drawn
 from q2q_sim.campaign.outcome import CRASH, Outcome
 from q2q_sim.closed_loop import FlightOptions, Listener, fly
@@ -62,7 +63,7 @@ def flight_options(run: Run, hear: Listener) -> FlightOptions:
     """Return how closed_loop flies a run."""
     options = run.options
     return FlightOptions(
-        mode=options.mode,
+        mode=next(mode for mode in MODES if mode == options.mode),
         controller=options.controller,
         replan=options.replan,
         seed=run.seed,
