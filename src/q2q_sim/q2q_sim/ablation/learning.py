@@ -19,6 +19,7 @@ e the draft on the middle one,
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.flights import Flight
 from q2q_model.identification.along_flight import Motion, eta_felt
@@ -31,6 +32,8 @@ from q2q_model.vehicle import GRAVITY
 from q2q_planner.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions, fly
+
+Rows = NDArray[np.intp]
 
 PAIRS = 3
 """Pairs in a training flight."""
@@ -118,7 +121,7 @@ def _least_squares(model: InteractionModel, low: ForceSamples) -> float:
     return min(max(best, 0.0), MOST_LOADING)
 
 
-def _vertical(model: InteractionModel, low: ForceSamples, pair: tuple[int, int], rows: Array) -> Array:
+def _vertical(model: InteractionModel, low: ForceSamples, pair: tuple[int, int], rows: Rows) -> Array:
     """Return the vertical draft [m/s^2] that pair[1] alone puts on pair[0], (k,)."""
     motion, both = low.motion, list(pair)
     two = Motion(motion.t, motion.pos[:, both], motion.vel[:, both], motion.axis[:, both])
