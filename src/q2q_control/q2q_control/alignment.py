@@ -66,7 +66,7 @@ def align(
     else:
         at = 0
         for have, columns in parts:
-            rows = index_of(names, have or names)
+            rows = index_of(names, names if have is None else have)
             for part in columns:
                 table[:, at : at + part.shape[1]] = np.nan
                 table[rows >= 0, at : at + part.shape[1]] = part[rows[rows >= 0]]
@@ -77,12 +77,12 @@ def align(
 
 def _columns(
     state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None, vehicles: int
-) -> tuple[tuple[Names, tuple[Array | Status, ...]], ...]:
-    """Return the columns of a table, in order, with the names of their rows; () are the table's own."""
+) -> tuple[tuple[Names | None, tuple[Array | Status, ...]], ...]:
+    """Return the columns of a table, in order, with the names of their rows; None are the table's own."""
     yaw, yaw_rate = setpoint.yaw[:, None], setpoint.yaw_rate[:, None]
     plan = setpoint.pos, setpoint.vel, setpoint.acc, yaw, yaw_rate
     draft = (
-        ((), (np.zeros((vehicles, 3)),))
+        (None, (np.zeros((vehicles, 3)),))
         if interference is None
         else (interference.names, (interference.acc,))
     )

@@ -306,3 +306,14 @@ def test_lateness_adds_to_the_age() -> None:
     ]  # known since 0.0
     told = [guard.update(state_at(k * TICK), setpoint_at(k * TICK), None).status[0] for k in range(2, 12)]
     assert DEGRADED in told
+
+
+@pytest.mark.parametrize("make", [pid, mpc], ids=["pid", "mpc"])
+def test_signals_of_nobody_leave_every_vehicle_without_a_state(make: type) -> None:
+    nobody = SwarmState(
+        0.0, (), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0),
+        np.zeros(0, dtype=np.uint8),
+    )  # fmt: skip
+    told = guarded(make()).update(nobody, setpoint_at(0.0), None)
+    assert told.names == NAMES
+    assert told.status.tolist() == [LEVEL, LEVEL]

@@ -45,7 +45,7 @@ class Evidence:
     sent_pos: Array
     """Where the controller was to fly them: reference_safe, else reference [m], (T, n, 3)."""
     seen: NDArray[np.bool_]
-    """Whether a frame under the tick's stamp had the vehicle, under its name or where it truly was, (T, n)."""
+    """Whether a frame of the tick had the vehicle, under its name or where it truly was, (T, n)."""
     state_pos: Array
     """[m], (T, n, 3)."""
     state_age: Array
