@@ -1,0 +1,295 @@
+"""Nothing that comes in can throw a node out: garbage is refused with a diagnostic, and leaves no trace."""
+
+import pickle
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import fields
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from q2q_model.bag import BagError, BagReader
+from q2q_model.cdr import decode, encode
+from q2q_model.layout import LAYOUTS, Signal
+from q2q_model.model_file import ModelFileError
+from q2q_model.rehearsal import rehearsal
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.signals import SwarmCommand
+from q2q_model.tools.models import find_model
+from q2q_planner import plan_file
+from q2q_planner.waypoints import swarm_from_document
+from q2q_sim import scenarios
+from q2q_sim.ros.absent_packages import standing_in
+from q2q_sim.ros.stand_in import Deaf, StandInNode
+from q2q_sim.scenario import scenario_from_document
+
+VEHICLES = ("cf1", "cf2")
+NODES = (
+    "q2q_model.mocap_filter",
+    "q2q_model.interference",
+    "q2q_planner.replanner",
+    "q2q_control.pid",
+    "q2q_control.mpc",
+)
+KINDS = {message: kind for kind, message in MESSAGES.items()}
+TICK_NS = 10_000_000
+numbers = st.one_of(
+    st.floats(-5.0, 5.0), st.sampled_from([np.nan, np.inf, -np.inf, 1e300, -1e9, 0.0, 5e-324])
+)
+words = st.one_of(st.sampled_from([*VEHICLES, "cf9", "", "cf1 ", "/", "é" * 50]), st.text(max_size=8))
+
+
+class Ear(Deaf):
+    """Keep what a node publishes."""
+
+    def __init__(self) -> None:
+        self.heard: list[bytes] = []
+
+    def publish(self, message: object) -> None:
+        """Keep a message's bytes."""
+        if isinstance(message, bytes):
+            self.heard.append(message)
+
+
+class Alive:
+    """Stand in for a context that was not shut down."""
+
+    def ok(self) -> bool:
+        """Return that ROS runs."""
+        return True
+
+
+class Listening(StandInNode):
+    """A stand-in node whose published ticks can be read."""
+
+    context = Alive()
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, {"vehicle_topics_hz": 0.0, "legacy_hz": 0.0})
+        self.ears: list[Ear] = []
+
+    def create_publisher(self, *_: object) -> Ear:
+        """Return an ear in place of a writer."""
+        self.ears.append(Ear())
+        return self.ears[-1]
+
+    def receivers(self) -> list[tuple[type[Signal], Callable[[bytes], None]]]:
+        """Return what signals are read, and by whom."""
+        return [(KINDS[message], receive) for message, receive in self.readers if message in KINDS]
+
+    def answer(self, stamp_ns: int) -> list[bytes]:
+        """Feed a good tick and return what is published."""
+        for ear in self.ears:
+            ear.heard.clear()
+        for kind, receive in self.receivers():
+            receive(encode(rehearsal(kind, stamp_ns * 1e-9, VEHICLES), stamp_ns))
+        return [data for ear in self.ears for data in ear.heard]
+
+
+def built(name: str) -> tuple[Listening, object]:
+    package, executable = name.split(".")
+    node = Listening(executable)
+    with standing_in():
+        return node, import_module(f"{package}.ros.{executable}_node").build(node)
+
+
+@cache
+def pair(name: str) -> tuple[tuple[Listening, object], tuple[Listening, object], list[int]]:
+    """Return two nodes alike, and the last tick they were fed."""
+    return built(name), built(name), [0]
+
+
+@st.composite
+def spoiled(draw: st.DrawFn, kind: type[Signal]) -> bytes:
+    """Draw the bytes of a message with something wrong in it."""
+    data = bytearray(encode(rehearsal(kind, 1.0, VEHICLES), 10**9))
+    how = draw(st.sampled_from(["cut", "flip", "noise", "longer", "count"]))
+    if how == "cut":
+        return bytes(data[: draw(st.integers(0, len(data) - 1))])
+    if how == "noise":
+        return draw(st.binary(max_size=200))
+    if how == "longer":
+        return bytes(data) + draw(st.binary(min_size=1, max_size=64))
+    at = draw(st.integers(0, len(data) - 4)) & ~3
+    if how == "count":
+        data[at : at + 4] = draw(
+            st.sampled_from([b"\xff\xff\xff\xff", b"\x00\x00\x00\x80", b"\x01\x00\x10\x00"])
+        )
+    else:
+        data[at] ^= draw(st.integers(1, 255))
+    return bytes(data)
+
+
+@st.composite
+def absurd(draw: st.DrawFn, kind: type[Signal]) -> Signal:
+    """Draw a signal that can be said, and makes no sense."""
+    names = tuple(draw(st.lists(words, max_size=6, unique=True)))
+    columns = {}
+    for column in LAYOUTS[kind].columns:
+        shape = (len(names),) if column.width == 1 else (len(names), column.width)
+        status = column.attribute == "status"
+        flat = draw(
+            st.lists(
+                st.integers(0, 255) if status else numbers,
+                min_size=int(np.prod(shape)),
+                max_size=int(np.prod(shape)),
+            )
+        )
+        columns[column.attribute] = np.array(flat, dtype=np.uint8 if status else np.float64).reshape(shape)
+    return kind(t=0.0, names=names, **columns)
+
+
+def refused(data: bytes, kind: type[Signal]) -> bool:
+    try:
+        decode(data, kind)
+    except ValueError:
+        return True
+    return False
+
+
+@pytest.mark.parametrize("name", NODES)
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(data=st.data())
+def test_spoiled_bytes_are_counted_and_leave_a_node_as_it_was(name: str, data: st.DataObject) -> None:
+    (node, kept), (twin, _), tick = pair(name)
+    before = kept.health.refused
+    which = data.draw(st.integers(0, len(node.receivers()) - 1))
+    kind, receive = node.receivers()[which]
+    garbage = data.draw(spoiled(kind))
+    if not refused(garbage, kind):
+        return
+    receive(garbage)
+    assert kept.health.refused > before
+    assert kept.health.last_refusal
+    tick[0] += TICK_NS
+    answers = node.answer(tick[0]), twin.answer(tick[0])
+    assert len(answers[0]) == len(answers[1]) == 1
+    for one, other in zip(*answers, strict=True):
+        kind_out = _kind_of(one)
+        _same(decode(one, kind_out), decode(other, kind_out))
+
+
+@pytest.mark.parametrize("name", NODES)
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(data=st.data())
+def test_absurd_ticks_raise_nothing_and_are_forgotten_by_the_next_good_ones(
+    name: str, data: st.DataObject
+) -> None:
+    node, tick = absurd_node(name)
+    tick[0] += TICK_NS
+    with np.errstate(all="ignore"):
+        for kind, receive in node.receivers():
+            receive(encode(data.draw(absurd(kind)), tick[0]))
+    # a second of good ticks: longer than any coasting, holding or fading that a fault may have begun
+    for _ in range(100):
+        tick[0] += TICK_NS
+        answer = node.answer(tick[0])
+    (last,) = answer
+    signal = decode(last, _kind_of(last))
+    assert set(VEHICLES) <= set(signal.names)
+    if isinstance(signal, SwarmCommand):
+        assert np.isfinite([signal.thrust, signal.roll, signal.pitch, signal.yaw_rate]).all()
+
+
+@cache
+def absurd_node(name: str) -> tuple[Listening, list[int]]:
+    """Return a node, and the last tick it was fed."""
+    return built(name)[0], [0]
+
+
+def _kind_of(data: bytes) -> type[Signal]:
+    for kind in LAYOUTS:
+        try:
+            decode(data, kind)
+        except ValueError:
+            continue
+        return kind
+    raise AssertionError("a node published what nobody can read")
+
+
+def _same(one: Signal, other: Signal) -> None:
+    for entry in fields(one):
+        np.testing.assert_array_equal(getattr(one, entry.name), getattr(other, entry.name))
+
+
+documents = st.recursive(
+    st.one_of(st.none(), st.booleans(), st.integers(), numbers, words),
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(words, inner, max_size=3)),
+    max_leaves=8,
+)
+
+
+@st.composite
+def spoiled_document(draw: st.DrawFn) -> object:
+    """Draw a scenario with one value anywhere replaced by anything."""
+    document = dict(scenarios.document(draw(st.sampled_from(["table6_room", "stack3"]))))
+    key = draw(st.sampled_from([*document, "faults", "vicon", "radio", "imu", "safe", ""]))
+    value = document.get(key)
+    if isinstance(value, dict) and draw(st.booleans()):
+        value = dict(value)
+        inner = draw(st.sampled_from([*value, "cf1"]))
+        points = value.get(inner)
+        if isinstance(points, list) and points and draw(st.booleans()):
+            points = [dict(point) for point in points]
+            points[0][draw(st.sampled_from(["t", "pos", "yaw", "x"]))] = draw(documents)
+            value[inner] = points
+        else:
+            value[inner] = draw(documents)
+        return document | {key: value}
+    return document | {key: draw(documents)}
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(document=st.one_of(spoiled_document(), documents))
+def test_a_scenario_with_anything_in_it_is_read_or_refused(document: object) -> None:
+    with suppress(ValueError):  # and nothing else
+        scenario_from_document("fuzzed", document)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(document=documents)
+def test_waypoints_with_anything_in_them_are_read_or_refused(document: object) -> None:
+    with suppress(ValueError):  # and nothing else
+        swarm_from_document({"vehicles": document})
+
+
+class Bomb:
+    """Where this is unpickled, a file is made."""
+
+    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
+        """Return what unpickling calls."""
+        return (Path.touch, (Path(BOMBED[0]),))
+
+
+BOMBED: list[str] = [""]
+
+
+@pytest.mark.parametrize("protocol", [0, 2, 5])
+def test_no_file_of_ours_runs_code(protocol: int, tmp_path: Path) -> None:
+    BOMBED[0] = str(tmp_path / "bombed")
+    bomb = pickle.dumps(Bomb(), protocol)
+    sys.modules.setdefault("test_hardened_inputs", sys.modules[Bomb.__module__])
+    pickle.loads(bomb)  # noqa: S301  it is a bomb indeed
+    assert Path(BOMBED[0]).exists()
+    Path(BOMBED[0]).unlink()
+    yaml_bomb = (
+        f"!!python/object/apply:pathlib.Path.touch [!!python/object/apply:pathlib.Path ['{BOMBED[0]}']]"
+    )
+    for content in (bomb, yaml_bomb.encode()):
+        for name, read, error in (
+            ("model.q2q", lambda path: find_model(str(path)), ModelFileError),
+            ("plan.json", plan_file.load, ValueError),
+            ("scenario.yaml", lambda path: scenarios.load(str(path)), ValueError),
+            ("bag.mcap", BagReader, BagError),
+        ):
+            path = tmp_path / name
+            path.write_bytes(content)
+            with pytest.raises(error):
+                read(path)
+    assert not Path(BOMBED[0]).exists()
