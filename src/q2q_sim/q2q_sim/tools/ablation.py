@@ -108,7 +108,9 @@ def notes(results: Results) -> list[str]:
         + (f"; R² {learned.r2:.3f} on a flight left out" if learned.r2 is not None else "")
         for wake, learned in sorted(results.models.items())
     ]
-    return [READING, LEARNED, "\n".join(models)]
+    missing = len(CASES) * len(CONTENDERS) - len(results.cells)
+    rest = [f"{missing} of the flights are not flown yet: the same command goes on."] if missing > 0 else []
+    return [*rest, READING, LEARNED, "\n".join(models)]
 
 
 def _command_line() -> CommandLine:
