@@ -1,27 +1,47 @@
 """The documents are true: pages are what the nodes say, links lead somewhere, commands exist."""
 
+import importlib.util
+import json
 import os
 import shutil
 import subprocess
+import sys
+from collections.abc import Callable
 from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
 from pathlib import Path
+from types import ModuleType
+from unittest.mock import patch
 
+import numpy as np
 import pytest
-from documentation import Command, commands, documents, links
+import yaml
+from documentation import Command, Snippet, commands, documents, is_dead, links, snippets
 from fresh_checkout import ROOT
 
+from q2q_model import model_file
+from q2q_model.interaction.model import at_rest
 from q2q_model.mocap_filter import MocapFilterParams
 from q2q_model.parameters import tunable_of
+from q2q_model.tools.command_line import CommandLine
+from q2q_sim import scenarios
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.tools.docs import OUT, out_of_date, pages, table
 from q2q_sim.tools.processes import find_executable
 
 CHEAP = ("--list", "executables", "--help")
 """Words of commands that only tell something: these really run."""
+NODES_TOGETHER = "stack"
+"""A process of several nodes: like a node it takes parameters only."""
 IN_BASH = ("scripts/test", "scripts/check", "scripts/setup", "scripts/env.sh")
 """Scripts that read their options themselves: what they know stands in their text."""
 
 ALL = commands()
+SNIPPETS = snippets()
+SHELL = ("source", "export")
+"""Words of the shell itself."""
+DRY = [one for one in ALL if one.program[0] not in (*SHELL, *IN_BASH, "python", "scripts/ros2-small")]
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +83,7 @@ def test_only_parameters_that_the_node_heeds_may_change_in_flight(nodes: list[No
         for one, yes in node.parameters
     }
     assert heeded["pid", "k_p_z"]
-    assert not heeded["pid", "silent_s"]
+    assert not heeded["pid", "vehicle"]
     assert not heeded["simulator", "seed"]
 
 
@@ -81,8 +101,67 @@ def test_a_bar_in_a_cell_does_not_end_it():
 
 @pytest.mark.parametrize("document", documents(), ids=lambda path: str(path.relative_to(ROOT)))
 def test_no_link_is_dead(document: Path):
-    dead = [link for link in links(document) if not (document.parent / link).exists()]
-    assert dead == []
+    assert [link for link in links(document) if is_dead(document, link)] == []
+
+
+def test_a_heading_that_is_missing_makes_a_link_dead(tmp_path: Path):
+    page = tmp_path / "page.md"
+    page.write_text("# A heading, with words\n")
+    assert not is_dead(page, "#a-heading-with-words")
+    assert is_dead(page, "page.md#another")
+
+
+def test_every_document_is_reached_from_the_index():
+    index = ROOT / "docs" / "README.md"
+    reached = {(index.parent / link).resolve() for link in links(index)}
+    nodes = ROOT / OUT
+    assert [page for page in documents()[1:] if page.parent != nodes and page not in {*reached, index}] == []
+
+
+@pytest.mark.parametrize("snippet", SNIPPETS, ids=lambda one: one.where)
+def test_every_snippet_is_of_its_language(snippet: Snippet):
+    if snippet.language == "python":
+        compile(snippet.text, snippet.where, "exec")
+    else:
+        read = json.loads if snippet.language == "json" else yaml.safe_load
+        assert isinstance(read(snippet.text), dict)
+
+
+def test_the_scenario_of_the_tutorial_loads_with_all_that_is_appended_to_it(tmp_path: Path):
+    parts = [one.text for one in SNIPPETS if "fly_your_scenario" in one.where]
+    (tmp_path / "mine.yaml").write_text("".join(parts))
+    scenario = scenarios.load(str(tmp_path / "mine.yaml"))
+    assert len(scenario.faults) == 3
+    assert scenario.overrides["pid"]["k_p_z"] == 10.0
+
+
+def test_the_interaction_model_of_the_tutorial_is_kept_in_a_file_and_passes_its_own_tests(tmp_path: Path):
+    law, registered, own_tests = [one for one in SNIPPETS if "add_an_interaction_model" in one.where]
+    with patch.dict(sys.modules):
+        column = _imported("q2q_model.interaction.column", law.text, tmp_path)
+        names: dict[str, object] = {**vars(model_file), "Column": column.Column}
+        exec(compile(registered.text, registered.where, "exec"), names)  # noqa: S102  our own document
+        with patch.object(model_file, "MODELS", names["MODELS"]):
+            model_file.save(tmp_path / "column.q2q", model_file.ModelFile(column.Column(strength=3.0)))
+            kept = model_file.load(tmp_path / "column.q2q").interaction
+        above = np.array([[0.0, 0.0, 0.5], [0.0, 0.0, -0.5]])
+        assert kept.acceleration(above, at_rest(above))[:, 2].tolist() == [-3.0, 0.0]
+        tests = _imported("test_column", own_tests.text, tmp_path)
+        proven = [test() for name, test in vars(tests).items() if name.startswith("test_")]
+    assert len(proven) == 3
+
+
+def _imported(name: str, text: str, folder: Path) -> ModuleType:
+    """Return a module made of a snippet, importable by its name."""
+    path = folder / f"{name.rpartition('.')[2]}.py"
+    path.write_text(text)
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    made = importlib.util.module_from_spec(spec)
+    sys.modules[name] = made
+    spec.loader.exec_module(made)
+    return made
 
 
 @pytest.mark.parametrize("command", ALL, ids=lambda one: one.where)
@@ -92,11 +171,43 @@ def test_every_command_names_a_program_options_and_files_that_exist(command: Com
     assert [name for name in command.files if not (ROOT / name).exists()] == []
 
 
-def test_every_parameter_that_a_command_sets_is_declared(nodes: list[NodeInterface]):
-    declared = {(node.package, node.executable): {one.name for one, _ in node.parameters} for node in nodes}
+def test_every_parameter_that_a_command_sets_is_declared_and_of_its_type(nodes: list[NodeInterface]):
+    declared = {
+        (node.package, node.executable): {one.name: one for one, _ in node.parameters} for node in nodes
+    }
     for command in ALL:
-        if command.parameters:
-            assert set(command.parameters) <= declared[command.words[2], command.words[3]], command.where
+        for name, value in command.parameters.items():
+            default = declared[command.words[2], command.words[3]][name].default
+            plain = yaml.safe_load(value)
+            if isinstance(default, bool | int | float | str):  # an empty list has no type of its own
+                assert isinstance(plain, type(default)), f"{command.where}: {name}"
+
+
+class _ParsedError(Exception):
+    """End a tool once its command line is understood."""
+
+
+@pytest.mark.parametrize("command", DRY, ids=lambda one: one.where)
+def test_every_command_of_a_tool_is_understood_by_its_own_parser(command: Command):
+    main = tool(command.program)
+    if main is None:  # a node: its parameters are looked at above
+        return
+    words = command.words[len(command.program) :]
+    parse = CommandLine.parse_args
+
+    def parsed(made: CommandLine, arguments: object = None) -> None:
+        parse(made, list(words) if arguments is None else arguments)
+        raise _ParsedError
+
+    with (
+        patch.object(CommandLine, "parse_args", parsed),
+        patch.object(sys, "argv", ["q2q", *words]),
+        pytest.raises((_ParsedError, SystemExit)) as ended,
+    ):
+        main(list(words))
+    if isinstance(ended.value, SystemExit):
+        assert "--help" in words
+        assert ended.value.code == 0
 
 
 @pytest.mark.parametrize(
@@ -108,17 +219,37 @@ def test_commands_that_only_tell_something_run(command: Command):
     assert done.stdout
 
 
+def tool(program: tuple[str, ...]) -> Callable[[list[str]], int] | None:
+    """Return the `main` of a tool by the words that call it; None for a node or another program."""
+    if program[0].startswith("scripts/"):
+        said = [line for line in (ROOT / program[0]).read_text().splitlines() if "python -m " in line]
+        module = said[0].partition("python -m ")[2].split()[0] if said else ""
+    elif len(program) == 4:
+        found = [one for one in entry_points(group="console_scripts") if one.name == program[3]]
+        module = next((one.module for one in found if one.module.startswith(program[2])), "")
+    else:
+        module = ""
+    if ".tools." not in module:
+        return None
+    main: Callable[[list[str]], int] = import_module(module).main
+    return main
+
+
 @cache
 def known_words(program: tuple[str, ...]) -> str:
     """Return a text that holds every option of a program; fail where there is no such program."""
-    if program[0] == "source":
+    if program[0] in SHELL:
         return ""
+    if program[0] == "python":
+        return "-c"
     if program[:1] == ("ros2",):
         assert shutil.which("ros2")
         if len(program) < 4:
             return ""
         path = find_executable(program[2], program[3])
-        if (ROOT / OUT / f"{program[3]}.md").exists():  # a node: all it takes are parameters
+        if (
+            program[3] == NODES_TOGETHER or (ROOT / OUT / f"{program[3]}.md").exists()
+        ):  # a node: all it takes are parameters
             return ""
     else:
         path = ROOT / program[0]

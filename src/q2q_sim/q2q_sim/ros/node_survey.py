@@ -56,9 +56,11 @@ def survey() -> list[NodeInterface]:
 
 
 def node_modules(package: str) -> list[str]:
-    """Return the node modules of a package, sorted."""
+    """Return the node modules of a package that can be run, sorted."""
     path = import_module(f"{package}.ros").__path__
-    return sorted(found.name for found in iter_modules(path) if found.name.endswith("_node"))
+    named = sorted(found.name for found in iter_modules(path) if found.name.endswith("_node"))
+    with standing_in():
+        return [name for name in named if "main" in vars(import_module(f"{package}.ros.{name}"))]
 
 
 def ways(executable: str, folder: Path) -> list[Way]:

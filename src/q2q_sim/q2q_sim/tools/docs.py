@@ -1,6 +1,7 @@
 """Write one page a node into docs/nodes: topics, types, qualities of service, services, parameters.
 
 Nothing in the pages is typed: the words are the node module's docstring, the rest is what the node declares.
+The documents' pictures are drawn anew with `--images`.
 """
 
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 from q2q_model.tools.command_line import CommandLine
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.ros.stand_in import Declared, Port
+from q2q_sim.tools.docs_images import write_images
 
 OUT = Path("docs/nodes")
 MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then run it again. -->"
@@ -17,9 +19,10 @@ MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write or check the pages; return the exit status."""
-    made = CommandLine("docs", __doc__, "  scripts/docs\n  scripts/docs --check")
+    made = CommandLine("docs", __doc__, "  scripts/docs\n  scripts/docs --check\n  scripts/docs --images")
     made.add_argument("--out", type=Path, default=OUT, help="folder of the pages")
     made.add_argument("--check", action="store_true", help="write nothing; fail where a page is out of date")
+    made.add_argument("--images", action="store_true", help="draw docs/images anew, too")
     asked = made.parse_args(arguments)
     wanted = pages(survey())
     stale = out_of_date(wanted, asked.out)
@@ -29,6 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1 if stale else 0
     write(wanted, asked.out)
     print(f"docs: {len(wanted)} pages in {asked.out}, {len(stale)} new or changed")
+    if asked.images:
+        print(*(f"docs: {path}" for path in write_images()), sep="\n")
     return 0
 
 

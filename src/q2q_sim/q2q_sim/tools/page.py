@@ -13,10 +13,13 @@ h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.15rem; margin-
 table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .7rem; border-bottom: 1px solid #ddd; text-align: right; }
 th { background: #f4f5f7; font-weight: 600; } td:first-child, th:first-child { text-align: left; }
-td:nth-child(2), th:nth-child(2) { text-align: left; }
+td:nth-child(2), th:nth-child(2), td.words { text-align: left; } td:not(.words) { white-space: nowrap; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(460px, 1fr)); gap: 1rem; }
 figure { margin: 0; } img { width: 100%; } figcaption { color: #666; font-size: .9rem; }
 """
+
+WORDS = 24
+"""From this many characters on a cell holds words: set to the left, and broken into lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,10 +58,13 @@ def _part(part: Grid | Sequence[Picture] | str) -> str:
 
 def _table(grid: Grid) -> str:
     head = "".join(f"<th>{escape(cell)}</th>" for cell in grid.head)
-    rows = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in grid.rows
-    )
+    rows = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in grid.rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _cell(text: str) -> str:
+    kind = ' class="words"' if len(text) >= WORDS else ""
+    return f"<td{kind}>{escape(text)}</td>"
 
 
 def _figure(picture: Picture) -> str:

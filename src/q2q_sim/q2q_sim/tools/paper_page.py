@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import fill
 
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
@@ -18,7 +19,9 @@ LEAD = (
     "flights are not published: the draft is a reconstruction from its tables, so absolute values may differ."
 )
 HEAD = ("number", "where", "paper", "ours", "ratio", "unit", "why they differ")
-ROWS_A_PAGE = 24
+ROWS_A_PAGE = 18
+NOTE_WIDTH = 92
+"""Characters of a note that stand on one line of a page."""
 """Rows of a PDF page."""
 A4_WIDE = (11.7, 8.3)
 """[inch]"""
@@ -93,7 +96,7 @@ def _table_page(cells: Sequence[tuple[str, ...]]) -> Figure:
     figure = Figure(figsize=A4_WIDE)
     axes = figure.add_axes((0.03, 0.03, 0.94, 0.94))
     axes.set_axis_off()
-    short = [(*row[:1], *row[2:6], row[6][:90]) for row in cells]
+    short = [(*row[:1], *row[2:6], fill(row[6], NOTE_WIDTH)) for row in cells]
     table = axes.table(
         short,
         colLabels=(HEAD[0], *HEAD[2:]),
@@ -103,6 +106,10 @@ def _table_page(cells: Sequence[tuple[str, ...]]) -> Figure:
     )
     table.auto_set_font_size(value=False)
     table.set_fontsize(7)
+    height = table[0, 0].get_height()
+    for row, text in enumerate(short, start=1):
+        for column in range(len(text)):
+            table[row, column].set_height(height * (1 + 0.8 * text[-1].count("\n")))
     return figure
 
 

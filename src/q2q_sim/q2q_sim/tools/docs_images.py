@@ -1,0 +1,119 @@
+"""Draw the documents' pictures without a display: what the view shows of a flight, and its altitudes.
+
+The flight is table6 by the closed loop, so the picture needs no ROS and is the same every time.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+
+from q2q_model.flights import Flight
+from q2q_model.signals import Interference, SwarmState, TrackStatus
+from q2q_model.tools.models import find_model
+from q2q_sim import scenarios
+from q2q_sim.assembly import plan_of
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.scenario import Scenario
+from q2q_sim.scene import Glimpse, SceneBuilder, SceneParams
+from q2q_sim.shapes import Kind, Scene, Shape
+from q2q_sim.tools.figures import COLOURS, REFERENCE_COLOUR
+
+OUT = Path("docs/images")
+SCENARIO, LOWER = "table6", "cf1"
+SHOWN_AT = 21.0
+"""When the upper vehicle of table6 comes above the lower one [s]."""
+FORCE_SCALE = 1.0
+"""Length of an arrow for 1 m/s^2 [m]: long enough to see a draft of a few tenths."""
+ROUND = 24
+"""Corners of a drawn circle."""
+DPI = 100
+
+
+def write_images(out: Path = OUT) -> list[Path]:
+    """Fly table6 ignoring the draft and aware of it; write flight.png; return the files."""
+    scenario = scenarios.load(SCENARIO)
+    model = find_model(scenario.model).interaction
+    ignoring = fly(scenario, FlightOptions(mode="ignoring", model=model))
+    aware = fly(scenario, FlightOptions(mode="aware", model=model))
+    figure = Figure(figsize=(10.0, 4.4))
+    left = Axes3D(figure, rect=(0.0, 0.02, 0.46, 0.9), auto_add_to_figure=False)
+    figure.add_axes(left)
+    draw_scene(left, scene_at(scenario, aware, SHOWN_AT))
+    left.set_title(f"as the view shows it, t = {SHOWN_AT:g} s")
+    _draw_altitudes(figure, {"ignoring the draft": ignoring, "aware of it": aware})
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / "flight.png"
+    figure.savefig(path, dpi=DPI)
+    return [path]
+
+
+def scene_at(scenario: Scenario, flight: Flight, t: float) -> Scene:
+    """Return what the view shows at time t [s] of a flight, its past drawn too."""
+    builder = SceneBuilder(SceneParams(force_scale=FORCE_SCALE))
+    builder.take_plan(plan_of(scenario))
+    last = int(np.searchsorted(flight.t, t))
+    scenes = [builder.update(_glimpse(flight, tick)) for tick in range(last + 1)]
+    return scenes[-1]
+
+
+def draw_scene(axes: Axes3D, scene: Scene) -> None:
+    """Draw a scene's shapes; boxes and texts as marks of a size that can be seen."""
+    for shape in scene.shapes:
+        points = np.array(shape.points)  # (k, 3)
+        if shape.kind is Kind.BOX:
+            axes.plot(*points.T, "s", color=shape.colour, markersize=9)
+        elif shape.kind is Kind.TEXT:
+            axes.text(*points[0], f"  {shape.text}", color=shape.colour)
+        elif shape.kind is Kind.CYLINDER:
+            _draw_cylinder(axes, shape)
+        elif shape.kind is Kind.ARROW:
+            axes.quiver(*points[0], *(points[1] - points[0]), color=shape.colour, linewidth=2.5, zorder=20.0)
+        else:
+            axes.plot(*points.T, color=shape.colour, linewidth=1.8)
+    axes.set(xlim=(-0.6, 0.6), ylim=(-2.0, 2.0), zlim=(0.4, 3.0))
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set_xticks([-0.5, 0.5])
+    axes.set_box_aspect((1.2, 4.0, 2.6), zoom=1.1)
+    axes.view_init(elev=12.0, azim=-28.0)
+
+
+def _draw_cylinder(axes: Axes3D, shape: Shape) -> None:
+    (x, y, z), (wide, _, high) = shape.points[0], shape.size
+    angle, height = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, ROUND), z + 0.5 * high * np.array([-1.0, 1.0]))
+    around = 0.5 * wide * np.cos(angle), 0.5 * wide * np.sin(angle)
+    axes.plot_surface(x + around[0], y + around[1], height, color=shape.colour[:3], alpha=0.12, shade=False)
+
+
+def _draw_altitudes(figure: Figure, flights: dict[str, Flight]) -> None:
+    axes = figure.add_axes((0.58, 0.13, 0.4, 0.76))
+    for colour, (label, flight) in zip(COLOURS, flights.items(), strict=False):
+        row = flight.names.index(LOWER)
+        axes.plot(flight.t, flight.true_pos[:, row, 2], color=colour, label=label)
+    axes.plot(flight.t, flight.ref_pos[:, row, 2], "--", color=REFERENCE_COLOUR, label="plan")
+    axes.set(title=f"altitude of {LOWER}, the lower vehicle", xlabel="t [s]", ylabel="z [m]")
+    axes.grid(alpha=0.3)
+    axes.legend()
+
+
+def _glimpse(flight: Flight, tick: int) -> Glimpse:
+    t, count = float(flight.t[tick]), len(flight.names)
+    state = SwarmState(
+        t=t,
+        names=flight.names,
+        pos=flight.true_pos[tick],
+        vel=flight.true_vel[tick],
+        quat=flight.quat[tick],
+        ang_vel_body=np.zeros((count, 3)),
+        age=np.zeros(count),
+        status=np.full(count, TrackStatus.TRACKED, dtype=np.uint8),
+    )
+    interference = Interference(
+        t=t,
+        names=flight.names,
+        acc=flight.eta[tick],
+        std=np.zeros((count, 3)),
+        status=np.zeros(count, dtype=np.uint8),
+    )
+    return Glimpse(state, interference)
