@@ -1,6 +1,9 @@
 """Run the MPC as a node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
+from time import monotonic
 
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
@@ -14,6 +17,7 @@ from q2q_control.preview import SampledPreview
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_control.ros.legacy_topics import LegacyTopics
 from q2q_control.ros.plan_curves import curves_of
+from q2q_control.time_budget import TimeBudget
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.parameters import declare, on_change
@@ -36,6 +40,14 @@ class MpcNodeParams:
     aware: bool = tunable(default=True, description="hold the draft in the model", read_only=True)
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
     live: bool = tunable(default=False, description="fall back by the wall clock", read_only=True)
+    budget_s: float = tunable(
+        0.006,
+        "live: longest time to solve in a tick before falling back to the last plan, shifted",
+        unit="s",
+        low=1e-4,
+        high=1.0,
+        read_only=True,
+    )
     legacy_hz: float = tunable(
         10.0,
         "largest rate of <name>/cmd_vel_legacy; 0 is none",
@@ -55,7 +67,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     own = declare(node, MpcNodeParams())
     vehicle = vehicle_by_name(own.vehicle)
     params = declare(node, MpcParams())
-    block = Mpc(params, vehicle, find_model(own.model).interaction, own.vehicles)
+    budget = TimeBudget(own.budget_s if own.live else inf, monotonic)
+    block = Mpc(params, vehicle, find_model(own.model).interaction, own.vehicles, budget.in_time)
     on_change(node, params, block.configure)
     inputs: dict[str, type[Signal]] = {"state": SwarmState, "reference_safe": SwarmSetpoint}
     if own.aware:
@@ -68,7 +81,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     def take_plan(message: Plan) -> None:
         block.preview = preview_of(message)
 
-    def update(state: SwarmState, setpoint: SwarmSetpoint, draft: Interference | None = None) -> SwarmCommand:
+    def answer(state: SwarmState, setpoint: SwarmSetpoint, draft: Interference | None = None) -> SwarmCommand:
         command = guarded.update(state, setpoint, draft)
         report = block.report
         wiring.health.fallbacks += int(report.shifted + report.pid > 0)
@@ -76,9 +89,19 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         return command
 
     node.create_subscription(Plan, "plan", take_plan, LATCHED)
-    wiring.rehearse(update, guarded.reset, own.vehicles)
-    wiring.start(update)
+    wiring.rehearse(answer, guarded.reset, own.vehicles)
+    wiring.start(_within(budget, answer))
     return wiring
+
+
+def _within(budget: TimeBudget, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
+    """Return `answer` on a budget that begins with each tick; a rehearsal without it loads all code."""
+
+    def update(*signals: Signal) -> SwarmCommand:
+        budget.begin()
+        return answer(*signals)
+
+    return update
 
 
 def preview_of(message: Plan) -> SampledPreview:
