@@ -84,6 +84,8 @@ def killed(module: ModuleType, tree: ast.Module) -> bool:
         for name in MODULES[MODULES.index(module.__name__) + 1 :]:
             later = import_module(name)
             exec(compile(Path(str(later.__file__)).read_text(), str(later.__file__), "exec"), later.__dict__)  # noqa: S102
+        for name in [name for name, one in sys.modules.items() if getattr(one, "__file__", None) in TESTS]:
+            del sys.modules[name]  # they hold what the modules were
         status = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", "not mpc", *TESTS])
     except BaseException:  # noqa: BLE001  a mutant that cannot even be loaded is noticed
         status = 1

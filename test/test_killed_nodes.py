@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.signals import CommandStatus
+from q2q_model.bag import BagReader
+from q2q_model.signals import CommandStatus, SwarmCommand
 from q2q_sim import scenarios
 from q2q_sim.policies import POLICIES, Circumstances, Evidence, judge
 from q2q_sim.tools.flight import FlightRequest
@@ -23,6 +24,12 @@ def violations(evidence: Evidence, scenario: str, *but: str) -> list[str]:
     """Return what a flight broke of all policies but some."""
     asked = {name: policy for name, policy in POLICIES.items() if name not in (*but, WALL_TIME)}
     return [str(one) for one in judge(evidence, Circumstances(scenarios.load(scenario).vehicle), asked)]
+
+
+def statuses(bag: Path) -> list[list[int]]:
+    """Return the statuses of every command in a bag; a fallback's stamp is no tick's."""
+    found = (one.signal for one in BagReader(bag).signals(["/command"]))
+    return [one.status.tolist() for one in found if isinstance(one, SwarmCommand)]
 
 
 @pytest.mark.parametrize("node", ROAD)
@@ -61,9 +68,9 @@ def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> No
     evidence = evidence_in(tmp_path / "bag")
     assert len(evidence.t) == 1400
     assert violations(evidence, LOW, "return") == []  # they come down
-    # 2 s after its last packet the firmware cuts the motors, and 0.6 m takes 0.35 s to fall
+    # 2 s after its last packet the firmware cuts the motors, and 0.6 m takes 0.35 s to fall, behind lagging rotors
     silent = int(np.flatnonzero(np.isfinite(evidence.thrust).all(axis=1))[-1])
-    np.testing.assert_allclose(evidence.true_pos[silent + 240, :, 2], 0.0, atol=1e-9)
+    np.testing.assert_allclose(evidence.true_pos[silent + 260, :, 2], 0.0, atol=1e-9)
     np.testing.assert_allclose(evidence.true_pos[-1, :, :2], evidence.sent_pos[silent, :, :2], atol=0.05)
 
 
@@ -71,16 +78,17 @@ def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> No
 def test_live_a_controller_without_its_inputs_acts_by_itself(node: str, tmp_path: Path) -> None:
     fly_struck(FlightRequest(LOW, live=True), Strike(node, tick=200, comes_back=False), tmp_path)
     evidence = evidence_in(tmp_path / "bag")
-    assert violations(evidence, LOW) == []
-    known = np.isfinite(evidence.command_status).all(axis=1)
-    status = evidence.command_status[known]
+    assert violations(evidence, LOW, "return") == []  # they may have come down
+    status = statuses(tmp_path / "bag")
     if node == "trajectory":  # states come: it hovers where it was last sent
-        assert status[-1].tolist() == [CommandStatus.DEGRADED] * 2
+        late = evidence.command_status[(evidence.t > 8.0)[:, None] & np.isfinite(evidence.command_status)]
+        assert CommandStatus.DEGRADED in late  # HOLD where a busy machine gave no state in time
+        assert set(late) <= {CommandStatus.DEGRADED, CommandStatus.HOLD, CommandStatus.LEVEL}
         np.testing.assert_allclose(evidence.true_pos[-1], [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]], atol=0.05)
         return
-    order = list(dict.fromkeys(status[:, 0].tolist()))
-    blind = [one for one in order if one in (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND)]
-    assert blind == [CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND]
-    assert status[-1].tolist() == [CommandStatus.CUT] * 2
+    order = list(dict.fromkeys(one for one, _ in status))
+    falling = (CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
+    assert [one for one in order if one in falling] == list(falling)
+    assert status[-1] == [CommandStatus.CUT] * 2
     np.testing.assert_allclose(evidence.true_pos[-1, :, 2], 0.0, atol=1e-9)  # on the ground, in its place
     np.testing.assert_allclose(evidence.true_pos[-1, :, :2], [[0.0, 0.0], [0.0, 1.0]], atol=0.2)

@@ -16,8 +16,8 @@ counts from the guard's first tick. Seen again before it is cut, a vehicle flies
 | age | state.age | since the last accepted measurement, as the filter says [s], (n,) |
 | l | lateness | how much later than usual the tick came, live [s] |
 
-A tick older than the last answered one gets the last answer again; older by more than STEP_BACK it is a clock
-that was set back, and everything is forgotten but an emergency.
+A tick older than the last answered one gets the last answer again, as HOLD; older by more than STEP_BACK it is a
+clock that was set back, and everything is forgotten but an emergency.
 """
 
 from collections.abc import Callable
@@ -102,7 +102,7 @@ class Guard:
         last = self._last
         if last is not None and setpoint.t < last.t:
             if last.t - setpoint.t <= STEP_BACK:
-                return last
+                return _again(last)
             self.reset()
         command = self._controller.update(state, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
@@ -188,6 +188,12 @@ def _all_calm(
 all_calm = compiled(_all_calm)
 """Return whether all is known of everybody: ((ages of what is known [s] (n,), their least and their bound),
 the commands' numbers, status, whose motors are off (n,))."""
+
+
+def _again(last: SwarmCommand) -> SwarmCommand:
+    """Return a command that is given again, and says so."""
+    held = np.where(last.status <= _SOUND, CommandStatus.HOLD, last.status).astype(np.uint8)
+    return replace(last, status=held)
 
 
 def _is_finite(command: SwarmCommand) -> bool:
