@@ -1,6 +1,8 @@
 """Tell `/diagnostics` once a second how a node is doing."""
 
+from collections.abc import Callable, Mapping
 from copy import deepcopy
+from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
@@ -11,12 +13,18 @@ PERIOD_S = 1.0
 """How often health is reported [s]; the custom of diagnostic_updater."""
 
 
-def publish_health(node: Node, health: Health) -> None:
-    """Publish the node's health on `/diagnostics` every second of wall time."""
+def publish_health(
+    node: Node, health: Health, facts: Callable[[], Mapping[str, str]] = dict[str, str]
+) -> None:
+    """Publish the node's health on `/diagnostics` every second of wall time, with what `facts` then says."""
     publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
-    last = [deepcopy(health)]
+    last, told = [deepcopy(health)], [monotonic()]
 
     def tell() -> None:
+        now = monotonic()
+        rate = (health.ticks - last[0].ticks) / max(now - told[0], 0.01 * PERIOD_S)
+        told[0] = now
+        health.extra |= {"rate_hz": f"{rate:.1f}", **facts()}
         message = DiagnosticArray(status=[_status(node.get_fully_qualified_name(), report(last[0], health))])
         message.header.stamp = node.get_clock().now().to_msg()
         publisher.publish(message)

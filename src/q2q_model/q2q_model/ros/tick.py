@@ -16,6 +16,7 @@ from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.ending import ForgivingTheEnd
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK, TICK_WRITER
+from q2q_model.signal_facts import facts
 from q2q_model.signals import Names
 from q2q_model.tick_join import TickJoin
 
@@ -42,7 +43,8 @@ class TickWiring(Generic[Made]):
         self._after: list[Callable[[int, Made], None]] = []
         self._topic = topic
         self._bus = node.bus if isinstance(node, BusNode) else LocalBus(())
-        publish_health(node, self.health)
+        self._last: Made | None = None
+        publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
         """Run a block on two made-up ticks and reset it, so that the first real tick is not slow."""
@@ -62,6 +64,9 @@ class TickWiring(Generic[Made]):
     def publish(self, stamp_ns: int, signal: Made) -> None:
         """Publish a signal under a stamp: first to listeners within the process, if it has a bus."""
         self._bus.post(self._topic, stamp_ns, signal, partial(self._tell_world, stamp_ns, signal))
+
+    def _facts(self) -> Mapping[str, str]:
+        return {} if self._last is None else facts(self._last)
 
     def _tell_world(self, stamp_ns: int, signal: Made) -> None:
         with self._forgiving:
@@ -95,6 +100,7 @@ class TickWiring(Generic[Made]):
         if values is None:
             return
         made = update(*values)
+        self._last = made
         self.publish(stamp_ns, made)
         self.health.ticks += 1
         with self._forgiving:

@@ -66,9 +66,11 @@ class FlightRun:
 
 
 def load_scenario(request: FlightRequest) -> Scenario:
-    """Return the requested scenario with the requested model."""
+    """Return the requested scenario with the requested model; refuse a model that cannot be used."""
     scenario = scenarios.load(request.scenario)
-    return replace(scenario, model=request.model) if request.model else scenario
+    flown = replace(scenario, model=request.model) if request.model else scenario
+    find_model(flown.model)
+    return flown
 
 
 def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[float], None]) -> FlightRun:

@@ -1,0 +1,84 @@
+"""What `/diagnostics` says of a node's last signal is what the signal holds."""
+
+import numpy as np
+import pytest
+
+from q2q_model.signal_facts import facts, smallest_separation
+from q2q_model.signals import (
+    CommandStatus,
+    Interference,
+    InterferenceStatus,
+    MocapFrame,
+    SwarmCommand,
+    SwarmState,
+    TrackStatus,
+)
+
+NAMES = ("cf1", "cf2", "cf3")
+POS = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5], [0.0, 0.0, 1.6]])
+
+
+def state(status: tuple[TrackStatus, ...]) -> SwarmState:
+    return SwarmState(
+        t=0.0,
+        names=NAMES,
+        pos=POS,
+        vel=np.zeros((3, 3)),
+        quat=np.tile([0.0, 0.0, 0.0, 1.0], (3, 1)),
+        ang_vel_body=np.zeros((3, 3)),
+        age=np.array([0.0, 0.25, 0.125]),
+        status=np.array(status, dtype=np.uint8),
+    )
+
+
+def test_a_state_tells_its_tracks_its_age_and_the_closest_pair():
+    tracked, coasting = TrackStatus.TRACKED, TrackStatus.COASTING
+    told = facts(state((tracked, coasting, tracked)))
+    assert (told["coasting"], told["lost"], told["age_max_s"]) == ("1", "0", "0.25")
+    assert told["separation_m"] == "0.1"
+
+
+def test_a_lost_vehicle_is_close_to_nobody():
+    told = facts(state((TrackStatus.TRACKED, TrackStatus.TRACKED, TrackStatus.LOST)))
+    assert told["separation_m"] == "0.5"
+
+
+def test_a_vehicle_alone_or_unknown_has_no_pair():
+    assert smallest_separation(POS[:1]) == np.inf
+    assert smallest_separation(np.array([[0.0, 0.0, 0.0], [np.nan] * 3])) == np.inf
+    assert smallest_separation(np.zeros((0, 3))) == np.inf
+
+
+def test_a_draft_tells_its_largest_length():
+    acc = np.array([[0.0, 0.0, 0.0], [0.0, -3.0, -4.0], [0.0, 0.0, 1.0]])
+    status = np.array(
+        [InterferenceStatus.NO_MODEL, InterferenceStatus.STALE_SOURCE, InterferenceStatus.VALID]
+    )
+    told = facts(Interference(t=0.0, names=NAMES, acc=acc, std=acc, status=status.astype(np.uint8)))
+    assert told == {"draft_max_m_s2": "5", "stale_sources": "1", "no_model": "1"}
+
+
+@pytest.mark.parametrize(
+    ("status", "saturated", "in_fallback"),
+    [(CommandStatus.OK, "0", "0"), (CommandStatus.SATURATED, "3", "0"), (CommandStatus.LAND, "0", "3")],
+)
+def test_a_command_tells_what_is_saturated_and_what_is_in_fallback(
+    status: CommandStatus, saturated: str, in_fallback: str
+):
+    told = facts(
+        SwarmCommand(
+            t=0.0,
+            names=NAMES,
+            thrust=np.ones(3),
+            roll=np.zeros(3),
+            pitch=np.zeros(3),
+            yaw_rate=np.zeros(3),
+            status=np.full(3, status, dtype=np.uint8),
+        )
+    )
+    assert told == {"saturated": saturated, "in_fallback": in_fallback}
+
+
+def test_a_signal_without_facts_tells_nothing():
+    frame = MocapFrame(t=0.0, names=NAMES, pos=POS, quat=np.zeros((3, 4)))
+    assert facts(frame) == {}
