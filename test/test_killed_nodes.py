@@ -68,7 +68,7 @@ def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> No
     evidence = evidence_in(tmp_path / "bag")
     assert len(evidence.t) == 1400
     assert violations(evidence, LOW, "return") == []  # they come down
-    # 2 s after its last packet the firmware cuts the motors, and 0.6 m takes 0.35 s to fall, behind lagging rotors
+    # 2 s after its last packet the firmware cuts the motors; 0.6 m takes 0.35 s to fall, and rotors lag
     silent = int(np.flatnonzero(np.isfinite(evidence.thrust).all(axis=1))[-1])
     np.testing.assert_allclose(evidence.true_pos[silent + 260, :, 2], 0.0, atol=1e-9)
     np.testing.assert_allclose(evidence.true_pos[-1, :, :2], evidence.sent_pos[silent, :, :2], atol=0.05)

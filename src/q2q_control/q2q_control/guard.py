@@ -16,8 +16,8 @@ counts from the guard's first tick. Seen again before it is cut, a vehicle flies
 | age | state.age | since the last accepted measurement, as the filter says [s], (n,) |
 | l | lateness | how much later than usual the tick came, live [s] |
 
-A tick older than the last answered one gets the last answer again, as HOLD; older by more than STEP_BACK it is a
-clock that was set back, and everything is forgotten but an emergency.
+A tick older than the last answered one gets the last answer again, as HOLD; older by more than STEP_BACK
+it is a clock that was set back, and everything is forgotten but an emergency.
 """
 
 from collections.abc import Callable
