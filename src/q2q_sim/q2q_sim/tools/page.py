@@ -13,13 +13,14 @@ h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.15rem; margin-
 table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .7rem; border-bottom: 1px solid #ddd; text-align: right; }
 th { background: #f4f5f7; font-weight: 600; } td:first-child, th:first-child { text-align: left; }
-td:nth-child(2), th:nth-child(2), td.words { text-align: left; } td:not(.words) { white-space: nowrap; }
+td:nth-child(2), th:nth-child(2), .words { text-align: left !important; }
+td:not(.words) { white-space: nowrap; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(460px, 1fr)); gap: 1rem; }
 figure { margin: 0; } img { width: 100%; } figcaption { color: #666; font-size: .9rem; }
 """
 
 WORDS = 24
-"""From this many characters on a cell holds words: set to the left, and broken into lines."""
+"""A column with a cell of so many characters holds words: set to the left, and broken into lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +58,16 @@ def _part(part: Grid | Sequence[Picture] | str) -> str:
 
 
 def _table(grid: Grid) -> str:
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in grid.head)
-    rows = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in grid.rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+    wordy = [any(len(cell) >= WORDS for cell in column) for column in zip(*grid.rows, strict=True)]
+    kinds = [' class="words"' if words else "" for words in wordy or [False] * len(grid.head)]
+    lines = [_line("td", kinds, row) for row in grid.rows]
+    head = _line("th", kinds, grid.head)
+    return f"<table><thead>{head}</thead><tbody>{''.join(lines)}</tbody></table>"
 
 
-def _cell(text: str) -> str:
-    kind = ' class="words"' if len(text) >= WORDS else ""
-    return f"<td{kind}>{escape(text)}</td>"
+def _line(tag: str, kinds: Sequence[str], cells: Sequence[str]) -> str:
+    marked = zip(kinds, cells, strict=True)
+    return f"<tr>{''.join(f'<{tag}{kind}>{escape(cell)}</{tag}>' for kind, cell in marked)}</tr>"
 
 
 def _figure(picture: Picture) -> str:

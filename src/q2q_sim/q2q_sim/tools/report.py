@@ -19,6 +19,7 @@ from q2q_model.tools.command_line import CommandLine
 from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.mocap_quality import MocapQuality, mocap_quality
+from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.tools import figures
 from q2q_sim.tools.figures import Curve
 from q2q_sim.tools.fly import warn_plainly
@@ -27,6 +28,7 @@ from q2q_sim.tools.run_json import Json, finite
 
 HEAD = ("flight", "vehicle", "z RMSE [m]", "xy RMSE [m]", "U1 energy [N²s]", "above hover", "max U1 [N]")
 HEAD_LIMITS = ("flight", "vehicle", "saturated [%]", "fallback [%]", "separation [m]", "in zone [s]")
+HEAD_NODES = ("flight", "node", "seconds", "in trouble", "worst", "last values")
 HEAD_MOCAP = ("flight", "vehicle", "rate [Hz]", "seen [%]", "longest gap [s]", "not believed")
 
 
@@ -37,6 +39,8 @@ class Reported:
     flight: Flight
     metrics: FlightMetrics
     quality: dict[str, MocapQuality]
+    lives: tuple[NodeLife, ...]
+    """How its nodes fared, where `/diagnostics` was recorded."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -69,7 +73,7 @@ def parser() -> CommandLine:
 def reported(bag: Path, vehicle: Vehicle) -> Reported:
     """Return a bag's flight, measured."""
     flight = read_flight(bag)
-    return Reported(flight, measure(flight, vehicle), mocap_quality(flight))
+    return Reported(flight, measure(flight, vehicle), mocap_quality(flight), recorded_lives(bag))
 
 
 def write(flights: Sequence[Reported], out: Path) -> None:
@@ -85,6 +89,7 @@ def write(flights: Sequence[Reported], out: Path) -> None:
         Grid(HEAD, [row for one in flights for row in _tracking(one)]),
         Grid(HEAD_LIMITS, [row for one in flights for row in _limits(one)]),
         Grid(HEAD_MOCAP, [row for one in flights for row in _mocap(one)]),
+        *_nodes(flights),
     ]
     title = f"Flight {flights[0].flight.name}"
     lead = "Tracking against the plan, on the true positions where the bag has them."
@@ -140,6 +145,16 @@ def _mocap(one: Reported) -> list[tuple[str, ...]]:
         )
         for name, quality in one.quality.items()
     ]
+
+
+def _nodes(flights: Sequence[Reported]) -> list[Grid]:
+    """Return the table of the nodes; none where no bag has `/diagnostics`."""
+    rows = [
+        (one.flight.name, life.node, str(life.seconds), str(life.troubled), life.worst.name, life.values)
+        for one in flights
+        for life in one.lives
+    ]
+    return [Grid(HEAD_NODES, rows)] if rows else []
 
 
 def _percent(condition: NDArray[np.bool_]) -> str:

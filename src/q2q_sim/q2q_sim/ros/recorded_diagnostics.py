@@ -1,0 +1,51 @@
+"""Sum up what nodes said on `/diagnostics` in a bag that recorded it: worst level, last words, last values.
+
+A bag has it where the recorder was told so: `bag_record` with
+`-p extra:="['diagnostics:diagnostic_msgs/msg/DiagnosticArray']"`.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.serialization import deserialize_message
+
+from q2q_model.bag import BagReader
+from q2q_model.health import Level
+
+TOPIC = "/diagnostics"
+
+
+@dataclass(frozen=True, slots=True)
+class NodeLife:
+    """Hold how a node fared over a recording."""
+
+    node: str
+    seconds: int
+    """How many reports there are of it."""
+    troubled: int
+    """How many of them were graded WARN or ERROR."""
+    worst: Level
+    """The worst of OK, WARN and ERROR; STALE where it never ticked."""
+    values: str
+    """Its last values that are not empty, as `name value, ...`."""
+
+
+def recorded_lives(bag: Path) -> tuple[NodeLife, ...]:
+    """Return a row for each node that told of itself, sorted by name; none where nothing was recorded."""
+    reader = BagReader(bag)
+    if TOPIC not in reader.topics:
+        return ()
+    told: dict[str, list[tuple[Level, str]]] = {}
+    for raw in reader.raw({TOPIC}):
+        for status in deserialize_message(raw.data, DiagnosticArray).status:
+            words = ", ".join(f"{one.key} {one.value}" for one in status.values if one.value)
+            told.setdefault(status.name, []).append((Level(int.from_bytes(status.level)), words))
+    return tuple(_life(name, told[name]) for name in sorted(told))
+
+
+def _life(node: str, told: list[tuple[Level, str]]) -> NodeLife:
+    levels = [level for level, _ in told]
+    awake = [level for level in levels if level != Level.STALE]
+    troubled = sum(level in (Level.WARN, Level.ERROR) for level in levels)
+    return NodeLife(node, len(told), troubled, max(awake, default=Level.STALE), told[-1][1])

@@ -1,0 +1,40 @@
+"""The report of a bag sums up what the nodes said of themselves."""
+
+from pathlib import Path
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.serialization import serialize_message
+
+from q2q_model.bag import BagWriter
+from q2q_model.health import Level
+from q2q_sim.ros.recorded_diagnostics import TOPIC, recorded_lives
+
+
+def bag_of(folder: Path, told: list[tuple[str, Level, str]]) -> Path:
+    writer = BagWriter(folder / "bag")
+    writer.add_topic(TOPIC, "diagnostic_msgs/msg/DiagnosticArray")
+    for k, (name, level, rate) in enumerate(told):
+        values = [KeyValue(key="rate_hz", value=rate), KeyValue(key="last_refusal", value="")]
+        status = DiagnosticStatus(name=name, level=bytes([level]), values=values)
+        writer.write_raw(TOPIC, k, serialize_message(DiagnosticArray(status=[status])))
+    writer.close()
+    return folder / "bag"
+
+
+def test_a_node_is_as_bad_as_its_worst_second_and_tells_its_last_values(tmp_path: Path):
+    told = [("/pid", Level.OK, "99"), ("/pid", Level.WARN, "80"), ("/pid", Level.STALE, "0")]
+    (life,) = recorded_lives(bag_of(tmp_path, told))
+    assert (life.node, life.seconds, life.troubled, life.worst) == ("/pid", 3, 1, Level.WARN)
+    assert life.values == "rate_hz 0"
+
+
+def test_a_node_that_never_ticked_is_stale_and_nodes_are_sorted(tmp_path: Path):
+    lives = recorded_lives(bag_of(tmp_path, [("/view", Level.STALE, "0"), ("/mpc", Level.ERROR, "5")]))
+    assert [(life.node, life.worst) for life in lives] == [("/mpc", Level.ERROR), ("/view", Level.STALE)]
+
+
+def test_a_bag_without_diagnostics_has_none(tmp_path: Path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic("/mocap", "q2q_msgs/msg/MocapFrame")
+    writer.close()
+    assert recorded_lives(tmp_path / "bag") == ()
