@@ -23,6 +23,8 @@ from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.processes import NodeSpec, Processes
 
 RECORDER = "bag_record"
+MEASURED = ("mocap", "truth", "reference", "command")
+"""Topics that the numbers of a flight need; a bag that nobody keeps has no others."""
 WIRING_TIMEOUT_S = 90.0
 """How long all nodes together may take to start and find each other [s]; a busy machine needs 20."""
 

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from q2q_model.tools.command_line import CommandLine
 from q2q_sim import scenarios
 from q2q_sim.assembly import CONTROLLERS, REPLANNERS
-from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
+from q2q_sim.tools.flight import MEASURED, FlightRequest, FlightRun, fly
 from q2q_sim.tools.interruption import Interruption
 from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
@@ -73,7 +73,11 @@ def parser() -> CommandLine:
     made.add_argument("--model", default="", help="interaction model: none, a shipped name, or a .q2q file")
     made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
     made.add_argument(
-        "--record", nargs="+", default=[], metavar="TOPIC", help="topics for the bag (default: all)"
+        "--record",
+        nargs="+",
+        default=[],
+        metavar="TOPIC",
+        help="topics for the bag (default: all; without --bag what the numbers need)",
     )
     made.add_argument("--json", type=Path, help="write the numbers to this file")
     made.add_argument("--real", metavar="FLIGHT", help="play a recorded flight of Q2Q_DATA instead")
@@ -127,7 +131,7 @@ def request_of(asked: argparse.Namespace) -> FlightRequest:
         stack=asked.stack,
         seed=asked.seed,
         model=asked.model,
-        record=tuple(asked.record),
+        record=tuple(asked.record) or (() if asked.bag else MEASURED),
     )
 
 
