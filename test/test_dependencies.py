@@ -17,6 +17,7 @@ PACKAGES = [path.parent for path in sorted(ROOT.glob("src/*/setup.py"))]
 
 KEYS = {
     "matplotlib": "python3-matplotlib",
+    "mpl_toolkits": "python3-matplotlib",
     "numba": "python3-numba",
     "numpy": "python3-numpy",
     "pandas": "python3-pandas",
@@ -45,7 +46,12 @@ ROS_PACKAGES = {
     "rcl_interfaces", "rclpy", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs", "visualization_msgs",
 }  # fmt: skip
 
-DISTRIBUTIONS = {"backports": "backports.zstd", "foxglove": "foxglove-sdk", "yaml": "PyYAML"}
+DISTRIBUTIONS = {
+    "backports": "backports.zstd",
+    "foxglove": "foxglove-sdk",
+    "mpl_toolkits": "matplotlib",
+    "yaml": "PyYAML",
+}
 """Names on the package index that differ from the module's."""
 
 
