@@ -94,7 +94,7 @@ def _draw_altitudes(figure: Figure, flights: dict[str, Flight]) -> None:
     axes.plot(flight.t, flight.ref_pos[:, row, 2], "--", color=REFERENCE_COLOUR, label="plan")
     axes.set(title=f"altitude of {LOWER}, the lower vehicle", xlabel="t [s]", ylabel="z [m]")
     axes.grid(alpha=0.3)
-    axes.legend()
+    axes.legend(loc="lower right")
 
 
 def _glimpse(flight: Flight, tick: int) -> Glimpse:
