@@ -14,6 +14,8 @@ import numpy as np
 
 from q2q_model.signals import Array
 
+MOST_TOLD = 100
+"""Characters of a wrong value that an error repeats."""
 EXAMPLE = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1], yaw: 0}]}"
 """The waypoints of one vehicle as YAML."""
 
@@ -113,7 +115,7 @@ def _name(given: object) -> str:
 
 def _vehicle(name: str, rows: object) -> VehicleWaypoints:
     if not isinstance(rows, list):
-        raise ValueError(f"{name}: got {shown(rows)}, expected a list of waypoints {{t, pos, yaw}}")  # noqa: TRY004
+        raise ValueError(f"{name}: got {_told(rows)}, expected a list of waypoints {{t, pos, yaw}}")  # noqa: TRY004
     waypoints = (_waypoint(f"{name}, waypoint {index}", row) for index, row in enumerate(rows))
     return VehicleWaypoints(name, tuple(waypoints))
 
@@ -124,7 +126,7 @@ def _waypoint(where: str, row: object) -> Waypoint:
     if unknown:
         raise ValueError(f"{where}: unknown key {shown(unknown[0])}; known are t, pos, yaw")
     if "t" not in entry or "pos" not in entry:
-        raise ValueError(f"{where}: got {shown(dict(entry))}, expected t [s] and pos [x, y, z]")
+        raise ValueError(f"{where}: got {_told(dict(entry))}, expected t [s] and pos [x, y, z]")
     pos = entry["pos"]
     if not isinstance(pos, list | tuple) or len(pos) != 3:
         raise ValueError(f"{where}: pos = {shown(pos)}, expected [x, y, z] in metres")
@@ -136,7 +138,7 @@ def _waypoint(where: str, row: object) -> Waypoint:
 
 def _mapping(value: object, where: str) -> Mapping[object, object]:
     if not isinstance(value, Mapping):
-        raise ValueError(f"{where}: got {shown(value)}, expected a mapping, as {EXAMPLE}")  # noqa: TRY004
+        raise ValueError(f"{where}: got {_told(value)}, expected a mapping, as {EXAMPLE}")  # noqa: TRY004
     return value
 
 
@@ -174,3 +176,9 @@ def _check_rising(where: str, before: float, after: float) -> None:
         raise ValueError(
             f"{where}: {after - before} s after the previous one, at least {SHORTEST_PIECE} s is needed"
         )
+
+
+def _told(value: object) -> str:
+    """Return what was given, cut short."""
+    text = shown(value)
+    return text if len(text) <= MOST_TOLD else f"{text[:MOST_TOLD]} ..."

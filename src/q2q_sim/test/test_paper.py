@@ -129,7 +129,7 @@ def test_page_and_pdf_hold_every_row_and_picture(tmp_path: Path):
     write_page(asked, [outcome], tmp_path)
     write_pdf(asked, [outcome], tmp_path)
     text = (tmp_path / "index.html").read_text()
-    assert all(f"<td>{one.id}</td>" in text for one in asked)
+    assert all(f">{one.id}</td>" in text for one in asked)
     assert text.count("<img ") == 1
     assert (tmp_path / "paper.pdf").read_bytes().startswith(b"%PDF")
 
