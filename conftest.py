@@ -1,4 +1,4 @@
-"""Settings of every test: hypothesis never fails one for being slow, as speeds are measured in benchmarks/."""
+"""Settings of every test: hypothesis fails none for being slow, as speeds are measured in benchmarks."""
 
 from hypothesis import settings
 
