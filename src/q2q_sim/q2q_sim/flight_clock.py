@@ -5,6 +5,9 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+RECENT = 100
+"""Ticks that `/diagnostics` speaks of: a second of live flight."""
+
 
 @dataclass(frozen=True, slots=True)
 class FlightTiming:
@@ -45,6 +48,14 @@ class FlightClock:
     def missed(self) -> None:
         """Note that the tick's command did not come."""
         self._missed += 1
+
+    def recent(self) -> Mapping[str, str]:
+        """Return the latency of the last ticks in words; nothing before the first command."""
+        late = self._latencies[-RECENT:]
+        if not late:
+            return {}
+        p50, p99 = np.percentile(late, (50, 99)) * 1e3
+        return {"latency_p50_ms": f"{p50:.3g}", "latency_p99_ms": f"{p99:.3g}"}
 
     def timing(self, now: float, flown: float) -> FlightTiming:
         """Return the record after `flown` simulated seconds."""

@@ -8,13 +8,13 @@ from q2q_sim.tools.domain import own_domain
 
 
 def test_flights_at_the_same_time_get_different_domains(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    monkeypatch.setenv("ROS_DOMAIN_ID", "")  # empty is none; what stood here is put back after
     with own_domain() as first:
-        monkeypatch.delenv("ROS_DOMAIN_ID")
+        monkeypatch.setenv("ROS_DOMAIN_ID", "")
         with own_domain() as second:
             assert first != second
             assert os.environ["ROS_DOMAIN_ID"] == str(second)
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(first))
+    assert "ROS_DOMAIN_ID" not in os.environ
 
 
 def test_a_domain_the_user_has_set_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:

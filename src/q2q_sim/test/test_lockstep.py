@@ -70,6 +70,7 @@ def test_a_lost_tick_is_asked_for_again_and_then_given_up_and_the_next_ones_soon
 
 def test_the_flight_clock_reports_percentiles_of_the_ticks_that_were_answered() -> None:
     clock = FlightClock()
+    assert clock.recent() == {}
     clock.start(100.0)
     for tick in range(101):
         clock.frame_out(200.0 + tick)

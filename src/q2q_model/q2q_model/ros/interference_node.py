@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from time import monotonic
 
 from rclpy.node import Node
 from std_msgs.msg import String
@@ -14,6 +15,7 @@ from q2q_model.ros.qos import LATCHED
 from q2q_model.ros.run import run
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import Interference, SwarmState
+from q2q_model.stopwatch import Stopwatch
 from q2q_model.tools.models import find_model
 
 
@@ -33,19 +35,22 @@ def build(node: Node) -> TickWiring[Interference]:
     params = declare(node, InterferenceParams())
     predictor = InteractionPredictor(find_model(params.model).interaction)
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
-    take_up = model_receiver(node, predictor)
+    age = Stopwatch(monotonic)
+    wiring.tell(lambda: {"model_age_s": f"{age.seconds():.0f}"})
+    take_up = model_receiver(node, predictor, age)
     node.create_subscription(String, "model", take_up, LATCHED)
     wiring.rehearse(predictor.update, predictor.reset)
     wiring.start(predictor.update)
     return wiring
 
 
-def model_receiver(node: Node, predictor: InteractionPredictor) -> Callable[[String], None]:
+def model_receiver(node: Node, predictor: InteractionPredictor, age: Stopwatch) -> Callable[[String], None]:
     """Return what takes up a model file's text; one that cannot be used is told of and left."""
 
     def receive(message: String) -> None:
         try:
             predictor.exchange(decode(message.data).interaction)
+            age.restart()
             node.get_logger().info("model taken up")
         except ModelFileError as refusal:
             node.get_logger().error(f"model refused: {refusal}")

@@ -1,6 +1,6 @@
 """Run the mocap filter as a node: `mocap` in, `state` out, `<name>/pose` and `<name>/odom` beside it."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from rclpy.node import Node
 
@@ -39,6 +39,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
     own = declare(node, MocapFilterNodeParams())
     block = MocapFilter(declare(node, MocapFilterParams()), own.vehicles)
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("state", SwarmState))
+    wiring.tell(lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()})
     wiring.then(VehicleTopics(node, own.vehicle_topics_hz).publish)
     wiring.rehearse(block.update, block.reset, own.vehicles)
     wiring.start(block.update)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from time import perf_counter
 from typing import Generic, TypeVar
 
 from rclpy.node import Node
@@ -18,6 +19,7 @@ from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK, TICK_WRITER
 from q2q_model.signal_facts import facts
 from q2q_model.signals import Names
+from q2q_model.stopwatch import Stopwatch
 from q2q_model.tick_join import TickJoin
 
 Made = TypeVar("Made", bound=Signal)
@@ -44,6 +46,8 @@ class TickWiring(Generic[Made]):
         self._topic = topic
         self._bus = node.bus if isinstance(node, BusNode) else LocalBus(())
         self._last: Made | None = None
+        self._watch = Stopwatch(perf_counter)
+        self._more: list[Callable[[], Mapping[str, str]]] = []
         publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
@@ -65,8 +69,17 @@ class TickWiring(Generic[Made]):
         """Publish a signal under a stamp: first to listeners within the process, if it has a bus."""
         self._bus.post(self._topic, stamp_ns, signal, partial(self._tell_world, stamp_ns, signal))
 
+    def tell(self, more: Callable[[], Mapping[str, str]]) -> None:
+        """Have `/diagnostics` say what `more()` returns, too; it is asked once a second."""
+        self._more.append(more)
+
     def _facts(self) -> Mapping[str, str]:
-        return {} if self._last is None else facts(self._last)
+        told: dict[str, str] = {}
+        if self._last is not None:
+            told |= {**facts(self._last), **self._watch.laps_told()}
+        for more in self._more:
+            told |= more()
+        return told
 
     def _tell_world(self, stamp_ns: int, signal: Made) -> None:
         with self._forgiving:
@@ -99,7 +112,9 @@ class TickWiring(Generic[Made]):
         self.health.missed = self._join.missed
         if values is None:
             return
+        self._watch.restart()
         made = update(*values)
+        self._watch.lap()
         self._last = made
         self.publish(stamp_ns, made)
         self.health.ticks += 1

@@ -105,7 +105,7 @@ class Simulator:
         node.create_service(Trigger, "~/start", self._on_start)
         live = self._params.pace == "live" or self._crtp is not None
         node.create_timer(TICK_S if live else STALL_LOOK_S, self._on_beat if live else self._on_stall)
-        publish_health(node, self._health)
+        publish_health(node, self._health, self._clock.recent)
         if self._params.autostart:
             self._start()
 

@@ -33,6 +33,6 @@ def own_domain() -> Iterator[int]:
             try:
                 yield domain
             finally:
-                del os.environ["ROS_DOMAIN_ID"]
+                os.environ.pop("ROS_DOMAIN_ID", None)
             return
     raise RuntimeError(f"all ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are in use by other flights")

@@ -1,0 +1,33 @@
+"""Measure spans of time by a clock that is handed in, for `/diagnostics`."""
+
+from collections.abc import Callable, Mapping
+
+
+class Stopwatch:
+    """Remember when it was started, the last lap and the longest."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        """Start, by a clock [s] that only grows."""
+        self._clock = clock
+        self.last = self.longest = 0.0
+        """Laps [s]."""
+        self.restart()
+
+    def restart(self) -> None:
+        """Start anew; laps stay."""
+        self._begin = self._clock()
+
+    def seconds(self) -> float:
+        """Return the time since the start [s]."""
+        return self._clock() - self._begin
+
+    def lap(self) -> None:
+        """Note the time since the start as a lap."""
+        self.last = self.seconds()
+        self.longest = max(self.longest, self.last)
+
+    def laps_told(self) -> Mapping[str, str]:
+        """Return the last lap and the longest since the last telling, in words."""
+        told = {"compute_ms": f"{1e3 * self.last:.3g}", "compute_max_ms": f"{1e3 * self.longest:.3g}"}
+        self.longest = 0.0
+        return told
