@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from q2q_model.flights import Flight
+from q2q_model.model_file import ModelFileError
 from q2q_model.tools.models import find_model
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions
@@ -77,6 +78,13 @@ def test_a_bag_is_never_overwritten(run: FlightRun, tmp_path: Path) -> None:
 
 
 def test_a_node_that_cannot_start_ends_the_flight_with_its_own_words(tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("a file stands where the bag's folder should be")
+    with pytest.raises(NodeDiedError, match=r"bag_record ended with status 2: .*taken"):
+        fly(FlightRequest(SCENARIO), tmp_path / "nodes", tmp_path / "taken" / "bag", lambda _: None)
+
+
+def test_a_model_there_is_not_is_refused_before_any_node_starts(tmp_path: Path) -> None:
     request = FlightRequest(SCENARIO, model=str(tmp_path / "no_such_model.q2q"))
-    with pytest.raises(NodeDiedError, match=r"interference ended with status 2: .*no_such_model"):
+    with pytest.raises(ModelFileError, match=r"no model .*no_such_model"):
         fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    assert not (tmp_path / "nodes" / "pid.log").exists()
