@@ -16,8 +16,8 @@ SECTION_4_1 = (
 )
 
 
-HOVER_ROUNDING = 1e-22
-"""Snap of a hover at 3 m for 0.5 s and more, by rounding alone: (24 * 3 eps / T^4)^2 T [m^2/s^7]."""
+HOVER_ROUNDING = 1e-24
+"""Snap of a hover at 3 m by rounding: (24 * 3 eps / T^4)^2 T is 3e-26 for T = 0.5 s; solving adds some."""
 
 
 @st.composite
