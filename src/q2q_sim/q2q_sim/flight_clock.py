@@ -1,6 +1,6 @@
 """Keep the wall-clock record of a flight: latency of each tick, ticks missed, real-time factor."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -51,16 +51,15 @@ class FlightClock:
 
     def recent(self) -> Mapping[str, str]:
         """Return the latency of the last ticks in words; nothing before the first command."""
-        late = self._latencies[-RECENT:]
-        if not late:
+        p50, p99 = _percentiles_ms(self._latencies[-RECENT:])
+        if p50 is None:
             return {}
-        p50, p99 = np.percentile(late, (50, 99)) * 1e3
         return {"latency_p50_ms": f"{p50:.3g}", "latency_p99_ms": f"{p99:.3g}"}
 
     def timing(self, now: float, flown: float) -> FlightTiming:
         """Return the record after `flown` simulated seconds."""
         wall = now - self._start
-        p50, p99 = np.percentile(self._latencies, (50, 99)) * 1e3 if self._latencies else (None, None)
+        p50, p99 = _percentiles_ms(self._latencies)
         return FlightTiming(
             ticks=self._ticks,
             missed_ticks=self._missed,
@@ -68,6 +67,14 @@ class FlightClock:
             latency_p50_ms=p50,
             latency_p99_ms=p99,
         )
+
+
+def _percentiles_ms(latencies: Sequence[float]) -> tuple[float, float] | tuple[None, None]:
+    """Return the median and 99th percentile [ms] of latencies [s]; None where there are none."""
+    if not latencies:
+        return None, None
+    p50, p99 = np.percentile(latencies, (50, 99)) * 1e3
+    return p50, p99
 
 
 def timing_of(fields: Mapping[str, float | None]) -> FlightTiming:
