@@ -27,11 +27,12 @@ from q2q_control.legacy import LegacyScale
 from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
 from q2q_control.ros.crazyswarm_services import CrazyswarmServices
 from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
-from q2q_model.cdr import SignalReader, encode, header_stamp_ns
+from q2q_model.cdr import encode
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES, header_at
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import OUTSIDE, TICK
@@ -123,14 +124,10 @@ class Crazyswarm:
         self._services = CrazyswarmServices(self._node, self._asked.take_off_height, self._asked.take_off_s)
 
     def _listen(self, topic: str, signal: type[Signal]) -> None:
-        reader = SignalReader(signal)
+        def take(stamp_ns: int, value: Signal) -> None:
+            self._take(topic, stamp_ns, value)
 
-        def receive(data: bytes) -> None:
-            try:
-                self._take(topic, header_stamp_ns(data), reader.read(data))
-            except ValueError as refusal:
-                self._health.refuse(f"{topic}: {refusal}")
-
+        receive = listener(topic, signal, take, self._health)
         self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:

@@ -23,11 +23,11 @@ from q2q_control.radio_pilot import RadioPilot, RadioPilotParams, Verdict
 from q2q_control.radio_words import full_states, sticks
 from q2q_control.ros.cflib_links import CflibLink
 from q2q_control.ros.radio_topics import RadioTopics
-from q2q_model.cdr import SignalReader, header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import TICK
@@ -122,14 +122,10 @@ class Radio:
         self._listen("state", SwarmState)
 
     def _listen(self, topic: str, signal: type[Signal]) -> None:
-        reader = SignalReader(signal)
+        def take(stamp_ns: int, value: Signal) -> None:
+            self._take(topic, stamp_ns, value)
 
-        def receive(data: bytes) -> None:
-            try:
-                self._take(topic, header_stamp_ns(data), reader.read(data))
-            except ValueError as refusal:
-                self._health.refuse(f"{topic}: {refusal}")
-
+        receive = listener(topic, signal, take, self._health)
         self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 from rclpy.node import Node
 
-from q2q_model.cdr import SignalReader, encode, header_stamp_ns
+from q2q_model.cdr import encode
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.local_bus import LocalBus
@@ -15,6 +15,7 @@ from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.bus_node import BusNode
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.ending import ForgivingTheEnd
+from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK, TICK_WRITER
 from q2q_model.signal_facts import facts
@@ -86,25 +87,19 @@ class TickWiring(Generic[Made]):
             self._publisher.publish(encode(signal, stamp_ns))
 
     def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., Made]) -> None:
-        reader = SignalReader(signal)
-
         def take(stamp_ns: int, value: Signal) -> None:
-            try:
-                self._receive(topic, stamp_ns, value, update)
-            except ValueError as refusal:
-                self.health.refuse(f"{topic}: {refusal}")
+            self._receive(topic, stamp_ns, value, update)
 
-        def receive(data: bytes) -> None:
+        def take_or_refuse(stamp_ns: int, value: Signal) -> None:
             try:
-                value = reader.read(data)
+                take(stamp_ns, value)
             except ValueError as refusal:
                 self.health.refuse(f"{topic}: {refusal}")
-                return
-            take(header_stamp_ns(data), value)
 
         if self._bus.carries(topic):
-            self._bus.listen(topic, take)
+            self._bus.listen(topic, take_or_refuse)
             return
+        receive = listener(topic, signal, take, self.health)
         self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Callable[..., Made]) -> None:

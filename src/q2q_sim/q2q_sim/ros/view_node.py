@@ -11,12 +11,12 @@ from q2q_msgs.msg import Plan
 from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
-from q2q_model.cdr import SignalReader, header_stamp_ns
 from q2q_model.decimation import Decimation
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
+from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, OUTSIDE
@@ -84,14 +84,10 @@ class View:
             self.foxglove.close()
 
     def _listen(self, node: Node, topic: str, signal: type[Signal]) -> None:
-        reader = SignalReader(signal)
+        def take(stamp_ns: int, value: Signal) -> None:
+            self._take(topic, stamp_ns, value)
 
-        def receive(data: bytes) -> None:
-            try:
-                self._take(topic, header_stamp_ns(data), reader.read(data))
-            except ValueError as refusal:
-                self._health.refuse(f"{topic}: {refusal}")
-
+        receive = listener(topic, signal, take, self._health)
         node.create_subscription(MESSAGES[signal], topic, receive, OUTSIDE, raw=True)
 
     def _on_plan(self, message: Plan) -> None:
