@@ -107,9 +107,7 @@ def evidence_of(heard: Iterable[Heard]) -> Evidence:
         command_status=table.column(commands, "status", 1),
         commanded_at=np.array([one.at for one in told]),
         live=any(abs(one.at - one.signal.t) > SAME_TICK for one in told),
-        nonsense=tuple(
-            _nonsense(topic, found) for topic, found in signals.items() if _nonsense(topic, found)
-        ),
+        nonsense=tuple(filter(None, (_nonsense(topic, found) for topic, found in signals.items()))),
     )
 
 
@@ -129,16 +127,23 @@ class _Table:
         """Return one attribute of a topic, (T, n) or (T, n, width); NaN where there is none."""
         shape = (len(self.t), len(self._names), width)
         made = np.full(shape if width > 1 else shape[:2], np.nan)
-        columns: dict[Names, NDArray[np.intp]] = {}
         stamps = np.array([signal.t for signal in signals])
         rows = np.clip(np.searchsorted(self.t, stamps - SAME_TICK), 0, len(self.t) - 1)
         mine = np.abs(self.t[rows] - stamps) <= SAME_TICK
-        for signal, row in zip((signals[k] for k in np.flatnonzero(mine).tolist()), rows[mine], strict=True):
-            if signal.names not in columns:
-                columns[signal.names] = index_of(signal.names, self._names)
-            at = columns[signal.names]
-            made[row, at[at >= 0]] = getattr(signal, attribute)[at >= 0]
+        last = {row: k for k, row in zip(np.flatnonzero(mine).tolist(), rows[mine].tolist(), strict=True)}
+        for names, some in _by_names(signals, last.values()).items():
+            at = index_of(names, self._names)
+            values = np.stack([getattr(signals[k], attribute) for k in some])
+            made[np.ix_(rows[some], at[at >= 0])] = values[:, at >= 0]
         return made
+
+
+def _by_names(signals: Sequence[Signal], chosen: Iterable[int]) -> dict[Names, list[int]]:
+    """Return which of the chosen signals have the same names in the same order."""
+    found: dict[Names, list[int]] = {}
+    for k in chosen:
+        found.setdefault(signals[k].names, []).append(k)
+    return found
 
 
 _MAY_BE_NAN = {"std"}
@@ -149,14 +154,17 @@ _MAY_BE_INFINITE = {"age"}
 
 def _nonsense(topic: str, signals: Sequence[Signal]) -> str:
     """Return what in a topic is no number, empty where all is; frames may hold NaN: what was not seen."""
-    for signal in signals:
-        if isinstance(signal, MocapFrame):
-            return ""
-        for attribute in signal.__dataclass_fields__:
-            values = getattr(signal, attribute)
-            if not isinstance(values, np.ndarray) or attribute in _MAY_BE_NAN:
-                continue
-            bad = np.isnan(values) if attribute in _MAY_BE_INFINITE else ~np.isfinite(values)
-            if bad.any():
-                return f"{topic} at {signal.t:.3f} s: {attribute} is not finite"
+    if not signals or isinstance(signals[0], MocapFrame):
+        return ""
+    for attribute in signals[0].__dataclass_fields__:
+        if attribute in _MAY_BE_NAN or not isinstance(getattr(signals[0], attribute), np.ndarray):
+            continue
+        lost = np.isnan if attribute in _MAY_BE_INFINITE else _not_finite
+        if lost(np.concatenate([getattr(signal, attribute) for signal in signals])).any():
+            first = next(signal for signal in signals if lost(getattr(signal, attribute)).any())
+            return f"{topic} at {first.t:.3f} s: {attribute} is not finite"
     return ""
+
+
+def _not_finite(values: Array) -> NDArray[np.bool_]:
+    return ~np.isfinite(values)
