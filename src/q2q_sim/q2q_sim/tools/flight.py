@@ -15,18 +15,12 @@ from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
 from q2q_sim.flight_clock import FlightTiming, timing_of
 from q2q_sim.metrics import FlightMetrics, measure
-from q2q_sim.ros.flight_director import FlightDirector
 from q2q_sim.scenario import Scenario
-from q2q_sim.tools.cores import allowed_cores, beside_chain, cores_of
-from q2q_sim.tools.dds_profile import profile_environment
-from q2q_sim.tools.domain import own_domain
-from q2q_sim.tools.processes import NodeSpec, Processes
+from q2q_sim.tools.processes import NodeSpec
+from q2q_sim.tools.running_nodes import RECORDER, running_nodes
 
-RECORDER = "bag_record"
 MEASURED = ("mocap", "truth", "reference", "command")
 """Topics that the numbers of a flight need; a bag that nobody keeps has no others."""
-WIRING_TIMEOUT_S = 90.0
-"""How long all nodes together may take to start and find each other [s]; a busy machine needs 20."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,22 +87,12 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
         raise ValueError(f"bag {bag} exists: choose another folder or delete it")
     folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(scenario, request, folder, bag)
-    with own_domain() as domain, _processes(folder, domain) as processes:
-        for spec in specs:
-            processes.start(replace(spec, cores=cores_of(spec.executable, domain, allowed_cores())))
-        with FlightDirector(processes.check) as director:
-            names = [name for spec in specs for name in spec.nodes]
-            director.wait_wired(names, WIRING_TIMEOUT_S, lambda: progress(0.0))
-            director.start()
-            total = scenario.duration / assembly.TICK_S
-            summary = director.wait_summary(lambda ticks: progress(ticks / total))
-            director.wait_drained([*(name for name in names if name != RECORDER), RECORDER])
+    total = scenario.duration / assembly.TICK_S
+    with running_nodes(specs, folder, lambda: progress(0.0)) as running:
+        running.director.start()
+        summary = running.director.wait_summary(lambda ticks: progress(ticks / total))
     flight = read_flight(bag)
     return FlightRun(request, flight, measure(flight, scenario.vehicle), timing_of(summary), bag)
-
-
-def _processes(folder: Path, domain: int) -> Processes:
-    return Processes(folder, profile_environment(folder, beside_chain(domain, allowed_cores())))
 
 
 def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:

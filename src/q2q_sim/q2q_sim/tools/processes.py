@@ -61,6 +61,7 @@ class Processes:
         self._folder = folder
         self._environment = environment or {}
         self._running: dict[str, subprocess.Popen[bytes]] = {}
+        self._excused: set[str] = set()
 
     def __enter__(self) -> Self:
         """Return the set of processes."""
@@ -86,14 +87,27 @@ class Processes:
                 preexec_fn=partial(_settle, spec.cores),  # noqa: PLW1509 (no threads of ours run before the nodes do)
             )
 
+    @property
+    def excused(self) -> frozenset[str]:
+        """Return the nodes that may be gone."""
+        return frozenset(self._excused)
+
+    def excuse(self, executable: str) -> None:
+        """Let a node be gone from now on."""
+        self._excused.add(executable)
+
+    def expect(self, executable: str) -> None:
+        """Let a node be gone no longer."""
+        self._excused.discard(executable)
+
     def pid(self, executable: str) -> int:
         """Return a node's process id."""
         return self._running[executable].pid
 
     def check(self) -> None:
-        """Raise NodeDiedError if a node has ended."""
+        """Raise NodeDiedError if a node has ended that is not excused."""
         for name, process in self._running.items():
-            if process.poll() is not None:
+            if name not in self._excused and process.poll() is not None:
                 words = self._last_words(name)
                 raise NodeDiedError(f"{name} ended with status {process.returncode}: {words}")
 

@@ -5,10 +5,8 @@ from pathlib import Path
 
 from q2q_model.bag import read_flight
 from q2q_model.flights import Flight
-from q2q_sim.ros.flight_director import FlightDirector
-from q2q_sim.tools.domain import own_domain
-from q2q_sim.tools.flight import RECORDER, WIRING_TIMEOUT_S
-from q2q_sim.tools.processes import NodeSpec, Processes
+from q2q_sim.tools.processes import NodeSpec
+from q2q_sim.tools.running_nodes import RECORDER, running_nodes
 
 
 def replay(bag: Path, model: str, folder: Path) -> Flight:
@@ -24,16 +22,10 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
         NodeDiedError, TimeoutError: a node did not start or ended early.
     """
     made = folder / "replayed"
-    folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(bag, model, made, read_flight(bag).names)
-    with own_domain(), Processes(folder) as processes:
-        for spec in specs:
-            processes.start(spec)
-        with FlightDirector(processes.check) as director:
-            director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S)
-            director.start("bag_play")
-            director.wait_playback()
-            director.wait_drained([*(spec.executable for spec in specs[1:]), RECORDER])
+    with running_nodes(specs, folder) as running:
+        running.director.start("bag_play")
+        running.director.wait_playback()
     return read_flight(made)
 
 

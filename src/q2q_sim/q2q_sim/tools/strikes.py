@@ -14,10 +14,9 @@ from pathlib import Path
 from typing import Literal
 
 from q2q_sim.flight_clock import FlightTiming, timing_of
-from q2q_sim.ros.flight_director import FlightDirector
-from q2q_sim.tools.domain import own_domain
-from q2q_sim.tools.flight import RECORDER, WIRING_TIMEOUT_S, FlightRequest, load_scenario, node_specs
-from q2q_sim.tools.processes import NodeDiedError, NodeSpec, Processes
+from q2q_sim.tools.flight import FlightRequest, load_scenario, node_specs
+from q2q_sim.tools.processes import NodeSpec, Processes
+from q2q_sim.tools.running_nodes import running_nodes
 
 LOOKS = 20
 """Looks of the flight director (50 ms each) from a strike to the coming back."""
@@ -59,18 +58,10 @@ def fly_struck(
     known = {spec.executable: spec for spec in specs}
     if strike.node not in known:
         raise ValueError(f"no node {strike.node!r} in this flight; there are {', '.join(known)}")
-    with own_domain(), Processes(folder) as processes:
-        for spec in specs:
-            processes.start(spec)
-        hand = _Hand(processes, known[strike.node], strike)
-        with FlightDirector(hand.check) as director:
-            director.wait_wired([spec.executable for spec in specs], WIRING_TIMEOUT_S)
-            director.start()
-            summary = director.wait_summary(hand.look)
-            there = [
-                name for name in known if name != RECORDER and (strike.comes_back or name != strike.node)
-            ]
-            director.wait_drained([*there, RECORDER] if strike.node != RECORDER else there)
+    with running_nodes(specs, folder) as running:
+        hand = _Hand(running.processes, known[strike.node], strike)
+        running.director.start()
+        summary = running.director.wait_summary(hand.look)
     return timing_of(summary)
 
 
@@ -81,15 +72,6 @@ class _Hand:
         self._processes, self._spec, self._strike = processes, spec, strike
         self._looks = -1
         """Since the strike; below 0: it has not fallen."""
-        self._gone = False
-
-    def check(self) -> None:
-        """Raise NodeDiedError where a node ended that was not struck."""
-        try:
-            self._processes.check()
-        except NodeDiedError as died:
-            if not (self._gone and str(died).startswith(f"{self._spec.executable} ")):
-                raise
 
     def look(self, ticks: int) -> None:
         """Strike once the flight has come to the tick, and let the node come back some looks later."""
@@ -97,14 +79,14 @@ class _Hand:
             return
         self._looks += 1
         if self._looks == 0:
-            self._gone = self._strike.how == "kill"
-            self._send(signal.SIGKILL if self._gone else signal.SIGSTOP)
+            self._processes.excuse(self._spec.executable)
+            self._send(signal.SIGKILL if self._strike.how == "kill" else signal.SIGSTOP)
         elif self._looks == LOOKS and self._strike.comes_back:
             self._come_back()
 
     def _come_back(self) -> None:
-        if self._gone:
-            self._gone = False
+        self._processes.expect(self._spec.executable)
+        if self._strike.how == "kill":
             self._processes.start(self._spec)
         else:
             self._send(signal.SIGCONT)
