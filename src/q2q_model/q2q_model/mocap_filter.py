@@ -9,6 +9,7 @@ q2q_model.tracking (positions, attitudes, swaps, rivals). This file is about fra
   are adopted in the order of their first appearance, and the state grows.
 - A vehicle that is not in the frame, or NaN, coasts (COASTING) for `coast_s`, then it is LOST: position held,
   velocity zero, attitude held. Age grows in both.
+- A first sample ever is taken but not trusted: COASTING at age 0, until a second one fits it.
 - A vehicle never seen is LOST with position and velocity zero, level, and age infinite. Read the status.
 - A repeated stamp gets the same answer again. An older stamp (stale, reordered) is ignored: it gets the last
   answer again, and ages grow with the next newer frame. A stamp older by more than `clock_jump_s` is a clock
@@ -218,7 +219,7 @@ class MocapFilter:
             return np.zeros(len(self._names)), np.zeros(len(self._names), dtype=np.uint8)
         age = self._positions.age(t)
         late = np.where(age <= self._params.coast_s + SAME_INSTANT, TrackStatus.COASTING, TrackStatus.LOST)
-        return age, np.where(verdict.accepted, TrackStatus.TRACKED, late).astype(np.uint8)
+        return age, np.where(verdict.trusted, TrackStatus.TRACKED, late).astype(np.uint8)
 
     def _match(self, names: Names) -> NDArray[np.intp]:
         """Return the track of each row of a frame; -1 for rows to ignore."""

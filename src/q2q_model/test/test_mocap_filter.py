@@ -166,6 +166,52 @@ def test_a_swap_at_the_very_start_heals():
     assert all(np.array_equal(s.pos, _truth(round(s.t * 100))[0]) for s in states[27:])
 
 
+@pytest.mark.parametrize("size", [0.06, 0.12, 1.5])
+def test_a_first_sample_is_not_trusted_and_an_outlier_as_first_is_gone_with_the_next(size: float):
+    block = MocapFilter(MocapFilterParams(), PAIR)
+    first = block.update(_frame(0, _truth(0)[0] + np.array([[size, 0.0, 0.0], [0.0, 0.0, 0.0]])))
+    assert list(first.status) == [COASTING, COASTING]
+    states = [block.update(_frame(tick)) for tick in range(1, 6)]
+    for tick, state in enumerate(states, start=1):
+        assert np.abs(state.pos - _truth(tick)[0]).max() < 5e-3  # five times the noise that is allowed for
+        # 6 cm in a tick is a motion of 6 m/s: no vehicle's, so its speed is not taken over
+        assert np.abs(state.vel).max() < 1.0
+    assert [int(state.status[1]) for state in states] == [TRACKED] * 5
+    assert [int(state.status[0]) for state in states[1:]] == [TRACKED] * 4
+
+
+def _alone(tick: int, pos: Array) -> MocapFrame:
+    return MocapFrame(_time(tick), ("cf1",), pos[None], identity_quat((1,)))
+
+
+def _with_the_other_lost() -> MocapFilter:
+    """Return a filter at tick 99 that has not seen cf2 since tick 49."""
+    block = _flown(50)
+    for tick in range(50, 100):
+        block.update(_alone(tick, _truth(tick)[0][0]))
+    return block
+
+
+def test_a_missing_vehicle_under_anothers_name_is_not_believed_while_that_one_may_coast():
+    block = _with_the_other_lost()
+    for tick in range(100, 110):  # swaps of rooms last up to 0.1 s
+        state = block.update(_alone(tick, _truth(tick)[0][1]))
+        assert list(state.status) == [COASTING, LOST]
+        assert np.abs(state.pos[0] - _truth(tick)[0][0]).max() < 5e-3  # coasting for 0.1 s at 0.5 m/s^2
+    state = block.update(_alone(110, _truth(110)[0][0]))
+    assert state.status[0] == TRACKED
+    assert np.array_equal(state.pos[0], _truth(110)[0][0])
+
+
+def test_a_vehicle_that_truly_is_where_a_missing_one_was_is_found_once_it_has_coasted():
+    block = _with_the_other_lost()
+    found = 100 + round(COAST_S * 100)
+    for tick in range(100, found + 1):
+        state = block.update(_alone(tick, _truth(tick)[0][1]))
+        assert (state.status[0] == TRACKED) == (tick == found)
+    assert np.array_equal(state.pos[0], _truth(found)[0][1])
+
+
 def test_a_vehicle_missing_coasts_straight_then_is_lost_and_comes_back():
     block = _flown(50)
     pos, vel = _truth(49)
@@ -189,7 +235,8 @@ def test_a_vehicle_missing_coasts_straight_then_is_lost_and_comes_back():
 
 def test_a_vehicle_never_seen_is_lost_with_documented_values():
     block = MocapFilter(IDEAL_SENSING, ("cf1", "cf2", "cf9"))
-    state = block.update(_frame(0))
+    block.update(_frame(0))
+    state = block.update(_frame(1))
     assert list(state.status) == [TRACKED, TRACKED, LOST]
     assert np.array_equal(state.pos[2], np.zeros(3))
     assert np.array_equal(state.vel[2], np.zeros(3))
@@ -249,7 +296,8 @@ def test_an_old_frame_under_new_stamps_is_no_sample_but_not_for_ever():
 
 def test_a_vehicle_at_rest_without_noise_is_tracked():
     block = MocapFilter(MocapFilterParams(), PAIR)
-    for tick in range(50):
+    block.update(_frame(0, _truth(0)[0]))
+    for tick in range(1, 50):
         assert list(block.update(_frame(tick, _truth(0)[0])).status) == [TRACKED, TRACKED]
 
 

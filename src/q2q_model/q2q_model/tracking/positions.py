@@ -11,8 +11,9 @@ A pose that is the last one again to the last digit, though the vehicle was movi
 new stamp: no sample, for as long as the vehicle coasts. A refused sample is tried as another vehicle's marker
 (q2q_model.tracking.swaps). A track takes others' markers for at most as many samples as it had been right
 about its name, so a wrong start heals. What is still refused but stays together is a true jump
-(q2q_model.tracking.rivals): the track starts there. Without samples a track coasts for `coast_s`; then it is
-lost, its position held and its velocity zero.
+(q2q_model.tracking.rivals): the track starts there. A track's first sample is taken for lack of a better one,
+but not trusted: where the next one does not follow from it, the track starts anew there. Without samples a
+track coasts for `coast_s`; then it is lost, its position held and its velocity zero.
 """
 
 import math
@@ -62,6 +63,8 @@ class Verdict:
     """Whose sample was taken, (n,): another row where markers were swapped, -1 where none."""
     restarted: Mask
     """Taken as a true jump."""
+    trusted: Mask
+    """Accepted, and not the only sample that says so: the first of a track is not."""
     plain: bool
     """Every vehicle's own sample was taken."""
 
@@ -103,10 +106,11 @@ class PositionTracks:
         self._params = params
         self._noise_var = params.position_noise**2
         self._seen: Mask = np.zeros(count, dtype=bool)
+        self._proven: Mask = np.zeros(count, dtype=bool)  # a second sample has confirmed the first
         self._time: Array = np.zeros(count)
         self._state: Array = np.zeros((count, 3, 3))
         self._cov: Array = np.zeros((count, 3, 3))
-        self._rivals = Rivals(count, params.limits, params.reacquire_s)
+        self._rivals = Rivals(count, params.limits)
         self._right = np.zeros(count, dtype=np.int64)  # samples taken under its own name
         self._swapped = np.zeros(count, dtype=np.int64)  # samples taken from others since
         self._motion = (self._cov, self._cov)
@@ -118,6 +122,7 @@ class PositionTracks:
         """Add vehicles that were never seen."""
         self._settle()
         self._seen, self._time = padded(self._seen, extra), padded(self._time, extra)
+        self._proven = padded(self._proven, extra)
         self._state, self._cov = padded(self._state, extra), padded(self._cov, extra)
         self._right, self._swapped = padded(self._right, extra), padded(self._swapped, extra)
         self._rivals.grow(extra)
@@ -189,7 +194,7 @@ class PositionTracks:
             self._steady = _Steady(t, float(dt[0]), *self._settled_gains(ahead))
         self._taken(t, 1)
         pos, vel = self._state[:, 0].copy(), self._state[:, 1].copy()
-        return Verdict(pos, vel, self._every, self._rows, ~self._every, plain=True)
+        return Verdict(pos, vel, self._every, self._rows, ~self._every, self._every, plain=True)
 
     def _settled_gains(self, ahead: _Ahead) -> tuple[Array, Array]:
         """Return K and what else `glide` needs of the motion, which all vehicles share."""
@@ -202,6 +207,7 @@ class PositionTracks:
     def _taken(self, t: float, ticks: int) -> None:
         """Write down that every vehicle's own sample was taken, `ticks` times, the last one at t [s]."""
         self._time[:] = t
+        self._proven[:] = True
         self._right += ticks
         self._swapped[:] = 0
         self._rivals.forget(self._every)
@@ -225,18 +231,38 @@ class PositionTracks:
         return np.where(self._seen, fits, ~np.isnan(measured).any(axis=1))
 
     def _sort_out(self, t: float, measured: Array, ahead: _Ahead, fits: Mask) -> Verdict:
-        orphans = ~np.isnan(measured).any(axis=1) & ~fits
-        trusting = self._seen & ~ahead.lost & ~fits & (self._swapped < self._right)
+        present = ~np.isnan(measured).any(axis=1)
+        began = present & (~self._seen | (~fits & ~self._proven))
+        orphans = present & ~fits & ~began
+        trusting = self._seen & ~ahead.lost & ~fits & ~began & (self._swapped < self._right)
         gate = np.minimum(ahead.gate, ahead.reach)
         lent = swapped_sources(measured, ahead.state[:, 0], gate, orphans, trusting)
-        source = np.where(lent >= 0, lent, np.where(fits, self._rows, -1))
+        source = np.where(lent >= 0, lent, np.where(fits | began, self._rows, -1))
         self._rivals.forget(source >= 0)
-        jumped = self._rivals.offer(t, measured, orphans & (source < 0) & ~np.isin(self._rows, lent))
+        refused = orphans & (source < 0) & ~np.isin(self._rows, lent)
+        jumped = self._rivals.offer(t, measured, refused, self._patience(t, measured, present))
         source = np.where(jumped, self._rows, source)
-        fresh = jumped | (fits & ~self._seen)
-        self._count(fits, lent >= 0, fresh)
-        self._take(t, measured[source], ahead, (source >= 0, fresh, jumped))
+        self._proven = (self._proven | jumped | fits) & ~began
+        self._count(fits, lent >= 0, jumped | began)
+        self._take(t, measured[source], ahead, (source >= 0, jumped | began, jumped))
         return self._verdict(ahead, source, jumped)
+
+    def _patience(self, t: float, measured: Array, present: Mask) -> Array:
+        """Return how long a rival must last to be believed [s], (n,).
+
+        One that an absent vehicle may have reached, nearer to where that one was than to where its own was,
+        may be the absent one under a wrong name: swaps end before a vehicle has coasted.
+        """
+        patience = np.full(len(self._rows), self._params.reacquire_s)
+        absent = np.flatnonzero(~present & self._seen)
+        if len(absent):
+            away = np.linalg.norm(measured[:, None] - self._state[None, absent, 0], axis=2)  # (n, absent)
+            limits = self._params.limits
+            reached = away <= limits.jump_max + limits.speed_max * (t - self._time[absent])
+            own = np.linalg.norm(measured - self._state[:, 0], axis=1)
+            doubtful = (reached & (away < own[:, None])).any(axis=1)
+            patience[doubtful] = max(self._params.coast_s, self._params.reacquire_s)
+        return patience
 
     def _count(self, own: Mask, lent: Mask, fresh: Mask) -> None:
         self._swapped = np.where(lent, self._swapped + 1, np.where(own, 0, self._swapped))
@@ -248,7 +274,7 @@ class PositionTracks:
         self._state[on], self._cov[on] = white_jerk.correct(
             ahead.state[on], ahead.cov[on], samples[on], self._noise_var
         )
-        velocity = np.where(jumped[:, None], self._rivals.velocity(), 0.0)
+        velocity = np.where(jumped[:, None], self._rivals.velocity(), self._since_first(t, samples))
         self._state[fresh], self._cov[fresh] = white_jerk.start(
             samples[fresh], velocity[fresh], self._noise_var
         )
@@ -256,8 +282,15 @@ class PositionTracks:
         self._seen |= taken
         self._rivals.forget(jumped)
 
+    def _since_first(self, t: float, samples: Array) -> Array:
+        """Return the velocity from the last samples to these [m/s], (n, 3); zero beyond belief."""
+        elapsed = np.where(self._seen, t - self._time, np.inf)
+        velocity = (samples - self._state[:, 0]) / elapsed[:, None]
+        slow = np.linalg.norm(velocity, axis=1) <= self._params.limits.speed_max
+        return np.where(slow[:, None], velocity, 0.0)
+
     def _verdict(self, ahead: _Ahead, source: NDArray[np.intp], jumped: Mask) -> Verdict:
         taken = source >= 0
         state = np.where(taken[:, None, None], self._state, ahead.state)
         vel = np.where((ahead.lost & ~taken)[:, None], 0.0, state[:, 1])
-        return Verdict(state[:, 0].copy(), vel, taken, source, jumped, plain=False)
+        return Verdict(state[:, 0].copy(), vel, taken, source, jumped, taken & self._proven, plain=False)

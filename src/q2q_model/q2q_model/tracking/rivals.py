@@ -2,7 +2,7 @@
 
 A vehicle's rival is the place where its refused samples gather. A refused sample joins the rival when it
 could have come from there, |r - r_last| <= jump_max + speed_max (t - t_last); else it starts a new one.
-A rival that has gathered CONFIRM_SAMPLES and lasted `reacquire_s` is where the vehicle is.
+A rival that has gathered CONFIRM_SAMPLES and lasted as long as is asked is where the vehicle is.
 """
 
 import numpy as np
@@ -20,10 +20,9 @@ SAME_INSTANT = 1e-9
 class Rivals:
     """Hold at most one rival a vehicle."""
 
-    def __init__(self, count: int, limits: OutlierThresholds, reacquire_s: float) -> None:
+    def __init__(self, count: int, limits: OutlierThresholds) -> None:
         """Start without any."""
         self._limits = limits
-        self._reacquire_s = reacquire_s
         self._count = np.zeros(count, dtype=np.int64)
         self._first_time = np.zeros(count)
         self._last_time = np.zeros(count)
@@ -40,8 +39,11 @@ class Rivals:
         """Drop the rivals of vehicles whose own samples are good."""
         self._count[vehicles] = 0
 
-    def offer(self, t: float, pos: Array, refused: Mask) -> Mask:
-        """Take refused samples pos [m] (n, 3) at t [s]; return whose rival is now believed, (n,)."""
+    def offer(self, t: float, pos: Array, refused: Mask, patience: Array) -> Mask:
+        """Take refused samples pos [m] (n, 3) at t [s]; return whose rival is now believed, (n,).
+
+        `patience` (n,) is how long each rival must have lasted [s].
+        """
         reach = self._limits.jump_max + self._limits.speed_max * (t - self._last_time)
         with np.errstate(invalid="ignore"):
             joins = refused & (self._count > 0) & (np.linalg.norm(pos - self._last_pos, axis=-1) <= reach)
@@ -50,7 +52,7 @@ class Rivals:
         self._last_time[refused], self._last_pos[refused] = t, pos[refused]
         self._count[starts] = 1
         self._count[joins] += 1
-        lasted = t - self._first_time >= self._reacquire_s - SAME_INSTANT
+        lasted = t - self._first_time >= patience - SAME_INSTANT
         return refused & lasted & (self._count >= CONFIRM_SAMPLES)
 
     def velocity(self) -> Array:
