@@ -1,9 +1,9 @@
 """Do to a room what its faults say, tick by tick: to frames, to packets, to rotors.
 
-Frames pass through in two stages. First their rows: outliers, jumps, flips, swaps, absences, NaN. Then their
-delivery: which frame comes in this tick, under which stamp. One frame comes a tick, so a late frame is one of
-the past, and a frame that does not come is the last one again. Deterministic: only outliers draw, from their
-own stream.
+Frames pass through in two stages. First their capture: outliers, jumps, flips, swaps, absences and NaN of
+their rows, and their stamp. Then their delivery: which frame comes in this tick. One frame comes a tick, so a
+late frame is one of the past, and a frame that does not come is the last one again, stamp and all.
+Deterministic: only outliers draw, from their own stream.
 """
 
 from collections.abc import Sequence
@@ -41,6 +41,8 @@ class Delivery:
 
     frame: MocapFrame
     stamp_ns: int
+    captured_ns: int
+    """When it was captured, by a clock that does not jump."""
 
 
 class FaultInjection:
@@ -60,17 +62,18 @@ class FaultInjection:
 
     def deliver(self, frame: MocapFrame, stamp_ns: int, injected: Flags) -> Delivery:
         """Return what comes in the tick at stamp_ns, marking in `injected` (n,) what was done."""
-        here = Delivery(frame, stamp_ns)
+        here = Delivery(frame, stamp_ns, stamp_ns)
         if not self._faults:
             return here
         acting = self._acting(stamp_ns)
         for fault in acting:
             if fault.kind in MARKS:
                 injected[self._struck(fault)] |= np.uint8(MARKS[fault.kind])
-            here = replace(here, frame=self._with_rows(here.frame, fault))
+            here = replace(self._stamped(here, fault), frame=self._with_rows(here.frame, fault))
         self._past = [*self._past[1 - self._kept :], here]
         for fault in acting:
             here = self._arriving(here, fault)
+        here = replace(here, frame=replace(here.frame, t=here.stamp_ns * 1e-9))
         if all(fault.kind != "stale" for fault in acting):
             self._sent = here
         return here
@@ -133,19 +136,21 @@ class FaultInjection:
             return replace(frame, names=kept, pos=pos[~rows], quat=quat[~rows])
         return replace(frame, pos=pos, quat=quat)
 
+    def _stamped(self, here: Delivery, fault: Fault) -> Delivery:
+        if fault.kind != "clock_jump":
+            return here
+        return replace(here, stamp_ns=max(here.stamp_ns + round(fault.size * 1e9), 0))
+
     def _arriving(self, here: Delivery, fault: Fault) -> Delivery:
         """Return what a fault of delivery lets come instead of `here`."""
         last = self._sent or here
         if fault.kind == "stale":
-            return replace(here, frame=replace(last.frame, t=here.frame.t))
+            return replace(here, frame=last.frame)
         if fault.kind == "repeated":
             return last
         if fault.kind == "late":
             old = self._past[-1 - min(round(fault.size * 1e9 / self._tick_ns), len(self._past) - 1)]
-            return old if old.stamp_ns > last.stamp_ns else last
-        if fault.kind == "reordered" and (here.stamp_ns // self._tick_ns) % 2 == 0:
+            return old if old.captured_ns > last.captured_ns else last
+        if fault.kind == "reordered" and (here.captured_ns // self._tick_ns) % 2 == 0:
             return self._past[-3] if len(self._past) > 2 else last
-        if fault.kind == "clock_jump":
-            stamp_ns = max(here.stamp_ns + round(fault.size * 1e9), 0)
-            return Delivery(replace(here.frame, t=stamp_ns * 1e-9), stamp_ns)
         return here

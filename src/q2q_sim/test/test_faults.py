@@ -16,8 +16,8 @@ from q2q_sim.vicon import Injected
 CALM = replace(scenarios.load("table6"), duration=1.0)
 
 
-def _ticks(fault: Fault, count: int = 40) -> list[tuple[Tick, np.ndarray]]:
-    room = Room(replace(CALM, faults=(fault,)), seed=0)
+def _ticks(*faults: Fault, count: int = 40) -> list[tuple[Tick, np.ndarray]]:
+    room = Room(replace(CALM, faults=faults), seed=0)
     seen = []
     for _ in range(count):
         seen.append((room.capture(), room.injected.copy()))
@@ -95,6 +95,23 @@ def test_frames_come_under_the_stamps_of_their_fault(fault: Fault, stamps: list[
     if fault.kind != "clock_jump":
         for (tick, _), k in zip(seen[2:5], showing, strict=True):
             np.testing.assert_array_equal(tick.frame.pos, clean[k].frame.pos)
+
+
+@pytest.mark.parametrize(
+    ("fault", "stamps"),
+    [
+        (Fault("repeated", 0.12, 0.03), [9, 5, 6, 6, 6, 6, 10, 11, 12, 18]),
+        (Fault("late", 0.12, 0.06, size=0.02), [9, 5, 6, 6, 6, 7, 8, 9, 10, 18]),
+        (Fault("reordered", 0.12, 0.06), [9, 5, 6, 5, 8, 7, 10, 9, 12, 18]),
+    ],
+    ids=lambda value: value.kind if isinstance(value, Fault) else "",
+)
+def test_a_frame_is_stamped_once_however_it_is_delivered(fault: Fault, stamps: list[int]) -> None:
+    off = Fault("clock_jump", 0.10, 0.08, size=-0.05)
+    for faults in ((off, fault), (fault, off)):
+        seen = _ticks(*faults)[9 : 9 + len(stamps)]
+        assert [tick.frame_stamp_ns // 10_000_000 for tick, _ in seen] == stamps
+        assert [tick.frame.t for tick, _ in seen] == [tick.frame_stamp_ns * 1e-9 for tick, _ in seen]
 
 
 def test_a_weak_rotor_and_a_sagging_battery_cost_their_share_of_thrust() -> None:
