@@ -82,6 +82,18 @@ def test_two_vehicles_that_touch_break_the_separation_and_who_strays_the_room() 
     assert "separation" not in broken(apart)
 
 
+@pytest.mark.parametrize(
+    ("off", "strays"), [((0.0, 0.0, -1.6), False), ((0.0, 0.0, 1.6), True), ((1.6, 0.0, -0.1), True)]
+)
+def test_a_vehicle_that_lands_blind_is_sent_down_and_nowhere_else(
+    off: tuple[float, float, float], strays: bool
+) -> None:
+    away = only("truth", changed(SwarmState, 3.0, 3.1, pos=lambda pos: pos + np.array(off)))
+    lands = changed(SwarmCommand, 2.0, 3.05, status=lambda _: np.full(3, CommandStatus.LAND))
+    assert "room" in broken(away)
+    assert ("room" in broken(lambda one: lands(away(one)))) == strays
+
+
 def test_a_vehicle_in_the_zone_breaks_it_only_where_it_was_sent_clear_of_it() -> None:
     at = heard()[0].signal
     assert isinstance(at, SwarmState)

@@ -8,6 +8,8 @@ from q2q_sim.faults import KINDS, Fault
 from q2q_sim.policies.evidence import Evidence
 
 BLIND = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
+DOWN = (CommandStatus.LAND, CommandStatus.CUT)
+"""Commands that send a vehicle to the floor, whatever its setpoint says."""
 LYING = ("jump", "swap", "clock_jump")
 """Faults in which sensors lie so steadily that no filter can know: a marker moved is a vehicle moved."""
 BELIEVED_S = 1.0
@@ -23,9 +25,12 @@ def blind(evidence: Evidence) -> Mask:
 
 def blind_lately(evidence: Evidence, settle: float) -> Mask:
     """Return who is flown blind at each tick, or was less than `settle` [s] before, (T, n)."""
-    t = evidence.t[:, None]
-    last = np.maximum.accumulate(np.where(blind(evidence), t, -np.inf), axis=0)
-    return np.asarray(t - last < settle)
+    return _lately(evidence, blind(evidence), settle)
+
+
+def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
+    """Return who is sent to the floor at each tick, or was less than `settle` [s] before, (T, n)."""
+    return _lately(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
 
 
 def lied_to(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
@@ -38,6 +43,12 @@ def lied_to(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask
             times = (evidence.t >= fault.start - early) & (evidence.t <= end + early + after)
             lied |= times[:, None] & _struck(evidence, fault)
     return lied
+
+
+def _lately(evidence: Evidence, when: Mask, settle: float) -> Mask:
+    t = evidence.t[:, None]
+    last = np.maximum.accumulate(np.where(when, t, -np.inf), axis=0)
+    return np.asarray(t - last < settle)
 
 
 def _struck(evidence: Evidence, fault: Fault) -> Mask:
