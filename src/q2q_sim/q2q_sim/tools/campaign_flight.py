@@ -1,7 +1,7 @@
 """Fly one run of a campaign, without ROS or through the nodes, judge it, and keep the bag of a violation."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
 
@@ -80,7 +80,7 @@ def judged(run: Run, heard: Sequence[Heard]) -> tuple[Violation, ...]:
 
 def told(heard: Sequence[Heard]) -> list[Heard]:
     """Return what was heard as a bag in lockstep has it: bag time is the stamp."""
-    return [replace(one, at=one.signal.t) for one in heard]
+    return [Heard(one.topic, one.signal.t, one.signal) for one in heard]
 
 
 def crash(error: Exception) -> Violation:
