@@ -9,7 +9,7 @@ Fit: the linear part by least squares on answers inside the bounds, then all wei
 mean squared error of the cut output.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
@@ -140,7 +140,7 @@ def _shape(teacher: Teacher) -> GroupShape:
     params = teacher.params
     up = chain(teacher.vehicle.thrust_lag, params.step, ChainWeights(params.bandwidth_z, params.jerk))
     shape = group_shape(2, (2,), (up, up, up), params.steps)
-    return replace(shape, terminal=params.terminal * shape.terminal)
+    return shape._replace(terminal=params.terminal * shape.terminal)
 
 
 def _first_guess(x: Array, said: Array, teacher: Teacher, layers: tuple[int, int]) -> ExplicitLaw:

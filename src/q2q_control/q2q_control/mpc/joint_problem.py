@@ -9,7 +9,7 @@ A source outside the group moves as predicted: only r_i counts then. What is the
 once a shape of group; a compiled loop fills in the rest.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,11 @@ _ENTRIES = (np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2]))
 """Rows and columns of a chain's transition that are not zero."""
 
 
-@dataclass(frozen=True, slots=True)
-class GroupShape:
+Slopes = tuple[Rows, Rows, Array]
+"""i, j (pairs,) and slope (pairs, N, 3, 3) of a DraftHorizon, as compiled code takes them."""
+
+
+class GroupShape(NamedTuple):
     """Hold what problems of as many vehicles and the same axes have in common."""
 
     axes: Rows
@@ -74,6 +77,10 @@ def group_shape(
 
 def joint_problem(shape: GroupShape, vehicles: Rows, horizon: Horizon, drafts: DraftHorizon) -> LqProblem:
     """Return the problem of the group `vehicles` (g,), chains vehicle by vehicle, axis by axis."""
+    return LqProblem(*joint_parts(shape, vehicles, horizon, (drafts.i, drafts.j, drafts.slope)))
+
+
+def _joint_parts_py(shape: GroupShape, vehicles: Rows, horizon: Horizon, slopes: Slopes) -> LqProblem:
     axes = shape.axes
     chains, stages = vehicles.size * axes.size, horizon.push.shape[1]
     values, start, step = shape.values.copy(), np.empty(3 * chains), np.empty(chains)
@@ -82,24 +89,24 @@ def joint_problem(shape: GroupShape, vehicles: Rows, horizon: Horizon, drafts: D
     _fill_chains(horizon, (vehicles, axes), shape.push_gain, (drift, target, wanted))
     _fill_bounds(horizon, (vehicles, axes), (start, low, high, step))
     place = np.full(horizon.path.shape[0], -1)
-    place[vehicles] = np.arange(vehicles.size)
-    slopes = (drafts.i, drafts.j, drafts.slope)
+    for g in range(vehicles.size):
+        place[vehicles[g]] = g
     _fill_slopes(slopes, (place, axes, shape.push_gain), horizon.path, (values, drift), shape.first_slope)
     return LqProblem(
-        start=start,
-        rows=shape.rows,
-        cols=shape.cols,
-        values=values,
-        drift=drift,
-        input_gain=shape.input_gain,
-        state_weight=shape.state_weight,
-        terminal=shape.terminal,
-        target=target,
-        input_weight=shape.input_weight,
-        input_target=wanted,
-        low=low,
-        high=high,
-        step=step,
+        start,
+        shape.rows,
+        shape.cols,
+        values,
+        drift,
+        shape.input_gain,
+        shape.state_weight,
+        shape.terminal,
+        target,
+        shape.input_weight,
+        wanted,
+        low,
+        high,
+        step,
     )
 
 
@@ -174,3 +181,5 @@ def _fill_slopes_py(
 _fill_bounds = compiled(_fill_bounds_py)
 _fill_chains = compiled(_fill_chains_py)
 _fill_slopes = compiled(_fill_slopes_py)
+joint_parts = compiled(_joint_parts_py)
+"""Return the LqProblem of (shape, vehicles (g,), horizon, slopes)."""

@@ -6,7 +6,7 @@ the ones that meet a bound are solved one by one.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,8 @@ from q2q_control.mpc.chain import Chain
 from q2q_control.mpc.chain_sweep import sweep, sweep_gains
 from q2q_control.mpc.draft_horizon import DraftHorizon
 from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, SOLVED, Answer, Horizon
-from q2q_control.mpc.joint_problem import GroupShape, group_shape, joint_problem
-from q2q_control.mpc.riccati import solve
+from q2q_control.mpc.group_solve import solve_group
+from q2q_control.mpc.joint_problem import GroupShape, group_shape
 
 Rows = NDArray[np.intp]
 InTime = Callable[[], bool]
@@ -110,25 +110,24 @@ class HorizonSolver:
         if not in_time():
             answer.ended[group] = INTERRUPTED
             return 0
-        shape = self._shape(len(group), chains[1])
-        vehicles, axes = np.repeat(group, len(shape.axes)), np.tile(shape.axes, len(group))
-        problem = joint_problem(shape, group, horizon, drafts)
-        start = np.ascontiguousarray(guess[vehicles, :, axes].T)  # (N, chains)
-        found = solve(problem, start, self._rules.iterations)
-        answer.pos[vehicles, :, axes] = found.states[:, 0::3].T
-        answer.inputs[vehicles, :, axes] = found.inputs.T
-        answer.pattern[vehicles, :, axes] = found.pattern.T
-        if not np.isfinite(found.inputs).all():
+        used, converged, finite = solve_group(
+            (self._shape(group.size, chains[1]), group),
+            horizon,
+            (drafts.i, drafts.j, drafts.slope),
+            (guess, answer.pos, answer.inputs, answer.pattern),
+            self._rules.iterations,
+        )
+        if not finite:
             answer.ended[group] = INTERRUPTED
-        elif not found.converged:
+        elif not converged:
             answer.ended[group] = np.where(answer.ended[group] == SOLVED, CUT_OFF, answer.ended[group])
-        return found.iterations
+        return int(used)
 
     def _shape(self, size: int, axes: tuple[int, ...]) -> GroupShape:
         key = (size, axes)
         if key not in self._shapes:
             shape = group_shape(size, axes, self._models, self._stages)
-            self._shapes[key] = replace(shape, terminal=self._rules.terminal * shape.terminal)
+            self._shapes[key] = shape._replace(terminal=self._rules.terminal * shape.terminal)
         return self._shapes[key]
 
 

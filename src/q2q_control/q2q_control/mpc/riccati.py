@@ -32,7 +32,7 @@ def solve(problem: LqProblem, guess: NDArray[np.int8] | None = None, iterations:
     """Return the optimal states and inputs; `guess` is the pattern of a similar problem, (N, n)."""
     n = problem.input_gain.shape[0]
     pattern = np.zeros((problem.values.shape[0], n), np.int8) if guess is None else guess.copy()
-    states, inputs, used, converged = _solve(problem, pattern, iterations)
+    states, inputs, used, converged = solve_from(problem, pattern, iterations)
     return LqSolution(states, inputs, pattern, used, converged)
 
 
@@ -238,4 +238,5 @@ _stage_policy = compiled(_stage_policy_py, **_OPTIONS)
 _stage_value = compiled(_stage_value_py, **_OPTIONS)
 _backward = compiled(_backward_py, **_OPTIONS)
 _roll_out = compiled(_roll_out_py, **_OPTIONS)
-_solve = compiled(_solve_py, **_OPTIONS)
+solve_from = compiled(_solve_py, **_OPTIONS)
+"""Return states, inputs, recursions used, whether they are optimal; `pattern` (N, n) is mended in place."""
