@@ -35,11 +35,19 @@ class TickWatch:
             return
         self._stamp, self._at, self._setpoint = setpoint.t, now, setpoint
 
-    def due(self, state: SwarmState | None, now: float) -> SwarmCommand | None:
-        """Return what must be sent at wall time now [s], if anything; `state` is the newest that came."""
+    def due(self, state: SwarmState | None, now: float, ahead: float = 0.0) -> SwarmCommand | None:
+        """Return what must be sent at wall time now [s], if anything.
+
+        Args:
+            state: the newest that came.
+            now: wall time [s].
+            ahead: take a tick as late that will be within this time [s], where nothing is going to come.
+        """
         age = now - self._at
         if self._setpoint is None:
             return None
+        if age + ahead >= self.params.hold_s:
+            age = max(age, self.params.hold_s)
         if age >= self.params.hold_s and state is not None and state.t > self._stamp:
             return self._hovering(state, self._setpoint, now)
         return self._guard.without_tick(age)

@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-READS = "<"
-"""Marks a topic that is read, in text."""
+READS, WATCHES, PROMISES = "<", "?", "!"
+"""Mark a topic that is read, one that is watched, and a published one that promises, in text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,29 +16,41 @@ class Wiring:
     """Topics, once for each subscription."""
     matched: Mapping[str, int]
     """Published topic -> matched readers."""
+    watches: tuple[str, ...] = ()
+    """Topics watched: a writer that promises nothing never matches these (q2q_model.ros.promises)."""
+    promises: tuple[str, ...] = ()
+    """Topics published with a promise."""
 
     def as_text(self) -> str:
         """Return the wiring in words: `<topic` is read, `topic=count` is published."""
+        marked = ((READS, self.reads), (WATCHES, self.watches), (PROMISES, self.promises))
         return " ".join(
-            [READS + topic for topic in self.reads] + [f"{key}={n}" for key, n in self.matched.items()]
+            [mark + topic for mark, topics in marked for topic in topics]
+            + [f"{key}={n}" for key, n in self.matched.items()]
         )
 
 
 def wiring_from_text(text: str) -> Wiring:
     """Return the wiring in the words of `as_text`."""
     words = text.split()
-    pairs = [word.rpartition("=") for word in words if not word.startswith(READS)]
-    return Wiring(
-        reads=tuple(word.removeprefix(READS) for word in words if word.startswith(READS)),
-        matched={topic: int(count) for topic, _, count in pairs},
+    reads, watches, promises = (
+        tuple(word.removeprefix(mark) for word in words if word.startswith(mark))
+        for mark in (READS, WATCHES, PROMISES)
     )
+    pairs = [word.rpartition("=") for word in words if not word.startswith((READS, WATCHES, PROMISES))]
+    return Wiring(reads, {topic: int(count) for topic, _, count in pairs}, watches, promises)
 
 
 def unmatched(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
     """Return, for each node, the topics it publishes whose readers are not all matched yet."""
     readers = Counter(topic for wiring in nodes.values() for topic in wiring.reads)
+    watchers = Counter(topic for wiring in nodes.values() for topic in wiring.watches)
     short = {
-        name: [topic for topic, count in wiring.matched.items() if count < readers[topic]]
+        name: [
+            topic
+            for topic, count in wiring.matched.items()
+            if count < readers[topic] + (watchers[topic] if topic in wiring.promises else 0)
+        ]
         for name, wiring in nodes.items()
     }
     return {name: topics for name, topics in short.items() if topics}

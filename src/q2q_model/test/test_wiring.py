@@ -21,6 +21,14 @@ def test_a_strangers_reader_more_than_ours_does_no_harm() -> None:
     assert unmatched({"source": Wiring(("/state",), {"/mocap": 5}), "filter": FILTER}) == {}
 
 
+def test_a_watching_reader_is_waited_for_only_where_the_writer_promises() -> None:
+    watching = Wiring(reads=("/state",), matched={}, watches=("/state",))
+    assert unmatched({"filter": FILTER, "watching": watching}) == {}
+    promising = Wiring(reads=("/mocap",), matched={"/state": 1}, promises=("/state",))
+    assert unmatched({"filter": promising, "watching": watching}) == {"filter": ["/state"]}
+
+
 def test_wiring_survives_its_text() -> None:
-    for wiring in (SOURCE, FILTER, PID, Wiring((), {})):
+    watching = Wiring(("/a", "/b"), {"/c": 2, "/d": 0}, ("/a",), ("/d",))
+    for wiring in (SOURCE, FILTER, PID, watching, Wiring((), {})):
         assert wiring_from_text(wiring.as_text()) == wiring

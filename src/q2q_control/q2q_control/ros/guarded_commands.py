@@ -1,4 +1,9 @@
-"""Let a controller's node fly by its guard: an emergency service, and live a watch on the wall clock."""
+"""Let a controller's node fly by its guard: an emergency service, and live a watch on the wall clock.
+
+Live, a timer looks every PERIOD_S whether a tick stays away. When DDS tells that the writer of an input is
+dead, stopped or late (q2q_model.ros.promises), that is one more look, at once: the look that the timer would
+make next. An event that was overtaken by a tick changes nothing, as the tick's age then says.
+"""
 
 from time import monotonic
 
@@ -33,6 +38,7 @@ class GuardedCommands:
         self._watch = TickWatch(self._guard, params) if live else None
         self._reader = SignalReader(SwarmState)
         self._heard: bytes = b""
+        self._silences = 0
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
@@ -51,6 +57,8 @@ class GuardedCommands:
         if self._watch is not None:
             node.create_subscription(MESSAGES[SwarmState], "state", self._hear, TICK, raw=True)
             node.create_timer(PERIOD_S, self._look)
+            if self._watch.params.hold_s > 0.0:
+                wiring.on_silence(self._watch.params.hold_s, self._on_silence)
 
     def reset(self) -> None:
         """Forget all ticks."""
@@ -68,9 +76,15 @@ class GuardedCommands:
     def _count(self, _: int, command: SwarmCommand) -> None:
         self._wiring.health.fallbacks += int(command.status.max(initial=0) > CommandStatus.SATURATED)
 
-    def _look(self) -> None:
+    def _on_silence(self) -> None:
+        self._silences += 1
+        self._wiring.health.extra["silences"] = str(self._silences)
+        self._look(PERIOD_S)
+
+    def _look(self, ahead: float = 0.0) -> None:
+        """Send what is due now, or within `ahead` [s] where nothing is going to come."""
         if self._watch is not None:
-            self._send(self._watch.due(self._state(), monotonic()))
+            self._send(self._watch.due(self._state(), monotonic(), ahead))
 
     def _state(self) -> SwarmState | None:
         """Return the newest state; one that cannot be read is none, and the wiring has counted it."""

@@ -8,6 +8,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from q2q_model.ros.promises import asks
 from q2q_model.wiring import Wiring
 
 SERVICE = "ready"
@@ -42,7 +43,10 @@ def offer_drained(node: Node) -> None:
 
 def wiring_of(node: Node) -> Wiring:
     """Return what a node reads, and how many readers each of its writers has matched."""
+    readers, writers = list(node.subscriptions), list(node.publishers)
     return Wiring(
-        reads=tuple(reader.topic_name for reader in node.subscriptions),
-        matched={writer.topic_name: writer.get_subscription_count() for writer in node.publishers},
+        reads=tuple(one.topic_name for one in readers if not asks(one.qos_profile)),
+        matched={one.topic_name: one.get_subscription_count() for one in writers},
+        watches=tuple(one.topic_name for one in readers if asks(one.qos_profile)),
+        promises=tuple(one.topic_name for one in writers if asks(one.qos_profile)),
     )

@@ -1,6 +1,7 @@
 """Wire a block into the graph: join the inputs of a tick by stamp, update, publish under that stamp."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
 from typing import Generic, TypeVar
@@ -11,13 +12,16 @@ from q2q_model.cdr import encode
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.local_bus import LocalBus
+from q2q_model.parameters import check_bounds, tunable
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.bus_node import BusNode
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.ending import ForgivingTheEnd
 from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.qos import TICK, TICK_WRITER
+from q2q_model.ros.parameters import declare
+from q2q_model.ros.promises import promising, watch
+from q2q_model.ros.qos import TICK
 from q2q_model.signal_facts import facts
 from q2q_model.signals import Names
 from q2q_model.stopwatch import Stopwatch
@@ -28,6 +32,24 @@ Made = TypeVar("Made", bound=Signal)
 
 REHEARSAL_T = (0.0, 0.01)
 """Two ticks [s], so that what happens between ticks is rehearsed too."""
+
+
+@dataclass(frozen=True, slots=True)
+class TickWriterParams:
+    """Hold the parameters of every node that answers ticks."""
+
+    promise_s: float = tunable(
+        0.0,
+        "live: longest silence promised to readers, as DDS deadline and liveliness lease; 0 promises none",
+        unit="s",
+        low=0.0,
+        high=10.0,
+        read_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
 
 
 class TickWiring(Generic[Made]):
@@ -41,7 +63,8 @@ class TickWiring(Generic[Made]):
         self._node = node
         self._forgiving = ForgivingTheEnd(node)
         topic, signal = output
-        self._publisher = node.create_publisher(MESSAGES[signal], topic, TICK_WRITER)
+        quality = promising(declare(node, TickWriterParams()).promise_s)
+        self._publisher = node.create_publisher(MESSAGES[signal], topic, quality)
         self._inputs = inputs
         self._after: list[Callable[[int, Made], None]] = []
         self._topic = topic
@@ -69,6 +92,12 @@ class TickWiring(Generic[Made]):
     def publish(self, stamp_ns: int, signal: Made) -> None:
         """Publish a signal under a stamp: first to listeners within the process, if it has a bus."""
         self._bus.post(self._topic, stamp_ns, signal, partial(self._tell_world, stamp_ns, signal))
+
+    def on_silence(self, within_s: float, act: Callable[[], None]) -> None:
+        """Call `act` when a promising writer of an input in another process is silent or gone."""
+        for topic, signal in self._inputs.items():
+            if not self._bus.carries(topic):
+                watch(self._node, topic, signal, within_s, act)
 
     def tell(self, more: Callable[[], Mapping[str, str]]) -> None:
         """Have `/diagnostics` say what `more()` returns, too; it is asked once a second."""

@@ -175,4 +175,9 @@ def quality(qos: QoSProfile | int) -> str:
     if isinstance(qos, int):
         return f"reliable, volatile, depth {qos}"
     words = (qos.reliability.name, qos.durability.name)
-    return f"{', '.join(word.lower().replace('_', ' ') for word in words)}, depth {qos.depth}"
+    terms = {"deadline": qos.deadline, "lease": qos.liveliness_lease_duration}
+    asked = [
+        f", {word} {term.nanoseconds * 1e-9:g} s" for word, term in terms.items() if term.nanoseconds > 0
+    ]
+    words_told = ", ".join(word.lower().replace("_", " ") for word in words)
+    return f"{words_told}, depth {qos.depth}{''.join(asked)}"

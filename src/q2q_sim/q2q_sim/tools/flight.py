@@ -10,6 +10,7 @@ from pathlib import Path
 
 from q2q_model.bag import read_flight
 from q2q_model.flights import Flight
+from q2q_model.ros.promises import PROMISE_S
 from q2q_model.tools.models import find_model
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
@@ -103,7 +104,7 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
     else:
         plan_file.save(plan, assembly.plan_of(scenario))
     pace = "live" if request.live else "lockstep"
-    road = (
+    nodes = (
         NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
         NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
@@ -114,6 +115,8 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
             assembly.controller_parameters(scenario, request.options) | {"live": request.live},
         ),
     )
+    promised = {"promise_s": PROMISE_S} if request.live else {}
+    road = tuple(replace(spec, parameters={**spec.parameters, **promised}) for spec in nodes)
     return [
         NodeSpec(
             "q2q_sim",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from q2q_model.parameters import ParameterValue
+from q2q_model.ros.promises import PROMISE_S
 from q2q_sim.tools.flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.tools.processes import NodeSpec
 
@@ -85,9 +86,9 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         if not given[name]:
             raise ValueError(f"give {name}:=FILE")
     by_stick = given["mode"] == "command"
-    pid: list[NodeSpec] = [
-        NodeSpec("q2q_control", "pid", {"vehicle": given["vehicle"], "aware": True, "live": True})
-    ]
+    promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
+    flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "aware": True, "live": True}
+    pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", flown | promised)]
     radio: dict[str, ParameterValue] = {
         "crazyflies": given["crazyflies"],
         "mode": given["mode"],
@@ -95,10 +96,10 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     }
     return [
         NodeSpec("q2q_sim", "bag_record", {"bag": str(Path(given["folder"]) / "bag"), "stamps": "receive"}),
-        NodeSpec("q2q_model", "mocap_filter", {}),
-        NodeSpec("q2q_model", "interference", {"model": given["model"]}),
-        NodeSpec("q2q_planner", "trajectory", {"plan": given["plan"]}),
-        NodeSpec("q2q_planner", "replanner", {}),
+        NodeSpec("q2q_model", "mocap_filter", promised),
+        NodeSpec("q2q_model", "interference", promised | {"model": given["model"]}),
+        NodeSpec("q2q_planner", "trajectory", promised | {"plan": given["plan"]}),
+        NodeSpec("q2q_planner", "replanner", promised),
         *(pid if by_stick else []),
         NodeSpec("q2q_control", "radio", radio),
         *_viewers(given),

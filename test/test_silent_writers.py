@@ -1,0 +1,141 @@
+"""A writer that promised signals dies: DDS tells, and that alone makes the controller act."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+import rclpy
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from q2q_control.ros import pid_node
+from q2q_model.cdr import decode
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.promises import PROMISE_S
+from q2q_model.ros.run import make_executor
+from q2q_model.signals import CommandStatus, SwarmCommand
+from q2q_sim import scenarios
+from q2q_sim.tools.domain import own_domain
+from q2q_sim.tools.flight import FlightRequest, node_specs
+
+PATIENCE_S = 60.0
+"""For processes to start and find each other on a busy machine [s]."""
+WRITER = """
+import sys
+import rclpy
+from rclpy.node import Node
+from q2q_model.cdr import encode
+from q2q_model.rehearsal import rehearsal
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.promises import promising
+from q2q_model.ros.run import spin
+from q2q_model.signals import Interference, SwarmSetpoint, SwarmState
+rclpy.init()
+node = Node("writer")
+quality = promising(float(sys.argv[1]))
+kinds = {"state": SwarmState, "reference_safe": SwarmSetpoint, "interference": Interference}
+writers = {topic: node.create_publisher(MESSAGES[kind], topic, quality) for topic, kind in kinds.items()}
+tick = [0]
+def write():
+    for topic, kind in kinds.items():
+        signal = rehearsal(kind, tick[0] * 0.01, ("cf1", "cf2"))
+        writers[topic].publish(encode(signal, tick[0] * 10_000_000))
+    tick[0] += 1
+node.create_timer(0.01, write)
+spin(node)
+"""
+
+
+class Untimed(Node):  # type: ignore[misc]  # rclpy has no types
+    """A node whose own timers never look: what it sends without a tick, an event made it send."""
+
+    def create_timer(self, *_: object, **__: object) -> None:
+        """Let no time pass."""
+
+
+class Scene:
+    """Hold a live controller without timers, and the writer that it hears."""
+
+    def __init__(self, promise_s: float) -> None:
+        rclpy.init()
+        live = [Parameter("live", value=True), Parameter("legacy_hz", value=0.0)]
+        self.node = Untimed("pid", parameter_overrides=live)
+        self.wiring = pid_node.build(self.node)
+        self.heard: list[SwarmCommand] = []
+        kind = MESSAGES[SwarmCommand]
+        self.node.create_subscription(kind, "command", self._hear, 10, raw=True)
+        self._executor = make_executor()
+        self._executor.add_node(self.node)
+        self.writer = subprocess.Popen([sys.executable, "-c", WRITER, str(promise_s)])
+
+    def _hear(self, data: bytes) -> None:
+        self.heard.append(decode(data, SwarmCommand))
+
+    def until(self, reached: Callable[[], bool], what: str) -> None:
+        """Let callbacks run until something is so."""
+        deadline = monotonic() + PATIENCE_S
+        while not reached():
+            assert monotonic() < deadline, f"{what}: not within {PATIENCE_S} s"
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def worst(self) -> int:
+        """Return the status of the last command, 0 before the first."""
+        return int(self.heard[-1].status.max()) if self.heard else 0
+
+    def close(self) -> None:
+        """End writer and ROS."""
+        self.writer.kill()
+        self.writer.wait()
+        rclpy.try_shutdown()
+
+
+@pytest.fixture
+def scene(request: pytest.FixtureRequest) -> Iterator[Scene]:
+    with own_domain():
+        made = Scene(request.param)
+        yield made
+        made.close()
+
+
+@pytest.mark.parametrize("scene", [PROMISE_S], indirect=True)
+@pytest.mark.parametrize("blow", [signal.SIGKILL, signal.SIGSTOP])
+def test_without_any_timer_the_death_of_a_writer_leads_down_the_ladder(
+    scene: Scene, blow: signal.Signals
+) -> None:
+    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.heard), "ticks")
+    scene.heard.clear()
+    os.kill(scene.writer.pid, blow)
+    for status in (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND):
+        scene.until(lambda status=status: scene.worst() == status, status.name)
+    assert int(scene.wiring.health.extra["silences"]) >= 3
+    stamps = [command.t for command in scene.heard]
+    assert stamps == sorted(stamps)
+
+
+@pytest.mark.parametrize("scene", [0.0], indirect=True)
+def test_a_writer_that_promises_nothing_is_heard_all_the_same(scene: Scene) -> None:
+    scene.until(lambda: scene.wiring.health.ticks >= 20, "ticks")
+    assert scene.worst() <= CommandStatus.SATURATED
+    assert "silences" not in scene.wiring.health.extra
+
+
+def test_nodes_promise_in_a_live_flight_and_never_in_lockstep(tmp_path: Path) -> None:
+    scenario = scenarios.load("table6")
+    live, lockstep = (
+        {
+            spec.executable: spec.parameters.get("promise_s", 0.0)
+            for spec in node_specs(scenario, FlightRequest("table6", live=live), tmp_path, tmp_path / "bag")
+        }
+        for live in (True, False)
+    )
+    road = ("mocap_filter", "interference", "trajectory", "replanner", "pid")
+    assert {name: live[name] for name in road} == dict.fromkeys(road, PROMISE_S)
+    assert set(lockstep.values()) == {0.0}
