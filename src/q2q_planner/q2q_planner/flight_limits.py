@@ -112,12 +112,15 @@ def allocate_times(
     lengths = np.sqrt((np.diff(pos, axis=0) ** 2).sum(-1))
     spans = np.maximum(PEAK_SPEED * lengths / limits.speed, np.sqrt(PEAK_ACC * lengths / limits.acceleration))
     vehicle = _timed(name, points, np.maximum(spans, TIME_STEP))
-    trajectory = minimum_snap(vehicle, reading)
+    while (slower := _excess(minimum_snap(vehicle, reading), limits)) > 1.0:
+        vehicle = _timed(name, points, slower * np.diff(vehicle.times))
+    return vehicle
+
+
+def _excess(trajectory: Trajectory, limits: FlightLimits) -> float:
+    """Return by what factor all times must be longer for the limits to hold."""
     speed, acc = peak_norm(trajectory, 1).value, peak_norm(trajectory, 2).value
-    slower = max(speed / limits.speed, sqrt(acc / limits.acceleration))
-    if slower <= 1.0:
-        return vehicle
-    return _timed(name, points, slower * np.diff(vehicle.times))
+    return max(speed / limits.speed, sqrt(acc / limits.acceleration))
 
 
 def timed_document(document: object, limits: FlightLimits, reading: Reading = "stop_and_go") -> object:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY
@@ -23,6 +23,7 @@ LIMITS = FlightLimits(speed=1.5, acceleration=3.0)
 
 @settings(deadline=None, max_examples=40)
 @given(st.integers(0, 10**6), st.sampled_from(["stop_and_go", "free"]))
+@example(87, "free")
 def test_allocated_times_keep_the_limits_and_waste_little(seed: int, reading: str) -> None:
     generator = np.random.default_rng(seed)
     points = [Waypoint(0.0, tuple(generator.uniform(-2.0, 2.0, 3))) for _ in range(generator.integers(2, 6))]
