@@ -59,12 +59,14 @@ class Scene:
 def arrow_quat(tail: Point, tip: Point) -> Quat:
     """Return the shortest rotation of +x to the arrow's direction; none for an arrow without length.
 
-    q = (x cross d, 1 + x . d) normalised; straight back it is half a turn about z.
+    q = (x cross d, 1 + x . d) normalised; straight back it is half a turn about z. Backwards 1 + d_x is
+    (d_y^2 + d_z^2) / (1 - d_x), which does not cancel.
     """
     dx, dy, dz = (to - start for start, to in zip(tail, tip, strict=True))
     length = math.hypot(dx, dy, dz)
     if length == 0.0:
         return (0.0, 0.0, 0.0, 1.0)
-    y, z, w = -dz / length, dy / length, 1.0 + dx / length
+    x, y, z = dx / length, -dz / length, dy / length
+    w = 1.0 + x if x > 0.0 else (y * y + z * z) / (1.0 - x)
     norm = math.hypot(y, z, w)
     return (0.0, y / norm, z / norm, w / norm) if norm > 0.0 else (0.0, 0.0, 1.0, 0.0)
