@@ -1,17 +1,14 @@
 """Nodes as a user starts them: clean ends, and one clear line for every wrong input."""
 
-import os
 import signal
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from started_nodes import PATIENCE_S, start, wait_until_spinning
 
 from q2q_sim.tools.domain import own_domain
-from q2q_sim.tools.processes import find_executable
 
-PATIENCE_S = 60.0
 NODES = [
     ("q2q_model", "mocap_filter", []),
     ("q2q_model", "interference", []),
@@ -28,19 +25,12 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-def start(package: str, executable: str, parameters: list[str]) -> subprocess.Popen[str]:
-    words = [word for parameter in parameters for word in ("-p", parameter)]
-    return subprocess.Popen(
-        [str(find_executable(package, executable)), "--ros-args", *words],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"RCUTILS_LOGGING_BUFFERED_STREAM": "0"},
-    )
+def ros_words(parameters: list[str]) -> list[str]:
+    return ["--ros-args", *(word for parameter in parameters for word in ("-p", parameter))]
 
 
 def refusal(package: str, executable: str, parameters: list[str]) -> str:
-    process = start(package, executable, parameters)
+    process = start(package, executable, ros_words(parameters))
     _, said = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 2, said
     assert "Traceback" not in said
@@ -53,26 +43,12 @@ def refusal(package: str, executable: str, parameters: list[str]) -> str:
 def test_a_node_ends_with_0_on_a_signal(
     package: str, executable: str, parameters: list[str], number: signal.Signals
 ) -> None:
-    process = start(package, executable, parameters)
+    process = start(package, executable, ros_words(parameters))
     wait_until_spinning(process)
     process.send_signal(number)
     _, said = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, said
     assert "Traceback" not in said
-
-
-def wait_until_spinning(process: subprocess.Popen[str]) -> None:
-    """Return once the process has set its signal handlers: SIGINT and SIGTERM are caught."""
-    status = Path(f"/proc/{process.pid}/status")
-    wanted = 1 << (signal.SIGINT - 1) | 1 << (signal.SIGTERM - 1)
-    while process.poll() is None:
-        line = next(line for line in status.read_text().splitlines() if line.startswith("SigCgt"))
-        if int(line.split()[1], 16) & wanted == wanted:
-            return
-        try:
-            process.wait(0.02)
-        except subprocess.TimeoutExpired:
-            continue
 
 
 def test_an_unknown_scenario_is_answered_with_the_nearest_right_one() -> None:

@@ -1,0 +1,39 @@
+"""Start nodes as a user does, and know when they listen to signals."""
+
+import os
+import signal
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_sim.tools.processes import find_executable
+
+PATIENCE_S = 60.0
+
+
+def start(
+    package: str, executable: str, words: Sequence[str], folder: Path | None = None
+) -> subprocess.Popen[str]:
+    """Start a node with the words that follow its name."""
+    return subprocess.Popen(
+        [str(find_executable(package, executable)), *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+        env=os.environ | {"RCUTILS_LOGGING_BUFFERED_STREAM": "0"},
+    )
+
+
+def wait_until_spinning(process: subprocess.Popen[str]) -> None:
+    """Return once the process has set its signal handlers (SIGINT and SIGTERM are caught), or has ended."""
+    status = Path(f"/proc/{process.pid}/status")
+    wanted = 1 << (signal.SIGINT - 1) | 1 << (signal.SIGTERM - 1)
+    while process.poll() is None:
+        line = next(line for line in status.read_text().splitlines() if line.startswith("SigCgt"))
+        if int(line.split()[1], 16) & wanted == wanted:
+            return
+        try:
+            process.wait(0.02)
+        except subprocess.TimeoutExpired:
+            continue
