@@ -10,10 +10,14 @@ from q2q_sim import scenarios
 from q2q_sim.campaign import draw
 from q2q_sim.campaign.draw import CALM_S, CUTS, drawn, shortened
 from q2q_sim.campaign.outcome import CRASH, TWIN, Outcome, as_document, from_document, summary
-from q2q_sim.policies import POLICIES, Violation
+from q2q_sim.policies import POLICIES, Evidence, Violation, evidence_of
 from q2q_sim.scenario import scenario_from_document
 from q2q_sim.tools import campaign, campaign_flight
 from q2q_sim.tools.campaign_engine import outcomes
+from q2q_sim.tools.campaign_nodes import TOPICS, twin
+from q2q_sim.tools.flight import FlightRequest, node_specs
+from q2q_sim.tools.policies import evidence_in
+from q2q_sim.tools.resident import ResidentNodes
 
 KEYS = {"runs", "through_nodes", "violations", "by_policy", "seeds_of_violations", "seconds"}
 BROKEN = Violation("tilt", "cf1", 1.0, 0.5, 0.36)
@@ -116,6 +120,32 @@ def test_a_run_that_raises_is_a_crash_and_leaves_its_bag(
     assert "ZeroDivisionError: made up" in found.violations[0].who
     assert scenarios.load(str(tmp_path / "5.yaml")).faults == drawn(5).scenario.faults
     assert (tmp_path / "5" / "metadata.yaml").exists()
+
+
+def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_loop(tmp_path: Path) -> None:
+    run = drawn(1)
+    short = replace(run, document={**run.document, "duration": 0.5})
+    scenario = tmp_path / "run.yaml"
+    campaign_flight.write_scenario(short, scenario)
+    with ResidentNodes(tmp_path / "nodes.log") as nodes:
+
+        def flown(name: str, seed: int) -> Evidence:
+            request = FlightRequest(
+                str(scenario), run.options.mode, run.options.controller, seed=seed, stack=True, record=TOPICS
+            )
+            folder = tmp_path / name
+            folder.mkdir()
+            specs = node_specs(short.scenario, request, folder, folder / "bag")
+            assert nodes.fly(specs, folder).ticks == 50
+            return evidence_in(folder / "bag")
+
+        first, second = flown("first", run.seed), flown("second", run.seed + 1)
+        with pytest.raises(ValueError, match="parameter seed: allowed is 0 or more"):
+            flown("third", -1)
+        again = flown("fourth", run.seed)
+    pure = evidence_of(campaign_flight.told(campaign_flight.flown_pure(short).heard))
+    assert twin(first, pure) == twin(again, pure) == ()
+    assert [one.policy for one in twin(second, pure)] == [TWIN]
 
 
 def test_an_unknown_engine_is_refused(tmp_path: Path) -> None:

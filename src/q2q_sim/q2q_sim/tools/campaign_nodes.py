@@ -16,15 +16,16 @@ from q2q_sim.campaign.draw import Run, drawn
 from q2q_sim.campaign.outcome import TWIN, Outcome
 from q2q_sim.policies import Circumstances, Evidence, Violation, evidence_of, judge
 from q2q_sim.tools.campaign_flight import crash, flown_pure, keep, told, words, write_scenario
-from q2q_sim.tools.flight import FlightRequest, fly
+from q2q_sim.tools.flight import FlightRequest, fly, load_scenario, node_specs
 from q2q_sim.tools.policies import evidence_in
+from q2q_sim.tools.resident import ResidentNodes
 
 TWIN_M = 1e-9
 """How far a flight through the nodes may be from closed_loop's [m]: rounding of sums in another order."""
 TOPICS = ("mocap", "truth", "state", "reference_safe", "command")
 """What is recorded: what policies judge."""
-APART_EVERY = 4
-"""Every so many runs fly with a process for each node; the others with the road's nodes in one process."""
+APART_EVERY = 20
+"""Every so many runs fly with a process for each node; the others all in one process, which stays."""
 
 
 class NodeFlights:
@@ -34,13 +35,17 @@ class NodeFlights:
         """Take the folder for running flights, and that for bags of violations."""
         self._folder = folder / str(os.getpid())
         self._kept = kept
+        folder.mkdir(parents=True, exist_ok=True)
+        self._resident = ResidentNodes(folder / "nodes.log")
 
     def __enter__(self) -> Self:
-        """Return the flights."""
+        """Return the flights; a process for their nodes is ready."""
+        self._resident.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Delete the running flights' folder."""
+        """End the process, delete the running flights' folder."""
+        self._resident.__exit__()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def fly_and_judge(self, seed: int) -> Outcome:
@@ -73,13 +78,21 @@ class NodeFlights:
                 warnings.simplefilter(
                     "ignore"
                 )  # stamps that jump are mended with a warning: they were injected
-                fly(request, self._folder / "nodes", bag, lambda _: None)
+                self._through(request, bag)
             evidence = evidence_in(bag)
         except Exception as error:  # noqa: BLE001 - whatever a flight raises is what a campaign looks for
             return (crash(error),)
         scenario = run.scenario
         found = judge(evidence, Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
         return (*found, *twin(evidence, evidence_of(told(flown_pure(run).heard))))
+
+    def _through(self, request: FlightRequest, bag: Path) -> None:
+        folder = self._folder / "nodes"
+        if not request.stack:
+            fly(request, folder, bag, lambda _: None)
+            return
+        folder.mkdir(parents=True, exist_ok=True)
+        self._resident.fly(node_specs(load_scenario(request), request, folder, bag), folder)
 
     def _keep(self, run: Run) -> None:
         keep(run, (), self._kept)

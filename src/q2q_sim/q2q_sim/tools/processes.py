@@ -74,7 +74,7 @@ class Processes:
     def start(self, spec: NodeSpec) -> None:
         """Start a node with its parameters; its output goes to `<executable>.log`."""
         parameters = self._folder / f"{spec.executable}.yaml"
-        parameters.write_text(yaml.safe_dump(_sections(spec)))
+        parameters.write_text(yaml.safe_dump(sections(spec)))
         program = str(find_executable(spec.package, spec.executable))
         command = [program, "--ros-args", "--params-file", str(parameters)]
         with self._log(spec.executable).open("wb") as log:
@@ -128,7 +128,7 @@ class Processes:
         return lines[-1] if lines else "it said nothing"
 
 
-def _sections(spec: NodeSpec) -> dict[str, object]:
+def sections(spec: NodeSpec) -> dict[str, object]:
     """Return the parameter file of a process: one section, or one for each of its nodes."""
     if not spec.inside:
         return {"/**": {"ros__parameters": _plain(spec.parameters)}}
