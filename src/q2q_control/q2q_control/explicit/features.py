@@ -1,55 +1,171 @@
-"""Say what the explicit law looks at: a pair's errors now, and the drafts along both references.
+"""Say what the explicit law looks at: a pair's states, what will push both, and what the bound takes away.
 
-    x = (e_1, e_1', e_2, e_2', dz, mean eta_1 in M windows of the horizon, mean eta_2 in the same)
+Heights are errors from the references, so all that is left of a reference is a push:
 
-One vehicle is the first, its strongest neighbour the second; each of a pair evaluates the same law with
-itself as the first. Drafts are those of the references; nothing is solved. Means, because a draft that passes
-between two samples would not be seen.
+    e'' = a + p,   p = eta + d - r''_ref           eta along the paths as they are off their references now
+
+Where no bound is met on the horizon, the optimum is the linear law of each chain: the central region of an
+explicit MPC (Bemporad, Morari, Dua, Pistikopoulos, Automatica 38, 2002). Rolled out, it says where a bound
+will be met:
+
+    u_k                             unbounded optimum of each chain (q2q_control.mpc.chain_sweep)
+    c_k  = max(u_k - high, 0)       what the bound takes away
+    gate = C / (C + SOFT),   C = max of c_k over the horizon and both vehicles
+    x    = (e, e', a, mean p, mean c of the first, the same of the second, mean G of both), means over windows
+
+One vehicle is the first, its neighbour the second; each of a pair looks with itself as the first. The
+neighbour matters because it may make room: G says how much that brings.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| e e' | | height above the reference [m], climb beyond its [m/s] |
-| dz | gap | reference height of the second above the first [m] |
-| eta | | vertical draft on the reference [m/s^2] |
-| | EDGES | of the windows [s] ahead |
+| e e' a | states | height error [m], climb error [m/s], acceleration by thrust [m/s^2] |
+| p | push | draft, disturbance and minus the reference's acceleration, a stage each [m/s^2] |
+| G | slope | what a draft changes by if its source is higher above [1/s^2] |
+| o | offsets | what a chain's unbounded optimum does about the pushes alone [m/s^2] |
 """
 
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.interaction.model import InteractionModel, at_rest
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 
-WHEN = np.linspace(0.0, 2.0, 41)
-"""Where the drafts are looked up [s] ahead: the stages of the horizon."""
-EDGES = np.array([0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.15, 1.4, 1.7, 2.0])
-"""Windows [s] ahead: narrow where the law must act."""
-_INSIDE = [(low - 1e-9 <= WHEN) & (high + 1e-9 >= WHEN) for low, high in pairwise(EDGES)]
-MEANS = np.stack(_INSIDE).astype(float)
-MEANS /= MEANS.sum(axis=1, keepdims=True)  # (M, WHEN)
-WIDTH = 5 + 2 * len(MEANS)
+STAGES = 40
+"""Of the horizon."""
+EDGES = (0, 1, 2, 4, 7, 10, 14, 18, 23, 28, 34, STAGES)
+"""Windows of pushes, in stages: narrow where the law must act."""
+SLOPE_EDGES = (0, 4, 14, STAGES)
+"""Windows of slopes."""
+WINDOWS, SLOPES = len(EDGES) - 1, len(SLOPE_EDGES) - 1
+OWN = 3 + 2 * WINDOWS
+"""Numbers of one vehicle."""
+WIDTH = 2 * (OWN + SLOPES)
 """Numbers the law looks at."""
+SOFT = 0.05
+"""What a bound takes away where half of the network's answer counts [m/s^2]: a sixth of the paper's room."""
+_B, _FEEDBACK, _QUX, _PUSH_AHEAD, _PUSH, _SCALARS, _A, _P = 0, 1, 2, 3, 5, 6, 7, 10
 
 
-def features(errors: Array, references: Array, model: InteractionModel) -> Array:
-    """Return x of pairs, (..., WIDTH).
+class PairHorizon(NamedTuple):
+    """Hold what lies ahead of pairs, the first vehicle first."""
 
-    Args:
-        errors: e, e' of the first and of the second, (..., 4).
-        references: reference positions of both at WHEN [m], world, (..., 2, 41, 3).
-        model: the draft's law; a source pushes from where its reference was a delay ago.
-    """
-    first, second = references[..., 0, :, :], references[..., 1, :, :]
-    rel = second - first  # (..., 41, 3)
-    both = np.stack([rel, -rel])
-    eta = model.acceleration(_retarded(both, model), at_rest(both))[..., 2]
-    return np.concatenate([errors, rel[..., 0, 2:], eta[0] @ MEANS.T, eta[1] @ MEANS.T], axis=-1)
+    states: Array
+    """e, e', a, (..., 2, 3)."""
+    push: Array
+    """(..., 2, STAGES) [m/s^2]."""
+    slope: Array
+    """(..., 2, STAGES) [1/s^2]."""
+
+    def swapped(self) -> "PairHorizon":
+        """Return the same with the second vehicle first."""
+        return PairHorizon(self.states[..., ::-1, :], self.push[..., ::-1, :], self.slope[..., ::-1, :])
 
 
-def _retarded(rel: Array, model: InteractionModel) -> Array:
-    """Return rel (2, ..., 41, 3) as it was a delay ago, by its trend along the horizon."""
-    if model.max_delay == 0.0:
-        return rel
-    trend = np.gradient(rel, WHEN, axis=-2)
-    return np.asarray(rel - trend * model.delay(rel)[..., None])
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Hold what the law sees of pairs."""
+
+    x: Array
+    """(..., WIDTH)"""
+    gate: Array
+    """0 where no bound is met, (...,)."""
+    base: Array
+    """The first vehicle's unbounded optimum now [m/s^2], (...,)."""
+
+
+def look(pair: PairHorizon, gains: Array, high: float) -> Look:
+    """Return what the law sees: the plain form; `gains` are those of `sweep_gains`."""
+    wanted = _unbounded(pair.states, pair.push, gains)
+    cut = np.maximum(wanted - high, 0.0)
+    most = cut.max(axis=(-1, -2))
+    own = np.concatenate([pair.states, _means(pair.push, EDGES), _means(cut, EDGES)], axis=-1)
+    slopes = _means(pair.slope, SLOPE_EDGES)
+    parts = [own[..., 0, :], own[..., 1, :], slopes[..., 0, :], slopes[..., 1, :]]
+    return Look(np.concatenate(parts, axis=-1), most / (most + SOFT), wanted[..., 0, 0])
+
+
+def _unbounded(states: Array, push: Array, gains: Array) -> Array:
+    """Return the unbounded optimum of each chain, rolled out, (..., N)."""
+    a, p = gains[_A : _A + 3], gains[_P : _P + 3]
+    quu, effort = gains[_SCALARS, :2]
+    stages = push.shape[-1]
+    offset = np.empty(push.shape)
+    slope = push[..., -1, None] * p[:, 2]
+    for k in range(stages - 1, -1, -1):
+        ahead = slope + push[..., k, None] * gains[_PUSH_AHEAD]
+        offset[..., k] = -(ahead @ gains[_B] + effort * push[..., k]) / quu
+        slope = ahead @ a + offset[..., k, None] * gains[_QUX]
+    wanted, state = np.empty(push.shape), states
+    for k in range(stages):
+        wanted[..., k] = offset[..., k] - state @ gains[_FEEDBACK]
+        state = state @ a.T + wanted[..., k, None] * gains[_B] + push[..., k, None] * gains[_PUSH]
+    return wanted
+
+
+def _means(values: Array, edges: tuple[int, ...]) -> Array:
+    return np.stack([values[..., low:high].mean(axis=-1) for low, high in pairwise(edges)], axis=-1)
+
+
+def _look_one_py(
+    pair: tuple[Array, Array, Array], gains: Array, high: float, scratch: Array, x: Array
+) -> tuple[float, float]:
+    states, push, slope = pair
+    most, base = 0.0, 0.0
+    for v in range(2):
+        wanted = _roll_out(states[v], push[v], gains, scratch)
+        base = wanted if v == 0 else base
+        for i in range(3):
+            x[v * OWN + i] = states[v, i]
+        for w in range(WINDOWS):
+            total, taken = 0.0, 0.0
+            for k in range(EDGES[w], EDGES[w + 1]):
+                cut = max(scratch[k] - high, 0.0)
+                total, taken, most = total + push[v, k], taken + cut, max(most, cut)
+            width = EDGES[w + 1] - EDGES[w]
+            x[v * OWN + 3 + w] = total / width
+            x[v * OWN + 3 + WINDOWS + w] = taken / width
+        for w in range(SLOPES):
+            total = 0.0
+            for k in range(SLOPE_EDGES[w], SLOPE_EDGES[w + 1]):
+                total += slope[v, k]
+            x[2 * OWN + v * SLOPES + w] = total / (SLOPE_EDGES[w + 1] - SLOPE_EDGES[w])
+    return base, most / (most + SOFT)
+
+
+def _roll_out_py(state: Array, push: Array, gains: Array, wanted: Array) -> float:
+    """Write one chain's unbounded optimum (N,); return its first."""
+    b, feedback, qux, ahead_push, drift = (
+        gains[_B],
+        gains[_FEEDBACK],
+        gains[_QUX],
+        gains[_PUSH_AHEAD],
+        gains[_PUSH],
+    )
+    quu, effort = gains[_SCALARS, 0], gains[_SCALARS, 1]
+    a = gains[_A : _A + 3]
+    end = push[push.size - 1]
+    s0, s1, s2 = gains[_P, 2] * end, gains[_P + 1, 2] * end, gains[_P + 2, 2] * end
+    for k in range(push.size - 1, -1, -1):
+        s0, s1, s2 = s0 + push[k] * ahead_push[0], s1 + push[k] * ahead_push[1], s2 + push[k] * ahead_push[2]
+        offset = -(b[0] * s0 + b[1] * s1 + b[2] * s2 + effort * push[k]) / quu
+        wanted[k] = offset
+        s2 = a[0, 2] * s0 + a[1, 2] * s1 + a[2, 2] * s2 + offset * qux[2]
+        s1 = a[0, 1] * s0 + a[1, 1] * s1 + offset * qux[1]
+        s0 = a[0, 0] * s0 + offset * qux[0]
+    e, v, acc = state[0], state[1], state[2]
+    for k in range(push.size):
+        u = wanted[k] - feedback[0] * e - feedback[1] * v - feedback[2] * acc
+        wanted[k] = u
+        e += a[0, 1] * v + a[0, 2] * acc + b[0] * u + drift[0] * push[k]
+        v += a[1, 2] * acc + b[1] * u + drift[1] * push[k]
+        acc = a[2, 2] * acc + b[2] * u
+    return float(wanted[0])
+
+
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
+_roll_out = compiled(_roll_out_py, **_OPTIONS)
+look_one = compiled(_look_one_py, **_OPTIONS)
+"""Write x (WIDTH,) of one pair, return base and gate: (a PairHorizon's arrays, gains, high, scratch, x)."""

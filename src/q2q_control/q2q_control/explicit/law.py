@@ -1,9 +1,9 @@
-"""Evaluate the explicit law: a linear law, bent by a small network, cut at the bounds.
+"""Evaluate the explicit law: the unbounded optimum, bent by a small network where a bound lies ahead.
 
-    u = clip(w0 . x + b0 + W3 tanh(W2 tanh(W1 z + b1) + b2),  low, high),   z = (x - mean) / scale
+    u = clip(base + gate (w0 . z + b0 + W3 tanh(W2 tanh(W1 z + b1) + b2)), low, high),  z = (x - mean) / scale
 
-x is that of q2q_control.explicit.features, u the first vehicle's vertical acceleration command. The linear
-part is what the horizon does where no bound is near; the network learns the rest.
+base, gate and x are those of q2q_control.explicit.features; u is the first vehicle's vertical acceleration
+command, less its reference's acceleration. Where no bound is met the gate is 0 and u the MPC's own answer.
 """
 
 import json
@@ -12,18 +12,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.explicit.features import WIDTH
+from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, look, look_one
 from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 
-FORMAT = 1
+FORMAT = 2
 """Version of the written form."""
+GAINS = (13, 3)
+"""Shape of `sweep_gains`."""
+_OF_GAINS = GAINS[0] * GAINS[1]
 
 
 @dataclass(frozen=True, slots=True)
 class ExplicitLaw:
-    """Hold the weights; h1, h2 are the layers' sizes."""
+    """Hold the chain and the weights; h1, h2 are the layers' sizes."""
 
+    gains: Array
+    """Of the chain (q2q_control.mpc.chain_sweep.sweep_gains), (13, 3)."""
+    bounds: Array
+    """low, high [m/s^2], (2,)."""
     mean: Array
     """(x,)"""
     scale: Array
@@ -35,72 +42,91 @@ class ExplicitLaw:
     second: Array
     """W2 and b2, (h2, h1 + 1)."""
     last: Array
-    """W3 and its offset, (h2 + 1,)."""
-    bounds: Array
-    """low, high [m/s^2], (2,)."""
+    """W3, (h2,)."""
 
     def __post_init__(self) -> None:
         """Check that the layers fit together and are numbers."""
-        x, h1, h2 = self.mean.size, self.first.shape[0], self.second.shape[0]
-        shapes = (self.scale.shape, self.linear.shape, self.first.shape, self.second.shape, self.last.shape)
-        if shapes != ((x,), (x + 1,), (h1, x + 1), (h2, h1 + 1), (h2 + 1,)):
+        x, h1, h2 = WIDTH, self.first.shape[0], self.second.shape[0]
+        shapes = tuple(getattr(self, name).shape for name in self.__slots__)
+        if shapes != (GAINS, (2,), (x,), (x,), (x + 1,), (h1, x + 1), (h2, h1 + 1), (h2,)):
             raise ValueError(f"layers of shapes {shapes} do not fit {x} inputs")
-        for part in (self.mean, self.scale, self.linear, self.first, self.second, self.last, self.bounds):
-            if not np.isfinite(part).all():
-                raise ValueError("a weight of the explicit law is not a number")
+        if not all(np.isfinite(getattr(self, name)).all() for name in self.__slots__):
+            raise ValueError("a weight of the explicit law is not a number")
 
 
 def packed(law: ExplicitLaw) -> tuple[Array, NDArray[np.int64]]:
-    """Return all weights in one row, as compiled code and C read them, and the sizes x, h1, h2."""
-    parts = (law.mean, 1.0 / law.scale, law.linear, law.first, law.second, law.last, law.bounds)
-    sizes = np.array([law.mean.size, law.first.shape[0], law.second.shape[0]])
+    """Return all weights in one row, as compiled code reads them, and the sizes h1, h2."""
+    parts = (law.gains, law.bounds, law.mean, 1.0 / law.scale, law.linear, law.first, law.second, law.last)
+    sizes = np.array([law.first.shape[0], law.second.shape[0]])
     return np.concatenate([part.ravel() for part in parts]), sizes
 
 
-def evaluate(law: ExplicitLaw, x: Array) -> Array:
-    """Return u [m/s^2], (...,), of x (..., WIDTH): the plain form."""
-    z = (x - law.mean) / law.scale
+def scratch_of(law: ExplicitLaw) -> Array:
+    """Return the room that one evaluation needs."""
+    return np.empty(STAGES + WIDTH + law.first.shape[0] + law.second.shape[0])
+
+
+def evaluate(law: ExplicitLaw, pair: PairHorizon) -> Array:
+    """Return u of the first vehicles [m/s^2], (...,): the plain form."""
+    seen = look(pair, law.gains, float(law.bounds[1]))
+    raw = seen.base + seen.gate * network(law, (seen.x - law.mean) / law.scale)
+    return np.asarray(np.clip(raw, law.bounds[0], law.bounds[1]))
+
+
+def network(law: ExplicitLaw, z: Array) -> Array:
+    """Return what the network adds where the gate is open [m/s^2], (...,), of z (..., WIDTH)."""
     one = np.tanh(z @ law.first[:, :-1].T + law.first[:, -1])
     two = np.tanh(one @ law.second[:, :-1].T + law.second[:, -1])
-    bent = x @ law.linear[:-1] + law.linear[-1] + two @ law.last[:-1] + law.last[-1]
-    return np.asarray(np.clip(bent, law.bounds[0], law.bounds[1]))
+    return np.asarray(z @ law.linear[:-1] + law.linear[-1] + two @ law.last)
 
 
-def _evaluate_one_py(weights: Array, sizes: NDArray[np.int64], x: Array, scratch: Array) -> float:
-    n, h1, h2 = sizes[0], sizes[1], sizes[2]
-    place = 2 * n
-    total = weights[place + n]
-    for i in range(n):
+def _evaluate_one_py(
+    weights: Array, sizes: NDArray[np.int64], pair: tuple[Array, Array, Array], scratch: Array
+) -> float:
+    gains = weights[:_OF_GAINS].reshape(GAINS)
+    low, high = weights[_OF_GAINS], weights[_OF_GAINS + 1]
+    x = scratch[STAGES : STAGES + WIDTH]
+    base, gate = look_one(pair, gains, high, scratch[:STAGES], x)
+    if gate > 0.0:
+        base += gate * _network(weights[_OF_GAINS + 2 :], sizes, x, scratch[STAGES + WIDTH :])
+    return float(min(max(base, low), high))
+
+
+def _network_py(weights: Array, sizes: NDArray[np.int64], x: Array, scratch: Array) -> float:
+    """Return the network's answer; x becomes z."""
+    h1, h2 = sizes[0], sizes[1]
+    place = 2 * WIDTH
+    total = weights[place + WIDTH]
+    for i in range(WIDTH):
+        x[i] = (x[i] - weights[i]) * weights[WIDTH + i]
         total += weights[place + i] * x[i]
-        scratch[i] = (x[i] - weights[i]) * weights[n + i]
-    place += n + 1
+    place += WIDTH + 1
     for a in range(h1):
-        inside = weights[place + n]
-        for i in range(n):
-            inside += weights[place + i] * scratch[i]
-        scratch[n + a] = np.tanh(inside)
-        place += n + 1
+        inside = weights[place + WIDTH]
+        for i in range(WIDTH):
+            inside += weights[place + i] * x[i]
+        scratch[a] = np.tanh(inside)
+        place += WIDTH + 1
     for b in range(h2):
         inside = weights[place + h1]
         for a in range(h1):
-            inside += weights[place + a] * scratch[n + a]
-        scratch[n + h1 + b] = np.tanh(inside)
+            inside += weights[place + a] * scratch[a]
+        scratch[h1 + b] = np.tanh(inside)
         place += h1 + 1
     for b in range(h2):
-        total += weights[place + b] * scratch[n + h1 + b]
-    total += weights[place + h2]
-    place += h2 + 1
-    return float(min(max(total, weights[place]), weights[place + 1]))
+        total += weights[place + b] * scratch[h1 + b]
+    return float(total)
 
 
-evaluate_one = compiled(_evaluate_one_py, fastmath={"contract", "reassoc", "nsz"})
-"""Return u [m/s^2] of one x (WIDTH,); `weights`, `sizes` of `packed`, `scratch` (x + h1 + h2,)."""
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
+_network = compiled(_network_py, **_OPTIONS)
+evaluate_one = compiled(_evaluate_one_py, **_OPTIONS)
+"""Return u [m/s^2] of one pair: `weights`, `sizes` of `packed`, a PairHorizon's arrays, `scratch_of`."""
 
 
 def to_text(law: ExplicitLaw) -> str:
     """Return the law as JSON text."""
-    parts = {name: np.round(getattr(law, name), 9).tolist() for name in law.__slots__}
-    return json.dumps({"format": FORMAT, **parts})
+    return json.dumps({"format": FORMAT} | {name: getattr(law, name).tolist() for name in law.__slots__})
 
 
 def from_text(text: str) -> ExplicitLaw:
@@ -117,6 +143,4 @@ def from_text(text: str) -> ExplicitLaw:
         raise ValueError(f"no explicit law of format {FORMAT}: {error}") from error
     if version != FORMAT:
         raise ValueError(f"an explicit law of format {version}: {FORMAT} is read here")
-    if law.mean.size != WIDTH:
-        raise ValueError(f"the explicit law looks at {law.mean.size} numbers, not at {WIDTH}")
     return law

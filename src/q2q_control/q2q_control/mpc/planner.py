@@ -7,6 +7,7 @@ the ones that meet a bound are solved one by one.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,8 @@ from numpy.typing import NDArray
 from q2q_control.mpc.chain import Chain
 from q2q_control.mpc.chain_sweep import sweep, sweep_gains
 from q2q_control.mpc.draft_horizon import DraftHorizon
-from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, SOLVED, Answer, Horizon
 from q2q_control.mpc.group_solve import solve_group
+from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, SOLVED, Answer, Horizon
 from q2q_control.mpc.joint_problem import GroupShape, group_shape
 
 Rows = NDArray[np.intp]
@@ -32,6 +33,15 @@ class SolveRules:
     """Weight beyond the horizon over the endless one [-]: the endless one knows no bounds."""
     iterations: int
     """Recursions of a solve at most."""
+
+
+class Solver(Protocol):
+    """Answer a tick's horizon."""
+
+    def solve(
+        self, horizon: Horizon, drafts: DraftHorizon, guess: NDArray[np.int8], in_time: InTime
+    ) -> Answer:
+        """Return the answer."""
 
 
 class HorizonSolver:

@@ -33,7 +33,7 @@ from q2q_control.mpc.draft_horizon import DraftHorizon, SlopeRule, no_drafts, pr
 from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, Answer, Horizon
 from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.plan_memory import Plan, PlanMemory
-from q2q_control.mpc.planner import HorizonSolver, SolveRules
+from q2q_control.mpc.planner import HorizonSolver, Solver, SolveRules
 from q2q_control.mpc.predictions import Predictions
 from q2q_control.mpc.present import Present, PresentEstimator, axis_lags
 from q2q_control.mpc.surroundings import Surroundings
@@ -115,7 +115,7 @@ class Mpc:
         self.configure(params)
 
     def configure(self, params: MpcParams) -> None:
-        """Use other parameters; plans and estimates start anew."""
+        """Use other parameters; plans and estimates start anew, and the solver is the optimum's again."""
         self._params = params
         self._surroundings.loading = params.loading
         xy, z = ChainWeights(params.bandwidth_xy, params.jerk), ChainWeights(params.bandwidth_z, params.jerk)
@@ -124,7 +124,7 @@ class Mpc:
         coupled = (0, 1, 2) if params.mode == "full" else (2,)
         models = (side, side, up)
         rules = SolveRules(params.joint, params.terminal, params.iterations)
-        self._solver = HorizonSolver(models, coupled, params.steps, rules)
+        self.solver: Solver = HorizonSolver(models, coupled, params.steps, rules)
         self._slopes = SlopeRule(coupled, params.slope_max)
         allowed = params.thrust_max if params.thrust_limited else self._vehicle.thrust_max
         self._limits = ThrustLimits(
@@ -228,7 +228,7 @@ class Mpc:
     def _answered(self, tick: Aligned, horizon: Horizon, outlook: Outlook) -> Array:
         """Return each vehicle's commanded acceleration [m/s^2], world, (n, 3), and keep its plan."""
         plan, drafts = outlook.plan, outlook.drafts
-        answer = self._solver.solve(horizon, drafts, plan.pattern, self._in_time)
+        answer = self.solver.solve(horizon, drafts, plan.pattern, self._in_time)
         failed = (answer.ended == INTERRUPTED) | ~np.isfinite(answer.inputs).all(axis=(1, 2))
         age = plan.start - plan.solved
         shifted = failed & (age <= self._params.shift_time)

@@ -13,20 +13,24 @@
 | explicit | yes, ahead | disturbance observer |
 
 K_p and K_d are the scenario's; K_i = 0.12 K_p K_d, an eighth of what the loop bears (Routh: K_i < K_p K_d).
-The MPC's tuning is its default. The explicit law is distilled for the case's vehicle, bound and model.
+The MPC's tuning is its default. The explicit law is distilled from "MPC observer" for the case's vehicle,
+bound and model, and takes all but the solving from it; where no bound is ever met it is its linear law.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from q2q_control.controller import Controller
 from q2q_control.disturbance_tracker import TrackerParams
-from q2q_control.explicit.controller import ExplicitController
-from q2q_control.explicit.distillation import Teacher, answers, distil, random_questions
+from q2q_control.explicit.distillation import Syllabus, distil
+from q2q_control.explicit.law import ExplicitLaw
+from q2q_control.explicit.solver import explicit_controller
+from q2q_control.explicit.teacher import Teacher
 from q2q_control.mpc.receding import Mpc
 from q2q_control.observed_pid import ObservedPid
-from q2q_control.pid import Pid, PidParams
+from q2q_control.pid import Pid
 from q2q_control.plan_samples import Curve, sampled_preview
 from q2q_control.preview import SampledPreview
 from q2q_planner.trajectory import SwarmPlan
@@ -42,10 +46,6 @@ BLIND = ("ignoring", "integral", "observer")
 """Those that are given no draft."""
 INTEGRAL_SHARE = 0.12
 """K_i over K_p K_d [-]."""
-QUESTIONS = 600
-"""That the explicit law is distilled from."""
-LAYERS = (16, 10)
-"""Of the explicit law."""
 
 
 def built(name: str, flown: tuple[Scenario, SwarmPlan], learned: Learned, *, limited: bool) -> Controller:
@@ -61,29 +61,28 @@ def built(name: str, flown: tuple[Scenario, SwarmPlan], learned: Learned, *, lim
         return Pid(integral, scenario.vehicle)
     if name in ("observer", "observer aware"):
         return ObservedPid(gains, tracker, scenario.vehicle)
-    if name == "explicit":
-        return _explicit(flown, (gains, tracker), learned, limited=limited)
     if name not in CONTENDERS:
         raise ValueError(f"unknown contender {name!r}: choose one of {', '.join(CONTENDERS)}")
     params = replace(mpc_params(scenario, limited=limited), loading=learned.loading)
-    mpc = Mpc(replace(params, observe=name == "MPC observer"), scenario.vehicle, learned.model)
+    mpc = (
+        explicit_controller(_law(scenario, learned, limited=limited), params, scenario.vehicle, learned.model)
+        if name == "explicit"
+        else Mpc(replace(params, observe=name == "MPC observer"), scenario.vehicle, learned.model)
+    )
     mpc.preview = _preview(plan)
     return mpc
 
 
-def _explicit(
-    flown: tuple[Scenario, SwarmPlan], settings: tuple[PidParams, TrackerParams], learned: Learned,
-    *, limited: bool,
-) -> Controller:  # fmt: skip
-    scenario, plan = flown
+def _law(scenario: Scenario, learned: Learned, *, limited: bool) -> ExplicitLaw:
     vehicle, params = scenario.vehicle, mpc_params(scenario, limited=limited)
     bound = min(params.thrust_max, vehicle.thrust_max) if limited else vehicle.thrust_max
-    teacher = Teacher(params, vehicle, learned.model, bound)
-    questions = random_questions(QUESTIONS, np.random.default_rng(0))
-    law = distil(questions, answers(questions, teacher), teacher, LAYERS)
-    controller = ExplicitController(law, settings, vehicle, learned.model)
-    controller.preview = _preview(plan)
-    return controller
+    # neither the room's latency nor the sources' thrust is the law's matter: its inputs know them
+    return _distilled(Teacher(replace(params, latency=0.0, loading=0.0), vehicle, learned.model, bound))
+
+
+@lru_cache(maxsize=4)
+def _distilled(teacher: Teacher) -> ExplicitLaw:
+    return distil(teacher, Syllabus(), np.random.default_rng(0))
 
 
 def _preview(plan: SwarmPlan) -> SampledPreview:

@@ -1,0 +1,68 @@
+"""Fly encounters in the height of both vehicles, stage by stage, many at once, and say what they cost.
+
+The plant is the teacher's: its chain, its draft where the vehicles truly are, nothing unknown. The cost is
+the stage cost of the receding horizon, on what really happened:
+
+    J = mean over stages of  sum over both of  e^2 + R (u + p)^2 + S (u - a)^2
+
+So a law and the receding horizon are compared by what the latter minimises.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_control.explicit.situations import Encounters, Situations
+from q2q_control.explicit.teacher import Teacher, answers, drafts_between
+from q2q_model.signals import Array
+
+Policy = Callable[[Situations], Array]
+"""Answers K situations by commands (K, 2) [m/s^2]."""
+Nudges = Callable[[tuple[int, ...]], Array]
+"""Return what disturbs states of a shape (E, 2, 3) from outside [SI]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """Hold what happened."""
+
+    cost: Array
+    """J of each encounter [m^2], (E,)."""
+    visited: Situations
+    """Every stage of every encounter."""
+
+
+def teacher_policy(teacher: Teacher) -> Policy:
+    """Return the receding horizon as a policy; it linearises along what it predicted a stage before."""
+    kept: list[Array] = []
+
+    def policy(asked: Situations) -> Array:
+        last = np.concatenate([kept[0][..., 1:], kept[0][..., -1:]], axis=-1) if kept else None
+        found = answers(asked, teacher, last)
+        kept[:] = [found.errors]
+        return found.inputs
+
+    return policy
+
+
+def fly(encounters: Encounters, policy: Policy, teacher: Teacher, nudges: Nudges = np.zeros) -> Flown:
+    """Return a flight of all encounters, each from its references but for `nudges`."""
+    model, (low, high) = teacher.chain, teacher.bounds
+    effort, jerk = model.input_weight
+    count = len(encounters.paths)
+    states, costs, visited = nudges((count, 2, 3)), [], []
+    for k in range(encounters.length):
+        asked = encounters.ahead(states, k)
+        u = np.clip(policy(asked), low, high)
+        eta, _ = drafts_between(asked.paths[:, :, :2], states[..., :1], teacher)
+        push = eta[..., 0] + asked.extra[..., 0]
+        stage = states[..., 0] ** 2 + effort * (u + push) ** 2 + jerk * (u - states[..., 2]) ** 2
+        costs.append(stage.sum(axis=1))
+        visited.append(asked)
+        states = (
+            states @ model.transition.T + u[..., None] * model.input_gain + push[..., None] * model.push_gain
+        )
+        states = states + nudges(states.shape)
+    parts = (np.concatenate([getattr(one, name) for one in visited]) for name in Situations.__slots__)
+    return Flown(np.mean(costs, axis=0), Situations(*parts))

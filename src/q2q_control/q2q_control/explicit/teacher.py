@@ -1,0 +1,138 @@
+"""Answer situations as the receding horizon does: many pairs at once, in one compiled loop.
+
+Each situation is solved with the drafts linearised again along its answer, so answers do not depend on how
+the horizon was reached; after two rounds they stand to 1e-4 m/s^2. Heights are errors from the references
+(q2q_control.explicit.features). A source pushes from where it was a delay ago, by its speed at that stage.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_control.explicit.features import STAGES, PairHorizon
+from q2q_control.explicit.situations import Situations
+from q2q_control.mpc.chain import Chain, ChainWeights, chain
+from q2q_control.mpc.draft_horizon import DELTA
+from q2q_control.mpc.horizon import Horizon
+from q2q_control.mpc.joint_problem import GroupShape, group_shape, joint_parts
+from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.riccati import solve_from
+from q2q_model.compiled import compiled
+from q2q_model.interaction.model import InteractionModel, PairMotion, at_rest
+from q2q_model.signals import Array
+from q2q_model.vehicle import GRAVITY, Vehicle
+
+ROUNDS = 2
+"""Linearisations of each answer."""
+MOST = 60
+"""Recursions of each solve at most: teachers have time."""
+FALL = 0.95
+"""Share of its weight that a vehicle may drop at most [-], as q2q_control.mpc.receding has it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Teacher:
+    """Hold what answers."""
+
+    params: MpcParams
+    vehicle: Vehicle
+    model: InteractionModel
+    thrust_max: float
+    """[N]"""
+
+    def __post_init__(self) -> None:
+        """Refuse horizons that the law's windows do not fit."""
+        if self.params.steps != STAGES:
+            raise ValueError(f"steps = {self.params.steps}: the explicit law looks {STAGES} stages ahead")
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Return the least and largest vertical acceleration command of a level vehicle [m/s^2]."""
+        high = self.thrust_max / self.vehicle.mass - GRAVITY
+        return min(-FALL * GRAVITY, high), high
+
+    @property
+    def chain(self) -> Chain:
+        """Return the altitude axis."""
+        params = self.params
+        return chain(self.vehicle.thrust_lag, params.step, ChainWeights(params.bandwidth_z, params.jerk))
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """Hold what the teacher says to K situations."""
+
+    inputs: Array
+    """First commands of both vehicles, less their references' accelerations [m/s^2], (K, 2)."""
+    errors: Array
+    """Predicted height errors [m], (K, 2, N + 1)."""
+
+
+def answers(asked: Situations, teacher: Teacher, errors: Array | None = None) -> Answers:
+    """Return the answers; `errors` (K, 2, N + 1) [m] is where the first linearisation is made."""
+    count, params, model = len(asked.states), teacher.params, teacher.chain
+    shape = group_shape(2, (2,), (model, model, model), params.steps)
+    shape = shape._replace(terminal=params.terminal * shape.terminal)
+    rate = params.thrust_rate_max * params.step / (1.0 - float(model.transition[2, 2]))
+    found = Answers(
+        np.zeros((count, 2)), np.zeros((count, 2, STAGES + 1)) if errors is None else errors.copy()
+    )
+    modes = np.zeros((count, STAGES, 2), np.int8)
+    for _ in range(ROUNDS):
+        eta, slope = drafts_between(asked.paths, found.errors, teacher)
+        pushed = PairHorizon(asked.states, eta + asked.extra, slope)
+        _solve_all(shape, pushed, (*teacher.bounds, rate), (found.inputs, found.errors, modes))
+    return found
+
+
+def seen(asked: Situations, teacher: Teacher) -> PairHorizon:
+    """Return what the law is shown of situations: drafts along the references, off them as they are now."""
+    eta, slope = drafts_between(asked.paths, asked.states[..., :1], teacher)
+    return PairHorizon(asked.states, eta + asked.extra, slope)
+
+
+def drafts_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Array, Array]:
+    """Return the drafts of pairs at the stages' middles, and their slopes, (..., 2, N) each.
+
+    `paths` (..., 2, N + 1, 3) are references, `errors` (..., 2, N + 1 or 1) heights above them [m].
+    """
+    model, path = teacher.model, paths.copy()
+    path[..., 2] += errors
+    here = 0.5 * (path[..., 1:, :] + path[..., :-1, :])
+    vel = np.diff(path, axis=-2) / teacher.params.step
+    source = vel[..., ::-1, :, :]
+    rel = here[..., ::-1, :, :] - here
+    if model.max_delay > 0.0:
+        rel = rel - source * model.delay(rel)[..., None]
+    motion = PairMotion(source, at_rest(rel).source_axis, vel)
+    nudge = np.array([0.0, 0.0, DELTA])
+    eta, above, below = (model.acceleration(rel + side * nudge, motion)[..., 2] for side in (0.0, 1.0, -1.0))
+    slope = (above - below) / (2.0 * DELTA)
+    return eta, np.clip(slope, -teacher.params.slope_max, teacher.params.slope_max)
+
+
+def _solve_all_py(
+    shape: GroupShape,
+    pairs: PairHorizon,
+    limits: tuple[float, float, float],
+    found: tuple[Array, Array, NDArray[np.int8]],
+) -> None:
+    inputs, errors, modes = found
+    stages = pairs.push.shape[2]
+    pair, other = np.array([0, 1]), np.array([1, 0])
+    reference, path = np.zeros((2, stages + 1, 9)), np.zeros((2, stages + 1, 3))
+    start, push, slope = np.zeros((2, 3, 3)), np.zeros((2, stages, 3)), np.zeros((2, stages, 3, 3))
+    low, high, rate = np.full((2, 3), limits[0]), np.full((2, 3), limits[1]), np.full(3, limits[2])
+    asked = Horizon(start, reference, push, path, low, high, rate)
+    for q in range(inputs.shape[0]):
+        start[:, 2], path[:, :, 2] = pairs.states[q], errors[q]
+        push[:, :, 2], slope[:, :, 2, 2] = pairs.push[q], pairs.slope[q]
+        problem = joint_parts(shape, pair, asked, (pair, other, slope))
+        states, acting, _, _ = solve_from(problem, modes[q], MOST)
+        for v in range(2):
+            inputs[q, v], errors[q, v] = acting[0, v], states[:, 3 * v]
+
+
+_solve_all = compiled(_solve_all_py)
+"""Write first inputs (K, 2), height errors (K, 2, N + 1), modes (K, N, 2) of a PairHorizon of K pairs."""
