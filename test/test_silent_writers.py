@@ -1,4 +1,4 @@
-"""A writer that promised signals dies: DDS tells, and that alone makes the controller act."""
+"""What a live controller hears beside its ticks: that a writer died, and that there is an emergency."""
 
 import os
 import signal
@@ -15,12 +15,14 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 import rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from std_srvs.srv import Empty
 
-from q2q_control.ros import pid_node
+from q2q_control.ros import mpc_node, pid_node
 from q2q_model.cdr import decode
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.promises import PROMISE_S
 from q2q_model.ros.run import make_executor
+from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import CommandStatus, SwarmCommand
 from q2q_sim import scenarios
 from q2q_sim.tools.domain import own_domain
@@ -64,11 +66,11 @@ class Untimed(Node):  # type: ignore[misc]  # rclpy has no types
 class Scene:
     """Hold a live controller without timers, and the writer that it hears."""
 
-    def __init__(self, promise_s: float) -> None:
+    def __init__(self, promise_s: float, build: Callable[[Node], TickWiring[SwarmCommand]]) -> None:
         rclpy.init()
         live = [Parameter("live", value=True), Parameter("legacy_hz", value=0.0)]
         self.node = Untimed("pid", parameter_overrides=live)
-        self.wiring = pid_node.build(self.node)
+        self.wiring = build(self.node)
         self.heard: list[SwarmCommand] = []
         kind = MESSAGES[SwarmCommand]
         self.node.create_subscription(kind, "command", self._hear, 10, raw=True)
@@ -100,12 +102,12 @@ class Scene:
 @pytest.fixture
 def scene(request: pytest.FixtureRequest) -> Iterator[Scene]:
     with own_domain():
-        made = Scene(request.param)
+        made = Scene(*request.param)
         yield made
         made.close()
 
 
-@pytest.mark.parametrize("scene", [PROMISE_S], indirect=True)
+@pytest.mark.parametrize("scene", [(PROMISE_S, pid_node.build)], indirect=True)
 @pytest.mark.parametrize("blow", [signal.SIGKILL, signal.SIGSTOP])
 def test_without_any_timer_the_death_of_a_writer_leads_down_the_ladder(
     scene: Scene, blow: signal.Signals
@@ -120,11 +122,28 @@ def test_without_any_timer_the_death_of_a_writer_leads_down_the_ladder(
     assert stamps == sorted(stamps)
 
 
-@pytest.mark.parametrize("scene", [0.0], indirect=True)
+@pytest.mark.parametrize("scene", [(0.0, pid_node.build)], indirect=True)
 def test_a_writer_that_promises_nothing_is_heard_all_the_same(scene: Scene) -> None:
     scene.until(lambda: scene.wiring.health.ticks >= 20, "ticks")
     assert scene.worst() <= CommandStatus.SATURATED
     assert "silences" not in scene.wiring.health.extra
+
+
+@pytest.mark.parametrize(
+    "scene", [(0.0, pid_node.build), (0.0, mpc_node.build)], ids=["pid", "mpc"], indirect=True
+)
+def test_the_emergency_service_cuts_the_motors_of_a_running_controller_for_good(scene: Scene) -> None:
+    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.heard), "ticks")
+    assert scene.heard[-1].thrust.min() > 0.0
+    client = scene.node.create_client(Empty, "all/emergency")
+    scene.until(client.service_is_ready, "all/emergency")
+    answer = client.call_async(Empty.Request())
+    scene.until(answer.done, "answer")
+    scene.heard.clear()
+    scene.until(lambda: len(scene.heard) >= 100, "a second of ticks")
+    for command in scene.heard[1:]:  # the first may have been on its way
+        assert command.thrust.tolist() == [0.0, 0.0]
+        assert command.status.tolist() == [CommandStatus.CUT] * 2
 
 
 def test_nodes_promise_in_a_live_flight_and_never_in_lockstep(tmp_path: Path) -> None:
