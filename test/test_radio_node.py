@@ -1,10 +1,13 @@
 """The node `radio` as a user starts it: two vehicles over cflib and UDP, live, from start to landing."""
 
+import os
+import signal
 import socket
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import monotonic
 
+import numpy as np
 import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/radio.txt has it")
@@ -12,12 +15,13 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 import rclpy
 from rclpy.node import Node
-from std_srvs.srv import Trigger
+from std_srvs.srv import Empty, Trigger
 
 from q2q_control.ros import cflib_links
 from q2q_control.ros.radio_node import RadioNodeParams, firmware_params
 from q2q_model.cdr import decode
 from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.promises import PROMISE_S
 from q2q_model.ros.run import make_executor
 from q2q_model.signals import SwarmState
 from q2q_planner import plan_file
@@ -26,6 +30,7 @@ from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.processes import NodeSpec, Processes
 
 SCENARIO = "table6"
+LIVE = {"live": True, "promise_s": PROMISE_S}
 PATIENCE_S = 120.0
 """All nodes of a flight on a busy machine [s]."""
 
@@ -53,27 +58,29 @@ def is_free(port: int) -> bool:
 class _Watcher:
     """Watch the flight from a node of its own."""
 
-    def __init__(self, check: Callable[[], None]) -> None:
+    def __init__(self, processes: Processes) -> None:
         rclpy.init()
         self._node = Node("watcher")
         self._executor = make_executor()
         self._executor.add_node(self._node)
-        self._check = check
+        self.processes = processes
+        self.check = processes.check
+        self.fastest_fall = 0.0
         self.truth: SwarmState | None = None
         kind = MESSAGES[SwarmState]
         self._node.create_subscription(kind, "truth", self._on_truth, 10, raw=True)
 
-    def call(self, service: str) -> Trigger.Response:
-        client = self._node.create_client(Trigger, service)
+    def call(self, service: str, kind: type = Trigger) -> Trigger.Response:
+        client = self._node.create_client(kind, service)
         self.until(client.service_is_ready, service)
-        future = client.call_async(Trigger.Request())
+        future = client.call_async(kind.Request())
         self.until(future.done, service)
         return future.result()
 
     def until(self, reached: Callable[[], bool], what: str) -> None:
         deadline = monotonic() + PATIENCE_S
         while not reached():
-            self._check()
+            self.check()
             assert monotonic() < deadline, f"{what}: not within {PATIENCE_S} s"
             self._executor.spin_once(timeout_sec=0.05)
 
@@ -90,6 +97,16 @@ class _Watcher:
 
     def _on_truth(self, data: bytes) -> None:
         self.truth = decode(data, SwarmState)
+        self.fastest_fall = max(self.fastest_fall, float(-self.truth.vel[:, 2].min()))
+
+    def on_the_ground(self) -> bool:
+        return self.truth is not None and float(self.truth.pos[:, 2].max()) == 0.0
+
+    def fly(self) -> None:
+        """Start the room and the vehicles, and fly for 3 s."""
+        assert self.granted("simulator/start")
+        self.until(lambda: self.granted("radio/start"), "radio/start")
+        self.pass_time(3.0)
 
 
 def specs(folder: Path) -> list[NodeSpec]:
@@ -99,13 +116,17 @@ def specs(folder: Path) -> list[NodeSpec]:
     plan_file.save(plan, assembly.plan_of(scenario))
     uris = tuple(f"udp://127.0.0.1:{port + k}" for k in range(2))
     room = {"scenario": SCENARIO, "autostart": False, "crtp": True, "crtp_port": port, "crtp_start": "air"}
-    radio = {"vehicles": scenario.names, "uris": uris, "vehicle": scenario.vehicle.name, "land_s": 1.5}
+    radio = {"vehicles": scenario.names, "uris": uris, "vehicle": scenario.vehicle.name}
     return [
         NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
         NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
         NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, options)),
-        NodeSpec("q2q_control", "pid", assembly.controller_parameters(scenario, options) | {"live": True}),
+        NodeSpec(
+            "q2q_control",
+            "pid",
+            assembly.controller_parameters(scenario, options) | LIVE,
+        ),
         NodeSpec("q2q_sim", "simulator", room),
         NodeSpec("q2q_control", "radio", radio),
     ]
@@ -117,7 +138,7 @@ def watcher(tmp_path: Path) -> Iterator[_Watcher]:
         wanted = specs(tmp_path)
         for spec in wanted:
             processes.start(spec)
-        made = _Watcher(processes.check)
+        made = _Watcher(processes)
         for spec in wanted:
             made.call(f"{spec.executable}/ready")
         yield made
@@ -136,6 +157,31 @@ def test_the_radio_node_starts_flies_and_lands_two_vehicles_live(watcher: _Watch
     assert watcher.truth.pos[1, 2] == pytest.approx(2.0, abs=0.1)
     assert watcher.granted("radio/land")
     watcher.until(lambda: watcher.truth is not None and watcher.truth.pos[:, 2].max() == 0.0, "landing")
+
+
+def test_a_controller_that_is_killed_in_flight_leaves_its_vehicles_to_land(watcher: _Watcher) -> None:
+    watcher.fly()
+    watcher.check = lambda: None  # a node dies, as it must
+    os.kill(watcher.processes.pid("pid"), signal.SIGKILL)
+    watcher.fastest_fall = 0.0
+    assert watcher.truth is not None
+    place = watcher.truth.pos[:, :2].copy()
+    watcher.until(watcher.on_the_ground, "landing")
+    # the firmware's own limit, and a little overshoot; a drop from 2 m arrives with 6.3 m/s
+    assert watcher.fastest_fall < 1.2
+    assert watcher.truth is not None
+    # below where they were: 0.08 m/s for the second before the landing, and as much again to come to rest
+    np.testing.assert_allclose(watcher.truth.pos[:, :2], place, atol=0.25)
+
+
+def test_an_emergency_stops_the_vehicles_of_a_radio_for_good(watcher: _Watcher) -> None:
+    watcher.fly()
+    watcher.call("all/emergency", Empty)
+    watcher.until(watcher.on_the_ground, "falling")
+    assert watcher.fastest_fall > 4.0  # from 1.5 and 2 m with the motors off
+    refusal = watcher.call("radio/start")
+    assert not refusal.success
+    assert "locked: restart it" in refusal.message
 
 
 def test_a_node_without_cflib_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:

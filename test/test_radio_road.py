@@ -18,8 +18,9 @@ from cflib.crazyflie.supervisor import Supervisor
 
 from q2q_control.legacy import LegacyScale
 from q2q_control.radio_link import CflibSender, LinkHealth
-from q2q_control.radio_pilot import Phase, RadioPilot, RadioPilotParams
-from q2q_control.radio_words import full_states, sticks
+from q2q_control.radio_params import RadioPilotParams
+from q2q_control.radio_pilot import Phase, RadioPilot
+from q2q_control.radio_words import full_states, level_stick, sticks
 from q2q_model.signals import Array
 from q2q_model.tools.models import find_model
 from q2q_planner.trajectory import setpoint_at
@@ -88,14 +89,16 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
     model = find_model(scenario.model).interaction
     blocks = blocks_of(scenario, Options(mode), model)
     road = _Road(scenario, seed, positioning)
-    names = scenario.names
+    names, scale = scenario.names, LegacyScale(scenario.vehicle.thrust_max)
     pilot = RadioPilot(
-        {name: road.link(k) for k, name in enumerate(names)}, RadioPilotParams(), by_stick=by == "stick"
+        {name: road.link(k) for k, name in enumerate(names)},
+        RadioPilotParams(),
+        level_stick(scenario.vehicle.hover_thrust, scale) if by == "stick" else None,
     )
     for vehicle in road.fleet.vehicles:
         vehicle.firmware.parameters.set("stabilizer.controller", MELLINGER if by == "full state" else 1)
-    scale, errors = LegacyScale(scenario.vehicle.thrust_max), []
-    while road.room.tick * TICK_S < scenario.duration:
+    errors = []
+    for k in range(round(scenario.duration / TICK_S)):
         tick = road.room.capture()
         t = tick.frame.t
         state = blocks.mocap_filter.update(tick.frame)
@@ -104,14 +107,14 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
         aware = draft if mode != "ignoring" else None
         pilot.watch(t)
         pilot.places(state, t)
-        if t == 0.0:
+        if k == 1:  # the filter trusts no first sample
             assert pilot.start(t).granted
             pilot.watch(t)
         if by == "stick":
             command = blocks.controller.update(state, wanted, aware)
-            pilot.fly_sticks(names, sticks(command, scale))
+            pilot.fly_sticks(names, sticks(command, scale), t)
         else:
-            pilot.fly_full_states(names, full_states(wanted, aware))
+            pilot.fly_full_states(names, full_states(wanted, aware), t)
         errors.append(tick.truth.pos[:, 2] - wanted.pos[:, 2])
         road.advance()
     assert set(pilot.phases.values()) == {Phase.FLYING}

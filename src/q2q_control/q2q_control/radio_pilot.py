@@ -11,19 +11,29 @@
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
 | battery below volt_land for volt_land_s | that vehicle lands by itself, whatever is commanded |
 | state older than stale_s | no place is sent; the firmware's estimate coasts |
+| a command says CUT | that vehicle's motors are stopped for good |
+| no command for silent_s | sticks: level at hover thrust; full states: a hover where it was last sent |
+| none for silent_land_s | it lands by itself |
+| the same, by stick without a fresh state | it sinks level, at q2q_control.fallback's land_share of hover |
+| the same for silent_stop_s | its motors are stopped for good |
+
+The last four keep the firmware's watchdog fed (it levels after 0.5 s and cuts after 2 s) while the radio
+lives and a controller does not; they begin with the first command after a start, and end with the next one
+that comes before the landing.
 
 A vehicle's place is sent once a frame, and only where it was measured in that frame.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
 
+from q2q_control.fallback import FallbackParams
 from q2q_control.radio_link import LinkHealth, VehicleLink
+from q2q_control.radio_params import RadioPilotParams
 from q2q_control.radio_words import ZERO_STICK, FullState, Stick
-from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Names, SwarmState, TrackStatus
 
 
@@ -35,22 +45,6 @@ class Phase(Enum):
     ARMING = "arming"
     FLYING = "flying"
     LANDING = "landing"
-
-
-@dataclass(frozen=True, slots=True)
-class RadioPilotParams:
-    """Hold when to refuse, and when to land."""
-
-    stale_s: float = tunable(0.1, "a state older than this is none", unit="s", low=0.01, high=2.0)
-    arm_s: float = tunable(2.0, "longest time for arming", unit="s", low=0.1, high=30.0)
-    volt_start: float = tunable(3.6, "least battery to start with", unit="V", low=0.0, high=20.0)
-    volt_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)
-    volt_land_s: float = tunable(2.0, "for how long", unit="s", low=0.0, high=60.0)
-    land_s: float = tunable(3.0, "duration of a landing", unit="s", low=0.5, high=60.0)
-
-    def __post_init__(self) -> None:
-        """Check the bounds."""
-        check_bounds(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,16 +66,26 @@ class _Vehicle:
     """When the last state came that was measured [s]."""
     low_since: float = np.inf
     """Since when the battery is low [s]."""
+    heard: float = -np.inf
+    """When it was last commanded [s]; not since its start: never."""
+    height: float = 0.0
+    """Where it was last measured [m]."""
+    landing_s: float = 0.0
+    """How long its landing takes [s]."""
+    wanted: FullState | None = None
+    """The last full state it was sent."""
 
 
 class RadioPilot:
     """Hold the phase of every vehicle."""
 
-    def __init__(self, links: Mapping[str, VehicleLink], params: RadioPilotParams, *, by_stick: bool) -> None:
-        """Fly vehicles over their links, by sticks or by full states."""
+    def __init__(
+        self, links: Mapping[str, VehicleLink], params: RadioPilotParams, hover: Stick | None
+    ) -> None:
+        """Fly vehicles over their links: by sticks, `hover` the level one, or by full states where None."""
         self._links = dict(links)
         self._params = params
-        self._by_stick = by_stick
+        self._hover = hover
         self._vehicles = {name: _Vehicle() for name in links}
         self._last_stamp = -np.inf
         self._said: list[str] = []
@@ -90,6 +94,11 @@ class RadioPilot:
     def phases(self) -> dict[str, Phase]:
         """Return every vehicle's phase."""
         return {name: one.phase for name, one in self._vehicles.items()}
+
+    @property
+    def landing_s(self) -> float:
+        """Return how long the longest landing that has begun takes [s]."""
+        return max((one.landing_s for one in self._vehicles.values()), default=0.0)
 
     def said(self) -> list[str]:
         """Return, and forget, what happened since the last call, a line each."""
@@ -104,7 +113,7 @@ class RadioPilot:
                 return Verdict(granted=False, reason=f"{name} {reason}")
         for name, one in self._vehicles.items():
             self._enter(name, Phase.ARMING, t)
-            one.low_since = np.inf
+            one.low_since, one.heard = np.inf, -np.inf
             self._links[name].arm()
         return Verdict(granted=True)
 
@@ -122,10 +131,24 @@ class RadioPilot:
             if self._vehicles[name].phase is not Phase.OFFLINE:
                 self._enter(name, Phase.READY, t)
 
-    def watch(self, t: float) -> None:
-        """Look at links and batteries at time t [s]."""
+    def cut(self, names: Names, t: float) -> None:
+        """Stop the motors of these vehicles for good, where they fly."""
+        for name in names:
+            if name in self._vehicles and self._vehicles[name].phase in {Phase.FLYING, Phase.LANDING}:
+                self._links[name].stop()
+                self._enter(name, Phase.READY, t)
+
+    def watch(self, t: float, ahead: float = 0.0) -> None:
+        """Look at links, batteries and silence at time t [s].
+
+        Args:
+            t: now [s].
+            ahead: take a command as missing that will be within this time [s], where none is going to come.
+        """
         for name, one in self._vehicles.items():
             self._watch(name, one, self._links[name].health(), t)
+            if one.phase is Phase.FLYING:
+                self._watch_silence(name, one, t, ahead)
 
     def places(self, state: SwarmState, t: float, *, send: bool = True) -> None:
         """Take a frame's state that came at time t [s]; send the places measured in it, once."""
@@ -135,20 +158,22 @@ class RadioPilot:
         for row, name in enumerate(state.names):
             if name not in self._vehicles or not fresh[row] or not np.isfinite(state.pos[row]).all():
                 continue
-            self._vehicles[name].seen = t
+            self._vehicles[name].seen, self._vehicles[name].height = t, float(state.pos[row, 2])
             if not again and self._vehicles[name].phase is not Phase.OFFLINE:
                 self._links[name].send_place(state.pos[row].tolist(), state.quat[row].tolist())
 
-    def fly_sticks(self, names: Names, sticks: list[Stick]) -> None:
-        """Send a tick's sticks to the vehicles that fly."""
+    def fly_sticks(self, names: Names, sticks: list[Stick], t: float) -> None:
+        """Send a tick's sticks, that came at time t [s], to the vehicles that fly."""
         for name, stick in zip(names, sticks, strict=True):
             if self._flies(name):
+                self._vehicles[name].heard = t
                 self._links[name].send_stick(stick)
 
-    def fly_full_states(self, names: Names, wanted: list[FullState]) -> None:
-        """Send a tick's full states to the vehicles that fly."""
+    def fly_full_states(self, names: Names, wanted: list[FullState], t: float) -> None:
+        """Send a tick's full states, that came at time t [s], to the vehicles that fly."""
         for name, one in zip(names, wanted, strict=True):
             if self._flies(name):
+                self._vehicles[name].heard, self._vehicles[name].wanted = t, one
                 self._links[name].send_full_state(one)
 
     def _flies(self, name: str) -> bool:
@@ -180,12 +205,12 @@ class RadioPilot:
             self._arm(name, one, health, t)
         elif one.phase is Phase.FLYING:
             self._watch_flight(name, one, health, t)
-        elif one.phase is Phase.LANDING and t - one.since > self._params.land_s:
+        elif one.phase is Phase.LANDING and t - one.since > one.landing_s:
             self._enter(name, Phase.READY, t)
 
     def _arm(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
         if health.armed:
-            if self._by_stick:
+            if self._hover is not None:
                 self._links[name].send_stick(ZERO_STICK)
             self._enter(name, Phase.FLYING, t)
         elif t - one.since > self._params.arm_s:
@@ -202,8 +227,34 @@ class RadioPilot:
             self._said.append(f"{name} has {health.volt:.2f} V and lands")
             self._land(name, t)
 
+    def _watch_silence(self, name: str, one: _Vehicle, t: float, ahead: float) -> None:
+        silent, limits = t - one.heard, self._params
+        if silent + ahead < limits.silent_s or not np.isfinite(silent):
+            return
+        if silent < limits.silent_land_s:
+            self._hold(name, one)
+        elif self._hover is None or t - one.seen <= limits.stale_s:
+            self._said.append(f"{name} has no command for {limits.silent_land_s} s and lands")
+            self._land(name, t)
+        elif silent < limits.silent_stop_s:
+            share = FallbackParams().land_share
+            self._links[name].send_stick(replace(self._hover, pwm=round(share * self._hover.pwm)))
+        else:
+            self._said.append(f"{name} has no command for {limits.silent_stop_s} s and sank blind")
+            self.cut((name,), t)
+
+    def _hold(self, name: str, one: _Vehicle) -> None:
+        """Send what keeps a vehicle where it is."""
+        if self._hover is not None:
+            self._links[name].send_stick(self._hover)
+        elif one.wanted is not None:
+            zero = (0.0, 0.0, 0.0)
+            self._links[name].send_full_state(replace(one.wanted, vel=zero, acc=zero, ang_vel=zero))
+
     def _land(self, name: str, t: float) -> None:
-        self._links[name].land(self._params.land_s)
+        one = self._vehicles[name]
+        one.landing_s = max(self._params.land_s, one.height / self._params.land_speed)
+        self._links[name].land(one.landing_s)
         self._enter(name, Phase.LANDING, t)
 
     def _enter(self, name: str, phase: Phase, t: float) -> None:

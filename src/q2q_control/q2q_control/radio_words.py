@@ -19,7 +19,7 @@ import numpy as np
 
 from q2q_control.legacy import LegacyScale, legacy_setpoints
 from q2q_model.rotations import quat_from_euler
-from q2q_model.signals import Array, Interference, Names, SwarmCommand, SwarmSetpoint, index_of
+from q2q_model.signals import Array, CommandStatus, Interference, Names, SwarmCommand, SwarmSetpoint, index_of
 
 LARGEST = 32.767
 """Largest position, velocity, acceleration and rate of a full state [m, m/s, m/s^2, rad/s]."""
@@ -60,6 +60,20 @@ def sticks(command: SwarmCommand, scale: LegacyScale) -> list[Stick]:
     """Return every vehicle's stick, in the order of the command."""
     rows = legacy_setpoints(command, scale).tolist()  # pitch, roll, yaw rate [deg, deg/s], PWM
     return [Stick(roll, pitch, -yaw_rate, int(pwm)) for pitch, roll, yaw_rate, pwm in rows]
+
+
+def names_cut(command: SwarmCommand) -> Names:
+    """Return the vehicles whose motors must be off for good."""
+    return tuple(
+        name for name, one in zip(command.names, command.status, strict=True) if one == CommandStatus.CUT
+    )
+
+
+def level_stick(thrust: float, scale: LegacyScale) -> Stick:
+    """Return the level stick of a thrust [N]."""
+    one, zero = np.array([thrust]), np.zeros(1)
+    (level,) = sticks(SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8)), scale)
+    return level
 
 
 def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState]:

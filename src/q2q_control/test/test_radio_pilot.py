@@ -12,14 +12,25 @@ from hypothesis import strategies as st
 from q2q_control.crazyflies import crazyflies_from_document
 from q2q_control.legacy import LegacyScale
 from q2q_control.radio_link import LinkHealth
-from q2q_control.radio_pilot import Phase, RadioPilot, RadioPilotParams
-from q2q_control.radio_words import ZERO_STICK, FullState, Stick, full_states, sticks
+from q2q_control.radio_params import RadioPilotParams
+from q2q_control.radio_pilot import Phase, RadioPilot
+from q2q_control.radio_words import ZERO_STICK, FullState, Stick, full_states, level_stick, names_cut, sticks
 from q2q_model.rotations import euler_from_quat
-from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_model.signals import (
+    CommandStatus,
+    Interference,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+)
 
 NAMES = ("cf1", "cf2")
 WELL = LinkHealth(connected=True, volt=4.0, armed=True)
 PARAMS = RadioPilotParams()
+LANDING_S = 3.0 / 0.4, 6.0 / 0.4
+"""From 3 m and 6 m at 0.4 m/s."""
+HOVER = Stick(0.0, 0.0, 0.0, 30000)
 
 
 @dataclass
@@ -57,9 +68,10 @@ class _Bench:
 
     links: dict[str, _FakeLink] = field(default_factory=lambda: {name: _FakeLink() for name in NAMES})
     t: float = 100.0
+    hover: Stick | None = HOVER
 
     def __post_init__(self) -> None:
-        self.pilot = RadioPilot(self.links, PARAMS, by_stick=True)
+        self.pilot = RadioPilot(self.links, PARAMS, self.hover)
         self.pilot.watch(self.t)
 
     def see(self, status: TrackStatus = TrackStatus.TRACKED) -> None:
@@ -72,7 +84,19 @@ class _Bench:
         assert set(self.pilot.phases.values()) == {Phase.FLYING}
 
     def sticks(self) -> None:
-        self.pilot.fly_sticks(NAMES, [Stick(1.0, 2.0, 3.0, 30000)] * 2)
+        self.pilot.fly_sticks(NAMES, [Stick(1.0, 2.0, 3.0, 30000)] * 2, self.t)
+
+    def silent_until(self, age: float, *, seen: bool) -> list[object]:
+        """Look every 20 ms until the last command is `age` old; return what cf1 was sent."""
+        began = self.t
+        before = len(self.links["cf1"].sent)
+        while self.t < began + age - 1e-9:
+            self.t += 0.02
+            if seen:
+                self.see()
+            self.pilot.watch(self.t)
+        sent = self.links["cf1"].sent[before:]
+        return [one for one in sent if not (isinstance(one, tuple) and one[0] == "place")]
 
 
 def state(t: float, status: TrackStatus = TrackStatus.TRACKED) -> SwarmState:
@@ -216,9 +240,108 @@ def test_a_low_battery_lands_its_vehicle_after_a_while_whatever_is_commanded() -
     bench.pilot.watch(bench.t + 3.5)
     assert bench.pilot.phases == {"cf1": Phase.FLYING, "cf2": Phase.LANDING}
     bench.sticks()
-    assert bench.links["cf2"].sent[-1] == ("land", PARAMS.land_s)
-    bench.pilot.watch(bench.t + 3.5 + PARAMS.land_s + 0.1)
+    assert bench.links["cf2"].sent[-1] == ("land", LANDING_S[1])
+    bench.pilot.watch(bench.t + 3.5 + LANDING_S[1] - 0.1)
+    assert bench.pilot.phases["cf2"] is Phase.LANDING
+    bench.pilot.watch(bench.t + 3.5 + LANDING_S[1] + 0.1)
     assert bench.pilot.phases["cf2"] is Phase.READY
+
+
+def test_a_vehicle_without_commands_is_levelled_within_60_ms_and_lands_after_a_second() -> None:
+    bench = _Bench()
+    bench.fly()
+    bench.sticks()
+    assert bench.silent_until(0.02, seen=True) == []
+    assert set(bench.silent_until(0.04, seen=True)) == {HOVER}  # 40 and 60 ms after the last command
+    assert set(bench.silent_until(0.92, seen=True)) == {HOVER}
+    assert bench.pilot.phases["cf1"] is Phase.FLYING
+    assert bench.silent_until(0.04, seen=True)[-1] == ("land", LANDING_S[0])
+    assert bench.pilot.phases["cf1"] is Phase.LANDING
+    assert any("no command for 1.0 s" in line for line in bench.pilot.said())
+
+
+def test_a_word_that_none_will_come_levels_a_look_earlier_and_never_after_a_fresh_command() -> None:
+    bench = _Bench()
+    bench.fly()
+    bench.sticks()
+    bench.pilot.watch(bench.t + 0.01, ahead=0.02)
+    assert bench.links["cf1"].sent[-1] == Stick(1.0, 2.0, 3.0, 30000)
+    bench.pilot.watch(bench.t + 0.021, ahead=0.02)
+    assert bench.links["cf1"].sent[-1] == HOVER
+
+
+def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_stopped() -> None:
+    bench = _Bench()
+    bench.fly()
+    bench.sticks()
+    bench.silent_until(1.02, seen=False)
+    sink = Stick(0.0, 0.0, 0.0, 28200)  # 0.94 of hover: q2q_control.fallback
+    assert set(bench.silent_until(3.9, seen=False)) == {sink}
+    assert bench.silent_until(0.2, seen=False)[-1] == "stop"
+    assert bench.pilot.phases["cf1"] is Phase.READY
+
+
+def test_a_command_that_comes_before_the_landing_flies_on() -> None:
+    bench = _Bench()
+    bench.fly()
+    bench.sticks()
+    bench.silent_until(0.9, seen=True)
+    bench.sticks()
+    assert bench.links["cf1"].sent[-1] == Stick(1.0, 2.0, 3.0, 30000)
+    assert bench.silent_until(0.02, seen=True) == []
+
+
+def test_nothing_is_sent_to_a_vehicle_that_was_never_commanded_since_its_start() -> None:
+    bench = _Bench()
+    bench.fly()
+    count = len(bench.links["cf1"].sent)
+    assert bench.silent_until(3.0, seen=False) == []
+    assert len(bench.links["cf1"].sent) == count
+    assert bench.pilot.phases["cf1"] is Phase.FLYING
+
+
+def test_by_full_states_a_silence_is_a_hover_where_it_was_sent_then_a_landing() -> None:
+    bench = _Bench(hover=None)
+    bench.fly()
+    x = (1.0, 2.0, 3.0)
+    turned = (0.0, 0.0, 0.6, 0.8)
+    bench.pilot.fly_full_states(NAMES, [FullState(x, x, x, turned, x)] * 2, bench.t)
+    zero = (0.0, 0.0, 0.0)
+    assert set(bench.silent_until(0.96, seen=False)) == {FullState(x, zero, zero, turned, zero)}
+    assert bench.silent_until(0.06, seen=False)[-1] == ("land", LANDING_S[0])
+
+
+def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
+    bench = _Bench()
+    bench.fly()
+    zero = np.zeros(2)
+    status = np.array([CommandStatus.CUT, CommandStatus.OK], dtype=np.uint8)
+    names = names_cut(SwarmCommand(0.0, NAMES, zero, zero, zero, zero, status))
+    bench.pilot.cut((*names, "stranger"), bench.t)
+    bench.sticks()
+    assert bench.links["cf1"].sent[-1] == "stop"
+    assert bench.links["cf2"].sent[-1] == Stick(1.0, 2.0, 3.0, 30000)
+    assert bench.pilot.phases["cf1"] is Phase.READY
+
+
+def test_a_landing_takes_as_long_as_the_height_asks_for_and_no_less_than_land_s() -> None:
+    bench = _Bench()
+    bench.fly()
+    low = state(bench.t)
+    low.pos[:, 2] = [0.5, 2.0]
+    bench.pilot.places(low, bench.t)
+    bench.pilot.land(bench.t)
+    assert [bench.links[name].sent[-1] for name in NAMES] == [("land", PARAMS.land_s), ("land", 2.0 / 0.4)]
+    assert bench.pilot.landing_s == 2.0 / 0.4
+
+
+def test_times_of_silence_out_of_order_are_refused() -> None:
+    with pytest.raises(ValueError, match="must rise"):
+        RadioPilotParams(silent_land_s=6.0)
+
+
+def test_the_level_stick_is_the_thrust_on_the_houses_scale() -> None:
+    assert level_stick(0.3, LegacyScale(0.6)) == Stick(0.0, 0.0, 0.0, 30000)
 
 
 def test_a_battery_that_is_unknown_neither_refuses_nor_lands() -> None:

@@ -5,8 +5,9 @@
 | command | `command`, `state` | roll, pitch, yaw rate, thrust |
 | setpoint | `reference_safe`, `state`, and `interference` if aware | full state with acc = acc_ref - eta |
 
-Services: `~/start`, `~/land`, `~/stop` (motors off, for good). q2q_control.radio_pilot says what is refused
-and what happens by itself.
+Services: `~/start`, `~/land`, `~/stop` (motors off, for good); in setpoint mode, where no controller has it,
+`all/emergency` too. q2q_control.radio_pilot says what is refused and what happens by itself, as when commands
+stay away: DDS's word that their writer is gone is one more look, at once.
 """
 
 from dataclasses import dataclass
@@ -15,13 +16,15 @@ from time import monotonic, sleep
 
 import yaml
 from rclpy.node import Node
-from std_srvs.srv import Trigger
+from std_srvs.srv import Empty, Trigger
 
 from q2q_control.crazyflies import Crazyflie, crazyflies_from_document
 from q2q_control.legacy import LegacyScale
-from q2q_control.radio_pilot import RadioPilot, RadioPilotParams, Verdict
-from q2q_control.radio_words import full_states, sticks
+from q2q_control.radio_params import RadioPilotParams
+from q2q_control.radio_pilot import RadioPilot, Verdict
+from q2q_control.radio_words import full_states, level_stick, names_cut, sticks
 from q2q_control.ros.cflib_links import CflibLink
+from q2q_control.ros.guarded_commands import EMERGENCY
 from q2q_control.ros.radio_topics import RadioTopics
 from q2q_model.health import Health
 from q2q_model.layout import Signal
@@ -30,6 +33,7 @@ from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.parameters import declare
+from q2q_model.ros.promises import watch
 from q2q_model.ros.qos import TICK
 from q2q_model.ros.run import run
 from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
@@ -88,25 +92,29 @@ class Radio:
         """
         self._node = node
         asked, limits = declare(node, RadioNodeParams()), declare(node, RadioPilotParams())
-        self._asked, self._land_s = asked, limits.land_s
+        self._asked = asked
         self._scale = LegacyScale(vehicle_by_name(asked.vehicle).thrust_max)
         params = firmware_params(asked.firmware_params, asked.mode)
         self._links = {
             one.name: CflibLink(one.name, one.uri, params, asked.toc_cache) for one in _crazyflies(asked)
         }
-        self._pilot = RadioPilot(self._links, limits, by_stick=asked.mode == "command")
+        hover = level_stick(vehicle_by_name(asked.vehicle).hover_thrust, self._scale)
+        self._pilot = RadioPilot(self._links, limits, hover if asked.mode == "command" else None)
+        self._silent_s = limits.silent_s
         self._health = Health()
         self._topics = RadioTopics(node, tuple(self._links), asked.pose_hz)
         self._subscribe()
         for name, act in (("start", self._on_start), ("land", self._on_land), ("stop", self._on_stop)):
             node.create_service(Trigger, f"~/{name}", act)
         node.create_timer(WATCH_S, self._watch)
+        if asked.mode == "setpoint":
+            node.create_service(Empty, EMERGENCY, self._on_emergency)
         publish_health(node, self._health)
 
     def close(self) -> None:
         """Let flying vehicles land, then close the links: cflib's last packet stops the motors."""
         if self._pilot.land(monotonic()).granted:
-            sleep(self._land_s + SETTLE_S)
+            sleep(self._pilot.landing_s + SETTLE_S)
         for link in self._links.values():
             link.close()
 
@@ -119,6 +127,7 @@ class Radio:
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         for topic, signal in inputs.items():
             self._listen(topic, signal)
+            watch(self._node, topic, signal, self._silent_s, self._on_silence)
         self._listen("state", SwarmState)
 
     def _listen(self, topic: str, signal: type[Signal]) -> None:
@@ -139,9 +148,13 @@ class Radio:
         self._health.ticks += 1
         first, draft = tick[0], tick[1] if len(tick) > 1 else None
         if isinstance(first, SwarmCommand):
-            self._pilot.fly_sticks(first.names, sticks(first, self._scale))
+            self._pilot.cut(names_cut(first), monotonic())
+            self._pilot.fly_sticks(first.names, sticks(first, self._scale), monotonic())
         elif isinstance(first, SwarmSetpoint) and (draft is None or isinstance(draft, Interference)):
-            self._pilot.fly_full_states(first.names, full_states(first, draft))
+            self._pilot.fly_full_states(first.names, full_states(first, draft), monotonic())
+
+    def _on_silence(self) -> None:
+        self._pilot.watch(monotonic(), WATCH_S)
 
     def _watch(self) -> None:
         self._pilot.watch(monotonic())
@@ -162,6 +175,10 @@ class Radio:
 
     def _on_land(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         return _answer(response, self._pilot.land(monotonic()))
+
+    def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
+        self._pilot.stop(monotonic())
+        return response
 
     def _on_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._pilot.stop(monotonic())
