@@ -28,8 +28,9 @@ from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
 from q2q_model.tracking.attitudes import AttitudeParams, AttitudeTracks
 from q2q_model.tracking.glide import POS, QUAT, RATE, VEL
-from q2q_model.tracking.positions import PositionTracks, TrackParams, Verdict
+from q2q_model.tracking.positions import PositionTracks, TrackParams
 from q2q_model.tracking.rivals import SAME_INSTANT
+from q2q_model.tracking.verdict import Verdict
 
 _LIMITS = OutlierThresholds()
 
@@ -166,7 +167,7 @@ class MocapFilter:
             verdict = self._judged(frame.t, now)
         self._count(frame, verdict)
         pose = self._pose
-        if verdict is not None and not verdict.plain:
+        if verdict is not None and not verdict.honest:
             pose = np.hstack([pose[:, :3], self._quat_of(verdict, pose[:, 3:])])
         self._counts["attitudes_refused"] += self._attitudes.update(frame.t, pose)
         now[:, QUAT], now[:, RATE] = self._attitudes.quat, self._attitudes.ang_vel_body
@@ -260,6 +261,8 @@ class MocapFilter:
     def _count_unusual(self, verdict: Verdict) -> int:
         """Count what became of samples; return how many there were."""
         counts = self._counts
+        if verdict.honest:
+            return int(verdict.accepted.sum())
         present = np.isfinite(self._pose[:, :3]).all(axis=1)
         tracks = np.arange(len(self._names))
         counts["swapped"] += int((verdict.accepted & (verdict.source != tracks)).sum())

@@ -372,6 +372,37 @@ def test_the_compiled_usual_tick_is_the_general_one(monkeypatch: pytest.MonkeyPa
     assert swift.report == slow.report
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_compiled_tick_with_absent_vehicles_is_the_general_one(
+    seed: int, noise: float, monkeypatch: pytest.MonkeyPatch
+):
+    rng = np.random.default_rng(seed)
+    frames = []
+    for tick in range(600):
+        turned = quat_from_euler(*rng.normal(0.0, 0.05, (3, 2)))
+        pos = _truth(tick)[0] + rng.normal(0.0, noise, (2, 3))
+        pos[rng.random(2) < 0.05] = np.nan
+        turned[rng.random(2) < 0.05] = np.nan
+        pos[rng.random(2) < 0.01] += 1.0  # a tick for the general road amid the others
+        frames.append(_frame(tick + (tick > 300), pos, turned))
+    params = MocapFilterParams(position_noise=noise)
+    swift = MocapFilter(params, PAIR)
+    quick = [swift.update(frame) for frame in frames]
+    monkeypatch.setattr(positions, "follow_present", lambda *_: False)
+    monkeypatch.setattr(attitudes, "turn_present", lambda *_: False)
+    slow = MocapFilter(params, PAIR)
+    for one, other in zip(quick, (slow.update(frame) for frame in frames), strict=True):
+        assert np.allclose(one.pos, other.pos, rtol=0.0, atol=1e-12)  # the same sums in another order
+        assert np.allclose(one.vel, other.vel, rtol=0.0, atol=1e-9)  # a gain of 100 1/s on rounding
+        assert np.allclose(one.quat, other.quat, rtol=0.0, atol=1e-12)
+        assert np.allclose(one.ang_vel_body, other.ang_vel_body, rtol=0.0, atol=1e-10)  # 1e-16 / 0.01 s
+        assert np.array_equal(one.status, other.status)
+        assert np.array_equal(one.age, other.age)
+    assert swift.report == slow.report
+    assert swift.report.refused > 0
+
+
 def test_body_rate_comes_from_successive_attitudes():
     block = MocapFilter(IDEAL_SENSING, ("cf1",))
     for tick in range(20):

@@ -25,6 +25,7 @@ import numpy as np
 from q2q_model.outliers import Mask
 from q2q_model.rotations import identity_quat, quat_between, vector_from_quat
 from q2q_model.signals import Array
+from q2q_model.tracking.absences import turn_present
 from q2q_model.tracking.glide import UNIT_TOLERANCE, glide_attitudes
 from q2q_model.tracking.memory import padded
 from q2q_model.tracking.rivals import SAME_INSTANT
@@ -79,7 +80,7 @@ class AttitudeTracks:
             t: Capture time [s], later than before.
             pose: Position and quaternion of every vehicle, (n, 7); NaN where absent.
         """
-        if self._glide(t, pose):
+        if self._glide(t, pose) or self._without_absent(t, pose):
             return 0
         measured = pose[:, 3:]
         if not np.abs(measured).max(initial=0.0) <= 1.0 + UNIT_TOLERANCE:  # also NaN
@@ -103,6 +104,20 @@ class AttitudeTracks:
         if not glide_attitudes(pose, self.quat, self.ang_vel_body, turning, self._turn):
             return False
         self._whole_at = t
+        return True
+
+    def _without_absent(self, t: float, pose: Array) -> bool:
+        """Take a tick in which some are absent and nothing else is unusual; else return False."""
+        self._settle()
+        if not self._seen.all() or np.isfinite(self._refused_since).any():
+            return False
+        params = self._params
+        turning = (params.turn_max, params.turn_rate_max, params.rate_filter_s, params.coast_s)
+        if not turn_present(pose, (self.quat, self.ang_vel_body), t - self._time, turning):
+            return False
+        taken = ~np.isnan(pose[:, 3:]).any(axis=1)
+        self._time[taken] = t
+        self._whole_at = t if taken.all() else None
         return True
 
     def _settle(self) -> None:

@@ -25,10 +25,12 @@ from numpy.typing import NDArray
 from q2q_model.outliers import REPEAT_STEP, Mask, OutlierThresholds
 from q2q_model.signals import Array
 from q2q_model.tracking import white_jerk
+from q2q_model.tracking.absences import SPREAD, WIDTH, follow_present
 from q2q_model.tracking.glide import glide_positions
 from q2q_model.tracking.memory import padded
 from q2q_model.tracking.rivals import SAME_INSTANT, Rivals
 from q2q_model.tracking.swaps import swapped_sources
+from q2q_model.tracking.verdict import Verdict
 
 GATE_SIGMAS = 1.0
 """Width of the position gate beyond jump_max, in standard deviations of the prediction: after a dropout an
@@ -48,25 +50,6 @@ class TrackParams:
     """[m/s^2.5]"""
     coast_s: float
     reacquire_s: float
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """Say what became of the samples of one tick, one row a vehicle."""
-
-    pos: Array
-    """Position [m], (n, 3); zero for a vehicle never seen."""
-    vel: Array
-    """Velocity [m/s], (n, 3); zero for a lost vehicle."""
-    accepted: Mask
-    source: NDArray[np.intp]
-    """Whose sample was taken, (n,): another row where markers were swapped, -1 where none."""
-    restarted: Mask
-    """Taken as a true jump."""
-    trusted: Mask
-    """Accepted, and not the only sample that says so: the first of a track is not."""
-    plain: bool
-    """Every vehicle's own sample was taken."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +97,13 @@ class PositionTracks:
         self._right = np.zeros(count, dtype=np.int64)  # samples taken under its own name
         self._swapped = np.zeros(count, dtype=np.int64)  # samples taken from others since
         self._motion = (self._cov, self._cov)
+        limits = params.limits
+        self._numbers = np.array(
+            [
+                *(self._noise_var, params.jerk_noise**2, params.coast_s),
+                *(limits.jump_max, limits.speed_max, GATE_SIGMAS, limits.pos_max, SAME_INSTANT),
+            ]
+        )
         self._settle_rows(count)
         none, still = np.zeros((0, 7)), np.zeros((0, 3, 3))
         glide_positions((none, none), still, np.zeros((0, 3)), np.zeros(7), np.zeros((0, 13)))  # loads it
@@ -130,6 +120,7 @@ class PositionTracks:
 
     def _settle_rows(self, count: int) -> None:
         self._rows, self._every = np.arange(count), np.ones(count, dtype=bool)
+        self._work, self._out = np.empty((count, WIDTH)), np.empty((count, 6))
         self._span: Array = np.full(count, np.nan)
         self._steady: _Steady | None = None
 
@@ -146,15 +137,14 @@ class PositionTracks:
             repeated: Whose pose is the last one again to the last digit, (n,); None where nobody's is.
         """
         self._settle()
+        if repeated is None and (verdict := self._follow(t, measured)) is not None:
+            return verdict
         ahead = self._expect(t)
         inside = np.where(np.abs(measured) <= self._params.limits.pos_max, measured, np.nan)
         if repeated is not None:
             inside = np.where((self._stale(repeated, ahead.state) & ~ahead.lost)[:, None], np.nan, inside)
-        fits = self._judge(inside, ahead)
-        if fits.all() and self._seen.all() and not ahead.lost.any():
-            return self._follow(t, inside, ahead)
         self._steady = None
-        return self._sort_out(t, inside, ahead, fits)
+        return self._sort_out(t, inside, ahead, self._judge(inside, ahead))
 
     def glide(self, t: float, poses: tuple[Array, Array], out: Array) -> bool:
         """Take a whole tick with the gains of the last, where nothing is unusual; else return False.
@@ -184,25 +174,44 @@ class PositionTracks:
         moved = np.abs(expected[:, 0] - self._state[:, 0]).max(axis=1) > REPEAT_STEP
         return np.asarray(repeated & moved)
 
-    def _follow(self, t: float, measured: Array, ahead: _Ahead) -> Verdict:
-        """Take a whole tick; note when the gains no longer change."""
-        before, dt = self._cov, t - self._time
-        self._state, self._cov = white_jerk.correct(ahead.state, ahead.cov, measured, self._noise_var)
-        even = len(dt) > 0 and np.ptp(dt) < SAME_INSTANT and dt[0] <= self._params.coast_s
+    def _follow(self, t: float, measured: Array) -> Verdict | None:
+        """Take a tick in which some may be absent and nothing else is unusual; else return None."""
+        if not self._proven.all() or self._rivals.any:
+            return None
+        since, before = t - self._time, self._cov.copy()
+        if not follow_present(
+            measured, (since, self._state, self._cov), self._numbers, self._work, self._out
+        ):
+            return None
         self._steady = None  # gains of another spacing must not come back once their next tick would be due
-        if even and np.all(np.abs(self._cov - before) <= STEADY * np.abs(before).max(axis=0)):
-            self._steady = _Steady(t, float(dt[0]), *self._settled_gains(ahead))
-        self._taken(t, 1)
-        pos, vel = self._state[:, 0].copy(), self._state[:, 1].copy()
-        return Verdict(pos, vel, self._every, self._rows, ~self._every, self._every, plain=True)
+        taken: Mask = np.asarray(~np.isnan(measured).any(axis=1))
+        plain = bool(taken.all())
+        if plain:
+            self._taken(t, 1)
+            self._note_steady(t, since, before)
+        else:
+            self._time[taken] = t
+            self._right += taken
+            self._swapped[taken] = 0
+        pos, vel, source = self._out[:, :3].copy(), self._out[:, 3:].copy(), np.where(taken, self._rows, -1)
+        return Verdict(pos, vel, taken, source, ~self._every, taken, plain=plain, honest=True)
 
-    def _settled_gains(self, ahead: _Ahead) -> tuple[Array, Array]:
+    def _note_steady(self, t: float, since: Array, before: Array) -> None:
+        """Note the gains of a whole tick, where they are the last one's."""
+        even = len(since) > 0 and np.ptp(since) < SAME_INSTANT and since[0] <= self._params.coast_s
+        if even and np.all(np.abs(self._cov - before) <= STEADY * np.abs(before).max(axis=0)):
+            self._steady = _Steady(t, float(since[0]), *self._settled_gains(since))
+
+    def _settled_gains(self, since: Array) -> tuple[Array, Array]:
         """Return K and what else `glide` needs of the motion, which all vehicles share."""
-        gate, reach = (float(radius.min()) / math.sqrt(3.0) for radius in (ahead.gate, ahead.reach))
-        moved, exact = self._motion[0][0], float(self._noise_var == 0.0)
-        room = self._params.limits.pos_max
-        moving = np.array([moved[0, 1], moved[0, 2], moved[1, 2], gate, reach, room, exact])
-        return white_jerk.gain(ahead.cov, self._noise_var), moving
+        expected = self._work[:, SPREAD].reshape(-1, 3, 3)
+        limits, (moved, _) = self._params.limits, white_jerk.transition(since[:1], 0.0)
+        gate = limits.jump_max + GATE_SIGMAS * math.sqrt(float(expected[:, 0, 0].min()) + self._noise_var)
+        reach = limits.jump_max + limits.speed_max * float(since[0])
+        sides = gate / math.sqrt(3.0), reach / math.sqrt(3.0)
+        exact = float(self._noise_var == 0.0)
+        moving = np.array([*moved[0][[0, 0, 1], [1, 2, 2]], *sides, limits.pos_max, exact])
+        return white_jerk.gain(expected, self._noise_var), moving
 
     def _taken(self, t: float, ticks: int) -> None:
         """Write down that every vehicle's own sample was taken, `ticks` times, the last one at t [s]."""
@@ -240,29 +249,15 @@ class PositionTracks:
         source = np.where(lent >= 0, lent, np.where(fits | began, self._rows, -1))
         self._rivals.forget(source >= 0)
         refused = orphans & (source < 0) & ~np.isin(self._rows, lent)
-        jumped = self._rivals.offer(t, measured, refused, self._patience(t, measured, present))
+        absent = np.flatnonzero(~present & self._seen)
+        usual, longest = self._params.reacquire_s, max(self._params.coast_s, self._params.reacquire_s)
+        doubtful = self._rivals.doubtful(t, measured, (self._state[:, 0], self._time), absent)
+        jumped = self._rivals.offer(t, measured, refused, np.where(doubtful, longest, usual))
         source = np.where(jumped, self._rows, source)
         self._proven = (self._proven | jumped | fits) & ~began
         self._count(fits, lent >= 0, jumped | began)
         self._take(t, measured[source], ahead, (source >= 0, jumped | began, jumped))
         return self._verdict(ahead, source, jumped)
-
-    def _patience(self, t: float, measured: Array, present: Mask) -> Array:
-        """Return how long a rival must last to be believed [s], (n,).
-
-        One that an absent vehicle may have reached, nearer to where that one was than to where its own was,
-        may be the absent one under a wrong name: swaps end before a vehicle has coasted.
-        """
-        patience = np.full(len(self._rows), self._params.reacquire_s)
-        absent = np.flatnonzero(~present & self._seen)
-        if len(absent):
-            away = np.linalg.norm(measured[:, None] - self._state[None, absent, 0], axis=2)  # (n, absent)
-            limits = self._params.limits
-            reached = away <= limits.jump_max + limits.speed_max * (t - self._time[absent])
-            own = np.linalg.norm(measured - self._state[:, 0], axis=1)
-            doubtful = (reached & (away < own[:, None])).any(axis=1)
-            patience[doubtful] = max(self._params.coast_s, self._params.reacquire_s)
-        return patience
 
     def _count(self, own: Mask, lent: Mask, fresh: Mask) -> None:
         self._swapped = np.where(lent, self._swapped + 1, np.where(own, 0, self._swapped))
@@ -293,4 +288,5 @@ class PositionTracks:
         taken = source >= 0
         state = np.where(taken[:, None, None], self._state, ahead.state)
         vel = np.where((ahead.lost & ~taken)[:, None], 0.0, state[:, 1])
-        return Verdict(state[:, 0].copy(), vel, taken, source, jumped, taken & self._proven, plain=False)
+        trusted = taken & self._proven
+        return Verdict(state[:, 0].copy(), vel, taken, source, jumped, trusted, plain=False, honest=False)

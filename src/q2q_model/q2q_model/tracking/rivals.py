@@ -6,6 +6,7 @@ A rival that has gathered CONFIRM_SAMPLES and lasted as long as is asked is wher
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.outliers import Mask, OutlierThresholds
 from q2q_model.signals import Array
@@ -28,6 +29,11 @@ class Rivals:
         self._last_time = np.zeros(count)
         self._first_pos = np.zeros((count, 3))
         self._last_pos = np.zeros((count, 3))
+
+    @property
+    def any(self) -> bool:
+        """Return whether any vehicle has a rival."""
+        return bool(self._count.any())
 
     def grow(self, extra: int) -> None:
         """Add vehicles without rivals."""
@@ -54,6 +60,18 @@ class Rivals:
         self._count[joins] += 1
         lasted = t - self._first_time >= patience - SAME_INSTANT
         return refused & lasted & (self._count >= CONFIRM_SAMPLES)
+
+    def doubtful(self, t: float, pos: Array, tracks: tuple[Array, Array], absent: NDArray[np.intp]) -> Mask:
+        """Return whose sample at pos [m] (n, 3) may be an absent vehicle's under a wrong name, (n,).
+
+        That one may have come there, and was nearer to it than the sample's own vehicle. Swaps end before a
+        vehicle has coasted. `tracks` are last positions [m] (n, 3) and their times [s] (n,).
+        """
+        last, when = tracks
+        away = np.linalg.norm(pos[:, None] - last[None, absent], axis=2)  # (n, absent)
+        reached = away <= self._limits.jump_max + self._limits.speed_max * (t - when[absent])
+        own = np.linalg.norm(pos - last, axis=1)
+        return np.asarray((reached & (away < own[:, None])).any(axis=1))
 
     def velocity(self) -> Array:
         """Return the mean velocity of every rival [m/s], (n, 3); zero where it has one sample."""
