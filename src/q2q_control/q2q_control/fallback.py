@@ -5,8 +5,8 @@
 | ok | 0 | the controller's | OK, SATURATED |
 | degraded | degraded_s | the controller's, on a predicted state | DEGRADED |
 | hold | no usable state; or no tick for hold_s | the last command again | HOLD |
-| hold | q2q_control.row_memory's hold_time; or no tick for level_s | level, hover thrust | LEVEL |
-| land | land_s | level, less than hover thrust: it sinks | LAND |
+| hold | q2q_control.row_memory's hold_time; or no tick for level_s | level or braking, hover thrust | LEVEL |
+| land | land_s | level or braking, less than hover thrust: it sinks | LAND |
 | cut | cut_s, or an emergency: for good | motors off | CUT |
 
 The age of a vehicle's knowledge is the time since its newest believed measurement, by the stamps and ages

@@ -16,6 +16,8 @@ counts from the guard's first tick. Seen again before it is cut, a vehicle flies
 | age | state.age | since the last accepted measurement, as the filter says [s], (n,) |
 | l | lateness | how much later than usual the tick came, live [s] |
 
+Who is level because nobody sees it brakes from the speed it must have (q2q_control.blind_braking).
+
 A tick older than the last answered one gets the last answer again, as HOLD; older by more than STEP_BACK
 it is a clock that was set back, and everything is forgotten but an emergency.
 """
@@ -27,6 +29,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.blind_braking import BlindBraking
 from q2q_control.controller import Controller
 from q2q_control.fallback import FallbackParams, descended, fallback_command
 from q2q_model.compiled import compiled
@@ -76,7 +79,9 @@ class Guard:
         self._hover_thrust = hover_thrust
         self._lateness = lateness
         self._emergency = False
+        self._braking = BlindBraking()
         self._last: SwarmCommand | None = None
+        self._calm: SwarmState | None = None  # of the last tick, where all was known of everybody
         self._names: Names = ()
         self._basis = np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
@@ -106,10 +111,14 @@ class Guard:
             self.reset()
         command = self._controller.update(state, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
-        calm = self._is_calm(command, state, known)
-        self._last = (
-            command if calm else self._laddered(command, _ages(state, command.names) + max(known, 0.0))
-        )
+        if self._is_calm(command, state, known):
+            self._last, self._calm = command, state
+            return command
+        if self._calm is not None and last is not None:
+            self._braking.sighted(self._calm, last)
+        self._calm = None
+        laddered = self._laddered(command, _ages(state, command.names) + max(known, 0.0))
+        self._last = self._braking.update(state, laddered)
         return self._last
 
     def without_tick(self, age: float) -> SwarmCommand | None:
@@ -124,6 +133,8 @@ class Guard:
 
     def _forget(self) -> None:
         self._last, self._names = None, ()
+        self._calm = None
+        self._braking.reset()
         self._basis = np.zeros(0)
         self._down = np.zeros(0, dtype=np.bool_)
 

@@ -1,0 +1,95 @@
+"""Prove that who is not seen loses the speed it had, and who is seen or level at rest is left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_control.blind_braking import BRAKING_MAX, LAG_S, BlindBraking
+from q2q_model.rotations import quat_from_euler, rotate
+from q2q_model.signals import CommandStatus, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.vehicle import GRAVITY
+
+NAMES = ("cf1", "cf2")
+UP = np.array([0.0, 0.0, 1.0])
+TICK = 0.01
+
+
+def state_at(t: float, vel: np.ndarray, yaw: float = 0.0, age: float = 0.0) -> SwarmState:
+    """Return two vehicles at the same velocity (2,) and yaw, the first measured `age` ago."""
+    return SwarmState(
+        t=t,
+        names=NAMES,
+        pos=np.zeros((2, 3)),
+        vel=np.tile([*vel, 0.0], (2, 1)),
+        quat=quat_from_euler(np.zeros(2), np.zeros(2), np.full(2, yaw)),
+        ang_vel_body=np.zeros((2, 3)),
+        age=np.array([age, 0.0]),
+        status=np.array(
+            [TrackStatus.LOST if age else TrackStatus.TRACKED, TrackStatus.TRACKED], dtype=np.uint8
+        ),
+    )
+
+
+def level_at(t: float, status: CommandStatus = CommandStatus.LEVEL, roll: float = 0.0) -> SwarmCommand:
+    zero = np.zeros(2)
+    statuses = np.array([status, CommandStatus.OK], dtype=np.uint8)
+    return SwarmCommand(t, NAMES, np.full(2, 0.3), np.full(2, roll), zero, zero, statuses)
+
+
+def flown_blind(vel: np.ndarray, yaw: float, status: CommandStatus) -> tuple[np.ndarray, list[SwarmCommand]]:
+    """Return the velocity of the first vehicle, 3 s after it was last seen, and its commands.
+
+    Its body's z axis follows the command with a first-order lag; nothing else moves it.
+    """
+    block, made = BlindBraking(), []
+    block.sighted(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
+    tilt = np.zeros(2)
+    for k in range(1, 300):
+        t = k * TICK
+        made.append(block.update(state_at(t, np.zeros(2), age=t), level_at(t, status)))
+        tilt += TICK / LAG_S * (np.array([made[-1].roll[0], made[-1].pitch[0]]) - tilt)
+        vel = vel + GRAVITY * TICK * rotate(quat_from_euler(tilt[0], tilt[1], yaw), UP)[:2]
+    return vel, made
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
+@pytest.mark.parametrize("status", [CommandStatus.LEVEL, CommandStatus.LAND])
+def test_who_is_not_seen_comes_to_rest_whatever_its_heading(yaw: float, status: CommandStatus) -> None:
+    vel, made = flown_blind(np.array([0.8, -0.6]), yaw, status)
+    # exp(-3 s / 0.5 s) of 1 m/s, and as much again for the largest deceleration at first
+    assert np.linalg.norm(vel) < 2.0 * np.exp(-6.0)
+    decelerations = [GRAVITY * np.hypot(np.tan(one.roll[0]), np.tan(one.pitch[0])) for one in made]
+    assert max(decelerations) <= BRAKING_MAX * (1.0 + 1e-9)
+    for command in made:
+        assert (command.roll[1], command.pitch[1]) == (0.0, 0.0)  # its neighbour is seen
+        np.testing.assert_array_equal(command.thrust, 0.3)
+
+
+def test_a_tilt_that_was_on_its_way_when_a_vehicle_was_lost_counts() -> None:
+    block = BlindBraking()
+    block.sighted(state_at(0.0, np.zeros(2)), level_at(0.0, CommandStatus.OK, roll=-0.2))
+    told = block.update(state_at(TICK, np.zeros(2), age=TICK), level_at(TICK))
+    coming = GRAVITY * np.sin(0.2) * (LAG_S + TICK)  # m/s along y: a roll to the left
+    assert told.roll[0] == pytest.approx(np.arctan(coming / 0.5 / GRAVITY), rel=1e-9)
+    assert told.pitch[0] == 0.0
+
+
+def test_commands_that_are_computed_or_held_are_left_alone() -> None:
+    block = BlindBraking()
+    fast = np.array([1.0, 0.0])
+    block.sighted(state_at(0.0, fast), level_at(0.0, CommandStatus.OK))
+    for status in (CommandStatus.DEGRADED, CommandStatus.HOLD, CommandStatus.CUT):
+        given = level_at(TICK, status)
+        assert block.update(state_at(TICK, fast, age=TICK), given) is given
+    seen = replace(level_at(2.0 * TICK), status=np.full(2, CommandStatus.LEVEL, dtype=np.uint8))
+    assert block.update(state_at(2.0 * TICK, fast), seen) is seen
+
+
+def test_a_vehicle_that_was_never_seen_stays_level() -> None:
+    block = BlindBraking()
+    for k in range(3):
+        state = replace(state_at(k * TICK, np.zeros(2)), age=np.full(2, np.inf))
+        told = block.update(state, level_at(k * TICK))
+        np.testing.assert_array_equal(told.roll, 0.0)
+        np.testing.assert_array_equal(told.pitch, 0.0)
