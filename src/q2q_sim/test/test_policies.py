@@ -150,6 +150,15 @@ def test_an_unseen_vehicle_flown_as_usual_breaks_the_action_after_60_ms() -> Non
     assert "action" not in broken(gone_and_marked)
 
 
+def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
+    # a clock ahead shows stamps to come; set right again, it shows the same stamps without the vehicle
+    blind = [changed(MocapFrame, 3.0, 3.2, pos=with_row(0, np.nan))(one) for one in heard()]
+    ahead = [one for one in heard() if one.topic == "mocap" and 3.0 <= one.signal.t < 3.195]
+    unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
+    assert "action" in {one.policy for one in judge(evidence_of(map(unmarked, blind)), AROUND)}
+    assert "action" not in {one.policy for one in judge(evidence_of(map(unmarked, [*ahead, *blind])), AROUND)}
+
+
 def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
     def told_late(one: Heard) -> Heard:
         return replace(one, at=one.at + 100.0)

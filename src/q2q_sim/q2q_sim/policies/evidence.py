@@ -45,7 +45,7 @@ class Evidence:
     sent_pos: Array
     """Where the controller was to fly them: reference_safe, else reference [m], (T, n, 3)."""
     seen: NDArray[np.bool_]
-    """Whether a frame of the tick had the vehicle, under its name or where it truly was, (T, n)."""
+    """Whether any frame with the tick's stamp had the vehicle, by name or where it truly was, (T, n)."""
     state_pos: Array
     """[m], (T, n, 3)."""
     state_age: Array
@@ -97,7 +97,7 @@ def evidence_of(heard: Iterable[Heard]) -> Evidence:
         names=names,
         true_pos=true_pos,
         sent_pos=table.column(sent, "pos", 3),
-        seen=_seen(table.column(signals.get("mocap", []), "pos", 3), true_pos),
+        seen=_seen(table, signals.get("mocap", []), true_pos),
         state_pos=table.column(states, "pos", 3),
         state_age=table.column(states, "age", 1),
         state_status=table.column(states, "status", 1),
@@ -111,10 +111,18 @@ def evidence_of(heard: Iterable[Heard]) -> Evidence:
     )
 
 
-def _seen(samples: Array, true_pos: Array) -> NDArray[np.bool_]:
-    """Return who was seen, (T, n): markers that carry each other's name are still seen."""
-    apart = np.linalg.norm(samples[:, None] - true_pos[:, :, None], axis=3)  # (T, vehicle, sample)
-    return np.asarray(np.isfinite(samples).all(axis=2) | (apart < SIGHT_M).any(axis=2))
+def _seen(table: "_Table", frames: Sequence[Signal], true_pos: Array) -> NDArray[np.bool_]:
+    """Return who was seen, (T, n): markers that carry each other's name are still seen.
+
+    Stamps are the only clock: where it jumps there are several frames of a stamp, and each of them counts.
+    """
+    seen = np.zeros(true_pos.shape[:2], dtype=np.bool_)
+    while last := set(table.last(frames).values()):
+        samples = table.column(frames, "pos", 3)
+        apart = np.linalg.norm(samples[:, None] - true_pos[:, :, None], axis=3)  # (T, vehicle, sample)
+        seen |= np.isfinite(samples).all(axis=2) | (apart < SIGHT_M).any(axis=2)
+        frames = [frame for k, frame in enumerate(frames) if k not in last]
+    return seen
 
 
 class _Table:
@@ -127,15 +135,19 @@ class _Table:
         """Return one attribute of a topic, (T, n) or (T, n, width); NaN where there is none."""
         shape = (len(self.t), len(self._names), width)
         made = np.full(shape if width > 1 else shape[:2], np.nan)
+        row_of = {k: row for row, k in self.last(signals).items()}
+        for names, some in _by_names(signals, row_of).items():
+            at = index_of(names, self._names)
+            values = np.stack([getattr(signals[k], attribute) for k in some])
+            made[np.ix_([row_of[k] for k in some], at[at >= 0])] = values[:, at >= 0]
+        return made
+
+    def last(self, signals: Sequence[Signal]) -> dict[int, int]:
+        """Return which signal is the last of each row that has any."""
         stamps = np.array([signal.t for signal in signals])
         rows = np.clip(np.searchsorted(self.t, stamps - SAME_TICK), 0, len(self.t) - 1)
         mine = np.abs(self.t[rows] - stamps) <= SAME_TICK
-        last = {row: k for k, row in zip(np.flatnonzero(mine).tolist(), rows[mine].tolist(), strict=True)}
-        for names, some in _by_names(signals, last.values()).items():
-            at = index_of(names, self._names)
-            values = np.stack([getattr(signals[k], attribute) for k in some])
-            made[np.ix_(rows[some], at[at >= 0])] = values[:, at >= 0]
-        return made
+        return dict(zip(rows[mine].tolist(), np.flatnonzero(mine).tolist(), strict=True))
 
 
 def _by_names(signals: Sequence[Signal], chosen: Iterable[int]) -> dict[Names, list[int]]:
