@@ -150,6 +150,18 @@ def test_an_unseen_vehicle_flown_as_usual_breaks_the_action_after_60_ms() -> Non
     assert "action" not in broken(gone_and_marked)
 
 
+def test_who_is_unseen_after_a_clock_jump_is_so_since_its_stamps_are_over() -> None:
+    gone = changed(MocapFrame, 3.0, 3.5, pos=with_row(0, np.nan))
+    unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
+
+    def after(jump: Fault) -> bool:
+        around = replace(AROUND, faults=(jump,))
+        return "action" in broken(lambda one: unmarked(gone(one)), around)
+
+    assert not after(Fault("clock_jump", 2.9, 0.15, size=0.40))  # stamps up to 3.45
+    assert after(Fault("clock_jump", 2.9, 0.15, size=0.30))  # up to 3.35: 0.15 s before it is seen again
+
+
 def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
     # a clock ahead shows stamps to come; set right again, it shows the same stamps without the vehicle
     blind = [changed(MocapFrame, 3.0, 3.2, pos=with_row(0, np.nan))(one) for one in heard()]

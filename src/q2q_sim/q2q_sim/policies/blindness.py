@@ -45,6 +45,12 @@ def lied_to(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask
     return lied
 
 
+def undated(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
+    """Return the ticks whose stamps a jumping clock may have given to frames of other times, (T,)."""
+    jumps = tuple(fault for fault in faults if fault.kind == "clock_jump")
+    return np.asarray(lied_to(evidence, jumps, 0.0).any(axis=1))
+
+
 def _lately(evidence: Evidence, when: Mask, settle: float) -> Mask:
     t = evidence.t[:, None]
     last = np.maximum.accumulate(np.where(when, t, -np.inf), axis=0)
