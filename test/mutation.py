@@ -1,17 +1,21 @@
 """Change the safety code a little, in every place in turn, and count which changes its tests notice.
 
-    python test/mutation.py [--share 0.5]
+    python test/mutation.py [--share 0.5] [--only q2q_control.guard]
 
-Each mutant runs in a fork of one warm process. A mutant is killed when a test fails. Mutations: comparisons,
-and/or, arithmetic, numbers, `not`, and returned values; not the bounds that parameters are declared with.
+Each mutant runs in a fork of one warm process, against the tests of its room alone, slow ones left out: a
+second or a few each. Loops run uncompiled, so that a mutant is not compiled anew. A mutant is killed when a
+test fails. Mutations: comparisons, and/or, arithmetic, numbers, `not`, and returned values; not the bounds
+that parameters are declared with, nor whether a class is frozen.
 """
 
 import argparse
 import ast
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from copy import deepcopy
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from random import Random
@@ -19,10 +23,44 @@ from types import ModuleType
 
 import pytest
 
+os.environ["NUMBA_DISABLE_JIT"] = "1"  # before numba is loaded
+
 ROOT = Path(__file__).parents[1]
-MODULES = ("q2q_control.fallback", "q2q_control.transit", "q2q_control.guard", "q2q_control.tick_watch")
-"""In the order of their imports."""
-TESTS = [str(ROOT / "src/q2q_control/test" / name) for name in ("test_guard.py", "test_fallback.py")]
+STUCK_S = 180
+"""A mutant that takes longer hangs, and that is noticed [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """Hold modules that are mutated together with the tests that must notice."""
+
+    modules: tuple[str, ...]
+    """In the order of their imports."""
+    users: tuple[str, ...]
+    """Modules loaded anew with them, not mutated."""
+    tests: tuple[str, ...]
+    left_out: str
+    """Which tests are not run, in pytest's words: slow ones that others back up."""
+
+
+ROOMS = (
+    Room(
+        tuple(f"q2q_control.{name}" for name in ("fallback", "transit", "guard", "tick_watch")),
+        (),
+        ("src/q2q_control/test/test_guard.py", "src/q2q_control/test/test_fallback.py"),
+        "not mpc",
+    ),
+    Room(
+        tuple(
+            f"q2q_model.tracking.{name}" for name in ("rivals", "swaps", "glide", "attitudes", "positions")
+        ),
+        ("q2q_model.mocap_filter",),
+        ("src/q2q_model/test/test_tracking_gates.py", "src/q2q_model/test/test_mocap_filter.py"),
+        "not no_gate",
+    ),
+)
+DECLARING = {"tunable", "dataclass"}
+"""Calls whose words say what something is, not what it does."""
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
     ast.NotEq: ast.Eq,
@@ -34,10 +72,13 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
 
 def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
     """Yield every mutant of a module with the place of its change."""
+    calls = [
+        call for call in ast.walk(tree) if isinstance(call, ast.Call) and isinstance(call.func, ast.Name)
+    ]
     declared = {
         id(inner)
-        for call in ast.walk(tree)
-        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "tunable"
+        for call in calls
+        if isinstance(call.func, ast.Name) and call.func.id in DECLARING
         for word in call.keywords
         for inner in ast.walk(word)
     }
@@ -47,7 +88,8 @@ def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
         copy = deepcopy(tree)
         here = list(ast.walk(copy))[index]
         if _mutate(here, node):
-            yield f"line {getattr(node, 'lineno', 0)} {type(node).__name__}", ast.fix_missing_locations(copy)
+            made = ast.fix_missing_locations(copy)
+            yield f"line {getattr(node, 'lineno', 0)}: {ast.unparse(node)} -> {ast.unparse(here)}", made
 
 
 def _mutate(here: ast.AST, node: ast.AST) -> bool:
@@ -71,7 +113,7 @@ def _is_value(node: ast.BoolOp | ast.BinOp) -> bool:
     return not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitOr) and "None" in ast.dump(node))
 
 
-def killed(module: ModuleType, tree: ast.Module) -> bool:
+def killed(room: Room, module: ModuleType, tree: ast.Module) -> bool:
     """Return whether the tests notice a mutant, in a process of its own."""
     child = os.fork()
     if child:
@@ -79,17 +121,36 @@ def killed(module: ModuleType, tree: ast.Module) -> bool:
     with Path(os.devnull).open("w") as nothing:
         os.dup2(nothing.fileno(), 1)
         os.dup2(nothing.fileno(), 2)
+    signal.alarm(STUCK_S)
     try:
-        exec(compile(tree, str(module.__file__), "exec"), module.__dict__)  # noqa: S102  our own source
-        for name in MODULES[MODULES.index(module.__name__) + 1 :]:
+        load(module, tree)
+        chain = room.modules + room.users
+        for name in chain[chain.index(module.__name__) + 1 :]:
             later = import_module(name)
-            exec(compile(Path(str(later.__file__)).read_text(), str(later.__file__), "exec"), later.__dict__)  # noqa: S102
-        for name in [name for name, one in sys.modules.items() if getattr(one, "__file__", None) in TESTS]:
+            load(later, source_of(later))
+        tests = {str(ROOT / name) for name in room.tests}
+        for name in [name for name, one in sys.modules.items() if getattr(one, "__file__", None) in tests]:
             del sys.modules[name]  # they hold what the modules were
-        status = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", "not mpc", *TESTS])
+        status = run_tests(room)
     except BaseException:  # noqa: BLE001  a mutant that cannot even be loaded is noticed
         status = 1
-    os._exit(int(status))
+    os._exit(status)
+
+
+def source_of(module: ModuleType) -> ast.Module:
+    """Return the source of a module as it stands."""
+    return ast.parse(Path(str(module.__file__)).read_text())
+
+
+def load(module: ModuleType, tree: ast.Module) -> None:
+    """Run a source in place of a module's own."""
+    exec(compile(tree, str(module.__file__), "exec"), module.__dict__)  # noqa: S102  our own source
+
+
+def run_tests(room: Room) -> int:
+    """Return pytest's verdict on a room."""
+    tests = [str(ROOT / name) for name in room.tests]
+    return int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", room.left_out, *tests]))
 
 
 def main() -> int:
@@ -98,21 +159,26 @@ def main() -> int:
     parser.add_argument(
         "--share", type=float, default=1.0, help="share of the mutants to try, drawn at random"
     )
+    parser.add_argument("--only", default="", help="modules whose names begin so")
     asked = parser.parse_args()
-    pytest.main(["-q", "-p", "no:cacheprovider", "-k", "not mpc", *TESTS])  # loads what is compiled
     tried = dead = 0
     draw = Random(0)
-    for name in MODULES:
-        module = import_module(name)
-        for place, tree in mutants(ast.parse(Path(str(module.__file__)).read_text())):
-            if draw.random() > asked.share:
-                continue
-            tried += 1
-            noticed = killed(module, tree)
-            dead += noticed
-            if not noticed:
-                print(f"survives: {name} {place}", flush=True)
-            print(f"{dead} of {tried}", file=sys.stderr, flush=True)
+    for room in ROOMS:
+        chosen = [name for name in room.modules if name.startswith(asked.only)]
+        if chosen and run_tests(room) != 0:  # loads what is needed, too
+            raise SystemExit("the tests fail without any mutation")
+        for name in chosen:
+            module = import_module(name)
+            before = (dead, tried)
+            for place, tree in mutants(source_of(module)):
+                if draw.random() > asked.share:
+                    continue
+                tried += 1
+                noticed = killed(room, module, tree)
+                dead += noticed
+                if not noticed:
+                    print(f"survives: {name} {place}", flush=True)
+            print(f"{name}: {dead - before[0]} of {tried - before[1]}", flush=True)
     print(f"{dead} of {tried} mutants killed: {100.0 * dead / max(tried, 1):.0f} %")
     return 0
 

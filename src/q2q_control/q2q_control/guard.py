@@ -86,11 +86,6 @@ class Guard:
         self._basis = np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
 
-    @property
-    def last(self) -> SwarmCommand | None:
-        """Return the last answer."""
-        return self._last
-
     def reset(self) -> None:
         """Forget everything, the controller's memory too; an emergency stays."""
         self._controller.reset()

@@ -73,6 +73,10 @@ def test_ages_out_of_order_are_refused(ages: dict[str, float]) -> None:
         FallbackParams(**ages)
 
 
+def test_phases_may_begin_together() -> None:
+    assert FallbackParams(hold_s=0.1, level_s=0.1).hold_s == 0.1
+
+
 def test_a_command_in_the_firmwares_units_is_pitch_roll_yaw_rate_in_degrees_and_pwm() -> None:
     rows = legacy_setpoints(LAST, LegacyScale(thrust_max=0.6))
     np.testing.assert_allclose(rows[0], [np.degrees(0.2), np.degrees(0.1), 0.0, PWM_MAX / 2])

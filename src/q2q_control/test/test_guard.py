@@ -187,18 +187,83 @@ def test_a_controller_that_gives_no_numbers_is_answered_with_level_hover() -> No
                 NAMES,
                 np.array([np.nan, 0.3]),
                 np.array([0.1, 0.1]),
-                np.zeros(2),
-                np.zeros(2),
+                np.array([0.2, 0.2]),
+                np.array([0.3, 0.3]),
                 np.zeros(2, dtype=np.uint8),
             )
 
         def reset(self) -> None:
             pass
 
-    told = guarded(Broken()).update(state_at(0.0), setpoint_at(0.0), None)
-    assert told.thrust.tolist() == [HOVER, 0.3]
-    assert told.roll.tolist() == [0.0, 0.1]
-    assert told.status.tolist() == [LEVEL, OK]
+    guard = guarded(Broken())
+    for t in (0.0, 0.01):  # before the vehicles are known, and after
+        told = guard.update(state_at(t), setpoint_at(t), None)
+        assert told.thrust.tolist() == [HOVER, 0.3]
+        assert told.roll.tolist() == [0.0, 0.1]
+        assert told.pitch.tolist() == [0.0, 0.2]
+        assert told.yaw_rate.tolist() == [0.0, 0.3]
+        assert told.status.tolist() == [LEVEL, OK]
+
+
+class Saturated:
+    """A controller at its limits."""
+
+    def update(self, _: SwarmState, setpoint: SwarmSetpoint, __: object) -> SwarmCommand:
+        """Answer SATURATED."""
+        some = np.full(2, 0.1)
+        return SwarmCommand(setpoint.t, NAMES, some, some, some, some, np.full(2, SATURATED, dtype=np.uint8))
+
+    def reset(self) -> None:
+        """Do nothing."""
+
+
+def test_a_saturated_vehicle_is_a_sound_one_beside_one_that_lands() -> None:
+    guard = guarded(Saturated())
+    for k in range(120):
+        t = k * TICK
+        told = guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None)
+    assert told.status.tolist() == [LAND, SATURATED]
+    again = guard.update(state_at(1.0), setpoint_at(1.0), None)
+    assert again.status.tolist() == [LAND, HOLD]
+
+
+def test_a_repeated_tick_is_no_older_one() -> None:
+    guard = guarded()
+    first = fly(guard, 0, 5)[-1]
+    again = guard.update(state_at(0.04), setpoint_at(0.04), None)
+    assert again.status.tolist() == [OK, OK]
+    np.testing.assert_array_equal(again.pitch, first.pitch)
+
+
+def test_a_tick_just_step_back_older_is_of_the_same_flight() -> None:
+    guard = guarded()
+    guard.update(state_at(2.0), setpoint_at(2.0), None)
+    assert guard.update(state_at(1.0), setpoint_at(1.0), None).t == 2.0
+
+
+def test_phases_begin_at_their_ages_not_after() -> None:
+    guard = guarded()
+    guard.update(state_at(0.0), setpoint_at(0.0), None)
+    at = {
+        t: guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None).status[0]
+        for t in (0.05, 1.0, 5.0)
+    }
+    assert at == {0.05: DEGRADED, 1.0: LAND, 5.0: CUT}
+
+
+def test_lateness_and_the_filters_age_add_up_with_and_without_ticks() -> None:
+    guard = Guard(pid(), PARAMS, HOVER, lateness=lambda _: 0.03)
+    for k in range(10):
+        told = guard.update(state_at(k * TICK, (0.03, 0.0)), setpoint_at(k * TICK), None)
+    assert told.status.tolist() == [DEGRADED, OK]
+    calm = Guard(pid(), PARAMS, HOVER, lateness=lambda _: 0.02)
+    for k in range(10):
+        calm.update(state_at(k * TICK), setpoint_at(k * TICK), None)
+    quiet = calm.without_tick(4.97)
+    late = calm.without_tick(4.99)
+    assert quiet is not None
+    assert late is not None
+    assert (quiet.status[0], late.status[0]) == (LAND, CUT)
 
 
 def test_what_is_known_follows_vehicles_by_name() -> None:
@@ -259,6 +324,30 @@ def test_a_reference_that_stays_away_leaves_a_vehicle_hovering_where_it_was_sent
     assert again.t == 0.13  # the next state is taken at once
 
 
+def test_a_hover_in_place_of_a_reference_is_degraded_even_at_the_limits() -> None:
+    guard = guarded()
+    watch = TickWatch(guard, PARAMS)
+    for t in (0.0, 0.01):
+        guard.update(state_at(t), setpoint_at(t, x=50.0), None)
+    watch.answered(setpoint_at(0.01, x=50.0), now=0.0)
+    command = watch.due(state_at(0.02), now=0.03)  # just then
+    assert command is not None
+    assert command.status.tolist() == [DEGRADED] * 2
+    assert guard.update(state_at(0.02), setpoint_at(0.02, x=50.0), None).status[0] == SATURATED
+
+
+def test_a_word_that_nothing_will_come_is_the_next_look_and_no_more() -> None:
+    _, watch = watched(10)
+    assert watch.due(state_at(0.09), now=100.0 + 0.109, ahead=0.01) is None
+    early = watch.due(state_at(0.09), now=100.0 + 0.111, ahead=0.01)
+    assert early is not None
+    assert early.status.tolist() == [HOLD] * 2
+    assert early.t == pytest.approx(0.09 + PARAMS.hold_s)  # so that the next look's is never older
+    later = watch.due(state_at(0.09), now=100.0 + 0.16, ahead=0.01)
+    assert later is not None
+    assert later.t == pytest.approx(0.16)
+
+
 def test_a_real_tick_ends_the_hovering() -> None:
     guard, watch = watched(10)
     watch.due(state_at(0.12), now=100.125)
@@ -292,10 +381,21 @@ def test_a_stream_that_is_suddenly_late_shows_by_how_much() -> None:
 def test_what_was_usual_is_forgotten_after_two_windows() -> None:
     clock = Transit()
     clock.lateness(0.0, 100.0)
-    late = [clock.lateness(k * TICK, 100.0 + k * TICK + 0.1) for k in range(1, round(2.5 * WINDOW_S / TICK))]
+    late = [clock.lateness(k * TICK, 100.0 + k * TICK + 0.1) for k in range(1, 450)]
     assert late[0] == pytest.approx(0.1, abs=1e-9)
-    assert late[round(1.5 * WINDOW_S / TICK)] == pytest.approx(0.1, abs=1e-9)
+    assert late[300] == pytest.approx(0.1, abs=1e-9)  # windows are of 2 s
     assert late[-1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_window_ends_after_its_length_not_with_it() -> None:
+    clock = Transit()
+    clock.lateness(0.0, 0.0)
+    late = [clock.lateness(now - 0.1, now) for now in (WINDOW_S, 2.5, 4.2)]
+    assert late == pytest.approx([0.1, 0.1, 0.1], abs=1e-9)
+
+
+def test_a_clock_that_runs_slower_lands_nobody_by_itself() -> None:
+    assert PARAMS.land_s > MOST_S
 
 
 def test_lateness_adds_to_the_age() -> None:

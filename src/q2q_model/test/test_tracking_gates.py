@@ -1,0 +1,214 @@
+"""The mocap filter's gates at their bounds, block by block: rivals, swaps, the compiled tick, attitudes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from q2q_model.outliers import REPEAT_STEP, Mask, OutlierThresholds
+from q2q_model.signals import Array
+from q2q_model.tracking.attitudes import AttitudeParams, AttitudeTracks
+from q2q_model.tracking.glide import UNIT_TOLERANCE, glide_attitudes, usual_move
+from q2q_model.tracking.rivals import CONFIRM_SAMPLES, Rivals
+from q2q_model.tracking.swaps import swapped_sources
+
+LIMITS = OutlierThresholds(speed_max=2.0, jump_max=0.25)
+"""Exact in binary, as the times below, so that a bound is met exactly."""
+DT = 0.125
+ONE: Mask = np.ones(1, dtype=bool)
+LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
+
+
+def offered(places: list[float], patience: float = 0.0, start: float = 4.0) -> tuple[Rivals, list[bool]]:
+    """Return what became of refused samples at x = places, DT apart."""
+    rivals = Rivals(1, LIMITS)
+    return rivals, [
+        bool(
+            rivals.offer(
+                start + k * DT, np.array([[x, 0.0, 0.0]]), ONE, np.full(1, patience)
+            )[0]
+        )
+        for k, x in enumerate(places)
+    ]  # fmt: skip
+
+
+def test_a_rival_is_believed_at_its_third_sample_where_it_may_at_once() -> None:
+    assert CONFIRM_SAMPLES == 3
+    assert offered([1.0, 1.0, 1.0, 1.0])[1] == [False, False, True, True]
+
+
+def test_a_rival_must_last_as_long_as_is_asked_and_no_longer() -> None:
+    assert offered([1.0] * 5, patience=3 * DT)[1] == [False, False, False, True, True]
+
+
+def test_a_sample_joins_up_to_its_reach_and_starts_anew_beyond() -> None:
+    reach = LIMITS.jump_max + LIMITS.speed_max * DT  # 0.5 m
+    assert offered([1.0, 1.0 + reach, 1.0 + 2 * reach])[1] == [False, False, True]
+    assert offered([1.0, 1.0, 1.0 + reach + 1e-9, 1.0, 1.0])[1] == [False, False, False, False, False]
+
+
+def test_a_forgotten_rival_begins_again_and_only_refused_samples_count() -> None:
+    rivals, _ = offered([1.0, 1.0])
+    rivals.forget(ONE)
+    place, at_once = np.array([[1.0, 0.0, 0.0]]), np.zeros(1)
+    assert not rivals.offer(4.25, place, ONE, at_once)[0]
+    assert not rivals.offer(4.375, place, ~ONE, at_once)[0]
+    assert not rivals.offer(4.5, place, ONE, at_once)[0]
+    assert rivals.offer(4.625, place, ONE, at_once)[0]
+
+
+def test_a_sample_goes_to_the_nearest_needy_track_within_its_gate_and_never_to_its_own() -> None:
+    measured = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [np.nan] * 3])
+    expected = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.25, 0.0, 0.0]])
+    needy = np.ones(3, dtype=bool)
+    orphans = np.array([True, True, False])
+    assert swapped_sources(measured, expected, np.full(3, 0.5), orphans, needy).tolist() == [1, 0, -1]
+    # row 1 is alone: track 0 is right, and itself is no other
+    alone = np.array([False, True, False])
+    assert swapped_sources(measured, expected, np.full(3, 0.5), alone, needy).tolist() == [1, -1, -1]
+    # track 2 is 0.25 m from row 0: within a gate of just that, not within less
+    only = np.array([False, False, True])
+    at = swapped_sources(measured, expected, np.full(3, 0.25), orphans, only)
+    within = swapped_sources(measured, expected, np.full(3, 0.2499), orphans, only)
+    assert (at.tolist(), within.tolist()) == ([-1, -1, 0], [-1, -1, -1])
+
+
+def moving(gate: float = 0.5, reach: float = 4.0, room: float = 8.0) -> Array:
+    """Return what the compiled tick needs of a motion over half a second."""
+    return np.array([0.5, 0.125, 0.5, gate, reach, room, 0.0])
+
+
+STATE = np.array([[1.0, 2.0, 3.0], [2.0, 0.0, -2.0], [4.0, 0.0, 0.0]])
+"""p, v, a: after half a second at (2.5, 2, 2)."""
+AHEAD = np.array([2.5, 2.0, 2.0])
+
+
+def usual(place: Array, heard: Array | None = None, **limits: float) -> bool:
+    """Return whether a level sample is a usual move of STATE."""
+    before = np.zeros(7) if heard is None else heard
+    return bool(usual_move(STATE, np.append(place, LEVEL), before, moving(**limits)))
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_usual_move_ends_within_the_gate_of_every_axis(axis: int, sign: float) -> None:
+    step = np.zeros(3)
+    step[axis] = sign * 0.5
+    assert usual(AHEAD + step)
+    assert not usual(AHEAD + 1.001 * step)
+    step[axis] = np.nan
+    assert not usual(AHEAD + step)
+
+
+def test_a_usual_move_is_within_reach_of_the_last_place_and_within_the_room() -> None:
+    assert usual(AHEAD, reach=1.5)
+    assert not usual(AHEAD, reach=1.4999)
+    assert usual(AHEAD, room=2.5)
+    assert not usual(AHEAD, room=2.4999)
+
+
+def test_an_old_pose_again_is_no_move_where_the_vehicle_should_have_moved() -> None:
+    again = np.append(AHEAD, LEVEL)
+    assert not usual(AHEAD, again)
+    for column in range(7):  # news in any column
+        other = again.copy()
+        other[column] += 1e-12
+        assert usual(AHEAD, other)
+    unseen = np.append(AHEAD, np.full(4, np.nan))
+    assert not usual_move(STATE, unseen, unseen, moving())
+    assert usual_move(STATE, unseen, again, moving())
+    assert usual_move(STATE, again, unseen, moving())
+    rest = np.zeros((3, 3))
+    still = np.append(np.zeros(3), LEVEL)
+    assert usual_move(rest, still, still, moving())
+    for speed, moved in ((REPEAT_STEP, False), (2.01 * REPEAT_STEP, True)):  # over half a second
+        slow = rest.copy()
+        slow[1, 0] = speed
+        assert usual_move(slow, still, still, moving()) is not moved
+
+
+def turned(angle: float, length: float = 1.0, *, least: float = math.cos(0.25)) -> tuple[bool, Array, Array]:
+    """Return what the compiled tick makes of a turn about z within half a second, rate unfiltered."""
+    pose = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, length * math.sin(angle / 2), length * math.cos(angle / 2)]])
+    quat, rate = LEVEL[None].copy(), np.zeros((1, 3))
+    taken = glide_attitudes(pose, quat, rate, (0.5, least, 1.0), np.empty(4))
+    return bool(taken), quat[0], rate[0]
+
+
+@pytest.mark.parametrize("length", [1.0 - 0.99 * UNIT_TOLERANCE, 1.0 + 0.99 * UNIT_TOLERANCE])
+def test_a_quaternion_a_little_off_its_length_is_taken_as_the_unit_one(length: float) -> None:
+    taken, quat, rate = turned(0.4, length)
+    assert taken
+    np.testing.assert_allclose(quat, [0.0, 0.0, math.sin(0.2), math.cos(0.2)], atol=1e-15)
+    np.testing.assert_allclose(rate, [0.0, 0.0, 0.8], atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "length", [0.0, 1.0 - 1.01 * UNIT_TOLERANCE, 1.0 + 1.01 * UNIT_TOLERANCE, 2.0, np.nan]
+)
+def test_a_damaged_quaternion_or_too_great_a_turn_is_not_usual(length: float) -> None:
+    assert not turned(0.4, length)[0]
+    assert turned(0.49)[0]
+    assert not turned(0.51)[0]
+    assert not turned(-0.51)[0]
+
+
+PARAMS = AttitudeParams(turn_max=0.5, turn_rate_max=2.0, rate_filter_s=0.0, reacquire_s=0.5, coast_s=0.25)
+
+
+def yawed(angle: float, length: float = 1.0) -> Array:
+    """Return a pose turned about z, (1, 7)."""
+    return np.array([[0.0, 0.0, 0.0, 0.0, 0.0, length * math.sin(angle / 2), length * math.cos(angle / 2)]])
+
+
+def test_the_first_attitude_is_taken_and_made_a_unit_one() -> None:
+    tracks = AttitudeTracks(PARAMS, 1)
+    assert tracks.update(4.0, yawed(1.0, 1.04)) == 0
+    np.testing.assert_allclose(tracks.quat[0], yawed(1.0)[0, 3:], atol=1e-15)
+
+
+@pytest.mark.parametrize(("angle", "taken"), [(0.74, True), (0.76, False), (-0.74, True), (-0.76, False)])
+def test_a_turn_is_believed_up_to_its_bound(angle: float, taken: bool) -> None:
+    gap = 0.125
+    tracks = AttitudeTracks(PARAMS, 1)
+    tracks.update(4.0, yawed(0.0))
+    assert tracks.update(4.0 + gap, yawed(angle)) == int(not taken)  # 0.5 + 2 * 0.125 rad
+    after = angle if taken else 0.0
+    np.testing.assert_allclose(tracks.quat[0], yawed(after)[0, 3:], atol=1e-15)
+    rate = angle / gap if taken else 0.0
+    np.testing.assert_allclose(tracks.ang_vel_body[0], [0.0, 0.0, rate], atol=1e-12)
+
+
+def test_a_refused_attitude_that_lasts_is_believed_just_then_and_its_rate_unknown() -> None:
+    tracks = AttitudeTracks(PARAMS, 1)
+    tracks.update(4.0, yawed(0.0))
+    refused = [tracks.update(4.125 + k * 0.125, yawed(3.0)) for k in range(5)]
+    assert refused == [1, 1, 1, 1, 0]
+    np.testing.assert_allclose(tracks.quat[0], yawed(3.0)[0, 3:], atol=1e-15)
+    assert tracks.ang_vel_body[0].tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(("gap", "known"), [(0.25, True), (0.375, False)])
+def test_after_a_gap_longer_than_coasting_a_rate_is_not_made_up(gap: float, known: bool) -> None:
+    tracks = AttitudeTracks(PARAMS, 1)
+    tracks.update(4.0, yawed(0.0))
+    tracks.update(4.0 + gap, yawed(0.3))
+    assert tracks.ang_vel_body[0, 2] == pytest.approx(0.3 / gap if known else 0.0)
+
+
+@pytest.mark.parametrize("wrong", [0.9, 1.1, np.nan, 0.0, 1e300])
+def test_what_is_no_unit_quaternion_is_a_missing_one(wrong: float) -> None:
+    tracks = AttitudeTracks(PARAMS, 1)
+    tracks.update(4.0, yawed(0.2))
+    with np.errstate(all="ignore"):
+        assert tracks.update(4.125, wrong * yawed(0.4)) == 0
+    np.testing.assert_allclose(tracks.quat[0], yawed(0.2)[0, 3:], atol=1e-15)
+    assert tracks.ang_vel_body[0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_the_nearer_of_two_attitudes_is_the_one_with_less_turn() -> None:
+    tracks = AttitudeTracks(PARAMS, 1)
+    tracks.update(4.0, yawed(0.0))
+    near, far, none = yawed(0.2)[:, 3:], yawed(0.4)[:, 3:], np.full((1, 4), np.nan)
+    for one, other in ((near, far), (far, near), (near, none), (none, near), (-near, far)):
+        assert abs(tracks.nearest(one, other)[0, 2]) == pytest.approx(math.sin(0.1))
