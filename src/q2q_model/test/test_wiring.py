@@ -1,6 +1,6 @@
 """When the nodes of a flight are wired."""
 
-from q2q_model.wiring import Wiring, unmatched, wiring_from_text
+from q2q_model.wiring import Wiring, unmatched, unserved, wiring_from_text
 
 SOURCE = Wiring(reads=("/command",), matched={"/mocap": 2})
 FILTER = Wiring(reads=("/mocap",), matched={"/state": 1})
@@ -28,7 +28,16 @@ def test_a_watching_reader_is_waited_for_only_where_the_writer_promises() -> Non
     assert unmatched({"filter": promising, "watching": watching}) == {"filter": ["/state"]}
 
 
+def test_a_latched_value_is_waited_for_where_it_is_out() -> None:
+    reader = Wiring(reads=("/plan",), matched={}, lacks=("/plan",))
+    assert unserved({"mpc": reader, "player": Wiring((), {"/plan": 1}, out=("/plan",))}) == {"mpc": ["/plan"]}
+    assert unserved({"mpc": reader, "player": Wiring((), {"/plan": 1})}) == {}  # it comes with the first tick
+    served = Wiring(reads=("/plan",), matched={})
+    assert unserved({"mpc": served, "player": Wiring((), {"/plan": 1}, out=("/plan",))}) == {}
+
+
 def test_wiring_survives_its_text() -> None:
     watching = Wiring(("/a", "/b"), {"/c": 2, "/d": 0}, ("/a",), ("/d",))
-    for wiring in (SOURCE, FILTER, PID, watching, Wiring((), {})):
+    latched = Wiring(("/plan",), {"/plan": 1}, out=("/plan",), lacks=("/model",))
+    for wiring in (SOURCE, FILTER, PID, watching, latched, Wiring((), {})):
         assert wiring_from_text(wiring.as_text()) == wiring

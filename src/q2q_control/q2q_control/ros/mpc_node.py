@@ -22,6 +22,7 @@ from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.parameters import declare, on_change
 from q2q_model.ros.qos import LATCHED
+from q2q_model.ros.ready import expect_latched
 from q2q_model.ros.run import run
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
@@ -80,6 +81,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
     def take_plan(message: Plan) -> None:
         block.preview = preview_of(message)
+        plan_came()
 
     def answer(state: SwarmState, setpoint: SwarmSetpoint, draft: Interference | None = None) -> SwarmCommand:
         command = guarded.update(state, setpoint, draft)
@@ -88,7 +90,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         wiring.health.extra["iterations"] = str(report.iterations)
         return command
 
-    node.create_subscription(Plan, "plan", take_plan, LATCHED)
+    plan_came = expect_latched(node, node.create_subscription(Plan, "plan", take_plan, LATCHED))
     wiring.rehearse(answer, guarded.reset, own.vehicles)
     wiring.start(_within(budget, answer))
     return wiring

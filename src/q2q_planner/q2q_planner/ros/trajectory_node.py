@@ -9,6 +9,7 @@ from rclpy.node import Node
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED
+from q2q_model.ros.ready import latched_is_out
 from q2q_model.ros.run import run
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import MocapFrame, SwarmSetpoint
@@ -48,6 +49,9 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
             latched.publish(encode_plan(plan, clock.start_ns))
         return setpoint_at(plan, frame.t, clock.start)
 
+    if params.start >= 0.0:  # known before the first tick: whoever looks ahead has it in time
+        latched.publish(encode_plan(plan, clock.start_ns))
+        latched_is_out(node, latched)
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
     wiring.start(update)
     return wiring

@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger
 from q2q_model.ros.qos import LATCHED
 from q2q_model.ros.ready import DRAINED, SERVICE
 from q2q_model.ros.run import make_executor
-from q2q_model.wiring import unmatched, wiring_from_text
+from q2q_model.wiring import unmatched, unserved, wiring_from_text
 
 POLL_S = 0.05
 """How often the graph is asked [s]."""
@@ -62,7 +62,7 @@ class FlightDirector:
     def wait_wired(
         self, nodes: Iterable[str], timeout_s: float, meanwhile: Callable[[], None] = lambda: None
     ) -> None:
-        """Return once every writer of the named nodes has matched every reader in the graph.
+        """Return once every writer of the named nodes has matched every reader, and what is latched has come.
 
         Raises:
             TimeoutError: naming what is not wired after timeout_s [s].
@@ -124,7 +124,11 @@ class FlightDirector:
         wirings = {name: wiring_from_text(answer.message) for name, answer in answers.items() if answer}
         silent = [f"{name} has not answered" for name in clients if name not in wirings]
         short = unmatched(wirings).items()
-        return silent or [f"{name} waits for readers of {', '.join(topics)}" for name, topics in short]
+        late = unserved(wirings).items()
+        return silent or [
+            *(f"{name} waits for readers of {', '.join(topics)}" for name, topics in short),
+            *(f"{name} waits for {', '.join(topics)}" for name, topics in late),
+        ]
 
     def _call(self, client: Client) -> Trigger.Response | None:
         future = client.call_async(Trigger.Request())

@@ -24,7 +24,7 @@ from std_srvs.srv import Trigger
 from q2q_model.ros.qos import LATCHED
 from q2q_model.ros.ready import DRAIN, DRAINED, offer_drained, wiring_of
 from q2q_model.ros.run import make_executor
-from q2q_model.wiring import unmatched
+from q2q_model.wiring import unmatched, unserved
 from q2q_sim.flight_clock import FlightTiming, timing_of
 from q2q_sim.ros import stack
 from q2q_sim.ros.bag_record_node import Recorder
@@ -112,7 +112,8 @@ def _flown(cast: _Cast, patience_s: float) -> FlightTiming:
 
 
 def _is_wired(cast: _Cast) -> bool:
-    return not unmatched({node.get_name(): wiring_of(node) for node in (*cast.nodes, cast.watcher)})
+    wirings = {node.get_name(): wiring_of(node) for node in (*cast.nodes, cast.watcher)}
+    return not unmatched(wirings) and not unserved(wirings)
 
 
 def _drain(cast: _Cast) -> None:
