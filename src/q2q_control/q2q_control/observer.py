@@ -27,6 +27,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array, Names, index_of
 
 GAP_MAX = 0.1
@@ -87,16 +88,15 @@ class DisturbanceObserver:
         if not 0.0 < step <= GAP_MAX:
             self._known[:] = False
             step = GAP_MAX  # of no consequence: no row is known
-        before = _moved(self.estimate, seen.acc, step)
-        off = np.where((seen.fresh & self._known)[:, None], seen.pos - before.pos, 0.0)
         gain = observer_gain(self._poles[0], self._poles[1], step)
-        known = self._known[:, None]
-        d = np.clip(before.disturbance + gain[2] * off, -self._max, self._max)
-        self.estimate = Estimate(
-            np.where(known, before.pos + gain[0] * off, seen.pos),
-            np.where(known, before.vel + gain[1] * off, seen.vel),
-            np.where(known, d, 0.0),
+        old = self.estimate
+        moved = correct(
+            (old.pos, old.vel, old.disturbance),
+            (seen.pos, seen.vel, seen.acc, seen.fresh),
+            self._known,
+            (*gain, step, self._max),
         )
+        self.estimate = Estimate(*moved)
         self._known |= seen.fresh
         return self.estimate
 
@@ -124,10 +124,29 @@ def observer_gain(state: float, disturbance: float, step: float) -> tuple[float,
     return l1, l2 / step, l3 / step**2
 
 
-def _moved(estimate: Estimate, acc: Array, step: float) -> Estimate:
-    whole = acc + estimate.disturbance
-    return Estimate(
-        estimate.pos + step * estimate.vel + 0.5 * step * step * whole,
-        estimate.vel + step * whole,
-        estimate.disturbance,
-    )
+def _correct_py(
+    old: tuple[Array, Array, Array],
+    seen: tuple[Array, Array, Array, NDArray[np.bool_]],
+    known: NDArray[np.bool_],
+    rule: tuple[float, float, float, float, float],
+) -> tuple[Array, Array, Array]:
+    l1, l2, l3, step, most = rule
+    seen_pos, seen_vel, acc, fresh = seen
+    pos, vel, d = np.empty(old[0].shape), np.empty(old[0].shape), np.empty(old[0].shape)
+    for v in range(pos.shape[0]):
+        for axis in range(3):
+            if not known[v]:
+                pos[v, axis], vel[v, axis], d[v, axis] = seen_pos[v, axis], seen_vel[v, axis], 0.0
+                continue
+            whole = acc[v, axis] + old[2][v, axis]
+            ahead = old[0][v, axis] + step * old[1][v, axis] + 0.5 * step * step * whole
+            off = seen_pos[v, axis] - ahead if fresh[v] else 0.0
+            pos[v, axis] = ahead + l1 * off
+            vel[v, axis] = old[1][v, axis] + step * whole + l2 * off
+            d[v, axis] = min(max(old[2][v, axis] + l3 * off, -most), most)
+    return pos, vel, d
+
+
+correct = compiled(_correct_py)
+"""Return pos, vel, disturbance (n, 3) each: (the last ones, a Measurement's arrays, who is known (n,),
+(l1, l2 / h, l3 / h^2, h, largest d))."""

@@ -15,6 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array, Names, SwarmSetpoint, index_of
 
 FADE = 1.0
@@ -55,12 +56,8 @@ class SampledPreview:
         """Return the samples at `times`, straight lines between them, (n, K, 9)."""
         last = self.samples.shape[1] - 1
         place = np.clip((times - self.start) / self.step, 0.0, last)
-        before = np.minimum(place.astype(np.intp), max(last - 1, 0))
-        share = (place - before)[:, None]
-        after = np.minimum(before + 1, last)
-        known = self.samples[:, before] * (1.0 - share) + self.samples[:, after] * share
-        rows = index_of(names, self.names)
-        return known if names == self.names else _picked(known, rows)
+        known = between(self.samples, place)
+        return known if names == self.names else _picked(known, index_of(names, self.names))
 
 
 def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, times: Array) -> Array:
@@ -110,3 +107,19 @@ def _picked(known: Array, rows: NDArray[np.intp]) -> Array:
     picked = known[rows]
     picked[rows < 0] = np.nan
     return picked
+
+
+def _between(samples: Array, place: Array) -> Array:
+    last = samples.shape[1] - 1
+    found = np.empty((samples.shape[0], place.size, samples.shape[2]))
+    for k in range(place.size):
+        before = min(int(place[k]), max(last - 1, 0))
+        after, share = min(before + 1, last), place[k] - before
+        for v in range(samples.shape[0]):
+            for c in range(samples.shape[2]):
+                found[v, k, c] = samples[v, before, c] * (1.0 - share) + samples[v, after, c] * share
+    return found
+
+
+between = compiled(_between)
+"""Return samples (n, T, c) at places (K,) between 0 and T - 1, straight lines between them, (n, K, c)."""

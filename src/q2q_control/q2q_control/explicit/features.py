@@ -144,13 +144,13 @@ def _roll_out_py(state: Array, push: Array, gains: Array, wanted: Array) -> floa
         gains[_PUSH_AHEAD],
         gains[_PUSH],
     )
-    quu, effort = gains[_SCALARS, 0], gains[_SCALARS, 1]
+    each, effort = 1.0 / gains[_SCALARS, 0], gains[_SCALARS, 1]
     a = gains[_A : _A + 3]
     end = push[push.size - 1]
     s0, s1, s2 = gains[_P, 2] * end, gains[_P + 1, 2] * end, gains[_P + 2, 2] * end
     for k in range(push.size - 1, -1, -1):
         s0, s1, s2 = s0 + push[k] * ahead_push[0], s1 + push[k] * ahead_push[1], s2 + push[k] * ahead_push[2]
-        offset = -(b[0] * s0 + b[1] * s1 + b[2] * s2 + effort * push[k]) / quu
+        offset = -(b[0] * s0 + b[1] * s1 + b[2] * s2 + effort * push[k]) * each
         wanted[k] = offset
         s2 = a[0, 2] * s0 + a[1, 2] * s1 + a[2, 2] * s2 + offset * qux[2]
         s1 = a[0, 1] * s0 + a[1, 1] * s1 + offset * qux[1]

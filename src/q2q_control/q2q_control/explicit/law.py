@@ -96,32 +96,48 @@ def _network_py(weights: Array, sizes: NDArray[np.int64], x: Array, scratch: Arr
     """Return the network's answer; x becomes z."""
     h1, h2 = sizes[0], sizes[1]
     place = 2 * WIDTH
-    total = weights[place + WIDTH]
     for i in range(WIDTH):
         x[i] = (x[i] - weights[i]) * weights[WIDTH + i]
-        total += weights[place + i] * x[i]
+    total = _dot(weights[place : place + WIDTH], x) + weights[place + WIDTH]
     place += WIDTH + 1
     for a in range(h1):
-        inside = weights[place + WIDTH]
-        for i in range(WIDTH):
-            inside += weights[place + i] * x[i]
-        scratch[a] = np.tanh(inside)
+        scratch[a] = np.tanh(_dot(weights[place : place + WIDTH], x) + weights[place + WIDTH])
         place += WIDTH + 1
+    one = scratch[:h1]
     for b in range(h2):
-        inside = weights[place + h1]
-        for a in range(h1):
-            inside += weights[place + a] * scratch[a]
-        scratch[h1 + b] = np.tanh(inside)
+        scratch[h1 + b] = np.tanh(_dot(weights[place : place + h1], one) + weights[place + h1])
         place += h1 + 1
-    for b in range(h2):
-        total += weights[place + b] * scratch[h1 + b]
-    return float(total)
+    return float(total + _dot(weights[place : place + h2], scratch[h1 : h1 + h2]))
+
+
+def _dot_py(left: Array, right: Array) -> float:
+    """Return the product of two rows: in a function of its own it is vectorised, three times as quick."""
+    total = 0.0
+    for i in range(left.size):
+        total += left[i] * right[i]
+    return total
+
+
+def _evaluate_all_py(
+    weights: Array,
+    sizes: NDArray[np.int64],
+    pairs: tuple[Array, Array, Array],
+    scratch: Array,
+) -> Array:
+    states, push, slope = pairs
+    found = np.empty(states.shape[0])
+    for k in range(found.size):
+        found[k] = evaluate_one(weights, sizes, (states[k], push[k], slope[k]), scratch)
+    return found
 
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
+_dot = compiled(_dot_py, **_OPTIONS)
 _network = compiled(_network_py, **_OPTIONS)
 evaluate_one = compiled(_evaluate_one_py, **_OPTIONS)
 """Return u [m/s^2] of one pair: `weights`, `sizes` of `packed`, a PairHorizon's arrays, `scratch_of`."""
+evaluate_all = compiled(_evaluate_all_py, **_OPTIONS)
+"""Return u [m/s^2] of K pairs (K,): as `evaluate_one`, of a PairHorizon's arrays with K rows."""
 
 
 def to_text(law: ExplicitLaw) -> str:

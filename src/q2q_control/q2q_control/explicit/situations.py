@@ -47,7 +47,7 @@ class Encounters:
     @property
     def length(self) -> int:
         """Return M, the stages that are flown."""
-        return self.extra.shape[2] - STAGES
+        return int(self.extra.shape[2]) - STAGES
 
     def ahead(self, states: Array, k: int) -> Situations:
         """Return the situations at stage k in `states` (E, 2, 3)."""
@@ -78,7 +78,7 @@ def random_encounters(count: int, length: int, step: float, rng: np.random.Gener
     """Return encounters of `length` stages of `step` [s]; a third of them are pushed otherwise too."""
     stages = length + STAGES
     tau = np.arange(stages + 1) * step - rng.uniform(1.0, length * step, count)[:, None]
-    speed = np.exp(rng.uniform(*np.log(GLIDES), count))[:, None]
+    speed = (GLIDES[0] * (GLIDES[1] / GLIDES[0]) ** rng.random(count))[:, None]
     dwell = rng.uniform(*DWELLS, count)[:, None]
     stops = rng.random((count, 1)) < 0.4
     along = np.where(stops, speed * tau**3 / (tau**2 + dwell**2), speed * tau)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.explicit.features import STAGES
-from q2q_control.explicit.law import ExplicitLaw, evaluate_one, packed, scratch_of
+from q2q_control.explicit.law import ExplicitLaw, evaluate_all, packed, scratch_of
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.chain_sweep import sweep, sweep_gains
 from q2q_control.mpc.draft_horizon import DraftHorizon
@@ -21,9 +21,12 @@ from q2q_control.mpc.horizon import SOLVED, Answer, Horizon
 from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.present import axis_lags
 from q2q_control.mpc.receding import Mpc
+from q2q_model.compiled import compiled
 from q2q_model.interaction.model import InteractionModel
 from q2q_model.signals import Array
 from q2q_model.vehicle import Vehicle
+
+Rows = NDArray[np.intp]
 
 
 class ExplicitSolver:
@@ -64,16 +67,15 @@ class ExplicitSolver:
         ref = horizon.reference
         states = horizon.start[:, 2] - np.stack([ref[:, 0, 2], ref[:, 0, 5], np.zeros(len(ref))], axis=1)
         push = horizon.push[..., 2] - ref[:, :-1, 8]
-        lifts = np.empty(len(ref))
-        for v, (other, slope) in enumerate(_neighbours(drafts, len(ref))):
-            known = other >= 0
-            pair = (
-                np.stack([states[v], states[other] if known else np.zeros(3)]),
-                np.stack([push[v], push[other] if known else np.zeros(STAGES)]),
-                slope,
-            )
-            lifts[v] = ref[v, 0, 8] + evaluate_one(self._weights, self._sizes, pair, self._scratch)
-        return lifts
+        other, slope = _neighbours(drafts, len(ref))
+        known = (other >= 0)[:, None]
+        pairs = (
+            np.stack([states, np.where(known, states[other], 0.0)], axis=1),
+            np.stack([push, np.where(known, push[other], 0.0)], axis=1),
+            slope,
+        )
+        lifts = evaluate_all(self._weights, self._sizes, pairs, self._scratch)
+        return np.asarray(ref[:, 0, 8] + lifts)
 
 
 def explicit_controller(
@@ -94,21 +96,29 @@ def explicit_controller(
     return controller
 
 
-def _neighbours(drafts: DraftHorizon, n: int) -> list[tuple[int, Array]]:
-    """Return each vehicle's neighbour, -1 where none, and the slopes of both drafts (2, N)."""
-    slope = drafts.slope[..., 2, 2]  # (pairs, N)
-    strength = np.abs(slope).max(axis=1) if slope.size else np.zeros(0)
-    found = []
-    for v in range(n):
-        mine = np.flatnonzero(((drafts.i == v) & (drafts.j < n)) | ((drafts.j == v) & (drafts.i < n)))
-        both = np.zeros((2, STAGES))
-        if mine.size == 0:
-            found.append((-1, both))
+def _neighbours(drafts: DraftHorizon, n: int) -> tuple[Rows, Array]:
+    """Return each vehicle's neighbour, -1 where none, (n,), and the slopes of both drafts, (n, 2, N)."""
+    return neighbours((drafts.i, drafts.j, np.ascontiguousarray(drafts.slope[..., 2, 2])), n)
+
+
+def _neighbours_py(drafts: tuple[Rows, Rows, Array], n: int) -> tuple[Rows, Array]:
+    i, j, slope = drafts
+    other, strongest = np.full(n, -1), np.zeros(n)
+    both = np.zeros((n, 2, slope.shape[1]))
+    for pair in range(i.size):
+        if i[pair] >= n or j[pair] >= n:
             continue
-        best = mine[np.argmax(strength[mine])]
-        other = int(drafts.i[best] + drafts.j[best] - v)
-        for row, feels, causes in ((0, v, other), (1, other, v)):
-            for pair in np.flatnonzero((drafts.i == feels) & (drafts.j == causes)):
-                both[row] = slope[pair]
-        found.append((other, both))
-    return found
+        strength = np.abs(slope[pair]).max()
+        for v, partner in ((i[pair], j[pair]), (j[pair], i[pair])):
+            if strength > strongest[v]:
+                strongest[v], other[v] = strength, partner
+    for pair in range(i.size):
+        if i[pair] < n and other[i[pair]] == j[pair]:
+            both[i[pair], 0] = slope[pair]
+        if j[pair] < n and other[j[pair]] == i[pair]:
+            both[j[pair], 1] = slope[pair]
+    return other, both
+
+
+neighbours = compiled(_neighbours_py)
+"""The same of (i, j (pairs,), vertical slopes (pairs, N)): who answers most if heights change."""

@@ -15,6 +15,7 @@ from q2q_control.explicit.situations import Situations
 from q2q_control.mpc.chain import Chain, ChainWeights, chain
 from q2q_control.mpc.draft_horizon import DELTA
 from q2q_control.mpc.horizon import Horizon
+from q2q_control.mpc.input_bounds import FALL
 from q2q_control.mpc.joint_problem import GroupShape, group_shape, joint_parts
 from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.riccati import solve_from
@@ -27,8 +28,6 @@ ROUNDS = 2
 """Linearisations of each answer."""
 MOST = 60
 """Recursions of each solve at most: teachers have time."""
-FALL = 0.95
-"""Share of its weight that a vehicle may drop at most [-], as q2q_control.mpc.receding has it."""
 
 
 @dataclass(frozen=True, slots=True)

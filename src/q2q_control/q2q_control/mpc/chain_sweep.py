@@ -95,6 +95,20 @@ def _rolled_out_py(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Arr
     return inside
 
 
+def _sweep_free_py(
+    horizon: Horizon, free: NDArray[np.bool_], gains: tuple[Array, Array], answer: tuple[Array, Array]
+) -> NDArray[np.bool_]:
+    pos, inputs = answer
+    crossing = np.zeros(free.shape, np.bool_)
+    for v in range(free.shape[0]):
+        for axis in range(3):
+            if free[v, axis]:
+                own = gains[0] if axis < 2 else gains[1]
+                _offsets(horizon, v, axis, (own, inputs))
+                crossing[v, axis] = not _rolled_out(horizon, v, axis, (own, pos, inputs))
+    return crossing
+
+
 _offsets = compiled(_offsets_py, error_model="numpy")
 _rolled_out = compiled(_rolled_out_py, error_model="numpy")
 sweep = compiled(_sweep_py)
@@ -102,3 +116,7 @@ sweep = compiled(_sweep_py)
 
 Returns which chains keep their bounds, (C,). `gains` are those of `sweep_gains`, the same for all chains.
 """
+sweep_free = compiled(_sweep_free_py)
+"""Fill `answer` of the chains that are `free` (n, 3); return which of them cross a bound, (n, 3).
+
+`gains` are those of x and y, then of z."""

@@ -19,10 +19,12 @@ the predicted one.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.mpc.draft_stages import extent, gather, lay_out, look_back, meeting, nudge
 from q2q_model.interaction.model import InteractionModel, PairMotion, Reach
 from q2q_model.neighbours import pairs_in_reach
 from q2q_model.signals import Array
@@ -79,26 +81,20 @@ class SlopeRule:
 
 def predict_drafts(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -> DraftHorizon:
     """Return drafts and slopes along the horizon."""
-    path = tracks.pos[tracks.first :]  # (N + 1, n, 3)
-    middle = 0.5 * (path[1:] + path[:-1])
-    i, j = _near_pairs(model.reach, middle)
-    if i.size == 0:
+    pairs = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]))
+    if pairs[0].size == 0:
         return no_drafts(tracks)
-    here = np.swapaxes(middle, 0, 1)  # (n, N, 3)
-    rel = _retarded(model, tracks, here, (i, j))
-    step = np.diff(tracks.times[tracks.first :])
-    vel = np.swapaxes(np.diff(path, axis=0) / step[:, None, None], 0, 1)
-    motion = PairMotion(source_vel=vel[j], source_axis=tracks.axis[j], vel=vel[i])
-    law, slope = _law_and_slope(model, rel, motion, rule.moves)
-    strong = np.abs(law).max(axis=(1, 2)) > FAINT
-    if not strong.all():
-        i, j, law, slope = i[strong], j[strong], law[strong], slope[strong]
-    count = tracks.trust[:, None] if tracks.strength is None else tracks.trust[:, None] * tracks.strength
-    if not (count == 1.0).all():
-        law, slope = law * count[j][..., None], slope * count[j][..., None, None]
-    eta = np.zeros(here.shape)
-    np.add.at(eta, i, law)
-    return DraftHorizon(eta, i, j, np.clip(slope, -rule.slope_max, rule.slope_max))
+    n, stages = tracks.axis.shape[:2]
+    moves = np.array(rule.moves)
+    law = _law_at_places(model, tracks, pairs, moves)
+    count = np.ones((n, stages)) * tracks.trust[:, None]
+    if tracks.strength is not None:
+        count *= tracks.strength
+    eta, slope = np.zeros((n, stages, 3)), np.zeros((pairs[0].size, stages, 3, 3))
+    strong = gather(law, pairs, (moves, DELTA, FAINT, rule.slope_max), count, (eta, slope))
+    if strong.all():
+        return DraftHorizon(eta, pairs[0], pairs[1], slope)
+    return DraftHorizon(eta, pairs[0][strong], pairs[1][strong], slope[strong])
 
 
 def no_drafts(tracks: Tracks) -> DraftHorizon:
@@ -108,57 +104,34 @@ def no_drafts(tracks: Tracks) -> DraftHorizon:
     return DraftHorizon(np.zeros((n, stages, 3)), none, none, np.zeros((0, stages, 3, 3)))
 
 
-def _near_pairs(reach: Reach, middle: Array) -> tuple[Rows, Rows]:
-    """Return the ordered pairs that come within reach at some stage of `middle` (N, n, 3)."""
-    n = middle.shape[1]
+def _near_pairs(reach: Reach, path: Array) -> tuple[Rows, Rows]:
+    """Return the ordered pairs that come within reach at some stage of `path` (N + 1, n, 3)."""
+    n = path.shape[1]
     if reach.horizontal <= 0.0 or n < 2:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
     if n <= ALL_PAIRS:
-        i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
+        pairs = _all_pairs(n)
     else:
-        low, high = middle.min(axis=0), middle.max(axis=0)  # (n, 3)
-        half = 0.5 * (high - low).max(axis=0)
-        wide = Reach(
-            reach.horizontal + 2.0 * float(np.hypot(half[0], half[1])), reach.vertical + 2.0 * float(half[2])
-        )
-        i, j = pairs_in_reach(0.5 * (low + high), wide)
-    rel = middle[:, j] - middle[:, i]  # (N, pairs, 3)
-    across2 = rel[..., 0] ** 2 + rel[..., 1] ** 2
-    near = (across2 <= reach.horizontal**2) & (np.abs(rel[..., 2]) <= reach.vertical)
-    hit = near.any(axis=0)
-    return i[hit], j[hit]
+        centre, half = extent(path)
+        aside = reach.horizontal + 2.0 * float(np.hypot(half[0], half[1]))
+        pairs = pairs_in_reach(centre, Reach(aside, reach.vertical + 2.0 * float(half[2])))
+    hit = meeting(path, pairs, (reach.horizontal, reach.vertical))
+    return pairs if hit.all() else (pairs[0][hit], pairs[1][hit])
 
 
-def _retarded(model: InteractionModel, tracks: Tracks, here: Array, pairs: tuple[Rows, Rows]) -> Array:
-    """Return rel_pos (pairs, N, 3) with the sources where their push left them."""
-    i, j = pairs
-    rel = here[j] - here[i]
-    if model.max_delay == 0.0:
-        return rel
-    stages = tracks.times[tracks.first :]
-    when = 0.5 * (stages[1:] + stages[:-1]) - model.delay(rel)  # (pairs, N)
-    after = np.clip(np.searchsorted(tracks.times, when), 1, tracks.times.size - 1)
-    before = after - 1
-    share = (when - tracks.times[before]) / (tracks.times[after] - tracks.times[before])
-    share = np.clip(share, 0.0, 1.0)[..., None]
-    rows = j[:, None]
-    source = (1.0 - share) * tracks.pos[before, rows] + share * tracks.pos[after, rows]
-    return np.asarray(source - here[i])
+@lru_cache(maxsize=ALL_PAIRS)
+def _all_pairs(n: int) -> tuple[Rows, Rows]:
+    i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
+    return i, j
 
 
-def _law_and_slope(
-    model: InteractionModel, rel: Array, motion: PairMotion, moves: tuple[int, ...]
-) -> tuple[Array, Array]:
-    """Return the law (pairs, N, 3) and its slope (pairs, N, 3, 3), 0 where it is not wanted."""
-    places = np.empty((1 + 2 * len(moves), *rel.shape))
-    places[:] = rel
-    for k, axis in enumerate(moves):
-        places[1 + 2 * k, ..., axis] += DELTA
-        places[2 + 2 * k, ..., axis] -= DELTA
-    parts = (motion.source_vel, motion.source_axis, motion.vel)
-    same = PairMotion(*(np.broadcast_to(part, places.shape) for part in parts))
-    law = model.acceleration(places, same)
-    slope = np.zeros((*rel.shape, 3))
-    for k, axis in enumerate(moves):
-        slope[..., axis] = (law[1 + 2 * k] - law[2 + 2 * k]) / (2.0 * DELTA)
-    return law[0], slope
+def _law_at_places(model: InteractionModel, tracks: Tracks, pairs: tuple[Rows, Rows], moves: Rows) -> Array:
+    """Return the law of pairs where they will be, and DELTA beside, (1 + 2 moves, pairs, N, 3)."""
+    track = (tracks.times, tracks.pos, tracks.first)
+    shape = (1 + 2 * moves.size, pairs[0].size, tracks.axis.shape[1], 3)
+    places, source_vel, source_axis, vel = (np.empty(shape) for _ in range(4))
+    lay_out(track, tracks.axis, pairs, (places, source_vel, source_axis, vel))
+    if model.max_delay > 0.0:
+        look_back(track, pairs, model.delay(places[0]), places)
+    nudge(places, moves, DELTA)
+    return model.acceleration(places, PairMotion(source_vel, source_axis, vel))

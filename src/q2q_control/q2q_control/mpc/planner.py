@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.mpc.chain import Chain
-from q2q_control.mpc.chain_sweep import sweep, sweep_gains
+from q2q_control.mpc.chain_sweep import sweep_free, sweep_gains
 from q2q_control.mpc.draft_horizon import DraftHorizon
 from q2q_control.mpc.group_solve import solve_group
 from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, SOLVED, Answer, Horizon
 from q2q_control.mpc.joint_problem import GroupShape, group_shape
+from q2q_model.compiled import compiled
 
 Rows = NDArray[np.intp]
 InTime = Callable[[], bool]
@@ -83,7 +84,7 @@ class HorizonSolver:
             ended=np.full(n, SOLVED, np.int8),
             iterations=1,
         )
-        groups = groups_of(drafts.i.tolist(), drafts.j.tolist(), n, joint=self._rules.joint)
+        groups = groups_of(drafts.i, drafts.j, n, joint=self._rules.joint)
         problems = [(group, self._coupled) for group in groups]
         problems += self._swept(horizon, answer, [vehicle for group in groups for vehicle in group])
         most = 1
@@ -95,17 +96,14 @@ class HorizonSolver:
         self, horizon: Horizon, answer: Answer, grouped: list[int]
     ) -> list[tuple[list[int], tuple[int, ...]]]:
         """Sweep all chains that no draft couples; return those that cross a bound, each by itself."""
-        n = len(answer.ended)
-        free = np.ones((n, 3), np.bool_)
-        for axis in self._coupled:
+        free = np.ones((len(answer.ended), 3), np.bool_)
+        for axis in self._coupled if grouped else ():
             free[grouped, axis] = False
-        crossing: list[tuple[list[int], tuple[int, ...]]] = []
-        for columns, gains in ((slice(0, 2), self._side), (slice(2, 3), self._up)):
-            vehicles, axes = np.nonzero(free[:, columns])
-            axes += columns.start
-            inside = sweep(horizon, (vehicles, axes), gains, (answer.pos, answer.inputs))
-            crossing += [([int(vehicles[c])], (int(axes[c]),)) for c in np.flatnonzero(~inside)]
-        return crossing
+        crossing = sweep_free(horizon, free, (self._side, self._up), (answer.pos, answer.inputs))
+        if not crossing.any():
+            return []
+        sideways, upward = np.argwhere(crossing[:, :2]), np.flatnonzero(crossing[:, 2])
+        return [([int(v)], (int(axis),)) for v, axis in sideways] + [([int(v)], (2,)) for v in upward]
 
     def _solve(
         self,
@@ -141,17 +139,34 @@ class HorizonSolver:
         return self._shapes[key]
 
 
-def groups_of(i: list[int], j: list[int], n: int, *, joint: bool) -> list[list[int]]:
+def groups_of(i: Rows, j: Rows, n: int, *, joint: bool) -> list[list[int]]:
     """Return the vehicles below `n` that feel a draft, those that pairs join together where `joint`."""
-    label = {feels: feels for feels in i if feels < n}
-    if joint:
-        for a, b in zip(i, j, strict=True):
-            if a >= n or b >= n:
-                continue
-            old, new = max(label[a], label.get(b, b)), min(label[a], label.get(b, b))
-            label.setdefault(b, old)
-            label = {vehicle: new if root == old else root for vehicle, root in label.items()}
     roots: dict[int, list[int]] = {}
-    for vehicle in sorted(label):
-        roots.setdefault(label[vehicle], []).append(vehicle)
+    for vehicle, root in enumerate(_roots(i, j, n, joint).tolist()):
+        if root >= 0:
+            roots.setdefault(root, []).append(vehicle)
     return list(roots.values())
+
+
+def _roots_py(i: Rows, j: Rows, n: int, joint: bool) -> Rows:
+    """Return the first vehicle of each vehicle's group, -1 for those in none, (n,)."""
+    root = np.full(n, -1)
+    for pair in range(i.size):
+        if i[pair] < n:
+            root[i[pair]] = i[pair]
+    if not joint:
+        return root
+    for pair in range(i.size):
+        a, b = i[pair], j[pair]
+        if a >= n or b >= n:
+            continue
+        old, new = root[a], root[b] if root[b] >= 0 else b
+        root[b] = new
+        low, high = min(old, new), max(old, new)
+        for v in range(n):
+            if root[v] == high:
+                root[v] = low
+    return root
+
+
+_roots = compiled(_roots_py)

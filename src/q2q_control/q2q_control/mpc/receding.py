@@ -27,10 +27,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_control.alignment import ETA, Aligned, align
+from q2q_control.alignment import ETA, QUAT, Aligned, align
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.draft_horizon import DraftHorizon, SlopeRule, no_drafts, predict_drafts
 from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, Answer, Horizon
+from q2q_control.mpc.input_bounds import bounds_of
 from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.plan_memory import Plan, PlanMemory
 from q2q_control.mpc.planner import HorizonSolver, Solver, SolveRules
@@ -56,8 +57,6 @@ from q2q_model.vehicle import GRAVITY, Vehicle
 
 TICK = 0.01
 """How long a command acts before the next one comes [s]: the house's tick."""
-FALL = 0.95
-"""Share of its weight that a vehicle may drop at most [-]: some thrust is left to tilt."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +134,7 @@ class Mpc:
         share = [1.0 - float(model.transition[2, 2]) for model in models]
         rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
         self._step_max = rates * params.step / np.array(share)
+        self._ahead = params.step * np.arange(params.steps + 1)
         hover = min(self._vehicle.hover_thrust, self._limits.thrust_max)
         self._rows = RowMemory(HoldThenLevel(params.hold_time, hover))
         self.reset()
@@ -206,16 +206,12 @@ class Mpc:
 
     def _bounds(self, tick: Aligned) -> tuple[Array, Array]:
         """Return the least and largest commanded acceleration of each axis [m/s^2], (n, 3) each."""
-        upright = 1.0 - 2.0 * (tick.table[:, 6] ** 2 + tick.table[:, 7] ** 2)
-        high = np.empty((len(tick.names), 3))
-        high[:, :2] = GRAVITY * math.tan(self._params.tilt_max) / math.sqrt(2.0)  # a square in the circle
-        high[:, 2] = self._limits.thrust_max / self._limits.mass * upright - GRAVITY
-        low = -high
-        low[:, 2] = np.minimum(-FALL * GRAVITY, high[:, 2])
-        return low, high
+        side = GRAVITY * math.tan(self._params.tilt_max) / math.sqrt(2.0)  # a square in the circle
+        lift = self._limits.thrust_max / self._limits.mass
+        return bounds_of(tick.table[:, QUAT], (side, lift))
 
     def _stages(self, start: float) -> Array:
-        return np.asarray(start + self._params.step * np.arange(self._params.steps + 1), dtype=np.float64)
+        return np.asarray(start + self._ahead, dtype=np.float64)
 
     def _reference(self, tick: Aligned, setpoint: SwarmSetpoint, times: Array) -> Array:
         whole = shifted_preview(setpoint, self.preview, times)
@@ -263,15 +259,17 @@ class Mpc:
 
     def _keep(self, tick: Aligned, horizon: Horizon, plans: tuple[Answer, Plan], failed: Array) -> None:
         answer, old = plans
-        row = failed[:, None, None]
-        offset = np.where(row, old.offset, answer.pos - horizon.reference[..., :3])
-        solved = np.where(failed, old.solved, old.start)
-        inputs, pattern = np.where(row, old.inputs, answer.inputs), np.where(row, old.pattern, answer.pattern)
+        offset, solved = answer.pos - horizon.reference[..., :3], np.full(len(failed), old.start)
+        inputs, pattern = answer.inputs, answer.pattern
+        if failed.any():
+            row = failed[:, None, None]
+            offset, solved = np.where(row, old.offset, offset), np.where(failed, old.solved, solved)
+            inputs, pattern = np.where(row, old.inputs, inputs), np.where(row, old.pattern, pattern)
         self._plans.keep(
             tick.names, replace(old, offset=offset, inputs=inputs, pattern=pattern, solved=solved)
         )
-        times = self._stages(old.start)
-        self.told = Predictions(tick.names, times, horizon.reference[..., :3] + offset)
+        told = answer.pos if not failed.any() else horizon.reference[..., :3] + offset
+        self.told = Predictions(tick.names, self._stages(old.start), told)
 
     def _pid_acceleration(self, horizon: Horizon) -> Array:
         """Return the acceleration by a PD law of the same bandwidths, draft and disturbance taken off."""

@@ -1,0 +1,192 @@
+"""The MPC's compiled loops answer as the same lines do in plain Python, and as numpy does."""
+
+import numpy as np
+import pytest
+
+from q2q_control.mpc.chain import ChainWeights, chain
+from q2q_control.mpc.chain_sweep import sweep, sweep_free, sweep_gains
+from q2q_control.mpc.draft_horizon import (
+    DELTA,
+    FAINT,
+    DraftHorizon,
+    SlopeRule,
+    Tracks,
+    predict_drafts,
+)
+from q2q_control.mpc.draft_stages import extent, gather, meeting
+from q2q_control.mpc.group_solve import solve_group
+from q2q_control.mpc.horizon import Horizon
+from q2q_control.mpc.input_bounds import FALL, bounds_of
+from q2q_control.mpc.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.planner import groups_of
+from q2q_control.mpc.riccati import solve
+from q2q_control.observer import correct
+from q2q_control.preview import between
+from q2q_model.interaction.jet import MEASURED_LAW, MOVING_LAW, Jet
+from q2q_model.interaction.model import PairMotion
+from q2q_model.signals import Array
+from q2q_model.vehicle import GRAVITY
+
+STAGES = 12
+MODELS = (chain(0.2, 0.05, ChainWeights(2.0, 0.2)),) * 2 + (chain(0.07, 0.05, ChainWeights(5.0, 0.2)),)
+
+
+def stacked_tracks(n: int, seed: int) -> Tracks:
+    """Return n vehicles in a column 0.4 m apart, wandering."""
+    rng = np.random.default_rng(seed)
+    times = np.arange(-5, STAGES + 1) * 0.05
+    pos = np.cumsum(rng.normal(size=(times.size, n, 3)) * 0.01, axis=0)
+    pos[..., 2] += 0.4 * np.arange(n)
+    axis = np.tile([0.0, 0.0, 1.0], (n, STAGES, 1))
+    return Tracks(times, pos, axis, rng.uniform(0.5, 1.0, n), 5, rng.uniform(0.8, 1.2, (n, STAGES)))
+
+
+def horizon_of(n: int, seed: int) -> Horizon:
+    rng = np.random.default_rng(seed)
+    bound = np.full((n, 3), 0.6)
+    return Horizon(
+        rng.normal(size=(n, 3, 3)) * 0.05,
+        rng.normal(size=(n, STAGES + 1, 9)) * 0.1,
+        rng.normal(size=(n, STAGES, 3)) * 0.5,
+        rng.normal(size=(n, STAGES + 1, 3)) * 0.1,
+        -bound,
+        bound,
+        np.full(3, 0.4),
+    )
+
+
+def drafts_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array, Array, bool]:
+    """Return one pair's law (N, 3), its slope along z (N, 3), whether it counts: no compiled loop."""
+    path = tracks.pos[tracks.first :]
+    middle, step = 0.5 * (path[1:] + path[:-1]), np.diff(tracks.times[tracks.first :])[:, None]
+    when = 0.5 * (tracks.times[tracks.first + 1 :] + tracks.times[tracks.first : -1])
+    when = when - model.delay(middle[:, j] - middle[:, i])
+    source = np.stack([np.interp(when, tracks.times, tracks.pos[:, j, c]) for c in range(3)], axis=1)
+    source_vel, vel = (np.diff(path[:, v], axis=0) / step for v in (j, i))
+    motion = PairMotion(source_vel, tracks.axis[j], vel)
+    now, rel, up = middle[:, j] - middle[:, i], source - middle[:, i], np.array([0.0, 0.0, DELTA])
+    law, above, below = (model.acceleration(rel + side * up, motion) for side in (0.0, 1.0, -1.0))
+    within = np.hypot(now[:, 0], now[:, 1]) <= model.reach.horizontal
+    within &= np.abs(now[:, 2]) <= model.reach.vertical
+    counts = within.any() and np.abs(law).max() > FAINT
+    share = (tracks.trust[j] * tracks.strength[j])[:, None]
+    return law * share, (above - below) / (2.0 * DELTA) * share, bool(counts)
+
+
+@pytest.mark.parametrize("model", [MEASURED_LAW, MOVING_LAW])
+@pytest.mark.parametrize("n", [2, 3, 6])  # all pairs, all pairs, the sweep over x
+def test_drafts_are_those_of_numpy_pair_by_pair(model: Jet, n: int):
+    tracks = stacked_tracks(n, n)
+    found = predict_drafts(model, tracks, SlopeRule((2,), 10.0))
+    pairs = set(zip(found.i.tolist(), found.j.tolist(), strict=True))
+    total = np.zeros((n, STAGES, 3))
+    for i in range(n):
+        for j in range(n):
+            if i == j:
+                continue
+            law, slope, counts = drafts_by_numpy(model, tracks, i, j)
+            assert ((i, j) in pairs) is counts
+            if (i, j) in pairs:
+                total[i] += law
+                row = int(np.flatnonzero((found.i == i) & (found.j == j))[0])
+                assert np.allclose(found.slope[row, :, :, 2], slope, rtol=1e-7, atol=1e-9)
+    assert pairs
+    assert np.allclose(found.eta, total, rtol=1e-9, atol=1e-12)
+
+
+def test_who_meets_is_the_same_compiled_and_plain():
+    path, (i, j) = stacked_tracks(5, 1).pos, np.nonzero(~np.eye(5, dtype=np.bool_))
+    assert np.array_equal(meeting(path, (i, j), (0.1, 0.6)), meeting.py_func(path, (i, j), (0.1, 0.6)))
+    assert 0 < meeting(path, (i, j), (0.1, 0.6)).sum() < i.size
+    middle = 0.5 * (path[1:] + path[:-1])
+    centre, half = extent(path)
+    assert np.array_equal(centre, 0.5 * (middle.min(axis=0) + middle.max(axis=0)))
+    assert np.allclose(half, 0.5 * (middle.max(axis=0) - middle.min(axis=0)).max(axis=0), atol=1e-15)
+
+
+def test_a_law_that_is_no_number_at_one_stage_counts_nothing():
+    law = np.full((3, 1, STAGES, 3), -1.0)
+    law[0, 0, 4, 2] = np.nan
+    pair, eta, slope = (np.array([0]), np.array([1])), np.zeros((2, STAGES, 3)), np.zeros((1, STAGES, 3, 3))
+    rules = (np.array([2]), DELTA, FAINT, 10.0)
+    assert not gather(law, pair, rules, np.ones((2, STAGES)), (eta, slope)).any()
+    assert not eta.any()
+
+
+def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
+    rng = np.random.default_rng(2)
+    n, group = 4, np.array([1, 3])
+    shape, horizon = group_shape(2, (0, 2), MODELS, STAGES), horizon_of(n, 3)
+    slope = rng.normal(size=(2, STAGES, 3, 3))
+    drafts = DraftHorizon(horizon.push, np.array([1, 3]), np.array([3, 1]), slope)
+    guess = rng.integers(0, 3, (n, STAGES, 3)).astype(np.int8)
+    pos, inputs = np.full((n, STAGES + 1, 3), np.nan), np.full((n, STAGES, 3), np.nan)
+    pattern = np.zeros((n, STAGES, 3), np.int8)
+    slopes = (drafts.i, drafts.j, drafts.slope)
+    used, converged, finite = solve_group((shape, group), horizon, slopes, (guess, pos, inputs, pattern), 30)
+    start = np.stack([guess[v, :, axis] for v in group for axis in (0, 2)], axis=1)
+    apart = solve(joint_problem(shape, group, horizon, drafts), start, 30)
+    assert (used, converged, finite) == (apart.iterations, apart.converged, True)
+    for c, (v, axis) in enumerate((v, axis) for v in group for axis in (0, 2)):
+        assert np.array_equal(pos[v, :, axis], apart.states[:, 3 * c])
+        assert np.array_equal(inputs[v, :, axis], apart.inputs[:, c])
+        assert np.array_equal(pattern[v, :, axis], apart.pattern[:, c])
+    assert np.isnan(pos[0]).all()
+
+
+def test_all_free_chains_swept_at_once_are_those_swept_one_by_one():
+    n, horizon, rng = 3, horizon_of(3, 4), np.random.default_rng(5)
+    free, gains = rng.random((n, 3)) < 0.7, (sweep_gains(MODELS[0]), sweep_gains(MODELS[2]))
+    at_once = np.zeros((n, STAGES + 1, 3)), np.zeros((n, STAGES, 3))
+    singly = np.zeros((n, STAGES + 1, 3)), np.zeros((n, STAGES, 3))
+    crossing = sweep_free(horizon, free, gains, at_once)
+    for v, axis in np.argwhere(free):
+        inside = sweep(horizon, (np.array([v]), np.array([axis])), gains[int(axis == 2)], singly)
+        assert crossing[v, axis] == (not inside[0])
+    assert np.array_equal(at_once[0], singly[0])
+    assert np.array_equal(at_once[1], singly[1])
+    assert not crossing[~free].any()
+
+
+def test_groups_are_what_pairs_join_together():
+    i, j = np.array([0, 1, 2, 5, 7, 6]), np.array([1, 0, 4, 6, 9, 5])  # 9 is nobody of ours
+    assert groups_of(i, j, 8, joint=True) == [[0, 1], [2, 4], [5, 6], [7]]
+    assert groups_of(i, j, 8, joint=False) == [[0], [1], [2], [5], [6], [7]]
+    chained = groups_of(np.array([3, 2, 1]), np.array([2, 1, 0]), 4, joint=True)
+    assert chained == [[0, 1, 2, 3]]
+    assert groups_of(np.zeros(0, np.intp), np.zeros(0, np.intp), 3, joint=True) == []
+
+
+def test_bounds_are_thrust_tilt_and_weight():
+    quat = np.random.default_rng(6).normal(size=(5, 4)) * 0.2
+    low, high = bounds_of(quat, (2.0, 14.0))
+    upright = 1.0 - 2.0 * (quat[:, 0] ** 2 + quat[:, 1] ** 2)
+    assert np.array_equal(high, np.column_stack([np.full((5, 2), 2.0), 14.0 * upright - GRAVITY]))
+    assert np.array_equal(low[:, :2], -high[:, :2])
+    assert np.array_equal(low[:, 2], np.minimum(-FALL * GRAVITY, high[:, 2]))
+
+
+def test_samples_between_are_numpys_interpolation():
+    samples = np.random.default_rng(7).normal(size=(2, 9, 3))
+    place = np.array([0.0, 0.3, 3.0, 7.99, 8.0])
+    found = between(samples, place)
+    for v in range(2):
+        for c in range(3):
+            assert np.allclose(found[v, :, c], np.interp(place, np.arange(9), samples[v, :, c]), atol=1e-14)
+    assert np.array_equal(between(samples[:, :1], np.zeros(2)), np.repeat(samples[:, :1], 2, axis=1))
+
+
+def test_the_observers_loop_is_its_plain_form():
+    rng = np.random.default_rng(8)
+    old = tuple(rng.normal(size=(4, 3)) for _ in range(3))
+    fresh, known = np.array([True, False, True, True]), np.array([True, True, False, True])
+    seen = (*(rng.normal(size=(4, 3)) for _ in range(3)), fresh)
+    rule = (0.5, 6.0, 20.0, 0.01, 0.8)
+    for one, other in zip(
+        correct(old, seen, known, rule), correct.py_func(old, seen, known, rule), strict=True
+    ):
+        assert np.allclose(one, other, atol=1e-14)
+    pos, vel, d = correct(old, seen, known, rule)
+    assert np.array_equal(pos[2], seen[0][2])
+    assert np.array_equal(vel[2], seen[1][2])
+    assert np.array_equal(d[1], np.clip(old[2][1], -0.8, 0.8))
