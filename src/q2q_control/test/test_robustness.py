@@ -2,11 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import pytest
 
 from q2q_control.disturbance_tracker import TrackerParams
+from q2q_control.explicit.distillation import Syllabus, distil
+from q2q_control.explicit.law import ExplicitLaw
+from q2q_control.explicit.solver import explicit_controller
+from q2q_control.explicit.teacher import Teacher
 from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.receding import Mpc
 from q2q_control.observed_pid import ObservedPid
@@ -69,6 +74,9 @@ def stuck(k: int, state: SwarmState) -> SwarmState:
     return replace(state, pos=pos, vel=vel, status=status)
 
 
+KINDS = ("pid", "pid with integral", "pid with observer", "mpc", "mpc without observer", "explicit")
+CREDULOUS = ("mpc without observer", "saturated, gain +50 %")
+"""Without an observer nothing tells a wrong model, and at a bound the MPC acts on it ahead."""
 CASES = {
     "gain +50 %": Case(replace(WAKE, strength=1.5 * WAKE.strength)),
     "gain -50 %": Case(replace(WAKE, strength=0.5 * WAKE.strength)),
@@ -98,10 +106,24 @@ def built(kind: str, case: Case, preview: SampledPreview) -> Controller:
         return Pid(replace(gains, k_i_z=3.0), TEXTBOOK_065)
     if kind == "pid with observer":
         return ObservedPid(gains, TrackerParams(latency=0.0), TEXTBOOK_065)
-    params = MpcParams(latency=0.0, thrust_limited=True, thrust_max=case.thrust_max)
-    mpc = Mpc(params, TEXTBOOK_065, case.model)
+    params = MpcParams(
+        latency=0.0, thrust_limited=True, thrust_max=case.thrust_max, observe=kind != "mpc without observer"
+    )
+    mpc = (
+        explicit_controller(law(case.model, case.thrust_max), params, TEXTBOOK_065, case.model)
+        if kind == "explicit"
+        else Mpc(params, TEXTBOOK_065, case.model)
+    )
     mpc.preview = preview
     return mpc
+
+
+@lru_cache(maxsize=8)
+def law(model: Jet, thrust_max: float) -> ExplicitLaw:
+    """Return the law of what is believed: only where its bound is met there is something to learn."""
+    params = MpcParams(latency=0.0, thrust_limited=True, thrust_max=thrust_max)
+    short = Syllabus(situations=2000, encounters=40, length=60, layers=(16, 10), iterations=200)
+    return distil(Teacher(params, TEXTBOOK_065, model, thrust_max), short, np.random.default_rng(0))
 
 
 def height_errors(kind: str, case: Case, *, aware: bool) -> Array:
@@ -140,16 +162,25 @@ def setpoint(t: float, ref: Array) -> SwarmSetpoint:
     return SwarmSetpoint(t, NAMES, ref[:, :3], ref[:, 3:6], ref[:, 6:], np.zeros(2), np.zeros(2), flag)
 
 
-@pytest.mark.parametrize("kind", ["pid", "pid with integral", "pid with observer", "mpc"])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", CASES)
 def test_it_is_never_worse_than_ignoring_by_more_than_five_percent(kind: str, name: str):
+    if (kind, name) == CREDULOUS:
+        pytest.skip("the known exception: the next test holds how bad it is")
     case = CASES[name]
     aware, ignoring = (height_errors(kind, case, aware=aware) for aware in (True, False))
     assert np.sqrt((aware**2).mean()) <= 1.05 * np.sqrt((ignoring**2).mean())
     assert np.abs(aware).max() <= 1.05 * np.abs(ignoring).max()
 
 
-@pytest.mark.parametrize("kind", ["pid", "pid with integral", "pid with observer", "mpc"])
+def test_what_looks_ahead_and_does_not_look_back_climbs_for_a_draft_that_never_comes():
+    kind, name = CREDULOUS
+    aware, ignoring = (height_errors(kind, CASES[name], aware=aware) for aware in (True, False))
+    # 1.65 m/s^2 are believed, 1.27 can be carried, 1.09 come: it climbs ahead for 0.4 m/s^2 too much
+    assert 1.05 < np.sqrt((aware**2).mean()) / np.sqrt((ignoring**2).mean()) < 1.6
+
+
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", CASES)
 def test_no_wind_up_and_no_limit_cycle_are_left_when_the_draft_has_gone(kind: str, name: str):
     errors = height_errors(kind, CASES[name], aware=True)
@@ -163,6 +194,6 @@ def test_no_wind_up_and_no_limit_cycle_are_left_when_the_draft_has_gone(kind: st
 
 
 def test_the_right_model_is_much_better_than_ignoring():
-    for kind in ("pid", "pid with observer", "mpc"):
+    for kind in ("pid", "pid with observer", "mpc", "mpc without observer", "explicit"):
         aware, ignoring = (height_errors(kind, Case(), aware=aware) for aware in (True, False))
         assert np.sqrt((aware**2).mean()) < 0.15 * np.sqrt((ignoring**2).mean())
