@@ -1,4 +1,7 @@
-"""A flight over two hosts (network namespaces) gives the numbers of one. Skipped where none can be made."""
+"""A flight over two hosts (network namespaces) gives the numbers of one. Skipped where none can be made.
+
+The demo's flight finds its nodes by multicast; a short one by a discovery server.
+"""
 
 import os
 import shutil
@@ -15,12 +18,16 @@ from q2q_model.tools.models import find_model
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions
 from q2q_sim.closed_loop import fly as fly_pure
+from q2q_sim.tools import demo
 from q2q_sim.tools.flight import FlightRequest, node_specs
 from q2q_sim.tools.policies import evidence_in
 from q2q_sim.tools.processes import find_executable
 
-SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
+SHORT = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 SEED = 3
+SERVER = "fast-discovery-server"
+ADDRESS, PORT = "10.77.7.1", "11811"
+"""Where the discovery server listens: on the host of the room."""
 ROOM, DESK = "q2q-room", "q2q-desk"
 """The hosts: the simulator and the recorder on one, everything between on the other."""
 PATIENCE_S = 300.0
@@ -29,10 +36,11 @@ IN_THE_ROOM = """
 import sys
 from pathlib import Path
 from q2q_sim.ros.flight_director import FlightDirector
+from q2q_sim.tools import demo
 from q2q_sim.tools.flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.tools.processes import Processes
-scenario, seed, folder = sys.argv[1], int(sys.argv[2]), Path(sys.argv[3])
-request = FlightRequest(scenario, seed=seed)
+scenario, mode, seed, folder = sys.argv[1], sys.argv[2], int(sys.argv[3]), Path(sys.argv[4])
+request = FlightRequest(scenario, mode, seed=seed)
 specs = node_specs(load_scenario(request), request, folder, folder / "bag")
 names = [spec.executable for spec in specs]
 with Processes(folder) as processes:
@@ -53,7 +61,7 @@ def run(*words: str) -> None:
 @pytest.fixture
 def hosts() -> Iterator[None]:
     """Make two namespaces with a wire between them, and take them away again."""
-    ends = {ROOM: ("q2q-r", "10.77.7.1/24"), DESK: ("q2q-d", "10.77.7.2/24")}
+    ends = {ROOM: ("q2q-r", f"{ADDRESS}/24"), DESK: ("q2q-d", "10.77.7.2/24")}
     if shutil.which("ip") is None or os.geteuid() != 0:
         pytest.skip("network namespaces need the program ip, and root")
     try:
@@ -88,20 +96,44 @@ def hosts() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("hosts")
-def test_a_flight_over_two_hosts_gives_the_numbers_of_one(tmp_path: Path) -> None:
-    request = FlightRequest(SCENARIO, seed=SEED)
-    scenario = scenarios.load(SCENARIO)
+@pytest.mark.parametrize("mode", ["aware"])
+def test_the_demos_flight_over_two_hosts_gives_the_numbers_of_one(mode: str, tmp_path: Path) -> None:
+    request = FlightRequest(demo.SCENARIO, mode, seed=SEED)
+    _fly_apart(request, tmp_path, {})
+    _assert_numbers_of_one(request, tmp_path)
+
+
+@pytest.mark.usefixtures("hosts")
+def test_a_discovery_server_stands_in_for_multicast(tmp_path: Path) -> None:
+    program = shutil.which(SERVER)
+    if program is None:
+        pytest.skip(f"the program {SERVER} is not on the path")
+    words = ["ip", "netns", "exec", ROOM, program, "-i", "0", "-l", ADDRESS, "-p", PORT]
+    request = FlightRequest(SHORT, seed=SEED)
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL) as server:
+        try:
+            _fly_apart(request, tmp_path, {"ROS_DISCOVERY_SERVER": f"{ADDRESS}:{PORT}"})
+        finally:
+            server.terminate()
+    _assert_numbers_of_one(request, tmp_path)
+
+
+def _fly_apart(request: FlightRequest, folder: Path, more: dict[str, str]) -> None:
+    """Fly with the simulator and the recorder on one host, and the road on the other."""
+    scenario = scenarios.load(request.scenario)
     env = {name: value for name, value in os.environ.items() if name != "ROS_LOCALHOST_ONLY"}
-    env |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_DOMAIN_ID": "77"}
-    (tmp_path / "desk").mkdir()
+    env |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_DOMAIN_ID": "77"} | more
+    env["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"  # namespaces share memory, hosts do not
+    asked = [request.scenario, request.mode, str(request.seed)]
+    (folder / "desk").mkdir()
     specs = [
         spec
-        for spec in node_specs(scenario, request, tmp_path / "desk", tmp_path / "unused")
+        for spec in node_specs(scenario, request, folder / "desk", folder / "unused")
         if spec.executable in AT_THE_DESK
     ]
     desk = []
     for spec in specs:
-        file = tmp_path / "desk" / f"{spec.executable}.yaml"
+        file = folder / "desk" / f"{spec.executable}.yaml"
         plain = {
             key: list(value) if isinstance(value, tuple) else value for key, value in spec.parameters.items()
         }
@@ -110,17 +142,23 @@ def test_a_flight_over_two_hosts_gives_the_numbers_of_one(tmp_path: Path) -> Non
         words = ["ip", "netns", "exec", DESK, program, "--ros-args", "--params-file", str(file)]
         desk.append(subprocess.Popen(words, env=env))
     try:
-        (tmp_path / "room").mkdir()
-        words = ["ip", "netns", "exec", ROOM, sys.executable, "-c", IN_THE_ROOM, SCENARIO, str(SEED)]
-        subprocess.run([*words, str(tmp_path / "room")], env=env, check=True, timeout=PATIENCE_S)
+        (folder / "room").mkdir()
+        words = ["ip", "netns", "exec", ROOM, sys.executable, "-c", IN_THE_ROOM]
+        subprocess.run([*words, *asked, str(folder / "room")], env=env, check=True, timeout=PATIENCE_S)
     finally:
         for process in desk:
             process.terminate()
         for process in desk:
             process.wait(30.0)
-    model = find_model(scenario.model).interaction
-    pure = fly_pure(scenario, FlightOptions(seed=SEED, model=model))
-    found = evidence_in(tmp_path / "room" / "bag")
+
+
+def _assert_numbers_of_one(request: FlightRequest, folder: Path) -> None:
+    scenario = scenarios.load(request.scenario)
+    options = FlightOptions(
+        mode=request.options.mode, seed=request.seed, model=find_model(scenario.model).interaction
+    )
+    pure = fly_pure(scenario, options)
+    found = evidence_in(folder / "room" / "bag")
     # sums in another order round otherwise: the bound of test_lockstep_flight
     np.testing.assert_allclose(found.true_pos, pure.true_pos, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(found.thrust, pure.thrust, rtol=0.0, atol=1e-9)
