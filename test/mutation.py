@@ -52,11 +52,12 @@ ROOMS = (
     ),
     Room(
         tuple(
-            f"q2q_model.tracking.{name}" for name in ("rivals", "swaps", "glide", "attitudes", "positions")
+            f"q2q_model.tracking.{name}"
+            for name in ("rivals", "swaps", "glide", "absences", "attitudes", "positions")
         ),
         ("q2q_model.mocap_filter",),
         ("src/q2q_model/test/test_tracking_gates.py", "src/q2q_model/test/test_mocap_filter.py"),
-        "not no_gate",
+        "not no_gate and not no_numbers",
     ),
 )
 DECLARING = {"tunable", "dataclass"}

@@ -14,7 +14,9 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
+from mcap.records import Channel, Header, McapRecord, Message, Schema
 from mcap_ros2.decoder import DecoderFactory
 from mcap_ros2.writer import Writer as ForeignWriter
 
@@ -323,3 +325,26 @@ def test_an_sqlite_bag_is_read(tmp_path: Path):
 
 def test_the_fuzzed_file_is_whole():
     assert make_reader(io.BytesIO(WHOLE)).get_summary().statistics.message_count == 500
+
+
+def test_a_cut_bag_whose_channel_was_given_another_topic_keeps_what_came_under_the_first(
+    tmp_path: Path,
+) -> None:
+    """Found by fuzzing: it raised a KeyError."""
+    builder = RecordBuilder()
+    text = definition_of("q2q_msgs/msg/MocapFrame")[0].encode()
+    records: tuple[McapRecord, ...] = (
+        Header("ros2", ""),
+        Schema(id=1, data=text, encoding="ros2msg", name="q2q_msgs/msg/MocapFrame"),
+        Channel(id=1, topic="/first", message_encoding="cdr", metadata={}, schema_id=1),
+        Message(channel_id=1, log_time=5, data=b"", publish_time=5, sequence=0),
+        Channel(id=1, topic="/second", message_encoding="cdr", metadata={}, schema_id=1),
+    )
+    for record in records:
+        record.write(builder)
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(b"\x89MCAP0\r\n" + builder.end())
+    reader = BagReader(path)
+    assert "saved 1 messages" in reader.repairs[0]
+    assert reader.topics == {"/first": "q2q_msgs/msg/MocapFrame"}
+    assert [(found.topic, found.stamp_ns) for found in reader.raw()] == [("/first", 5)]

@@ -27,7 +27,7 @@ class Salvage:
 
     messages: tuple[SavedMessage, ...]
     definitions: dict[str, str]
-    """Topic to message definition."""
+    """Topic of a saved message to its definition."""
     losses: tuple[str, ...]
 
 
@@ -38,6 +38,7 @@ class _Collector:
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
         self.messages: list[SavedMessage] = []
+        self.definitions: dict[str, str] = {}
         self.orphans = 0
 
     def take(self, record: McapRecord) -> None:
@@ -52,13 +53,7 @@ class _Collector:
                 self.orphans += 1
             else:
                 self.messages.append(SavedMessage(channel.topic, schema.name, record.log_time, record.data))
-
-    def definitions(self) -> dict[str, str]:
-        return {
-            channel.topic: self.schemas[channel.schema_id].data.decode(errors="replace")
-            for channel in self.channels.values()
-            if channel.schema_id in self.schemas
-        }
+                self.definitions[channel.topic] = schema.data.decode(errors="replace")
 
 
 def salvage(file: Path) -> Salvage:
@@ -73,7 +68,7 @@ def salvage(file: Path) -> Salvage:
                 collector.take(found)
     if collector.orphans:
         losses.append(f"{file.name}: {collector.orphans} messages of unknown channels are left out")
-    return Salvage(tuple(collector.messages), collector.definitions(), tuple(losses))
+    return Salvage(tuple(collector.messages), collector.definitions, tuple(losses))
 
 
 def _records(reader: StreamReader, name: str) -> Iterator[McapRecord | str]:
