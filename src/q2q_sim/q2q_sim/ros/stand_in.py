@@ -61,7 +61,9 @@ class Update:
 
 
 class Deaf:
-    """Take what a publisher, logger or timer takes, and do nothing."""
+    """Take what a publisher, reader, logger or timer takes, and do nothing."""
+
+    topic_name = ""
 
     def publish(self, _: object) -> None:
         """Forget a message."""
@@ -100,10 +102,11 @@ class StandInNode:
 
     def create_subscription(
         self, kind: type, topic: str, receive: Receive, qos: QoSProfile | int, **_: object
-    ) -> None:
+    ) -> Deaf:
         """Write down a topic that is read, and who reads it."""
         self.ports.append(Port("reads", topic, type_name(kind, "msg"), quality(qos)))
         self.readers.append((kind, receive))
+        return Deaf()
 
     def create_service(self, kind: type, name: str, _: Receive) -> None:
         """Write down a service."""
