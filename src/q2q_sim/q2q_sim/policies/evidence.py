@@ -139,7 +139,8 @@ class _Table:
         for names, some in _by_names(signals, row_of).items():
             at = index_of(names, self._names)
             values = np.stack([getattr(signals[k], attribute) for k in some])
-            made[np.ix_([row_of[k] for k in some], at[at >= 0])] = values[:, at >= 0]
+            rows = np.array([row_of[k] for k in some])
+            made[np.ix_(rows, at[at >= 0])] = values[:, at >= 0]
         return made
 
     def last(self, signals: Sequence[Signal]) -> dict[int, int]:
