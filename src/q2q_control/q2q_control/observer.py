@@ -131,19 +131,21 @@ def _correct_py(
     rule: tuple[float, float, float, float, float],
 ) -> tuple[Array, Array, Array]:
     l1, l2, l3, step, most = rule
+    old_pos, old_vel, old_d = old
     seen_pos, seen_vel, acc, fresh = seen
-    pos, vel, d = np.empty(old[0].shape), np.empty(old[0].shape), np.empty(old[0].shape)
-    for v in range(pos.shape[0]):
+    n = known.size
+    pos, vel, d = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
+    for v in range(n):
         for axis in range(3):
             if not known[v]:
                 pos[v, axis], vel[v, axis], d[v, axis] = seen_pos[v, axis], seen_vel[v, axis], 0.0
                 continue
-            whole = acc[v, axis] + old[2][v, axis]
-            ahead = old[0][v, axis] + step * old[1][v, axis] + 0.5 * step * step * whole
+            whole = acc[v, axis] + old_d[v, axis]
+            ahead = old_pos[v, axis] + step * old_vel[v, axis] + 0.5 * step * step * whole
             off = seen_pos[v, axis] - ahead if fresh[v] else 0.0
             pos[v, axis] = ahead + l1 * off
-            vel[v, axis] = old[1][v, axis] + step * whole + l2 * off
-            d[v, axis] = min(max(old[2][v, axis] + l3 * off, -most), most)
+            vel[v, axis] = old_vel[v, axis] + step * whole + l2 * off
+            d[v, axis] = min(max(old_d[v, axis] + l3 * off, -most), most)
     return pos, vel, d
 
 

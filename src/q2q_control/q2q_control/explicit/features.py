@@ -110,19 +110,18 @@ def _means(values: Array, edges: tuple[int, ...]) -> Array:
 
 
 def _look_one_py(
-    pair: tuple[Array, Array, Array], gains: Array, high: float, scratch: Array, x: Array
+    pair: tuple[Array, Array, Array], gains: Array, high: float, wanted: Array, x: Array
 ) -> tuple[float, float]:
     states, push, slope = pair
-    most, base = 0.0, 0.0
+    _roll_out(states, push, gains, wanted)
+    most = 0.0
     for v in range(2):
-        wanted = _roll_out(states[v], push[v], gains, scratch)
-        base = wanted if v == 0 else base
         for i in range(3):
             x[v * OWN + i] = states[v, i]
         for w in range(WINDOWS):
             total, taken = 0.0, 0.0
             for k in range(EDGES[w], EDGES[w + 1]):
-                cut = max(scratch[k] - high, 0.0)
+                cut = max(wanted[v, k] - high, 0.0)
                 total, taken, most = total + push[v, k], taken + cut, max(most, cut)
             width = EDGES[w + 1] - EDGES[w]
             x[v * OWN + 3 + w] = total / width
@@ -132,40 +131,39 @@ def _look_one_py(
             for k in range(SLOPE_EDGES[w], SLOPE_EDGES[w + 1]):
                 total += slope[v, k]
             x[2 * OWN + v * SLOPES + w] = total / (SLOPE_EDGES[w + 1] - SLOPE_EDGES[w])
-    return base, most / (most + SOFT)
+    return wanted[0, 0], most / (most + SOFT)
 
 
-def _roll_out_py(state: Array, push: Array, gains: Array, wanted: Array) -> float:
-    """Write one chain's unbounded optimum (N,); return its first."""
-    b, feedback, qux, ahead_push, drift = (
-        gains[_B],
-        gains[_FEEDBACK],
-        gains[_QUX],
-        gains[_PUSH_AHEAD],
-        gains[_PUSH],
-    )
-    each, effort = 1.0 / gains[_SCALARS, 0], gains[_SCALARS, 1]
-    a = gains[_A : _A + 3]
-    end = push[push.size - 1]
-    s0, s1, s2 = gains[_P, 2] * end, gains[_P + 1, 2] * end, gains[_P + 2, 2] * end
-    for k in range(push.size - 1, -1, -1):
-        s0, s1, s2 = s0 + push[k] * ahead_push[0], s1 + push[k] * ahead_push[1], s2 + push[k] * ahead_push[2]
-        offset = -(b[0] * s0 + b[1] * s1 + b[2] * s2 + effort * push[k]) * each
-        wanted[k] = offset
-        s2 = a[0, 2] * s0 + a[1, 2] * s1 + a[2, 2] * s2 + offset * qux[2]
-        s1 = a[0, 1] * s0 + a[1, 1] * s1 + offset * qux[1]
-        s0 = a[0, 0] * s0 + offset * qux[0]
-    e, v, acc = state[0], state[1], state[2]
-    for k in range(push.size):
-        u = wanted[k] - feedback[0] * e - feedback[1] * v - feedback[2] * acc
-        wanted[k] = u
-        e += a[0, 1] * v + a[0, 2] * acc + b[0] * u + drift[0] * push[k]
-        v += a[1, 2] * acc + b[1] * u + drift[1] * push[k]
-        acc = a[2, 2] * acc + b[2] * u
-    return float(wanted[0])
+def _roll_out_py(states: Array, push: Array, gains: Array, wanted: Array) -> None:
+    """Write both chains' unbounded optima (2, N), side by side: one waits for itself, two do not."""
+    each, effort, end = 1.0 / gains[_SCALARS, 0], gains[_SCALARS, 1], push.shape[1] - 1
+    b0, b1, b2 = gains[_B, 0], gains[_B, 1], gains[_B, 2]
+    q0, q1, q2 = gains[_QUX, 0], gains[_QUX, 1], gains[_QUX, 2]
+    h0, h1, h2 = gains[_PUSH_AHEAD, 0], gains[_PUSH_AHEAD, 1], gains[_PUSH_AHEAD, 2]
+    a01, a02, a12, a22 = gains[_A, 1], gains[_A, 2], gains[_A + 1, 2], gains[_A + 2, 2]
+    p, r, u, w = push[0], push[1], wanted[0], wanted[1]
+    x0, x1, x2 = gains[_P, 2] * p[end], gains[_P + 1, 2] * p[end], gains[_P + 2, 2] * p[end]
+    y0, y1, y2 = gains[_P, 2] * r[end], gains[_P + 1, 2] * r[end], gains[_P + 2, 2] * r[end]
+    for k in range(end, -1, -1):
+        x0, x1, x2 = x0 + p[k] * h0, x1 + p[k] * h1, x2 + p[k] * h2
+        y0, y1, y2 = y0 + r[k] * h0, y1 + r[k] * h1, y2 + r[k] * h2
+        u[k] = -(b0 * x0 + b1 * x1 + b2 * x2 + effort * p[k]) * each
+        w[k] = -(b0 * y0 + b1 * y1 + b2 * y2 + effort * r[k]) * each
+        x2, x1, x0 = a02 * x0 + a12 * x1 + a22 * x2 + u[k] * q2, a01 * x0 + x1 + u[k] * q1, x0 + u[k] * q0
+        y2, y1, y0 = a02 * y0 + a12 * y1 + a22 * y2 + w[k] * q2, a01 * y0 + y1 + w[k] * q1, y0 + w[k] * q0
+    k0, k1, k2 = gains[_FEEDBACK, 0], gains[_FEEDBACK, 1], gains[_FEEDBACK, 2]
+    d0, d1 = gains[_PUSH, 0], gains[_PUSH, 1]
+    x0, x1, x2 = states[0, 0], states[0, 1], states[0, 2]
+    y0, y1, y2 = states[1, 0], states[1, 1], states[1, 2]
+    for k in range(end + 1):
+        f, g = u[k] - k0 * x0 - k1 * x1 - k2 * x2, w[k] - k0 * y0 - k1 * y1 - k2 * y2
+        u[k], w[k] = f, g
+        x0, y0 = x0 + a01 * x1 + a02 * x2 + b0 * f + d0 * p[k], y0 + a01 * y1 + a02 * y2 + b0 * g + d0 * r[k]
+        x1, y1 = x1 + a12 * x2 + b1 * f + d1 * p[k], y1 + a12 * y2 + b1 * g + d1 * r[k]
+        x2, y2 = a22 * x2 + b2 * f, a22 * y2 + b2 * g
 
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
 _roll_out = compiled(_roll_out_py, **_OPTIONS)
 look_one = compiled(_look_one_py, **_OPTIONS)
-"""Write x (WIDTH,) of one pair, return base and gate: (a PairHorizon's arrays, gains, high, scratch, x)."""
+"""Write x of one pair, return base and gate: (PairHorizon's parts, gains, high, wanted (2, N), x)."""

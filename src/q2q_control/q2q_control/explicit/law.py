@@ -7,6 +7,7 @@ command, less its reference's acceleration. Where no bound is met the gate is 0 
 """
 
 import json
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,7 +64,7 @@ def packed(law: ExplicitLaw) -> tuple[Array, NDArray[np.int64]]:
 
 def scratch_of(law: ExplicitLaw) -> Array:
     """Return the room that one evaluation needs."""
-    return np.empty(STAGES + WIDTH + law.first.shape[0] + law.second.shape[0])
+    return np.empty(2 * STAGES + WIDTH + law.first.shape[0] + law.second.shape[0])
 
 
 def evaluate(law: ExplicitLaw, pair: PairHorizon) -> Array:
@@ -85,10 +86,11 @@ def _evaluate_one_py(
 ) -> float:
     gains = weights[:_OF_GAINS].reshape(GAINS)
     low, high = weights[_OF_GAINS], weights[_OF_GAINS + 1]
-    x = scratch[STAGES : STAGES + WIDTH]
-    base, gate = look_one(pair, gains, high, scratch[:STAGES], x)
+    place = 2 * STAGES
+    x = scratch[place : place + WIDTH]
+    base, gate = look_one(pair, gains, high, scratch[:place].reshape((2, STAGES)), x)
     if gate > 0.0:
-        base += gate * _network(weights[_OF_GAINS + 2 :], sizes, x, scratch[STAGES + WIDTH :])
+        base += gate * _network(weights[_OF_GAINS + 2 :], sizes, x, scratch[place + WIDTH :])
     return float(min(max(base, low), high))
 
 
@@ -101,13 +103,18 @@ def _network_py(weights: Array, sizes: NDArray[np.int64], x: Array, scratch: Arr
     total = _dot(weights[place : place + WIDTH], x) + weights[place + WIDTH]
     place += WIDTH + 1
     for a in range(h1):
-        scratch[a] = np.tanh(_dot(weights[place : place + WIDTH], x) + weights[place + WIDTH])
+        scratch[a] = _bent(_dot(weights[place : place + WIDTH], x) + weights[place + WIDTH])
         place += WIDTH + 1
     one = scratch[:h1]
     for b in range(h2):
-        scratch[h1 + b] = np.tanh(_dot(weights[place : place + h1], one) + weights[place + h1])
+        scratch[h1 + b] = _bent(_dot(weights[place : place + h1], one) + weights[place + h1])
         place += h1 + 1
     return float(total + _dot(weights[place : place + h2], scratch[h1 : h1 + h2]))
+
+
+def _bent_py(inside: float) -> float:
+    """Return tanh: by exp it is twice as quick."""
+    return 1.0 - 2.0 / (math.exp(2.0 * inside) + 1.0)
 
 
 def _dot_py(left: Array, right: Array) -> float:
@@ -132,6 +139,7 @@ def _evaluate_all_py(
 
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
+_bent = compiled(_bent_py, **_OPTIONS)
 _dot = compiled(_dot_py, **_OPTIONS)
 _network = compiled(_network_py, **_OPTIONS)
 evaluate_one = compiled(_evaluate_one_py, **_OPTIONS)

@@ -98,7 +98,8 @@ def explicit_controller(
 
 def _neighbours(drafts: DraftHorizon, n: int) -> tuple[Rows, Array]:
     """Return each vehicle's neighbour, -1 where none, (n,), and the slopes of both drafts, (n, 2, N)."""
-    return neighbours((drafts.i, drafts.j, np.ascontiguousarray(drafts.slope[..., 2, 2])), n)
+    other, both = neighbours((drafts.i, drafts.j, np.ascontiguousarray(drafts.slope[..., 2, 2])), n)
+    return other, both
 
 
 def _neighbours_py(drafts: tuple[Rows, Rows, Array], n: int) -> tuple[Rows, Array]:

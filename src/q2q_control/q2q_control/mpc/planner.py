@@ -102,8 +102,7 @@ class HorizonSolver:
         crossing = sweep_free(horizon, free, (self._side, self._up), (answer.pos, answer.inputs))
         if not crossing.any():
             return []
-        sideways, upward = np.argwhere(crossing[:, :2]), np.flatnonzero(crossing[:, 2])
-        return [([int(v)], (int(axis),)) for v, axis in sideways] + [([int(v)], (2,)) for v in upward]
+        return [([int(v)], (int(axis),)) for v, axis in np.argwhere(crossing)]
 
     def _solve(
         self,

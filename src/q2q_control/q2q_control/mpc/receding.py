@@ -208,7 +208,8 @@ class Mpc:
         """Return the least and largest commanded acceleration of each axis [m/s^2], (n, 3) each."""
         side = GRAVITY * math.tan(self._params.tilt_max) / math.sqrt(2.0)  # a square in the circle
         lift = self._limits.thrust_max / self._limits.mass
-        return bounds_of(tick.table[:, QUAT], (side, lift))
+        low, high = bounds_of(tick.table[:, QUAT], (side, lift))
+        return low, high
 
     def _stages(self, start: float) -> Array:
         return np.asarray(start + self._ahead, dtype=np.float64)
