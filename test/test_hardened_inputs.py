@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from std_msgs.msg import String
 
 from q2q_model.bag import BagError, BagReader
 from q2q_model.cdr import decode, encode
@@ -173,6 +174,62 @@ def test_spoiled_bytes_are_counted_and_leave_a_node_as_it_was(name: str, data: s
     for one, other in zip(*answers, strict=True):
         kind_out = _kind_of(one)
         _same(decode(one, kind_out), decode(other, kind_out))
+
+
+def wrong_frame(kind: type[Signal]) -> bytes:
+    data = encode(rehearsal(kind, 1.0, VEHICLES), 10**9)
+    assert b"world" in data
+    return data.replace(b"world", b"mars!")
+
+
+def name_twice(kind: type[Signal]) -> bytes:
+    return encode(rehearsal(kind, 1.0, VEHICLES), 10**9).replace(b"cf2", b"cf1")
+
+
+def unequal_lengths(kind: type[Signal]) -> bytes:
+    """Return a message of two vehicles that says it has one name."""
+    data = encode(rehearsal(kind, 1.0, VEHICLES), 10**9)
+    alone = encode(rehearsal(kind, 1.0, VEHICLES[:1]), 10**9)
+    names, begin = data.index(b"cf1"), alone.index(b"cf1")
+    return alone[: begin + 4] + data[names + 12 :]
+
+
+def huge_array(kind: type[Signal]) -> bytes:
+    """Return a message that says it has four thousand million names."""
+    data = bytearray(encode(rehearsal(kind, 1.0, VEHICLES), 10**9))
+    at = data.index(b"cf1") - 8
+    data[at : at + 4] = b"\xff\xff\xff\xff"
+    return bytes(data)
+
+
+@pytest.mark.parametrize("name", NODES)
+@pytest.mark.parametrize("wrong", [wrong_frame, name_twice, unequal_lengths, huge_array])
+def test_each_named_wrong_is_refused_by_its_topic_and_leaves_a_node_as_it_was(
+    name: str, wrong: Callable[[type[Signal]], bytes]
+) -> None:
+    (node, kept), (twin, _), tick = pair(name)
+    for kind, receive in node.receivers():
+        before = kept.health.refused
+        receive(wrong(kind))
+        assert kept.health.refused == before + 1
+    tick[0] += TICK_NS
+    answers = node.answer(tick[0]), twin.answer(tick[0])
+    assert len(answers[0]) == len(answers[1]) == 1
+    for one, other in zip(*answers, strict=True):
+        _same(decode(one, _kind_of(one)), decode(other, _kind_of(other)))
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(
+    told=st.one_of(st.text(max_size=50), st.sampled_from(['{"format": "q2q model"}', "[]", "null", "1e999"]))
+)
+def test_a_model_that_is_none_is_left_and_the_last_one_flies_on(told: str) -> None:
+    (node, _), (twin, _), tick = pair("q2q_model.interference")
+    (take_up,) = [receive for message, receive in node.readers if message is String]
+    take_up(String(data=told))
+    tick[0] += TICK_NS
+    for one, other in zip(node.answer(tick[0]), twin.answer(tick[0]), strict=True):
+        _same(decode(one, _kind_of(one)), decode(other, _kind_of(other)))
 
 
 @pytest.mark.parametrize("name", NODES)

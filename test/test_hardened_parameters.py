@@ -1,0 +1,171 @@
+"""Any value may be asked for any parameter: it is taken or refused with a reason, and the node flies on."""
+
+from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+import rclpy
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from rclpy.node import Node
+from rclpy.parameter import Parameter as Given
+
+from q2q_model.cdr import encode
+from q2q_model.layout import Signal
+from q2q_model.rehearsal import rehearsal
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.signals import SwarmCommand
+from q2q_planner import plan_file
+from q2q_sim import assembly, scenarios
+from q2q_sim.tools.domain import own_domain
+
+VEHICLES = ("cf1", "cf2")
+NODES = (
+    "q2q_model.mocap_filter",
+    "q2q_model.interference",
+    "q2q_planner.trajectory",
+    "q2q_planner.replanner",
+    "q2q_control.pid",
+    "q2q_control.mpc",
+)
+KINDS = {message: kind for kind, message in MESSAGES.items()}
+TICK_NS = 10_000_000
+whole = st.one_of(st.integers(-5, 50), st.sampled_from([-(2**63), 2**63 - 1]))
+real = st.one_of(
+    st.floats(-2.0, 100.0), st.floats(), st.sampled_from([np.nan, np.inf, -np.inf, 1e300, 0.0, -0.0])
+)
+text = st.one_of(st.sampled_from(["", "none", "paper", "safe", "cf1"]), st.text(max_size=6)).filter(
+    lambda told: "\x00" not in told  # a C string ends there
+)
+
+
+def values() -> st.SearchStrategy[ParameterValue]:
+    """Return values of every type that a parameter can have, and of none."""
+    kinds = ParameterType
+    scalars = [
+        st.builds(ParameterValue, type=st.just(kinds.PARAMETER_BOOL), bool_value=st.booleans()),
+        st.builds(ParameterValue, type=st.just(kinds.PARAMETER_INTEGER), integer_value=whole),
+        st.builds(ParameterValue, type=st.just(kinds.PARAMETER_DOUBLE), double_value=real),
+        st.builds(ParameterValue, type=st.just(kinds.PARAMETER_STRING), string_value=text),
+    ]
+    arrays = [
+        st.builds(
+            ParameterValue,
+            type=st.just(kinds.PARAMETER_BYTE_ARRAY),
+            byte_array_value=st.lists(st.binary(min_size=1, max_size=1), max_size=3),
+        ),
+        st.builds(
+            ParameterValue,
+            type=st.just(kinds.PARAMETER_BOOL_ARRAY),
+            bool_array_value=st.lists(st.booleans(), max_size=3),
+        ),
+        st.builds(
+            ParameterValue,
+            type=st.just(kinds.PARAMETER_INTEGER_ARRAY),
+            integer_array_value=st.lists(whole, max_size=3),
+        ),
+        st.builds(
+            ParameterValue,
+            type=st.just(kinds.PARAMETER_DOUBLE_ARRAY),
+            double_array_value=st.lists(real, max_size=3),
+        ),
+        st.builds(
+            ParameterValue,
+            type=st.just(kinds.PARAMETER_STRING_ARRAY),
+            string_array_value=st.lists(text, max_size=3),
+        ),
+    ]
+    return st.one_of(st.just(ParameterValue()), *scalars, *arrays)
+
+
+class Real:
+    """Hold a real node that is never spun: what it hears and is asked, it is handed."""
+
+    def __init__(self, name: str, folder: Path) -> None:
+        package, executable = name.split(".")
+        given = [Given(f"{one}_hz", value=0.0) for one in ("vehicle_topics", "legacy")]
+        if executable == "trajectory":
+            plan_file.save(folder / "plan.json", assembly.plan_of(scenarios.load("table6")))
+            given.append(Given("plan", value=str(folder / "plan.json")))
+        self.node = Node(executable, parameter_overrides=given)
+        self._made: list[Signal] = []
+        wiring = import_module(f"{package}.ros.{executable}_node").build(self.node)
+        wiring.then(lambda _, made: self._made.append(made))
+        self._tick = 0
+        own = {"use_sim_time"}  # rclpy's
+        self.names = sorted(set(self.node.get_parameters_by_prefix("")) - own)
+        self.open = [name for name in self.names if not self.node.describe_parameter(name).read_only]
+        """Which may change in flight."""
+
+    def likely(self, name: str) -> st.SearchStrategy[ParameterValue]:
+        """Return values of a parameter's own type, that it may well take."""
+        value = self.node.get_parameter(name).get_parameter_value()
+        if value.type == ParameterType.PARAMETER_DOUBLE:
+            numbers = st.one_of(st.floats(0.0, 2.0), st.floats(0.0, 20.0))
+            return st.builds(ParameterValue, type=st.just(value.type), double_value=numbers)
+        if value.type == ParameterType.PARAMETER_INTEGER:
+            return st.builds(ParameterValue, type=st.just(value.type), integer_value=st.integers(0, 30))
+        return st.builds(ParameterValue, type=st.just(value.type), bool_value=st.booleans())
+
+    def ask(self, name: str, value: ParameterValue) -> tuple[bool, str]:
+        """Return what the node's own parameter service answers."""
+        service = self.node._parameter_service  # what a client reaches
+        request = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
+        (result,) = service._set_parameters_callback(request, SetParameters.Response()).results
+        return bool(result.successful), str(result.reason)
+
+    def answer(self) -> Signal:
+        """Return what the node makes of a good tick."""
+        self._tick += TICK_NS
+        self._made.clear()
+        for reader in self.node.subscriptions:
+            if reader.msg_type in KINDS:
+                kind = KINDS[reader.msg_type]
+                reader.callback(encode(rehearsal(kind, self._tick * 1e-9, VEHICLES), self._tick))
+        (made,) = self._made
+        return made
+
+
+@pytest.fixture(scope="module", autouse=True)
+def ros() -> Iterator[None]:
+    with own_domain():
+        rclpy.init()
+        yield
+        real_node.cache_clear()
+        rclpy.try_shutdown()
+
+
+@cache
+def real_node(name: str, folder: Path) -> Real:
+    return Real(name, folder)
+
+
+@pytest.mark.parametrize("name", NODES)
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(data=st.data())
+def test_a_parameter_is_taken_or_refused_with_a_reason_and_the_next_tick_is_good(
+    name: str, data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    node = real_node(name, tmp_path_factory.getbasetemp())
+    if node.open and data.draw(st.booleans()):
+        asked = data.draw(st.sampled_from(node.open))
+        value = data.draw(node.likely(asked))
+    else:
+        asked = data.draw(st.sampled_from([*node.names, "no_such_parameter"]))
+        value = data.draw(values())
+    taken, reason = node.ask(asked, value)
+    assert taken or reason
+    assert not (taken and asked == "no_such_parameter")
+    with np.errstate(all="ignore"):  # a gain of 1e300 may be asked for where there is no bound
+        made = node.answer()
+    assert set(VEHICLES) <= set(made.names)
+    if isinstance(made, SwarmCommand):
+        assert np.isfinite([made.thrust, made.roll, made.pitch, made.yaw_rate]).all()
