@@ -45,9 +45,11 @@ class Room:
 
 ROOMS = (
     Room(
-        tuple(f"q2q_control.{name}" for name in ("fallback", "transit", "guard", "tick_watch")),
+        tuple(
+            f"q2q_control.{name}" for name in ("fallback", "transit", "blind_braking", "guard", "tick_watch")
+        ),
         (),
-        ("src/q2q_control/test/test_guard.py", "src/q2q_control/test/test_fallback.py"),
+        tuple(f"src/q2q_control/test/test_{name}.py" for name in ("guard", "fallback", "blind_braking")),
         "not mpc",
     ),
     Room(

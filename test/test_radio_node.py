@@ -21,9 +21,9 @@ from q2q_control.ros import cflib_links
 from q2q_control.ros.radio_node import RadioNodeParams, firmware_params
 from q2q_model.cdr import decode
 from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.promises import PROMISE_S
 from q2q_model.ros.run import make_executor
 from q2q_model.signals import SwarmState
+from q2q_model.wiring import PROMISE_S
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
 from q2q_sim.tools.domain import own_domain

@@ -20,10 +20,10 @@ from std_srvs.srv import Empty
 from q2q_control.ros import mpc_node, pid_node
 from q2q_model.cdr import decode
 from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.promises import PROMISE_S
 from q2q_model.ros.run import make_executor
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import CommandStatus, SwarmCommand
+from q2q_model.wiring import PROMISE_S
 from q2q_sim import scenarios
 from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.flight import FlightRequest, node_specs

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 READS, WATCHES, PROMISES, OUT, LACKS = "<", "?", "!", "^", "-"
 """Mark a topic in text: read, watched, published with a promise; latched: out, or not here yet."""
+PROMISE_S = 0.02
+"""What nodes of a live flight promise [s]: two ticks, within the hold_s of q2q_control.fallback."""
 
 
 @dataclass(frozen=True, slots=True)

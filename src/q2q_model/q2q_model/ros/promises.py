@@ -27,9 +27,6 @@ from q2q_model.layout import Signal
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.qos import TICK_WRITER
 
-PROMISE_S = 0.02
-"""What nodes of a live flight promise [s]: two ticks, within the hold_s of q2q_control.fallback."""
-
 
 def promising(seconds: float) -> QoSProfile:
     """Return a tick writer's quality of service with a deadline and a lease of `seconds`; 0 promises none."""

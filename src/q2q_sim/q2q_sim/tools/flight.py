@@ -10,8 +10,8 @@ from pathlib import Path
 
 from q2q_model.bag import read_flight
 from q2q_model.flights import Flight
-from q2q_model.ros.promises import PROMISE_S
 from q2q_model.tools.models import find_model
+from q2q_model.wiring import PROMISE_S
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
 from q2q_sim.flight_clock import FlightTiming, timing_of

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from q2q_model.parameters import ParameterValue
-from q2q_model.ros.promises import PROMISE_S
+from q2q_model.wiring import PROMISE_S
 from q2q_sim.tools.flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.tools.processes import NodeSpec
 
