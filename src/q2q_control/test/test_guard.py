@@ -420,3 +420,18 @@ def test_signals_of_nobody_leave_every_vehicle_without_a_state(make: type) -> No
     told = guarded(make()).update(nobody, setpoint_at(0.0), None)
     assert told.names == NAMES
     assert told.status.tolist() == [LEVEL, LEVEL]
+
+
+def test_a_vehicle_that_was_fast_in_calm_flight_brakes_once_nobody_sees_it() -> None:
+    guard = guarded()
+    for k in range(60):
+        t = k * TICK
+        age = max(t - 0.2, 0.0)
+        state = state_at(t, (age, 0.0), coast=0.04)
+        wanted = setpoint_at(t, x=0.0)
+        if k > 0 and age <= 0.04:  # a filter that coasts keeps the speed, one that lost a vehicle says zero
+            state.vel[0] = wanted.vel[0] = [1.0, 0.0, 0.0]
+        told = guard.update(state, wanted, None)
+    assert told.status[0] == LEVEL
+    assert told.pitch[0] < -0.01  # nose up, against +x (q2q_control.blind_braking)
+    assert told.pitch[1] == 0.0
