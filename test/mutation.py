@@ -58,7 +58,9 @@ ROOMS = (
             for name in ("rivals", "swaps", "glide", "absences", "attitudes", "positions")
         ),
         ("q2q_model.mocap_filter",),
-        ("src/q2q_model/test/test_tracking_gates.py", "src/q2q_model/test/test_mocap_filter.py"),
+        tuple(
+            f"src/q2q_model/test/test_{name}.py" for name in ("absences", "tracking_gates", "mocap_filter")
+        ),
         "not no_gate and not no_numbers",
     ),
 )
