@@ -78,14 +78,19 @@ def injected(bag: Path) -> Mask:
 
 
 def refused_online(flight: Flight) -> Mask:
-    """Return where the filter of flight coasts although there is a sample, (T, n)."""
+    """Return where the filter of flight leaves a sample that is there, (T, n).
+
+    What it takes is of age 0: trusted, or, the first sample of all, not yet.
+    """
     online = MocapFilter(MocapFilterParams(), flight.names)
     refused = np.zeros(flight.mocap_pos.shape[:2], dtype=np.bool_)
     for tick, t in enumerate(flight.t):
         rows = np.flatnonzero(np.isfinite(flight.mocap_pos[tick]).all(axis=1))
         names = tuple(flight.names[row] for row in rows)
         frame = MocapFrame(float(t), names, flight.mocap_pos[tick, rows], flight.mocap_quat[tick, rows])
-        refused[tick, rows] = online.update(frame).status[rows] != TrackStatus.TRACKED
+        signal = online.update(frame)
+        left = (signal.status[rows] != TrackStatus.TRACKED) & (signal.age[rows] > 0.0)
+        refused[tick, rows] = left
     return refused
 
 

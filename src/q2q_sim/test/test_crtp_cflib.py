@@ -22,13 +22,14 @@ from cflib.crazyflie.log import LogConfig
 from cflib.crazyflie.swarm import Swarm
 from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
 from cflib.crazyflie.syncLogger import SyncLogger
+from cflib.crtp.crtpstack import CRTPPacket, CRTPPort
 
 VARIABLES = ("stateEstimate.x", "stateEstimate.y", "stateEstimate.z", "supervisor.info")
 START_S = 180.0
 """A room that has not opened by then will not: the first one compiles for 20 s on a slow machine [s]."""
 STILL = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, 0.0, 1.0)
-LOCKED = 64
+CAN_FLY, LOCKED = 8, 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +95,8 @@ class Flight:
         self._logs = iter(scf.q2q_logger)
         self._last_ms = -1
         self.packets = 0
+        self.answers: list[int] = []
+        self.cf.add_port_callback(CRTPPort.SETPOINT_HL, self._note_answer)
 
     def step(self) -> Seen:
         """Return what the next packet says."""
@@ -113,7 +116,11 @@ class Flight:
             if reached(now):
                 return
             act()
-        raise AssertionError(f"not reached after {packets} packets: {now}")
+        raise AssertionError(f"not reached after {packets} packets: {now}, answers {self.answers}")
+
+    def _note_answer(self, packet: CRTPPacket) -> None:
+        """Keep what became of a command of the high-level commander: 0 is done."""
+        self.answers.append(packet.data[3])
 
 
 def set_parameter(cf: Crazyflie, name: str, value: int) -> None:
@@ -129,9 +136,12 @@ def fly(scf: SyncCrazyflie) -> None:
     scf.wait_for_params()
     cf = scf.cf
     set_parameter(cf, "stabilizer.controller", 2)
+    # who waits on the ground for 30 s is disarmed, and armed again 0.12 s later
+    set_parameter(cf, "supervisor.prefltTimeout", 65535)
     with logger(scf) as log:
         scf.q2q_logger = log
         flight = Flight(scf)
+        flight.until(lambda now: bool(now.info & CAN_FLY), 100)
         first = flight.step()
         x0, y0 = first.x, first.y
         cf.high_level_commander.takeoff(0.5, 1.0)
