@@ -13,12 +13,12 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from q2q_model.interaction.jet import Jet
 from q2q_model.model_file import decode, load, save
 from q2q_model.ros.qos import LATCHED
 from q2q_model.tools.models import find_model
+from q2q_sim.ros.flight_director import FlightDirector
 from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.processes import find_executable
 
@@ -26,8 +26,6 @@ BAG = Path(__file__).parents[1] / "bags" / "table2_5"
 PATIENCE_S = 120.0
 """A busy machine answers within this; the test itself waits for nothing else."""
 WEAK = 0.75
-READERS = {"state": 2, "command": 1, "imu": 1, "model": 2}
-"""identify and interference read state; identify alone command and imu; interference and the test model."""
 
 
 class Listener:
@@ -96,13 +94,9 @@ def test_a_weak_model_comes_right_from_the_topics_and_is_taken_up(listener: List
         start("q2q_model", "identify", live, logs["identify"]),
     ]
     try:
-        node = listener.node
-        listener.until(
-            lambda: all(node.count_subscribers(topic) >= count for topic, count in READERS.items()), "readers"
-        )
-        starter = node.create_client(Trigger, "bag_play/start")
-        listener.until(starter.service_is_ready, "the player")
-        starter.call_async(Trigger.Request())
+        with FlightDirector(lambda: None) as director:
+            director.wait_wired(logs, PATIENCE_S)
+            director.start("bag_play")
         listener.until(lambda: "taken up" in logs["interference"].read_text(), "a model taken up")
         listener.until(lambda: abs(listener.strengths[-1] / true - 1.0) < 0.05, "the model came right")
     finally:
