@@ -16,7 +16,8 @@ counts from the guard's first tick. Seen again before it is cut, a vehicle flies
 | age | state.age | since the last accepted measurement, as the filter says [s], (n,) |
 | l | lateness | how much later than usual the tick came, live [s] |
 
-Who is level because nobody sees it brakes from the speed it must have (q2q_control.blind_braking).
+Who is level because nobody sees it brakes from the speed it must have (q2q_control.blind_braking); who is
+seen and flies beneath it makes way (q2q_control.making_way).
 
 A tick older than the last answered one gets the last answer again, as HOLD; older by more than STEP_BACK
 it is a clock that was set back, and everything is forgotten but an emergency.
@@ -32,6 +33,7 @@ from numpy.typing import NDArray
 from q2q_control.blind_braking import BlindBraking
 from q2q_control.controller import Controller
 from q2q_control.fallback import FallbackParams, descended, fallback_command
+from q2q_control.making_way import MakingWay
 from q2q_model.compiled import compiled
 from q2q_model.signals import (
     Array,
@@ -80,6 +82,7 @@ class Guard:
         self._lateness = lateness
         self._emergency = False
         self._braking = BlindBraking()
+        self._way = MakingWay()
         self._last: SwarmCommand | None = None
         self._calm: SwarmState | None = None  # of the last tick, where all was known of everybody
         self._names: Names = ()
@@ -104,6 +107,8 @@ class Guard:
             if last.t - setpoint.t <= STEP_BACK:
                 return _again(last)
             self.reset()
+        if last is not None and (self._calm is None or self._way.active):
+            setpoint = self._way.update(setpoint, state, last)
         command = self._controller.update(state, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
         if self._is_calm(command, state, known):
@@ -130,6 +135,7 @@ class Guard:
         self._last, self._names = None, ()
         self._calm = None
         self._braking.reset()
+        self._way.reset()
         self._basis = np.zeros(0)
         self._down = np.zeros(0, dtype=np.bool_)
 

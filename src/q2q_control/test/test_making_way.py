@@ -1,0 +1,154 @@
+"""Prove that who is seen beneath a vehicle that nobody sees leaves its column, smoothly, and comes back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from q2q_control.making_way import BENEATH, PACE, REACH, MakingWay
+from q2q_model.signals import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
+
+TICK = 0.01
+UPPER = (0.0, 0.0, 1.5)
+
+
+def state_of(pos: np.ndarray) -> SwarmState:
+    n = len(pos)
+    return SwarmState(
+        t=0.0, names=names_of(n), pos=pos, vel=np.zeros((n, 3)), quat=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)),
+        ang_vel_body=np.zeros((n, 3)), age=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def setpoint_of(t: float, pos: np.ndarray, vel: np.ndarray | None = None) -> SwarmSetpoint:
+    n = len(pos)
+    zero = np.zeros((n, 3))
+    return SwarmSetpoint(
+        t=t, names=names_of(n), pos=pos, vel=zero if vel is None else vel, acc=zero, yaw=np.zeros(n),
+        yaw_rate=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> SwarmCommand:
+    """Return the last tick's command, in which these rows are flown blind."""
+    status = np.full(n, CommandStatus.OK, dtype=np.uint8)
+    status[list(blind)] = how
+    zero = np.zeros(n)
+    return SwarmCommand(0.0, names_of(n), np.full(n, 0.3), zero, zero, zero, status)
+
+
+def names_of(n: int) -> tuple[str, ...]:
+    return tuple(f"cf{k + 1}" for k in range(n))
+
+
+def shifts(pos: np.ndarray, ticks: int, command: SwarmCommand, vel: np.ndarray | None = None) -> np.ndarray:
+    """Return by how much every setpoint is moved at every tick, (ticks, n, 9); vehicles are where sent."""
+    way, made = MakingWay(), []
+    speed = np.zeros_like(pos) if vel is None else vel
+    for k in range(ticks):
+        sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
+        told = way.update(sent, state_of(sent.pos), command)
+        made.append(np.concatenate([told.pos - sent.pos, told.vel - sent.vel, told.acc - sent.acc], axis=1))
+    return np.array(made)
+
+
+@pytest.mark.parametrize("how", [CommandStatus.LEVEL, CommandStatus.LAND])
+def test_who_is_beneath_leaves_straight_away_as_a_critically_damped_motion_does(how: CommandStatus) -> None:
+    pos = np.array([UPPER, (0.3, 0.4, 1.0)])
+    made = shifts(pos, 300, flown(2, 0, how=how))
+    t = np.arange(1, 301) * TICK
+    way = (REACH - 0.5) * (1.0 - (1.0 + PACE * t) * np.exp(-PACE * t))
+    # steps of 10 ms, semi-implicit: w dt / 2 = 1.5 % of the way
+    np.testing.assert_allclose(made[:, 1, :2], way[:, None] * [0.6, 0.8], atol=0.015 * 0.1)
+    assert not made[:, 0].any()
+    assert not made[:, :, 2].any()
+
+
+@pytest.mark.parametrize(
+    "other",
+    [(0.0, 0.0, 1.5 - 0.5 * BENEATH), (0.0, 0.1, 2.0), (REACH + 0.01, 0.0, 0.5)],
+    ids=["beside", "above", "far"],
+)
+def test_who_is_not_in_the_way_is_left_alone(other: tuple[float, float, float]) -> None:
+    assert not shifts(np.array([UPPER, other]), 100, flown(2, 0)).any()
+
+
+@pytest.mark.parametrize("how", [CommandStatus.OK, CommandStatus.HOLD, CommandStatus.CUT])
+def test_who_is_seen_or_held_for_a_moment_or_down_needs_no_way(how: CommandStatus) -> None:
+    sent = setpoint_of(0.0, np.array([UPPER, (0.0, 0.0, 1.0)]))
+    assert MakingWay().update(sent, state_of(sent.pos), flown(2, 0, how=how)) is sent
+
+
+def test_two_blind_ones_move_nobody_and_one_that_is_seen_between_makes_way_for_the_upper() -> None:
+    stack = np.array([UPPER, (0.1, 0.0, 1.0), (0.0, 0.1, 0.5)])
+    assert not shifts(stack, 100, flown(3, 0, 1, 2)).any()
+    made = shifts(stack, 300, flown(3, 0, 2))
+    assert made[-1, 1, 0] == pytest.approx(REACH - 0.1, rel=0.01)
+    assert not made[:, [0, 2]].any()
+
+
+@given(
+    begin=st.tuples(*[st.floats(-0.4, 0.4)] * 2),
+    vel=st.tuples(*[st.floats(-0.5, 0.5)] * 2),
+)
+def test_a_setpoint_that_passes_beneath_goes_round(
+    begin: tuple[float, float], vel: tuple[float, float]
+) -> None:
+    """The blind one stays; after the way there, 3 / w and more, the passing one is REACH away from it."""
+    speed = np.array([(0.0, 0.0, 0.0), (*vel, 0.0)])
+    way, pos = MakingWay(), np.array([UPPER, (*begin, 0.8)])
+    place = pos
+    for k in range(400):
+        sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
+        told = way.update(sent, state_of(place), flown(2, 0))
+        place = np.array([UPPER, told.pos[1]])
+        if k > 200:
+            assert np.linalg.norm(told.pos[1, :2]) > REACH - 0.02
+
+
+def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
+    made = shifts(np.array([UPPER, (0.1, -0.1, 1.0)]), 200, flown(2, 0), np.array([[0.0] * 3, [0.3, 0.1, 0]]))
+    pos, vel, acc = (made[:, 1, k : k + 2] for k in (0, 3, 6))
+    np.testing.assert_allclose(np.diff(pos, axis=0), vel[1:] * TICK, atol=1e-12)
+    np.testing.assert_allclose(np.diff(vel, axis=0), acc[1:] * TICK, atol=1e-12)
+
+
+def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None:
+    way, pos = MakingWay(), np.array([UPPER, (0.0, 0.0, 1.0)])
+    for k in range(200):
+        way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0))
+    assert way.active
+    moved = []
+    for k in range(200, 700):
+        sent = setpoint_of(k * TICK, pos)
+        told = way.update(sent, state_of(pos), flown(2))
+        moved.append(float(np.linalg.norm(told.pos[1] - pos[1])))
+    assert not way.active
+    assert told is sent
+    assert np.all(np.diff(moved) <= 1e-12)  # no overshoot
+    way.update(setpoint_of(7.0, pos), state_of(pos), flown(2, 0))
+    way.reset()
+    assert not way.active
+
+
+def test_the_side_without_others_is_taken() -> None:
+    """Straight away from the blind one another vehicle hovers: the way leads to the other side of it."""
+    pos = np.array([UPPER, (0.05, 0.0, 1.0), (0.6, 0.0, 1.0)])
+    made = shifts(pos, 300, flown(3, 0))
+    gone = pos[1, :2] + made[-1, 1, :2]
+    assert np.linalg.norm(gone - pos[2, :2]) > REACH
+    assert np.linalg.norm(gone - pos[0, :2]) > 0.98 * REACH
+
+
+def test_who_was_never_placed_or_has_left_the_state_moves_nobody() -> None:
+    pos = np.array([(np.nan, 0.0, 1.5), (0.0, 0.0, 1.0)])
+    assert not shifts(pos, 50, flown(2, 0))[:, 1].any()
+    way, pos = MakingWay(), np.array([UPPER, (0.0, 0.0, 1.0)])
+    for k in range(50):
+        way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0))
+    alone = replace(state_of(pos[1:]), names=("cf2",))
+    for k in range(50, 500):
+        told = way.update(setpoint_of(k * TICK, pos), alone, flown(2, 0))
+    np.testing.assert_array_equal(told.pos, pos)
