@@ -6,11 +6,13 @@ of an unseen vehicle is reckoned from its last believed one and the tilts it was
     v_0     = v_seen + g u(phi_0, theta_0, psi) L         what was on its way when it was seen last
     v_(k+1) = v_k + g u(phi_k, theta_k, psi) dt           u: horizontal part of the body's z axis
     a       = -v / tau,  |a| <= a_max                     what is commanded in place of level
+    p_(k+1) = p_k + v_k dt                                where it is taken to be
 
 So v is the velocity that will be once all commands are flown. What the air does is unknown: a drift stays.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
+| p | pos | horizontal position, world [m], (n, 2) |
 | v | vel | horizontal velocity, world [m/s], (n, 2) |
 | phi theta psi | roll pitch yaw | attitude commanded, yaw last seen [rad] |
 | L | LAG_S | from a command to its tilt [s] |
@@ -47,13 +49,20 @@ class BlindBraking:
     def reset(self) -> None:
         """Forget all vehicles."""
         self._names: Names = ()
+        self._pos = np.zeros((0, 2))
         self._vel = np.zeros((0, 2))
         self._yaw = np.zeros(0)
         self._last: SwarmCommand | None = None
 
+    @property
+    def places(self) -> dict[str, Array]:
+        """Return where vehicles are, seen or reckoned, horizontally [m], (2,) each."""
+        return dict(zip(self._names, self._pos, strict=True))
+
     def sighted(self, state: SwarmState, command: SwarmCommand) -> None:
         """Note a tick in which every vehicle was seen, and what it was commanded."""
-        self._names, self._vel, self._yaw = state.names, state.vel[:, :2], yaw_from_quat(state.quat)
+        self._names, self._pos = state.names, state.pos[:, :2]
+        self._vel, self._yaw = state.vel[:, :2], yaw_from_quat(state.quat)
         self._vel = self._vel + self._gained(command, state.names, LAG_S)
         self._last = command
 
@@ -74,6 +83,7 @@ class BlindBraking:
 
     def _reckon(self, state: SwarmState, command: SwarmCommand) -> None:
         names = command.names
+        pos = self._of(self._pos, self._names, names, np.nan)
         vel = self._of(self._vel, self._names, names, 0.0)
         yaw = self._of(self._yaw, self._names, names, 0.0)
         seen = self._of(state.age, state.names, names, np.inf) <= 0.0
@@ -82,8 +92,10 @@ class BlindBraking:
         self._names = names
         if self._last is not None:
             elapsed = min(max(command.t - self._last.t, 0.0), LONGEST_STEP)
+            pos = pos + elapsed * vel
             vel = vel + self._gained(self._last, names, elapsed)
         coming = self._gained(command, names, LAG_S)
+        self._pos = np.where(seen[:, None], self._of(state.pos[:, :2], state.names, names, np.nan), pos)
         self._vel = np.where(seen[:, None], vel_seen + coming, vel)
 
     def _gained(self, command: SwarmCommand, names: Names, elapsed: float) -> Array:

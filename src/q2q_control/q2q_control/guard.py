@@ -19,8 +19,9 @@ counts from the guard's first tick. Seen again before it is cut, a vehicle flies
 Who is level because nobody sees it brakes from the speed it must have (q2q_control.blind_braking); who is
 seen and flies beneath it makes way (q2q_control.making_way).
 
-A tick older than the last answered one gets the last answer again, as HOLD; older by more than STEP_BACK
-it is a clock that was set back, and everything is forgotten but an emergency.
+A tick older than the last answered one gets the last answer again, as HOLD. Older by more than STEP_BACK it
+is of a clock that was set back, or of a filter that has found out that one was: the controller begins anew,
+ages go on. Older by more than RESTART it is another flight: everything is forgotten but an emergency.
 """
 
 from collections.abc import Callable
@@ -47,8 +48,10 @@ from q2q_model.signals import (
     index_of,
 )
 
-STEP_BACK = 1.0
-"""A tick older than the last one by more is a clock set back [s]: the mocap filter's clock_jump_s."""
+STEP_BACK = 0.1
+"""A tick older than the last by more is of a clock set back [s]: level_s, no command is held for longer."""
+RESTART = 1.0
+"""A clock set back by more is a flight that begins again [s]: the mocap filter's clock_jump_s."""
 _SOUND = int(CommandStatus.SATURATED)
 """The statuses up to here are computed from a usable state."""
 
@@ -106,9 +109,9 @@ class Guard:
         if last is not None and setpoint.t < last.t:
             if last.t - setpoint.t <= STEP_BACK:
                 return _again(last)
-            self.reset()
+            last = self._set_back(last, setpoint.t)
         if last is not None and (self._calm is None or self._way.active):
-            setpoint = self._way.update(setpoint, state, last)
+            setpoint = self._way.update(setpoint, state, last, self._braking.places)
         command = self._controller.update(state, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
         if self._is_calm(command, state, known):
@@ -130,6 +133,17 @@ class Guard:
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
         return descended(held, ages, self._down, self._params, self._hover_thrust)
+
+    def _set_back(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
+        """Set back what is counted from stamps, or begin anew; return the last command by the new clock."""
+        back = last.t - t
+        if back > RESTART:
+            self.reset()
+            return None
+        self._controller.reset()
+        self._basis = self._basis - back
+        self._last = replace(last, t=t)
+        return self._last
 
     def _forget(self) -> None:
         self._last, self._names = None, ()

@@ -1,11 +1,12 @@
 """Make way for a vehicle that nobody sees: who flies beneath it is moved aside before it comes down.
 
 A vehicle that is level or lands blind (q2q_control.fallback) drifts with the air and sinks to the floor.
-Setpoints of vehicles that are seen, lie lower, and are nearer than REACH to where it was seen last, p_j, are
-moved along u, the one of eight directions, straight away from it first, that leads farthest from all others:
+Setpoints of vehicles that are seen, lie lower than it did, and are nearer than REACH to where it is reckoned
+to be, p_j (q2q_control.blind_braking), are moved along u, the one of eight directions, straight away from it
+first, that leads farthest from all others:
 
     wanted = max(0, REACH - (r - p_j) . u) u        r: setpoint; horizontal; u is kept until it is seen or cut
-    s''    = w^2 (wanted - s) - 2 w s'              r + s, with its velocity and acceleration, is flown
+    s'' = w^2 (wanted - s) + 2 w (wanted' - s')   r + s, with its velocity and acceleration, is flown
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -75,37 +76,44 @@ class MakingWay:
         """Return whether anybody makes way, or is on its way back."""
         return bool(self._shifts)
 
-    def update(self, setpoint: SwarmSetpoint, state: SwarmState, flown: SwarmCommand) -> SwarmSetpoint:
+    def update(
+        self, setpoint: SwarmSetpoint, state: SwarmState, flown: SwarmCommand, places: Mapping[str, Array]
+    ) -> SwarmSetpoint:
         """Return the setpoints to fly.
 
         Args:
             setpoint: where vehicles are sent.
-            state: a vehicle that is lost is where it was last believed.
+            state: a vehicle that is lost is as high as it was last believed.
             flown: the last tick's command: it says who is flown blind.
+            places: where those are reckoned to be, horizontally [m], (2,) each.
         """
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
         blind = tuple(flown.names[k] for k in np.flatnonzero(np.isin(flown.status, _BLIND)))
         if not blind and not self._shifts:
             return setpoint
-        self._ask(blind, state)
-        moved = self._moved(setpoint, dict(zip(state.names, state.pos[:, :2], strict=True)), dt)
+        pos = state.pos.copy()
+        for row, name in enumerate(state.names):
+            if name in blind and name in places:
+                pos[row, :2] = places[name]
+        self._ask(blind, state.names, pos)
+        moved = self._moved(setpoint, dict(zip(state.names, pos[:, :2], strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         return moved
 
-    def _ask(self, blind: Names, state: SwarmState) -> None:
+    def _ask(self, blind: Names, names: Names, pos: Array) -> None:
         """Note who must make way for whom, and to which side."""
-        known = set(blind) & set(state.names)
+        known = set(blind) & set(names)
         for shift in self._shifts.values():
             shift.asides = {name: aside for name, aside in shift.asides.items() if name in known}
-        gone = np.isin(state.names, blind)
-        for j in np.flatnonzero(gone & np.isfinite(state.pos).all(axis=1)):
-            for i in np.flatnonzero(~gone & _is_beneath(state.pos, state.pos[j])):
-                shift = self._shifts.setdefault(state.names[i], _Shift())
-                if state.names[j] not in shift.asides:
-                    shift.asides[state.names[j]] = _aside(state.pos[:, :2], int(i), int(j))
+        gone = np.isin(names, blind)
+        for j in np.flatnonzero(gone & np.isfinite(pos).all(axis=1)):
+            for i in np.flatnonzero(~gone & _is_beneath(pos, pos[j])):
+                shift = self._shifts.setdefault(names[i], _Shift())
+                if names[j] not in shift.asides:
+                    shift.asides[names[j]] = _aside(pos[:, :2], int(i), int(j))
 
-    def _moved(self, setpoint: SwarmSetpoint, last_seen: Mapping[str, Array], dt: float) -> SwarmSetpoint:
+    def _moved(self, setpoint: SwarmSetpoint, reckoned: Mapping[str, Array], dt: float) -> SwarmSetpoint:
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
         for row, name in enumerate(setpoint.names):
             shift = self._shifts.get(name)
@@ -113,7 +121,7 @@ class MakingWay:
                 continue
             wanted, wanted_vel = np.zeros(2), np.zeros(2)
             for other, aside in shift.asides.items():
-                lacking = REACH - float((setpoint.pos[row, :2] + wanted - last_seen[other]) @ aside)
+                lacking = REACH - float((setpoint.pos[row, :2] + wanted - reckoned[other]) @ aside)
                 if lacking > 0.0:
                     wanted += lacking * aside
                     wanted_vel -= float((setpoint.vel[row, :2] + wanted_vel) @ aside) * aside

@@ -93,3 +93,19 @@ def test_a_vehicle_that_was_never_seen_stays_level() -> None:
         told = block.update(state, level_at(k * TICK))
         np.testing.assert_array_equal(told.roll, 0.0)
         np.testing.assert_array_equal(told.pitch, 0.0)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
+def test_where_who_is_not_seen_comes_to_rest_is_known(yaw: float) -> None:
+    """The plant of `flown_blind`: what the reckoning does not model is the lag of the tilt, LAG_S of way."""
+    block = BlindBraking()
+    pos, vel, tilt = np.zeros(2), np.array([0.8, -0.6]), np.zeros(2)
+    block.sighted(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
+    for k in range(1, 300):
+        t = k * TICK
+        made = block.update(state_at(t, np.zeros(2), age=t), level_at(t, CommandStatus.LEVEL))
+        tilt += TICK / LAG_S * (np.array([made.roll[0], made.pitch[0]]) - tilt)
+        pos = pos + TICK * vel
+        vel = vel + GRAVITY * TICK * rotate(quat_from_euler(tilt[0], tilt[1], yaw), UP)[:2]
+    assert np.linalg.norm(pos) > 0.5
+    np.testing.assert_allclose(block.places["cf1"], pos, atol=1.1 * LAG_S)

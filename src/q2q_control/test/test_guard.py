@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from q2q_control.controller import Controller
 from q2q_control.fallback import FallbackParams
-from q2q_control.guard import Guard
+from q2q_control.guard import STEP_BACK, Guard
 from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.receding import Mpc
 from q2q_control.pid import Pid, PidParams
@@ -167,16 +167,50 @@ def test_an_emergency_cuts_all_at_once_and_stays_through_a_reset() -> None:
     assert fly(guard, 0, 1)[0].status.tolist() == [CUT, CUT]
 
 
-def test_an_older_tick_gets_the_last_answer_and_a_clock_set_back_starts_anew() -> None:
+def test_an_older_tick_gets_the_last_answer() -> None:
     guard = guarded()
     last = fly(guard, 0, 300)[-1]
-    for t in (2.5, 2.0):  # 0.99 s back: still the same flight
+    for t in (2.95, 2.9):  # 0.09 s back: still the same clock
         again = guard.update(state_at(t), setpoint_at(t), None)
         assert again.t == last.t
         assert again.pitch.tolist() == last.pitch.tolist()
         assert again.status.tolist() == [HOLD, HOLD]
-    anew = guard.update(state_at(1.98), setpoint_at(1.98), None)
-    assert anew.t == 1.98
+
+
+@pytest.mark.parametrize("back", [0.2, 1.0])
+def test_a_clock_set_back_lets_ages_go_on_and_leaves_who_is_cut_on_the_floor(back: float) -> None:
+    guard = guarded()
+    for k in range(520):
+        t = k * TICK
+        told = guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None)
+    assert told.status.tolist() == [CUT, OK]
+    begin = t - back
+    told = guard.update(state_at(begin, (t, 0.0), coast=10.0), setpoint_at(begin), None)
+    assert (told.t, told.status.tolist()) == (begin, [CUT, OK])
+
+
+def test_a_clock_set_back_does_not_make_young_who_was_not_seen() -> None:
+    guard = guarded()
+    for k in range(96):
+        t = k * TICK
+        guard.update(state_at(t, (t, 0.0), coast=0.35), setpoint_at(t), None)
+    begin = 0.5  # unseen for 0.95 s, by whatever clock
+    statuses = []
+    for k in range(8):
+        t = begin + k * TICK
+        told = guard.update(state_at(t, (np.inf, 0.0), coast=0.35), setpoint_at(t), None)
+        statuses.append(told.status[0])
+    assert LAND not in statuses[:5]
+    assert statuses[5:] == [LAND] * 3  # 1.0 s
+
+
+def test_a_flight_that_begins_again_is_another_one() -> None:
+    guard = guarded()
+    for k in range(520):
+        t = k * TICK
+        guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None)
+    anew = guard.update(state_at(4.1), setpoint_at(4.1), None)
+    assert (anew.t, anew.status.tolist()) == (4.1, [OK, OK])
 
 
 def test_a_controller_that_gives_no_numbers_is_answered_with_level_hover() -> None:
@@ -223,7 +257,7 @@ def test_a_saturated_vehicle_is_a_sound_one_beside_one_that_lands() -> None:
         t = k * TICK
         told = guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None)
     assert told.status.tolist() == [LAND, SATURATED]
-    again = guard.update(state_at(1.0), setpoint_at(1.0), None)
+    again = guard.update(state_at(1.15), setpoint_at(1.15), None)
     assert again.status.tolist() == [LAND, HOLD]
 
 
@@ -237,8 +271,8 @@ def test_a_repeated_tick_is_no_older_one() -> None:
 
 def test_a_tick_just_step_back_older_is_of_the_same_flight() -> None:
     guard = guarded()
-    guard.update(state_at(2.0), setpoint_at(2.0), None)
-    assert guard.update(state_at(1.0), setpoint_at(1.0), None).t == 2.0
+    guard.update(state_at(STEP_BACK), setpoint_at(STEP_BACK), None)
+    assert guard.update(state_at(0.0), setpoint_at(0.0), None).t == STEP_BACK
 
 
 def test_phases_begin_at_their_ages_not_after() -> None:

@@ -49,7 +49,7 @@ def shifts(pos: np.ndarray, ticks: int, command: SwarmCommand, vel: np.ndarray |
     speed = np.zeros_like(pos) if vel is None else vel
     for k in range(ticks):
         sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
-        told = way.update(sent, state_of(sent.pos), command)
+        told = way.update(sent, state_of(sent.pos), command, {})
         made.append(np.concatenate([told.pos - sent.pos, told.vel - sent.vel, told.acc - sent.acc], axis=1))
     return np.array(made)
 
@@ -78,7 +78,7 @@ def test_who_is_not_in_the_way_is_left_alone(other: tuple[float, float, float]) 
 @pytest.mark.parametrize("how", [CommandStatus.OK, CommandStatus.HOLD, CommandStatus.CUT])
 def test_who_is_seen_or_held_for_a_moment_or_down_needs_no_way(how: CommandStatus) -> None:
     sent = setpoint_of(0.0, np.array([UPPER, (0.0, 0.0, 1.0)]))
-    assert MakingWay().update(sent, state_of(sent.pos), flown(2, 0, how=how)) is sent
+    assert MakingWay().update(sent, state_of(sent.pos), flown(2, 0, how=how), {}) is sent
 
 
 def test_two_blind_ones_move_nobody_and_one_that_is_seen_between_makes_way_for_the_upper() -> None:
@@ -102,7 +102,7 @@ def test_a_setpoint_that_passes_beneath_goes_round(
     place = pos
     for k in range(400):
         sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
-        told = way.update(sent, state_of(place), flown(2, 0))
+        told = way.update(sent, state_of(place), flown(2, 0), {})
         place = np.array([UPPER, told.pos[1]])
         if k > 200:
             assert np.linalg.norm(told.pos[1, :2]) > REACH - 0.02
@@ -118,17 +118,17 @@ def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
 def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None:
     way, pos = MakingWay(), np.array([UPPER, (0.0, 0.0, 1.0)])
     for k in range(200):
-        way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0))
+        way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {})
     assert way.active
     moved = []
     for k in range(200, 700):
         sent = setpoint_of(k * TICK, pos)
-        told = way.update(sent, state_of(pos), flown(2))
+        told = way.update(sent, state_of(pos), flown(2), {})
         moved.append(float(np.linalg.norm(told.pos[1] - pos[1])))
     assert not way.active
     assert told is sent
     assert np.all(np.diff(moved) <= 1e-12)  # no overshoot
-    way.update(setpoint_of(7.0, pos), state_of(pos), flown(2, 0))
+    way.update(setpoint_of(7.0, pos), state_of(pos), flown(2, 0), {})
     way.reset()
     assert not way.active
 
@@ -147,8 +147,20 @@ def test_who_was_never_placed_or_has_left_the_state_moves_nobody() -> None:
     assert not shifts(pos, 50, flown(2, 0))[:, 1].any()
     way, pos = MakingWay(), np.array([UPPER, (0.0, 0.0, 1.0)])
     for k in range(50):
-        way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0))
+        way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {})
     alone = replace(state_of(pos[1:]), names=("cf2",))
     for k in range(50, 500):
-        told = way.update(setpoint_of(k * TICK, pos), alone, flown(2, 0))
+        told = way.update(setpoint_of(k * TICK, pos), alone, flown(2, 0), {})
     np.testing.assert_array_equal(told.pos, pos)
+
+
+def test_way_is_made_where_the_blind_one_is_reckoned_to_be_not_where_it_was_seen() -> None:
+    pos = np.array([(0.0, -0.8, 1.5), (0.0, 0.0, 1.0)])
+    way, sent = MakingWay(), setpoint_of(0.0, pos)
+    assert way.update(sent, state_of(pos), flown(2, 0), {}) is not None
+    assert not way.active
+    for k in range(1, 300):
+        told = way.update(
+            setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {"cf1": np.array([0.0, -0.3])}
+        )
+    np.testing.assert_allclose(told.pos[1], [0.0, REACH - 0.3, 1.0], atol=0.01)

@@ -12,8 +12,9 @@ q2q_model.tracking (positions, attitudes, swaps, rivals). This file is about fra
 - A first sample ever is taken but not trusted: COASTING at age 0, until a second one fits it.
 - A vehicle never seen is LOST with position and velocity zero, level, and age infinite. Read the status.
 - A repeated stamp gets the same answer again. An older stamp (stale, reordered) is ignored: it gets the last
-  answer again, and ages grow with the next newer frame. A stamp older by more than `clock_jump_s` is a clock
-  that was set back, or a bag that starts again: everything is forgotten.
+  answer again, and ages grow with the next newer frame. A stamp older by more than `clock_jump_s`, or old
+  stamps that rise for 0.1 s (q2q_model.old_stamps), are a clock that was set back, or a bag that
+  starts again: everything is forgotten.
 - The age and the gates grow with a gap of stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`.
 """
@@ -23,6 +24,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.old_stamps import OldStamps
 from q2q_model.outliers import Mask, OutlierThresholds
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
@@ -133,6 +135,7 @@ class MocapFilter:
         self._positions = PositionTracks(_track_params(self._params), count)
         self._attitudes = AttitudeTracks(_attitude_params(self._params), count)
         self._last: SwarmState | None = None
+        self._old = OldStamps()
         self._order: Names = ()
         self._rows: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
         self._offered = 0  # rows of a frame that belong to a track
@@ -148,7 +151,7 @@ class MocapFilter:
         _check_shapes(frame)
         if self._last is not None:
             behind = self._last.t - frame.t
-            if behind > self._params.clock_jump_s:
+            if self._is_set_back(frame.t, behind):
                 self._counts["clock_resets"] += 1
                 self.reset()
             elif not behind < -SAME_INSTANT:
@@ -158,6 +161,13 @@ class MocapFilter:
             raise ValueError(f"frame.t = {frame.t}: a first frame needs a time [s]")
         self._last = self._step(frame)
         return self._last
+
+    def _is_set_back(self, t: float, behind: float) -> bool:
+        if behind <= SAME_INSTANT:
+            if behind < -SAME_INSTANT:
+                self._old.reset()
+            return False
+        return behind > self._params.clock_jump_s or self._old.rise(t)
 
     def _step(self, frame: MocapFrame) -> SwarmState:
         self._by_track(frame)

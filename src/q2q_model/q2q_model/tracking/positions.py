@@ -7,13 +7,13 @@ last seen at p, tau ago, is taken when it passes all three, with the thresholds 
     velocity  |r - p| <= jump_max + speed_max tau
     position  |r - p-| <= jump_max + GATE_SIGMAS sqrt(S)     once lost, none passes
 
-A pose that is the last one again to the last digit, though the vehicle was moving, is an old frame under a
-new stamp: no sample, for as long as the vehicle coasts. A refused sample is tried as another vehicle's marker
-(q2q_model.tracking.swaps). A track takes others' markers for at most as many samples as it had been right
-about its name, so a wrong start heals. What is still refused but stays together is a true jump
-(q2q_model.tracking.rivals): the track starts there. A track's first sample is taken for lack of a better one,
-but not trusted: where the next one does not follow from it, the track starts anew there. Without samples a
-track coasts for `coast_s`; then it is lost, its position held and its velocity zero.
+A pose that is the last one again to the last digit, though the vehicle was moving or the pose is refused, is
+an old frame under a new stamp: no sample, for as long as the vehicle coasts. A refused sample is tried as
+another vehicle's marker (q2q_model.tracking.swaps). A track takes others' markers for at most as many samples
+as it had been right about its name, so a wrong start heals. What is still refused but stays together is a
+true jump (q2q_model.tracking.rivals): the track starts there. A track's first sample is taken for lack of a
+better one, but not trusted: where the next one does not follow from it, the track starts anew there. Without
+samples a track coasts for `coast_s`; then it is lost, its position held and its velocity zero.
 """
 
 import math
@@ -28,7 +28,7 @@ from q2q_model.tracking import white_jerk
 from q2q_model.tracking.absences import SPREAD, WIDTH, follow_present
 from q2q_model.tracking.glide import glide_positions
 from q2q_model.tracking.memory import padded
-from q2q_model.tracking.rivals import SAME_INSTANT, Rivals
+from q2q_model.tracking.rivals import SAME_INSTANT, Lacking, Rivals
 from q2q_model.tracking.swaps import swapped_sources
 from q2q_model.tracking.verdict import Verdict
 
@@ -141,10 +141,12 @@ class PositionTracks:
             return verdict
         ahead = self._expect(t)
         inside = np.where(np.abs(measured) <= self._params.limits.pos_max, measured, np.nan)
+        fits = self._judge(inside, ahead)
         if repeated is not None:
-            inside = np.where((self._stale(repeated, ahead.state) & ~ahead.lost)[:, None], np.nan, inside)
+            old = repeated & ~ahead.lost & (~fits | self._moves(ahead.state))
+            inside, fits = np.where(old[:, None], np.nan, inside), fits & ~old
         self._steady = None
-        return self._sort_out(t, inside, ahead, self._judge(inside, ahead))
+        return self._sort_out(t, inside, ahead, fits)
 
     def glide(self, t: float, poses: tuple[Array, Array], out: Array) -> bool:
         """Take a whole tick with the gains of the last, where nothing is unusual; else return False.
@@ -170,9 +172,8 @@ class PositionTracks:
             self._taken(steady.t, steady.ticks)
             steady.ticks = 0
 
-    def _stale(self, repeated: Mask, expected: Array) -> Mask:
-        moved = np.abs(expected[:, 0] - self._state[:, 0]).max(axis=1) > REPEAT_STEP
-        return np.asarray(repeated & moved)
+    def _moves(self, expected: Array) -> Mask:
+        return np.asarray(np.abs(expected[:, 0] - self._state[:, 0]).max(axis=1) > REPEAT_STEP)
 
     def _follow(self, t: float, measured: Array) -> Verdict | None:
         """Take a tick in which some may be absent and nothing else is unusual; else return None."""
@@ -249,9 +250,10 @@ class PositionTracks:
         source = np.where(lent >= 0, lent, np.where(fits | began, self._rows, -1))
         self._rivals.forget(source >= 0)
         refused = orphans & (source < 0) & ~np.isin(self._rows, lent)
-        absent = np.flatnonzero(~present & self._seen)
+        lacking = Lacking(~present & self._seen, refused)
         usual, longest = self._params.reacquire_s, max(self._params.coast_s, self._params.reacquire_s)
-        doubtful = self._rivals.doubtful(t, measured, (self._state[:, 0], self._time), absent)
+        doubtful = self._rivals.doubtful(t, measured, (self._state[:, 0], self._time), lacking)
+        doubtful &= self._swapped < self._right
         jumped = self._rivals.offer(t, measured, refused, np.where(doubtful, longest, usual))
         source = np.where(jumped, self._rows, source)
         self._proven = (self._proven | jumped | fits) & ~began

@@ -5,8 +5,9 @@ could have come from there, |r - r_last| <= jump_max + speed_max (t - t_last); e
 A rival that has gathered CONFIRM_SAMPLES and lasted as long as is asked is where the vehicle is.
 """
 
+from typing import NamedTuple
+
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.outliers import Mask, OutlierThresholds
 from q2q_model.signals import Array
@@ -16,6 +17,15 @@ CONFIRM_SAMPLES = 3
 """A jump is believed after at least as many samples, whatever their rate."""
 SAME_INSTANT = 1e-9
 """Rounding of a time of flight in float64 [s]."""
+
+
+class Lacking(NamedTuple):
+    """Say who has no believable sample of its own at a tick."""
+
+    absent: Mask
+    """Seen before, without a sample now, (n,)."""
+    refused: Mask
+    """(n,)"""
 
 
 class Rivals:
@@ -61,17 +71,20 @@ class Rivals:
         lasted = t - self._first_time >= patience - SAME_INSTANT
         return refused & lasted & (self._count >= CONFIRM_SAMPLES)
 
-    def doubtful(self, t: float, pos: Array, tracks: tuple[Array, Array], absent: NDArray[np.intp]) -> Mask:
-        """Return whose sample at pos [m] (n, 3) may be an absent vehicle's under a wrong name, (n,).
+    def doubtful(self, t: float, pos: Array, tracks: tuple[Array, Array], lacking: Lacking) -> Mask:
+        """Return whose sample at pos [m] (n, 3) may be another's under a wrong name, (n,).
 
-        That one may have come there, and was nearer to it than the sample's own vehicle. Swaps end before a
-        vehicle has coasted. `tracks` are last positions [m] (n, 3) and their times [s] (n,).
+        The other one lacks a sample of its own, and was nearer to it than the sample's own vehicle: it is
+        absent, and may have come there; or its sample is refused, too: a swap of a marker that was moved.
+        Swaps end before a vehicle has coasted. `tracks` are last positions [m] (n, 3) and their times
+        [s] (n,).
         """
         last, when = tracks
-        away = np.linalg.norm(pos[:, None] - last[None, absent], axis=2)  # (n, absent)
-        reached = away <= self._limits.jump_max + self._limits.speed_max * (t - when[absent])
-        own = np.linalg.norm(pos - last, axis=1)
-        return np.asarray((reached & (away < own[:, None])).any(axis=1))
+        away = np.linalg.norm(pos[:, None] - last, axis=2)  # (n, n): of i's sample to j's track
+        own = np.diagonal(away)[:, None]
+        reached = away <= self._limits.jump_max + self._limits.speed_max * (t - when)
+        suspect = lacking.refused | (lacking.absent & reached)
+        return np.asarray((suspect & (away < own)).any(axis=1))
 
     def velocity(self) -> Array:
         """Return the mean velocity of every rival [m/s], (n, 3); zero where it has one sample."""

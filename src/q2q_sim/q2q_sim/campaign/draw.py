@@ -9,7 +9,7 @@ fallback mends that. Nor do they fly with the paper's bound on thrust, in any mo
 
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 from q2q_sim import scenarios
 from q2q_sim.assembly import Options
@@ -38,11 +38,18 @@ class Cut:
     """[s]"""
     pace: float = 1.0
     """Time flown for a second of the scenario [-]."""
+    pace_of_detours: float | None = None
+    """The same where a replanner adds detours [-]; None for no difference."""
+
+    def replanned(self) -> "Cut":
+        """Return the cut as it is flown with a replanner."""
+        return self if self.pace_of_detours is None else replace(self, pace=self.pace_of_detours)
 
 
 CUTS = (
     Cut("table6_room", 0.0, 50.0, 0.2),
-    Cut("stack3", 10.0, 32.0, 0.45),
+    # off its way by 0.15 m without faults; replanned at 0.45 it is by 0.28 m, its detours being faster
+    Cut("stack3", 10.0, 32.0, 0.45, pace_of_detours=0.65),
     Cut("table2_1", 15.5, 25.0),
     Cut("table2_2", 15.5, 25.0),
     Cut("table2_3", 15.5, 25.0),
@@ -72,13 +79,16 @@ def drawn(seed: int) -> Run:
     """Return the run of a seed (0 or above)."""
     rng = stream(seed, "campaign")
     cut = CUTS[int(rng.integers(len(CUTS)))]
-    document = shortened(scenarios.document(cut.scenario), cut)
-    document["room"] = str(rng.choice(ROOMS))
+    room = str(rng.choice(ROOMS))
     options = Options(
         mode=str(rng.choice(["aware_unlimited", "ignoring"], p=[0.8, 0.2])),
         controller=str(rng.choice(["pid", "mpc"], p=[0.8, 0.2])),
         replan=str(rng.choice(["none", "safe"], p=[0.8, 0.2])),
     )
+    document = shortened(
+        scenarios.document(cut.scenario), cut if options.replan == "none" else cut.replanned()
+    )
+    document["room"] = room
     most = scenario_from_document("drawn", document).vehicle.thrust_max
     document["overrides"] = {"pid": GAINS | {"thrust_max": most}, "mpc": {"thrust_max": most}}
     scenario = scenario_from_document("drawn", document)
