@@ -149,6 +149,20 @@ def real_node(name: str, folder: Path) -> Real:
 
 
 @pytest.mark.parametrize("name", NODES)
+def test_what_a_node_does_not_heed_in_flight_is_refused(
+    name: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    node = real_node(name, tmp_path_factory.getbasetemp())
+    fixed = [one for one in node.names if one not in node.open]
+    assert fixed
+    for one in fixed:
+        before = node.node.get_parameter_or(one)
+        taken, reason = node.ask(one, before.get_parameter_value())
+        assert (taken, "read-only" in reason) == (False, True), one
+        assert node.node.get_parameter_or(one).value == before.value
+
+
+@pytest.mark.parametrize("name", NODES)
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(data=st.data())
 def test_a_parameter_is_taken_or_refused_with_a_reason_and_the_next_tick_is_good(

@@ -67,7 +67,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     """Wire the MPC into a node; its parameters may change in flight."""
     own = declare(node, MpcNodeParams())
     vehicle = vehicle_by_name(own.vehicle)
-    params = declare(node, MpcParams())
+    params = declare(node, MpcParams(), in_flight=True)
     budget = TimeBudget(own.budget_s if own.live else inf, monotonic)
     block = Mpc(params, vehicle, find_model(own.model).interaction, own.vehicles, budget.in_time)
     on_change(node, params, block.configure)

@@ -46,7 +46,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     """Wire the PID into a node; its gains may change in flight."""
     own = declare(node, PidNodeParams())
     vehicle = vehicle_by_name(own.vehicle)
-    params = declare(node, PidParams())
+    params = declare(node, PidParams(), in_flight=True)
     block = Pid(params, vehicle, own.vehicles)
     on_change(node, params, block.configure)
     inputs: dict[str, type[Signal]] = {"state": SwarmState, "reference_safe": SwarmSetpoint}

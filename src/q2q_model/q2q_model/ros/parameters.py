@@ -1,7 +1,7 @@
 """Make a Params dataclass a node's ROS parameters: description, range, read-only, and live changes."""
 
 from collections.abc import Callable
-from dataclasses import Field, fields
+from dataclasses import Field, fields, replace
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import (
@@ -22,12 +22,16 @@ UNBOUNDED = 1.7e308
 """Stands for no bound in a FloatingPointRange, which has no other word for it."""
 
 
-def declare(node: Node, params: P, prefix: str = "") -> P:
+def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False) -> P:
     """Declare every field of `params` as a ROS parameter under a prefix; return what the user set.
+
+    With `in_flight`, those that are not read-only may change (`on_change` says to what); else none may.
 
     Raises ValueError that names the parameter, the value and what is allowed.
     """
-    values = {entry.name: _declared(node, params, entry, prefix) for entry in fields(params)}
+    values = {
+        entry.name: _declared(node, params, entry, prefix, in_flight=in_flight) for entry in fields(params)
+    }
     return with_overrides(params, values)
 
 
@@ -48,9 +52,10 @@ def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "
     node.add_on_set_parameters_callback(changed)
 
 
-def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str) -> Any:  # noqa: ANN401
+def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str, *, in_flight: bool) -> Any:  # noqa: ANN401
     default = getattr(params, entry.name)
     spec = tunable_of(entry)
+    spec = spec if in_flight else replace(spec, read_only=True)
     plain = list(default) if isinstance(default, tuple) else default
     if plain == []:
         plain = Parameter.Type.STRING_ARRAY

@@ -46,8 +46,8 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
 
 
 def _block(node: Node, law: str) -> Replanner:
-    paper = declare(node, PotentialFieldParams())
-    safe = declare(node, SafeReplannerParams(), PREFIX)
+    paper = declare(node, PotentialFieldParams(), in_flight=law != SAFE)
+    safe = declare(node, SafeReplannerParams(), PREFIX, in_flight=law == SAFE)
     if law == SAFE:
         guarded = SafeReplanner(safe)
         on_change(node, safe, guarded.configure, PREFIX)
