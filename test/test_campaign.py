@@ -115,6 +115,13 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
     assert "tilt: cf1 at 1.00 s: 0.5" in said.err
 
 
+def test_processes_that_are_replaced_fly_every_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("q2q_sim.tools.campaign_engine.RECYCLE", 1)
+    flown = list(outcomes("local", range(200, 203), 2, tmp_path))
+    assert sorted(one.seed for one in flown) == [200, 201, 202]
+    assert all(one.what and one.seconds > 0.0 for one in flown)
+
+
 def test_a_run_that_raises_is_a_crash_and_leaves_its_bag(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

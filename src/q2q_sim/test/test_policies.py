@@ -162,6 +162,20 @@ def test_who_is_unseen_after_a_clock_jump_is_so_since_its_stamps_are_over() -> N
     assert after(Fault("clock_jump", 2.9, 0.15, size=0.30))  # up to 3.35: 0.15 s before it is seen again
 
 
+def test_who_is_missing_is_not_judged_while_two_may_be_taken_for_each_other() -> None:
+    gone = changed(MocapFrame, 3.0, 3.1, pos=with_row(0, np.nan))
+    unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
+
+    def under(fault: Fault) -> bool:
+        around = replace(AROUND, faults=(fault,))
+        return "action" in broken(lambda one: unmarked(gone(one)), around)
+
+    names = heard()[0].signal.names[:2]
+    assert not under(Fault("swap", 2.0, 0.15, vehicles=names))  # over 0.95 s before the last frame without it
+    assert under(Fault("swap", 1.8, 0.15, vehicles=names))  # 1.15 s before
+    assert under(Fault("jump", 2.0, 0.15, vehicles=names, size=0.1))  # another place, but its own name
+
+
 def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
     # a clock ahead shows stamps to come; set right again, it shows the same stamps without the vehicle
     blind = [changed(MocapFrame, 3.0, 3.2, pos=with_row(0, np.nan))(one) for one in heard()]

@@ -1,24 +1,31 @@
-"""Run one node as a process: start, spin, end cleanly, and say what is wrong in one line."""
+"""Run one node as a process: start, spin, end cleanly, and say what is wrong in one line.
+
+SIGINT and SIGTERM are ours, not rclpy's, which shuts ROS down in the middle of a callback: while nodes are
+built they interrupt; once nodes spin, the callback that runs is ended first.
+"""
 
 import gc
+import signal
 import sys
 from collections.abc import Callable, Mapping
+from types import FrameType
 from typing import TypeVar
 
 import rclpy
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
-from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from q2q_model.ros.ready import offer_drained, offer_ready
 
-WAKE_S = 0.5
+WAKE_S = 0.1
 """How often the spin loop looks whether it should end [s].
 
 EventsExecutor.spin() runs nothing here, and a spin_once for each message costs more than the message.
 """
+
+ENDING = (signal.SIGINT, signal.SIGTERM)
 
 Kept = TypeVar("Kept")
 
@@ -42,8 +49,10 @@ def run_together(
     name: str, build: Callable[[], Mapping[Node, Kept]], end: Callable[[Kept], None] | None = None
 ) -> None:
     """Run several nodes in one process, as `run` does one; `name` speaks for all."""
-    rclpy.init()
+    for number in ENDING:
+        signal.signal(number, signal.default_int_handler)
     try:
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         kept = build()
         for node in kept:
             offer_ready(node)
@@ -59,21 +68,25 @@ def run_together(
         sys.exit(2)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except (RCLError, InvalidHandle, NotInitializedException):
-        if rclpy.ok():  # else a signal ended ROS in the middle of a call: that is the end that was asked for
-            raise
     finally:
         rclpy.try_shutdown()
 
 
 def spin(*nodes: Node) -> None:
-    """Run the callbacks of the nodes until ROS is shut down."""
+    """Run the callbacks of the nodes until SIGINT, SIGTERM, or ROS is shut down."""
     executor = make_executor()
     for node in nodes:
         executor.add_node(node)
-    never: Future[None] = Future()
+    asked = [False]
+
+    def end(_: int, __: FrameType | None) -> None:
+        asked[0] = True
+
+    for number in ENDING:
+        signal.signal(number, end)
     gc.freeze()  # what stands now stays: the collector need not look at it again in flight
-    while rclpy.ok():
+    while rclpy.ok() and not asked[0]:
+        never: Future[None] = Future()  # a new one: the executor leaves a callback at it each time
         executor.spin_until_future_complete(never, WAKE_S)
 
 

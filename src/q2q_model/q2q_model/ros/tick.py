@@ -16,7 +16,6 @@ from q2q_model.parameters import check_bounds, tunable
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.bus_node import BusNode
 from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.ending import ForgivingTheEnd
 from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.parameters import declare
@@ -61,7 +60,6 @@ class TickWiring(Generic[Made]):
         self.health = Health()
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         self._node = node
-        self._forgiving = ForgivingTheEnd(node)
         topic, signal = output
         quality = promising(declare(node, TickWriterParams()).promise_s)
         self._publisher = node.create_publisher(MESSAGES[signal], topic, quality)
@@ -112,8 +110,7 @@ class TickWiring(Generic[Made]):
         return told
 
     def _tell_world(self, stamp_ns: int, signal: Made) -> None:
-        with self._forgiving:
-            self._publisher.publish(encode(signal, stamp_ns))
+        self._publisher.publish(encode(signal, stamp_ns))
 
     def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., Made]) -> None:
         def take(stamp_ns: int, value: Signal) -> None:
@@ -142,6 +139,5 @@ class TickWiring(Generic[Made]):
         self._last = made
         self.publish(stamp_ns, made)
         self.health.ticks += 1
-        with self._forgiving:
-            for follow in self._after:
-                follow(stamp_ns, made)
+        for follow in self._after:
+            follow(stamp_ns, made)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals import CommandStatus
-from q2q_sim.policies.blindness import undated
+from q2q_sim.policies.blindness import misnamed, undated
 from q2q_sim.policies.evidence import Evidence
 from q2q_sim.policies.verdicts import Circumstances, Violation, worst
 
@@ -27,7 +27,8 @@ def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return who was flown as usual though no frame had shown it for longer than an action may take.
 
     Stamps are the only clock there is: frames of one that jumps cannot be dated, by nobody. Who is unseen
-    after a jump is so since the stamps of the jump are over.
+    after a jump is so since the stamps of the jump are over. Two that are taken for each other, as after a
+    swap with which they were first seen, are seen as each other: who is missing cannot be said then.
     """
     limit = circumstances.limits.action
     if not evidence.seen.any():
@@ -36,7 +37,8 @@ def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     seen = evidence.seen | undated(evidence, circumstances.faults)[:, None]
     last = np.maximum.accumulate(np.where(seen, t, t[:1]), axis=0)
     unseen = t - last
-    excess = np.where(_as_usual(evidence), unseen - limit - ROUNDING, np.nan)
+    told = _as_usual(evidence) & ~misnamed(evidence, circumstances.faults)
+    excess = np.where(told, unseen - limit - ROUNDING, np.nan)
     return worst("action", evidence, excess, (unseen, limit))
 
 

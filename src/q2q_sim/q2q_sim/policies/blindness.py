@@ -51,6 +51,11 @@ def undated(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
     return np.asarray(lied_to(evidence, jumps, 0.0).any(axis=1))
 
 
+def misnamed(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
+    """Return who may be taken for another, as its marker was under the other's name lately, (T, n)."""
+    return lied_to(evidence, tuple(fault for fault in faults if fault.kind == "swap"), BELIEVED_S)
+
+
 def _lately(evidence: Evidence, when: Mask, settle: float) -> Mask:
     t = evidence.t[:, None]
     last = np.maximum.accumulate(np.where(when, t, -np.inf), axis=0)

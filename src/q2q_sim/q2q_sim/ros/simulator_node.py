@@ -23,7 +23,6 @@ from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.ending import ForgivingTheEnd
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
@@ -92,7 +91,6 @@ class Simulator:
 
     def _wire(self, node: Node) -> None:
         self._node = node
-        self._forgiving = ForgivingTheEnd(node)
         self._reader = SignalReader(SwarmCommand)
         self._writers = {
             topic: node.create_publisher(MESSAGES[kind], topic, TICK_WRITER)
@@ -137,8 +135,7 @@ class Simulator:
         self._publish("mocap", tick.frame, tick.frame_stamp_ns)
 
     def _publish(self, topic: str, signal: Signal, stamp_ns: int) -> None:
-        with self._forgiving:
-            self._writers[topic].publish(encode(signal, stamp_ns))
+        self._writers[topic].publish(encode(signal, stamp_ns))
 
     def _on_command(self, data: bytes) -> None:
         try:

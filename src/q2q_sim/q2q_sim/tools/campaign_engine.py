@@ -12,7 +12,8 @@ from q2q_sim.tools.campaign_flight import fly_and_judge
 
 ENGINES = ("local", "dask")
 RECYCLE = 200
-"""Runs after which a process is replaced: what leaks, leaks no further."""
+"""Runs after which a process is replaced: what leaks, leaks no further. By new pools: one that replaces its
+own processes (max_tasks_per_child) may wait for ever, https://github.com/python/cpython/issues/115634."""
 
 Fly = Callable[[int], Outcome]
 
@@ -35,8 +36,13 @@ def _local(fly: Fly, seeds: Sequence[int], jobs: int) -> Iterator[Outcome]:
     if jobs == 1:
         yield from map(fly, seeds)
         return
+    for begin in range(0, len(seeds), jobs * RECYCLE):
+        yield from _by_pool(fly, seeds[begin : begin + jobs * RECYCLE], jobs)
+
+
+def _by_pool(fly: Fly, seeds: Sequence[int], jobs: int) -> Iterator[Outcome]:
     context = get_context("spawn")  # numba's and the solvers' threads do not survive a fork
-    with ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=RECYCLE) as pool:
+    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
         running = {pool.submit(fly, seed): seed for seed in seeds}
         try:
             for ended in as_completed(running):
