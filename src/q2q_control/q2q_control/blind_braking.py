@@ -23,6 +23,7 @@ So v is the velocity that will be once all commands are flown. What the air does
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.rotations import yaw_from_quat
 from q2q_model.signals import Array, CommandStatus, Names, SwarmCommand, SwarmState, index_of
@@ -61,16 +62,23 @@ class BlindBraking:
 
     def sighted(self, state: SwarmState, command: SwarmCommand) -> None:
         """Note a tick in which every vehicle was seen, and what it was commanded."""
-        self._names, self._pos = state.names, state.pos[:, :2]
+        self._names, self._pos = state.names, state.pos[:, :2].copy()
         self._vel, self._yaw = state.vel[:, :2], yaw_from_quat(state.quat)
         self._vel = self._vel + self._gained(command, state.names, LAG_S)
         self._last = command
 
-    def update(self, state: SwarmState, command: SwarmCommand) -> SwarmCommand:
-        """Return the command in which unseen vehicles brake where they would be level."""
-        self._reckon(state, command)
-        unseen = ~(self._of(state.age, state.names, command.names, np.inf) <= 0.0)
-        braking = unseen & np.isin(command.status, _BRAKING)
+    def update(self, state: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
+        """Return the command in which unseen vehicles brake where they would be level.
+
+        Without a state nobody is seen.
+        """
+        seen = np.zeros(len(command.names), dtype=np.bool_)
+        if state is not None:
+            seen = self._of(state.age, state.names, command.names, np.inf) <= 0.0
+        self._reckon(command)
+        if state is not None and seen.any():
+            self._correct(state, command, seen)
+        braking = ~seen & np.isin(command.status, _BRAKING)
         if braking.any():
             roll, pitch = self._tilt()
             command = replace(
@@ -81,22 +89,24 @@ class BlindBraking:
         self._last = command
         return command
 
-    def _reckon(self, state: SwarmState, command: SwarmCommand) -> None:
+    def _reckon(self, command: SwarmCommand) -> None:
+        """Move everybody on to the tick of a command."""
         names = command.names
-        pos = self._of(self._pos, self._names, names, np.nan)
-        vel = self._of(self._vel, self._names, names, 0.0)
-        yaw = self._of(self._yaw, self._names, names, 0.0)
-        seen = self._of(state.age, state.names, names, np.inf) <= 0.0
-        vel_seen = self._of(state.vel[:, :2], state.names, names, 0.0)
-        self._yaw = np.where(seen, self._of(yaw_from_quat(state.quat), state.names, names, 0.0), yaw)
+        self._pos = self._of(self._pos, self._names, names, np.nan)
+        self._vel = self._of(self._vel, self._names, names, 0.0)
+        self._yaw = self._of(self._yaw, self._names, names, 0.0)
         self._names = names
         if self._last is not None:
             elapsed = min(max(command.t - self._last.t, 0.0), LONGEST_STEP)
-            pos = pos + elapsed * vel
-            vel = vel + self._gained(self._last, names, elapsed)
-        coming = self._gained(command, names, LAG_S)
-        self._pos = np.where(seen[:, None], self._of(state.pos[:, :2], state.names, names, np.nan), pos)
-        self._vel = np.where(seen[:, None], vel_seen + coming, vel)
+            self._pos = self._pos + elapsed * self._vel
+            self._vel = self._vel + self._gained(self._last, names, elapsed)
+
+    def _correct(self, state: SwarmState, command: SwarmCommand, seen: NDArray[np.bool_]) -> None:
+        """Take over what is seen of vehicles."""
+        rows = index_of(command.names, state.names)[seen]
+        self._pos[seen], self._vel[seen] = state.pos[rows, :2], state.vel[rows, :2]
+        self._yaw[seen] = yaw_from_quat(state.quat[rows])
+        self._vel[seen] += self._gained(command, command.names, LAG_S)[seen]
 
     def _gained(self, command: SwarmCommand, names: Names, elapsed: float) -> Array:
         """Return the velocity that a command gives in a time [s], (n, 2)."""

@@ -117,9 +117,7 @@ class Guard:
         if self._is_calm(command, state, known):
             self._last, self._calm = command, state
             return command
-        if self._calm is not None and last is not None:
-            self._braking.sighted(self._calm, last)
-        self._calm = None
+        self._note_sight()
         laddered = self._laddered(command, _ages(state, command.names) + max(known, 0.0))
         self._last = self._braking.update(state, laddered)
         return self._last
@@ -132,7 +130,14 @@ class Guard:
         ages = last.t - self._basis + age
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
-        return descended(held, ages, self._down, self._params, self._hover_thrust)
+        self._note_sight()
+        return self._braking.update(None, descended(held, ages, self._down, self._params, self._hover_thrust))
+
+    def _note_sight(self) -> None:
+        """Note where everybody was at the last calm tick, now that calm is over."""
+        if self._calm is not None and self._last is not None:
+            self._braking.sighted(self._calm, self._last)
+        self._calm = None
 
     def _set_back(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
         """Set back what is counted from stamps, or begin anew; return the last command by the new clock."""

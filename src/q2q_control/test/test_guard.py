@@ -1,9 +1,12 @@
 """The state machine of a vehicle's controller: by ages, down the ladder and up again, and an emergency."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from q2q_control.blind_braking import BRAKING_MAX, BRAKING_S
 from q2q_control.controller import Controller
 from q2q_control.fallback import FallbackParams
 from q2q_control.guard import STEP_BACK, Guard
@@ -14,7 +17,7 @@ from q2q_control.tick_watch import TickWatch
 from q2q_control.transit import MOST_S, WINDOW_S, Transit
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.signals import CommandStatus, Names, SwarmCommand, SwarmSetpoint, SwarmState, TrackStatus
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY
 
 HOVER = CRAZYFLIE_2_0.hover_thrust
 TICK = 0.01
@@ -56,6 +59,19 @@ def pid() -> Pid:
 
 def mpc() -> Mpc:
     return Mpc(MpcParams(), CRAZYFLIE_2_0, NoInteraction())
+
+
+class Level:
+    """Hover, whatever comes."""
+
+    def update(self, _: SwarmState, setpoint: SwarmSetpoint, __: object) -> SwarmCommand:
+        """Return level hover."""
+        zero = np.zeros(2)
+        status = np.full(2, OK, dtype=np.uint8)
+        return SwarmCommand(setpoint.t, NAMES, np.full(2, HOVER), zero, zero, zero, status)
+
+    def reset(self) -> None:
+        """Remember nothing."""
 
 
 def guarded(controller: Controller | None = None) -> Guard:
@@ -327,6 +343,23 @@ def test_without_ticks_all_are_held_then_level_then_land_then_cut() -> None:
     assert held.t == pytest.approx(last.t + 0.03)
     # cut stays, though ticks come again
     assert fly(guard, 600, 601)[0].status.tolist() == [CUT] * 2
+
+
+def test_without_ticks_a_swarm_that_flew_brakes_to_rest_and_one_that_hovered_stays_level() -> None:
+    """Its body's z axis follows the command at once; the reckoning allows for a lag only before it begins."""
+    for speed in (0.0, 1.0):
+        guard = Guard(Level(), PARAMS, HOVER)
+        for k in range(20):
+            moving = replace(state_at(k * TICK), vel=np.tile([speed, 0.0, 0.0], (2, 1)))
+            guard.update(moving, setpoint_at(k * TICK), None)
+        vel, most = speed, 0.0
+        for k in range(1, 300):
+            told = guard.without_tick(max(k * TICK, PARAMS.hold_s))
+            assert told is not None
+            vel += TICK * GRAVITY * np.tan(told.pitch[0])
+            most = max(most, abs(float(told.pitch[0])))
+        assert abs(vel) < 0.02 * speed + 1e-12
+        assert most == pytest.approx(np.arctan(min(speed / BRAKING_S, BRAKING_MAX) / GRAVITY))
 
 
 def test_nothing_is_sent_before_the_first_tick_ever() -> None:
