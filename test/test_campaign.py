@@ -14,7 +14,7 @@ from q2q_sim.policies import POLICIES, Evidence, Violation, evidence_of
 from q2q_sim.scenario import scenario_from_document
 from q2q_sim.tools import campaign, campaign_flight
 from q2q_sim.tools.campaign_engine import outcomes
-from q2q_sim.tools.campaign_nodes import TOPICS, twin
+from q2q_sim.tools.campaign_nodes import TOPICS, NodeFlights, twin
 from q2q_sim.tools.flight import FlightRequest, node_specs
 from q2q_sim.tools.policies import evidence_in
 from q2q_sim.tools.resident import ResidentNodes
@@ -49,6 +49,12 @@ def test_a_short_campaign_violates_nothing(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", ONCE_BROKEN)
 def test_what_once_violated_a_policy_violates_none(seed: int) -> None:
     assert campaign_flight.flown_pure(drawn(seed)).violations == ()
+
+
+@pytest.mark.parametrize("seed", [20])
+def test_what_once_violated_a_policy_through_the_nodes_violates_none(seed: int, tmp_path: Path) -> None:
+    with NodeFlights(tmp_path / "nodes", tmp_path / "kept") as flights:
+        assert flights.fly_and_judge(seed).violations == ()
 
 
 def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:

@@ -19,14 +19,15 @@ counts from the guard's first tick. Seen again before it is cut, a vehicle flies
 Who is level because nobody sees it brakes from the speed it must have (q2q_control.blind_braking); who is
 seen and flies beneath it makes way (q2q_control.making_way).
 
-A tick older than the last answered one gets the last answer again, as HOLD. Older by more than STEP_BACK it
-is of a clock that was set back, or of a filter that has found out that one was: the controller begins anew,
-ages go on. Older by more than RESTART it is another flight: everything is forgotten but an emergency.
+A tick older than the last answered one gets the last answer again, as HOLD. Old ticks that rise for long
+enough (q2q_model.old_stamps, as in the mocap filter) are those of a clock that was set back: the controller
+begins anew, ages go on. Older by more than RESTART it is another flight: everything is forgotten but an
+emergency.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,7 @@ from q2q_control.controller import Controller
 from q2q_control.fallback import FallbackParams, descended, fallback_command
 from q2q_control.making_way import MakingWay
 from q2q_model.compiled import compiled
+from q2q_model.old_stamps import OldStamps
 from q2q_model.signals import (
     Array,
     CommandStatus,
@@ -48,8 +50,6 @@ from q2q_model.signals import (
     index_of,
 )
 
-STEP_BACK = 0.1
-"""A tick older than the last by more is of a clock set back [s]: level_s, no command is held for longer."""
 RESTART = 1.0
 """A clock set back by more is a flight that begins again [s]: the mocap filter's clock_jump_s."""
 _SOUND = int(CommandStatus.SATURATED)
@@ -88,9 +88,15 @@ class Guard:
         self._way = MakingWay()
         self._last: SwarmCommand | None = None
         self._calm: SwarmState | None = None  # of the last tick, where all was known of everybody
+        self._old = OldStamps()
         self._names: Names = ()
         self._basis = np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+
+    @property
+    def newest(self) -> float:
+        """Return the stamp of the last tick that was answered as a new one [s]; -inf for none."""
+        return -inf if self._last is None else self._last.t
 
     def reset(self) -> None:
         """Forget everything, the controller's memory too; an emergency stays."""
@@ -107,9 +113,10 @@ class Guard:
         """Return the tick's command; `interference` None means ignoring the draft."""
         last = self._last
         if last is not None and setpoint.t < last.t:
-            if last.t - setpoint.t <= STEP_BACK:
+            if last.t - setpoint.t <= RESTART and not self._old.rise(setpoint.t):
                 return _again(last)
             last = self._set_back(last, setpoint.t)
+        self._old.reset()
         if last is not None and (self._calm is None or self._way.active):
             setpoint = self._way.update(setpoint, state, last, self._braking.places)
         command = self._controller.update(state, setpoint, interference)

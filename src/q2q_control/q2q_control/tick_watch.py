@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from q2q_control.fallback import FallbackParams
-from q2q_control.guard import STEP_BACK, Guard
+from q2q_control.guard import RESTART, Guard
 from q2q_model.signals import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
 
 
@@ -30,8 +30,9 @@ class TickWatch:
         self._at = -np.inf
 
     def answered(self, setpoint: SwarmSetpoint, now: float) -> None:
-        """Note that the tick of a setpoint was answered at wall time now [s]."""
-        if 0.0 <= self._stamp - setpoint.t <= STEP_BACK:
+        """Note that the tick of a setpoint was answered at wall time now [s], if it was as a newer one."""
+        behind = self._stamp - setpoint.t
+        if behind == 0.0 or (0.0 < behind <= RESTART and self._guard.newest != setpoint.t):
             return
         self._stamp, self._at, self._setpoint = setpoint.t, now, setpoint
 
