@@ -46,20 +46,28 @@ class Room:
 ROOMS = (
     Room(
         tuple(
-            f"q2q_control.{name}" for name in ("fallback", "transit", "blind_braking", "guard", "tick_watch")
+            f"q2q_control.{name}"
+            for name in ("fallback", "transit", "blind_braking", "making_way", "guard", "tick_watch")
         ),
         (),
-        tuple(f"src/q2q_control/test/test_{name}.py" for name in ("guard", "fallback", "blind_braking")),
+        tuple(
+            f"src/q2q_control/test/test_{name}.py"
+            for name in ("guard", "fallback", "blind_braking", "making_way")
+        ),
         "not mpc",
     ),
     Room(
-        tuple(
-            f"q2q_model.tracking.{name}"
-            for name in ("rivals", "swaps", "glide", "absences", "attitudes", "positions")
+        (
+            "q2q_model.old_stamps",
+            *(
+                f"q2q_model.tracking.{name}"
+                for name in ("rivals", "swaps", "glide", "absences", "attitudes", "positions")
+            ),
         ),
         ("q2q_model.mocap_filter",),
         tuple(
-            f"src/q2q_model/test/test_{name}.py" for name in ("absences", "tracking_gates", "mocap_filter")
+            f"src/q2q_model/test/test_{name}.py"
+            for name in ("old_stamps", "absences", "tracking_gates", "mocap_filter", "mocap_filter_lies")
         ),
         "not no_gate and not no_numbers",
     ),

@@ -128,6 +128,7 @@ def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None
     assert not way.active
     assert told is sent
     assert np.all(np.diff(moved) <= 1e-12)  # no overshoot
+    assert np.diff(moved).min() > -0.4 * PACE * REACH * TICK  # nor a jump: w s / e at most
     way.update(setpoint_of(7.0, pos), state_of(pos), flown(2, 0), {})
     way.reset()
     assert not way.active
