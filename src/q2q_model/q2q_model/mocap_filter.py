@@ -12,14 +12,14 @@ q2q_model.tracking (positions, attitudes, swaps, rivals). This file is about fra
 - A first sample ever is taken but not trusted: COASTING at age 0, until a second one fits it.
 - A vehicle never seen is LOST with position and velocity zero, level, and age infinite. Read the status.
 - A repeated stamp gets the same answer again. An older stamp (stale, reordered) is ignored: it gets the last
-  answer again, and ages grow with the next newer frame. A stamp older by more than `clock_jump_s`, or old
-  stamps that rise for 0.1 s (q2q_model.old_stamps), are a clock that was set back, or a bag that
-  starts again: everything is forgotten.
+  answer again, under its own stamp, and ages grow with the next newer frame. A stamp older by more than
+  `clock_jump_s`, or old stamps that rise for 0.1 s (q2q_model.old_stamps), are a clock that was set back, or
+  a bag that starts again: everything is forgotten.
 - The age and the gates grow with a gap of stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,7 +156,7 @@ class MocapFilter:
                 self.reset()
             elif not behind < -SAME_INSTANT:
                 self._counts["repeated_frames" if abs(behind) <= SAME_INSTANT else "stale_frames"] += 1
-                return self._last
+                return replace(self._last, t=frame.t) if behind > SAME_INSTANT else self._last
         elif not np.isfinite(frame.t):
             raise ValueError(f"frame.t = {frame.t}: a first frame needs a time [s]")
         self._last = self._step(frame)

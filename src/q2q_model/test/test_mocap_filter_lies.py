@@ -66,7 +66,8 @@ def test_a_clock_that_is_set_back_is_followed_within_0_12_s(back: float) -> None
     told = []
     for tick in range(200, 220):
         state = block.update(frame(tick, truth(tick), tick * TICK - back))
-        told.append(abs(state.t - (tick * TICK - back)) < 1e-9 and list(state.status) == [TRACKED, TRACKED])
+        followed = block.report.clock_resets == 1 and list(state.status) == [TRACKED, TRACKED]
+        told.append(followed and bool(np.abs(state.pos - truth(tick)).max() < 5e-3))
     assert told.index(True) <= 12
     assert all(told[told.index(True) :])
     assert block.report.clock_resets == 1
@@ -78,5 +79,6 @@ def test_frames_that_come_late_now_and_then_set_no_clock_back() -> None:
     for tick in range(200, 260):
         block.update(frame(tick, truth(tick)))
         for late in range(tick - 10, tick):
-            assert block.update(frame(late, truth(late))).t == tick * TICK
+            state = block.update(frame(late, truth(late)))
+            np.testing.assert_allclose(state.pos, truth(tick), atol=5e-3)
     assert block.report.clock_resets == 0

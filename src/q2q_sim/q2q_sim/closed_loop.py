@@ -6,7 +6,7 @@ Order, inputs and stamps are those of the nodes in lockstep; a test holds both t
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from q2q_model.flights import Flight
 from q2q_model.interaction.model import InteractionModel
@@ -73,8 +73,6 @@ def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: Fli
     """Return the command of a tick, and write down how it came about."""
     number = tick.stamp_ns // TICK_NS
     state = blocks.mocap_filter.update(tick.frame)
-    if state.t != tick.frame.t:  # an old frame got the last answer again: under its own stamp, as in the node
-        state = replace(state, t=tick.frame.t)
     draft = blocks.predictor.update(state)
     planned = setpoint_at(blocks.plan, tick.frame.t)
     given = blocks.replanner.update(planned, state)
