@@ -32,27 +32,25 @@ PATIENCE_S = 60.0
 """For processes to start and find each other on a busy machine [s]."""
 WRITER = """
 import sys
-import rclpy
 from rclpy.node import Node
 from q2q_model.cdr import encode
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.promises import promising
-from q2q_model.ros.run import spin
+from q2q_model.ros.run import run
 from q2q_model.signals import Interference, SwarmSetpoint, SwarmState
-rclpy.init()
-node = Node("writer")
-quality = promising(float(sys.argv[1]))
 kinds = {"state": SwarmState, "reference_safe": SwarmSetpoint, "interference": Interference}
-writers = {topic: node.create_publisher(MESSAGES[kind], topic, quality) for topic, kind in kinds.items()}
-tick = [0]
-def write():
-    for topic, kind in kinds.items():
-        signal = rehearsal(kind, tick[0] * 0.01, ("cf1", "cf2"))
-        writers[topic].publish(encode(signal, tick[0] * 10_000_000))
-    tick[0] += 1
-node.create_timer(0.01, write)
-spin(node)
+def build(node):
+    quality = promising(float(sys.argv[1]))
+    writers = {topic: node.create_publisher(MESSAGES[kind], topic, quality) for topic, kind in kinds.items()}
+    tick = [0]
+    def write():
+        for topic, kind in kinds.items():
+            signal = rehearsal(kind, tick[0] * 0.01, ("cf1", "cf2"))
+            writers[topic].publish(encode(signal, tick[0] * 10_000_000))
+        tick[0] += 1
+    node.create_timer(0.01, write)
+run("writer", build)
 """
 
 

@@ -19,10 +19,10 @@ counts from the guard's first tick. Seen again before it is cut, a vehicle flies
 Who is level because nobody sees it brakes from the speed it must have (q2q_control.blind_braking); who is
 seen and flies beneath it makes way (q2q_control.making_way).
 
-A tick older than the last answered one gets the last answer again, as HOLD. Old ticks that rise for long
-enough (q2q_model.old_stamps, as in the mocap filter) are those of a clock that was set back: the controller
-begins anew, ages go on. Older by more than RESTART it is another flight: everything is forgotten but an
-emergency.
+A tick older than the last answered one gets the last answer again, as HOLD, under its own stamp. Old ticks
+that rise for long enough (q2q_model.old_stamps, as in the mocap filter) are those of a clock that was set
+back: the controller begins anew, ages go on. Older by more than RESTART it is another flight: everything is
+forgotten but an emergency.
 """
 
 from collections.abc import Callable
@@ -114,7 +114,7 @@ class Guard:
         last = self._last
         if last is not None and setpoint.t < last.t:
             if last.t - setpoint.t <= RESTART and not self._old.rise(setpoint.t):
-                return _again(last)
+                return _again(last, setpoint.t)
             last = self._set_back(last, setpoint.t)
         self._old.reset()
         if last is not None and (self._calm is None or self._way.active):
@@ -228,10 +228,10 @@ all_calm = compiled(_all_calm)
 the commands' numbers, status, whose motors are off (n,))."""
 
 
-def _again(last: SwarmCommand) -> SwarmCommand:
-    """Return a command that is given again, and says so."""
+def _again(last: SwarmCommand, t: float) -> SwarmCommand:
+    """Return a command that is given again at a tick t [s], and says so."""
     held = np.where(last.status <= _SOUND, CommandStatus.HOLD, last.status).astype(np.uint8)
-    return replace(last, status=held)
+    return replace(last, t=t, status=held)
 
 
 def _is_finite(command: SwarmCommand) -> bool:

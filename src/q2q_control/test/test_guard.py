@@ -188,7 +188,7 @@ def test_an_older_tick_gets_the_last_answer() -> None:
     last = fly(guard, 0, 300)[-1]
     for t in (2.95, 2.5, 2.0):  # out of order: still the same clock
         again = guard.update(state_at(t), setpoint_at(t), None)
-        assert again.t == last.t
+        assert again.t == t
         assert again.pitch.tolist() == last.pitch.tolist()
         assert again.status.tolist() == [HOLD, HOLD]
 
@@ -203,7 +203,7 @@ def test_a_clock_set_back_lets_ages_go_on_and_leaves_who_is_cut_on_the_floor(bac
     begin = t - back
     for k in range(11):
         told = guard.update(state_at(begin, (t, 0.0), coast=10.0), setpoint_at(begin + k * TICK), None)
-        assert told.t == (t if k < 10 else begin + k * TICK)
+        assert told.t == begin + k * TICK
         assert told.status.tolist() == [CUT, HOLD if k < 10 else OK]
 
 
@@ -290,7 +290,8 @@ def test_a_repeated_tick_is_no_older_one() -> None:
 def test_a_tick_older_by_just_what_a_restart_takes_is_of_the_same_flight() -> None:
     guard = guarded()
     guard.update(state_at(2.0), setpoint_at(2.0), None)
-    assert guard.update(state_at(1.0), setpoint_at(1.0), None).t == 2.0
+    assert guard.update(state_at(1.0), setpoint_at(1.0), None).status.tolist() == [HOLD, HOLD]
+    assert guard.newest == 2.0
 
 
 def test_phases_begin_at_their_ages_not_after() -> None:

@@ -94,6 +94,19 @@ def test_a_vehicle_that_lands_blind_is_sent_down_and_nowhere_else(
     assert ("room" in broken(lambda one: lands(away(one)))) == strays
 
 
+def test_a_vehicle_whose_marker_is_moved_may_be_so_much_farther() -> None:
+    away = only("truth", changed(SwarmState, 3.0, 3.1, pos=lambda pos: pos + np.array([1.8, 0.0, 0.0])))
+
+    def around(size: float, start: float = 2.9) -> Circumstances:
+        return replace(
+            AROUND, faults=(Fault("jump", start, 0.3, vehicles=heard()[0].signal.names, size=size),)
+        )
+
+    assert "room" in broken(away, around(0.2))
+    assert "room" not in broken(away, around(-0.4))
+    assert "room" in broken(away, around(-0.4, start=1.6))  # moved back 1.1 s before
+
+
 def test_a_vehicle_in_the_zone_breaks_it_only_where_it_was_sent_clear_of_it() -> None:
     at = heard()[0].signal
     assert isinstance(at, SwarmState)

@@ -1,13 +1,14 @@
 """Run one node as a process: start, spin, end cleanly, and say what is wrong in one line.
 
 SIGINT and SIGTERM are ours, not rclpy's, which shuts ROS down in the middle of a callback: while nodes are
-built they interrupt; once nodes spin, the callback that runs is ended first.
+built they interrupt; once nodes spin, the callback that runs is ended first. An interrupt that foreign code
+swallows is still an end that was asked for.
 """
 
 import gc
 import signal
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import FrameType
 from typing import TypeVar
 
@@ -49,8 +50,7 @@ def run_together(
     name: str, build: Callable[[], Mapping[Node, Kept]], end: Callable[[Kept], None] | None = None
 ) -> None:
     """Run several nodes in one process, as `run` does one; `name` speaks for all."""
-    for number in ENDING:
-        signal.signal(number, signal.default_int_handler)
+    ending = _Ending()
     try:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         kept = build()
@@ -58,7 +58,7 @@ def run_together(
             offer_ready(node)
             offer_drained(node)
         try:
-            spin(*kept)
+            _spin(kept, ending)
         finally:
             if end is not None:
                 for one in kept.values():
@@ -72,20 +72,28 @@ def run_together(
         rclpy.try_shutdown()
 
 
-def spin(*nodes: Node) -> None:
-    """Run the callbacks of the nodes until SIGINT, SIGTERM, or ROS is shut down."""
+class _Ending:
+    """Remember that the end was asked for."""
+
+    def __init__(self) -> None:
+        self.asked, self.interrupts = False, True
+        for number in ENDING:
+            signal.signal(number, self._ask)
+
+    def _ask(self, _: int, __: FrameType | None) -> None:
+        self.asked = True
+        if self.interrupts:
+            raise KeyboardInterrupt
+
+
+def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
+    """Run the callbacks of the nodes until the end is asked for, or ROS is shut down."""
     executor = make_executor()
     for node in nodes:
         executor.add_node(node)
-    asked = [False]
-
-    def end(_: int, __: FrameType | None) -> None:
-        asked[0] = True
-
-    for number in ENDING:
-        signal.signal(number, end)
+    ending.interrupts = False
     gc.freeze()  # what stands now stays: the collector need not look at it again in flight
-    while rclpy.ok() and not asked[0]:
+    while rclpy.ok() and not ending.asked:
         never: Future[None] = Future()  # a new one: the executor leaves a callback at it each time
         executor.spin_until_future_complete(never, WAKE_S)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals import CommandStatus
+from q2q_model.signals import Array, CommandStatus
 from q2q_sim.faults import KINDS, Fault
 from q2q_sim.policies.evidence import Evidence
 
@@ -43,6 +43,15 @@ def lied_to(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask
             times = (evidence.t >= fault.start - early) & (evidence.t <= end + early + after)
             lied |= times[:, None] & _struck(evidence, fault)
     return lied
+
+
+def misplaced(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
+    """Return by how much the markers of vehicles are moved, or were until lately [m], (T, n)."""
+    moved = np.zeros((len(evidence.t), len(evidence.names)))
+    for fault in faults:
+        if fault.kind == "jump":
+            moved += abs(fault.size) * lied_to(evidence, (fault,), BELIEVED_S)
+    return moved
 
 
 def undated(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:

@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_model.signals import CommandStatus, TrackStatus
 from q2q_sim.faults import Fault
-from q2q_sim.policies.blindness import BELIEVED_S, blind, lied_to, sent_down_lately
+from q2q_sim.policies.blindness import BELIEVED_S, blind, lied_to, misplaced, sent_down_lately
 from q2q_sim.policies.evidence import Evidence
 from q2q_sim.policies.verdicts import Circumstances, Violation, worst
 
@@ -13,13 +13,15 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return who flew away from where it was sent.
 
     A vehicle that lands blind is sent to the floor, up to 2 m below its setpoint in these rooms: that it is
-    lower is no straying then, nor `settle` later, on its way up again.
+    lower is no straying then, nor `settle` later, on its way up again. One whose marker is moved is moved
+    with it: so much farther it may be.
     """
     limits = circumstances.limits
     off_by = evidence.true_pos - evidence.sent_pos  # (T, n, 3)
     down = sent_down_lately(evidence, limits.settle)
     off_by[..., 2] = np.where(down, np.maximum(off_by[..., 2], 0.0), off_by[..., 2])
     off = np.linalg.norm(off_by, axis=2)
+    off = np.maximum(off - misplaced(evidence, circumstances.faults), 0.0)
     limit = limits.stray_room
     return worst("room", evidence, off - limit, (off, limit))
 
