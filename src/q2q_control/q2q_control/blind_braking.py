@@ -20,13 +20,14 @@ So v is the velocity that will be once all commands are flown. What the air does
 | a_max | BRAKING_MAX | largest deceleration [m/s^2] |
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.rotations import yaw_from_quat
-from q2q_model.signals import Array, CommandStatus, Names, SwarmCommand, SwarmState, index_of
+from q2q_control.fallback import is_blind
+from q2q_model.compiled import compiled
+from q2q_model.signals import Array, Names, SwarmCommand, SwarmState, index_of
 from q2q_model.vehicle import GRAVITY
 
 LAG_S = 0.15
@@ -37,7 +38,11 @@ BRAKING_MAX = 2.0
 """Largest deceleration [m/s^2]: a tilt of 0.2 rad, which costs 2 % of lift."""
 LONGEST_STEP = 0.1
 """A longer time between ticks is no time in which the last tilt was flown [s]."""
-_BRAKING = (CommandStatus.LEVEL, CommandStatus.LAND)
+
+_X, _Y, _VX, _VY, _YAW = range(5)
+_UNKNOWN = np.array([np.nan, np.nan, 0.0, 0.0, 0.0])
+_AGE = 10
+"""Column of what is seen; before it position, velocity and orientation."""
 
 
 class BlindBraking:
@@ -50,35 +55,36 @@ class BlindBraking:
     def reset(self) -> None:
         """Forget all vehicles."""
         self._names: Names = ()
-        self._pos = np.zeros((0, 2))
-        self._vel = np.zeros((0, 2))
-        self._yaw = np.zeros(0)
-        self._last: SwarmCommand | None = None
+        self._track = np.zeros((0, 5))  # p, v, psi
+        self._given = np.zeros((0, 2))  # phi, theta of the last tick
+        self._t = math.inf
 
     @property
     def places(self) -> dict[str, Array]:
         """Return where vehicles are, seen or reckoned, horizontally [m], (2,) each."""
-        return dict(zip(self._names, self._pos, strict=True))
+        return dict(zip(self._names, self._track[:, :2], strict=True))
 
     def sighted(self, state: SwarmState, command: SwarmCommand) -> None:
         """Note a tick in which every vehicle was seen, and what it was commanded."""
-        self._names, self._pos = state.names, state.pos[:, :2].copy()
-        self._vel, self._yaw = state.vel[:, :2], yaw_from_quat(state.quat)
-        self._vel = self._vel + self._gained(command, state.names, LAG_S)
-        self._last = command
+        self._names, self._track = state.names, np.tile(_UNKNOWN, (len(state.names), 1))
+        given = _of(_tilts(command), command.names, state.names, 0.0)
+        sight = _sight(state, state.names)
+        sight[:, _AGE] = 0.0
+        follow(self._track, given, 0.0, sight, given)
+        self._given, self._t = given, command.t
 
     def update(self, state: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
         """Return the command in which unseen vehicles brake where they would be level.
 
         Without a state nobody is seen.
         """
-        seen = np.zeros(len(command.names), dtype=np.bool_)
-        if state is not None:
-            seen = self._of(state.age, state.names, command.names, np.inf) <= 0.0
-        self._reckon(command)
-        if state is not None and seen.any():
-            self._correct(state, command, seen)
-        braking = ~seen & np.isin(command.status, _BRAKING)
+        names, sight = command.names, _sight(state, command.names)
+        track = _of(self._track, self._names, names, _UNKNOWN)
+        flown = _of(self._given, self._names, names, 0.0)
+        elapsed = min(max(command.t - self._t, 0.0), LONGEST_STEP)
+        follow(track, flown, elapsed, sight, _tilts(command))
+        self._names, self._track = names, track
+        braking = ~(sight[:, _AGE] <= 0.0) & is_blind(command.status)
         if braking.any():
             roll, pitch = self._tilt()
             command = replace(
@@ -86,54 +92,62 @@ class BlindBraking:
                 roll=np.where(braking, roll, command.roll),
                 pitch=np.where(braking, pitch, command.pitch),
             )
-        self._last = command
+        self._given, self._t = _tilts(command), command.t
         return command
-
-    def _reckon(self, command: SwarmCommand) -> None:
-        """Move everybody on to the tick of a command."""
-        names = command.names
-        self._pos = self._of(self._pos, self._names, names, np.nan)
-        self._vel = self._of(self._vel, self._names, names, 0.0)
-        self._yaw = self._of(self._yaw, self._names, names, 0.0)
-        self._names = names
-        if self._last is not None:
-            elapsed = min(max(command.t - self._last.t, 0.0), LONGEST_STEP)
-            self._pos = self._pos + elapsed * self._vel
-            self._vel = self._vel + self._gained(self._last, names, elapsed)
-
-    def _correct(self, state: SwarmState, command: SwarmCommand, seen: NDArray[np.bool_]) -> None:
-        """Take over what is seen of vehicles."""
-        rows = index_of(command.names, state.names)[seen]
-        self._pos[seen], self._vel[seen] = state.pos[rows, :2], state.vel[rows, :2]
-        self._yaw[seen] = yaw_from_quat(state.quat[rows])
-        self._vel[seen] += self._gained(command, command.names, LAG_S)[seen]
-
-    def _gained(self, command: SwarmCommand, names: Names, elapsed: float) -> Array:
-        """Return the velocity that a command gives in a time [s], (n, 2)."""
-        roll, pitch = (self._of(one, command.names, names, 0.0) for one in (command.roll, command.pitch))
-        return GRAVITY * elapsed * _leaning(roll, pitch, self._yaw)
 
     def _tilt(self) -> tuple[Array, Array]:
         """Return roll and pitch [rad] that take the velocity away, (n,) each."""
-        speed = np.linalg.norm(self._vel, axis=1)
+        vel, yaw = self._track[:, _VX : _VY + 1], self._track[:, _YAW]
+        speed = np.linalg.norm(vel, axis=1)
         gain = np.minimum(1.0 / BRAKING_S, BRAKING_MAX / np.maximum(speed, 1e-9))
-        acc = -gain[:, None] * self._vel
-        ahead = np.cos(self._yaw) * acc[:, 0] + np.sin(self._yaw) * acc[:, 1]
-        aside = -np.sin(self._yaw) * acc[:, 0] + np.cos(self._yaw) * acc[:, 1]
+        acc = -gain[:, None] * vel
+        ahead = np.cos(yaw) * acc[:, 0] + np.sin(yaw) * acc[:, 1]
+        aside = -np.sin(yaw) * acc[:, 0] + np.cos(yaw) * acc[:, 1]
         return np.arctan(-aside / GRAVITY), np.arctan(ahead / GRAVITY)
 
-    @staticmethod
-    def _of(values: Array, known: Names, names: Names, missing: float) -> Array:
-        """Return the rows of `names`, `missing` for those that are not known."""
-        if names == known:
-            return values
-        absent = np.full((1, *values.shape[1:]), missing)
-        return np.asarray(np.concatenate([values, absent])[index_of(names, known)])
+
+def _tilts(command: SwarmCommand) -> Array:
+    """Return phi and theta [rad], (n, 2)."""
+    return np.stack((command.roll, command.pitch), axis=1)
 
 
-def _leaning(roll: Array, pitch: Array, yaw: Array) -> Array:
-    """Return the horizontal part of the body's z axis, world, (n, 2)."""
-    ahead, aside = np.sin(pitch) * np.cos(roll), -np.sin(roll)
-    return np.stack(
-        [np.cos(yaw) * ahead - np.sin(yaw) * aside, np.sin(yaw) * ahead + np.cos(yaw) * aside], axis=1
-    )
+def _sight(state: SwarmState | None, names: Names) -> Array:
+    """Return position, velocity, orientation and age of vehicles, (n, 11); infinite for who is not known."""
+    if state is None:
+        return np.full((len(names), _AGE + 1), np.inf)
+    seen = np.concatenate((state.pos, state.vel, state.quat, state.age[:, None]), axis=1)
+    return _of(seen, state.names, names, np.inf)
+
+
+def _of(values: Array, known: Names, names: Names, missing: float | Array) -> Array:
+    """Return the rows of `names`, (n, m), `missing` for those that are not known."""
+    if names == known:
+        return values
+    absent = np.broadcast_to(missing, (1, values.shape[1]))
+    return np.asarray(np.concatenate([values, absent])[index_of(names, known)])
+
+
+def _lean(one: Array, roll: float, pitch: float, elapsed: float) -> None:
+    """Add what a tilt does to a vehicle's velocity in a time [s]."""
+    ahead, aside = math.sin(pitch) * math.cos(roll), -math.sin(roll)
+    cos, sin = math.cos(one[_YAW]), math.sin(one[_YAW])
+    one[_VX] += GRAVITY * elapsed * (cos * ahead - sin * aside)
+    one[_VY] += GRAVITY * elapsed * (sin * ahead + cos * aside)
+
+
+def _follow(track: Array, flown: Array, elapsed: float, sight: Array, given: Array) -> None:
+    for i in range(track.shape[0]):
+        one, seen = track[i], sight[i]
+        one[_X] += elapsed * one[_VX]
+        one[_Y] += elapsed * one[_VY]
+        lean(one, flown[i, 0], flown[i, 1], elapsed)
+        if seen[_AGE] <= 0.0:
+            one[_X], one[_Y], one[_VX], one[_VY] = seen[0], seen[1], seen[3], seen[4]
+            x, y, z, w = seen[6], seen[7], seen[8], seen[9]
+            one[_YAW] = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+            lean(one, given[i, 0], given[i, 1], LAG_S)
+
+
+lean, follow = compiled(_lean), compiled(_follow)
+"""Move `track` (n, 5) on by `elapsed` [s] of the tilts `flown` (n, 2), then take over who is seen in `sight`
+(n, 11), with the tilts `given` (n, 2) on their way."""

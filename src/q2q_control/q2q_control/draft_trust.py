@@ -37,13 +37,13 @@ class DraftTrust:
             self._valid = {}
             self._t = -np.inf if interference is None else interference.t
             return interference
-        share = np.ones(len(interference.names))
-        for row in np.flatnonzero(interference.status == _STALE):
-            since = self._valid.setdefault(interference.names[row], max(self._t, interference.t - FIRST))
+        share, names = np.ones(len(interference.names)), interference.names
+        stale = {names[row]: row for row in np.flatnonzero(interference.status == _STALE)}
+        for name, row in stale.items():
+            since = self._valid.setdefault(name, max(self._t, interference.t - FIRST))
             share[row] = np.exp(-max(interference.t - since, 0.0) / self._fade_time)
-        fresh = [interference.names[row] for row in np.flatnonzero(interference.status != _STALE)]
-        for name in fresh:
-            self._valid.pop(name, None)
+        for name in self._valid.keys() & set(names) - stale.keys():
+            del self._valid[name]
         self._t = interference.t
         return Interference(
             t=interference.t,

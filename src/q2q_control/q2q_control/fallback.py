@@ -26,6 +26,8 @@ from numpy.typing import NDArray
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array, CommandStatus, Status, SwarmCommand
 
+_LEVEL, _LAND = int(CommandStatus.LEVEL), int(CommandStatus.LAND)
+
 
 @dataclass(frozen=True, slots=True)
 class FallbackParams:
@@ -59,6 +61,11 @@ class FallbackParams:
                 f"hold_s {self.hold_s}, level_s {self.level_s}, land_s {self.land_s}, cut_s {self.cut_s}: "
                 "these must rise"
             )
+
+
+def is_blind(status: Status) -> NDArray[np.bool_]:
+    """Return who is flown level or landed, without being seen, (n,)."""
+    return np.asarray((status == _LEVEL) | (status == _LAND))
 
 
 def fallback_command(

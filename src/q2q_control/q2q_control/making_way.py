@@ -21,7 +21,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals import Array, CommandStatus, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_control.fallback import is_blind
+from q2q_model.signals import Array, Names, SwarmCommand, SwarmSetpoint, SwarmState
 
 REACH = 0.6
 """How far aside is far enough [m]: two that touch, 0.14, and what air moves one in 2 s of blindness, 0.4."""
@@ -34,7 +35,6 @@ LONGEST_STEP = 0.1
 AT_REST = 1e-3
 """A shift that is smaller is over [m]."""
 DIRECTIONS = 8
-_BLIND = (CommandStatus.LEVEL, CommandStatus.LAND)
 
 
 @dataclass(slots=True)
@@ -89,7 +89,7 @@ class MakingWay:
         """
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
-        blind = tuple(flown.names[k] for k in np.flatnonzero(np.isin(flown.status, _BLIND)))
+        blind = tuple(flown.names[k] for k in np.flatnonzero(is_blind(flown.status)))
         if not blind and not self._shifts:
             return setpoint
         pos = state.pos.copy()

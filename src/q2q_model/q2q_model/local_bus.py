@@ -3,7 +3,8 @@
 Nodes that share a process (`ros2 run q2q_sim stack`) need no transport between them. A posted signal is given
 to its listeners in turn, what they post in the order it was posted, and only then is published what had a
 listener; a signal without one, as the command at the end of the road, is published at once. So whoever waits
-for the command does not wait for the publication of what led to it.
+for the command does not wait for the publication of what led to it. A topic that comes from outside is read
+once, and posted for all who listen.
 """
 
 from collections import defaultdict, deque
@@ -15,12 +16,17 @@ Listener = Callable[[int, Signal], None]
 """Takes stamp [ns] and signal."""
 
 
+def _nothing() -> None:
+    """Leave a signal from outside unpublished."""
+
+
 class LocalBus:
     """Hold the listeners of every topic that is written within the process."""
 
     def __init__(self, topics: Collection[str]) -> None:
         """Take the topics whose writers are in this process."""
         self._topics = frozenset(topics)
+        self._admitted: set[str] = set()
         self._listeners: dict[str, list[Listener]] = defaultdict(list)
         self._waiting: deque[tuple[str, int, Signal]] = deque()
         self._later: list[Callable[[], None]] = []
@@ -29,11 +35,17 @@ class LocalBus:
         """Return whether a topic's writer is in this process."""
         return topic in self._topics
 
+    def admits(self, topic: str) -> bool:
+        """Return whether the caller must read a topic from outside: it is nobody's yet."""
+        known = topic in self._topics or topic in self._admitted
+        self._admitted.add(topic)
+        return not known
+
     def listen(self, topic: str, take: Listener) -> None:
         """Have `take(stamp_ns, signal)` called for every signal posted on a topic."""
         self._listeners[topic].append(take)
 
-    def post(self, topic: str, stamp_ns: int, signal: Signal, publish: Callable[[], None]) -> None:
+    def post(self, topic: str, stamp_ns: int, signal: Signal, publish: Callable[[], None] = _nothing) -> None:
         """Give a signal to its listeners; call `publish` at once if there are none, else once all is calm."""
         if not self._listeners[topic]:
             publish()

@@ -177,7 +177,7 @@ class MocapFilter:
             verdict = self._judged(frame.t, now)
         self._count(frame, verdict)
         pose = self._pose
-        if verdict is not None and not verdict.honest:
+        if verdict is not None and verdict.lent.any():
             pose = np.hstack([pose[:, :3], self._quat_of(verdict, pose[:, 3:])])
         self._counts["attitudes_refused"] += self._attitudes.update(frame.t, pose)
         now[:, QUAT], now[:, RATE] = self._attitudes.quat, self._attitudes.ang_vel_body
@@ -240,10 +240,7 @@ class MocapFilter:
             self._adopt(names)
         track_of = {name: row for row, name in enumerate(self._names)}
         self._order = names
-        self._rows = np.array(
-            [track_of.get(name, -1) if name not in names[:row] else -1 for row, name in enumerate(names)],
-            dtype=np.intp,
-        )
+        self._rows = np.array([track_of.pop(name, -1) for name in names], dtype=np.intp)
         self._offered = int((self._rows >= 0).sum())
         self._in_order = bool(np.array_equal(self._rows, np.arange(len(self._names))))
         return self._rows
@@ -274,9 +271,10 @@ class MocapFilter:
         if verdict.honest:
             return int(verdict.accepted.sum())
         present = np.isfinite(self._pose[:, :3]).all(axis=1)
-        tracks = np.arange(len(self._names))
-        counts["swapped"] += int((verdict.accepted & (verdict.source != tracks)).sum())
-        counts["refused"] += int((present & ~np.isin(tracks, verdict.source)).sum())
+        used = np.zeros(len(self._names), dtype=np.bool_)
+        used[verdict.source[verdict.accepted]] = True
+        counts["swapped"] += int(verdict.lent.sum())
+        counts["refused"] += int((present & ~used).sum())
         counts["restarted"] += int(verdict.restarted.sum())
         return int(present.sum())
 

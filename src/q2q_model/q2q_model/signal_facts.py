@@ -13,6 +13,7 @@ from functools import singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import pdist
 
 from q2q_model.layout import Signal
 from q2q_model.signals import (
@@ -72,9 +73,7 @@ def _(signal: SwarmCommand) -> Mapping[str, str]:
 
 def smallest_separation(pos: Array) -> float:
     """Return the smallest distance between two vehicles at pos [m], (n, 3); infinite for fewer than two."""
-    apart = np.linalg.norm(pos[None, :] - pos[:, None], axis=-1)  # (n, n)
-    np.fill_diagonal(apart, np.inf)
-    return float(np.nan_to_num(apart, nan=np.inf, posinf=np.inf).min(initial=np.inf))
+    return float(np.nan_to_num(pdist(pos), nan=np.inf, posinf=np.inf).min(initial=np.inf))
 
 
 def _count(which: NDArray[np.bool_]) -> str:

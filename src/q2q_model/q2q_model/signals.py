@@ -150,5 +150,7 @@ class SwarmImu:
 
 def index_of(names: Sequence[str], among: Sequence[str]) -> NDArray[np.intp]:
     """Return the row in `among` of each of `names`; -1 where it is absent. Shape (len(names),)."""
+    if names == among:
+        return np.arange(len(names))
     rows = {name: row for row, name in enumerate(among)}
     return np.array([rows.get(name, -1) for name in names], dtype=np.intp)

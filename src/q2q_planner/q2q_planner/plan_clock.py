@@ -8,7 +8,7 @@ class PlanClock:
         """Take the start [s]; below zero means the first tick."""
         self.start = start
         """Start of the plan [s]; below zero before the first tick."""
-        self._told = False
+        self._known = start >= 0.0
 
     @property
     def start_ns(self) -> int:
@@ -16,9 +16,8 @@ class PlanClock:
         return round(self.start * 1e9)
 
     def starts_with(self, t: float) -> bool:
-        """Return True once, at the first tick t [s]; from then on `start` is set."""
-        first = not self._told
-        self._told = True
-        if first and self.start < 0.0:
-            self.start = t
-        return first
+        """Return True at the first tick t [s] where no start was given; from then on `start` is set."""
+        if self._known:
+            return False
+        self.start, self._known = t, True
+        return True

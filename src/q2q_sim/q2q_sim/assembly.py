@@ -182,6 +182,7 @@ def replanner_parameters(scenario: Scenario, options: Options) -> NodeParameters
 def controller_parameters(scenario: Scenario, options: Options) -> dict[str, ParameterValue]:
     """Return the parameters of the node pid or mpc."""
     own: dict[str, ParameterValue] = {"vehicle": scenario.vehicle.name, "aware": options.aware}
+    own["vehicles"] = scenario.names
     if options.controller == "pid":
         return own | asdict(pid_params(scenario, limited=options.limited))
     return own | {"model": scenario.model} | asdict(mpc_params(scenario, limited=options.limited))

@@ -15,9 +15,7 @@ from q2q_control.fallback import FallbackParams
 from q2q_control.guard import Guard, on_time
 from q2q_control.tick_watch import TickWatch
 from q2q_control.transit import Transit
-from q2q_model.cdr import SignalReader
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.qos import TICK
+from q2q_model.layout import Signal
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
@@ -36,8 +34,7 @@ class GuardedCommands:
         self._transit = Transit()
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._watch = TickWatch(self._guard, params) if live else None
-        self._reader = SignalReader(SwarmState)
-        self._heard: bytes = b""
+        self._heard: SwarmState | None = None
         self._silences = 0
 
     def update(
@@ -55,7 +52,7 @@ class GuardedCommands:
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.then(self._count)
         if self._watch is not None:
-            node.create_subscription(MESSAGES[SwarmState], "state", self._hear, TICK, raw=True)
+            wiring.hear("state", self._hear)
             node.create_timer(PERIOD_S, self._look)
             if self._watch.params.hold_s > 0.0:
                 wiring.on_silence(self._watch.params.hold_s, self._on_silence)
@@ -70,8 +67,9 @@ class GuardedCommands:
     def _lateness(self, stamp: float) -> float:
         return self._transit.lateness(stamp, monotonic())
 
-    def _hear(self, data: bytes) -> None:
-        self._heard = data
+    def _hear(self, _: int, state: Signal) -> None:
+        if isinstance(state, SwarmState):
+            self._heard = state
 
     def _count(self, _: int, command: SwarmCommand) -> None:
         self._wiring.health.fallbacks += int(command.status.max(initial=0) > CommandStatus.SATURATED)
@@ -84,14 +82,7 @@ class GuardedCommands:
     def _look(self, ahead: float = 0.0) -> None:
         """Send what is due now, or within `ahead` [s] where nothing is going to come."""
         if self._watch is not None:
-            self._send(self._watch.due(self._state(), monotonic(), ahead))
-
-    def _state(self) -> SwarmState | None:
-        """Return the newest state; one that cannot be read is none, and the wiring has counted it."""
-        try:
-            return self._reader.read(self._heard) if self._heard else None
-        except ValueError:
-            return None
+            self._send(self._watch.due(self._heard, monotonic(), ahead))
 
     def _send(self, command: SwarmCommand | None) -> None:
         if command is not None:

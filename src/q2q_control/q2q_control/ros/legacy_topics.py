@@ -2,36 +2,30 @@
 
 from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 
 from q2q_control.legacy import LegacyScale, legacy_setpoints
 from q2q_model.decimation import Decimation
-from q2q_model.signals import SwarmCommand
-
-QUEUE = 10
+from q2q_model.ros.vehicle_writers import VehicleWriters
+from q2q_model.signals import Names, SwarmCommand
 
 
 class LegacyTopics:
-    """Hold the publishers of every vehicle, made when it first appears."""
+    """Hold the publishers of every vehicle."""
 
-    def __init__(self, node: Node, scale: LegacyScale, rate_hz: float) -> None:
-        self._node = node
+    def __init__(self, node: Node, scale: LegacyScale, rate_hz: float, names: Names) -> None:
+        """Publish at most so often [Hz]; `names` are the vehicles that are known already."""
         self._scale = scale
+        self._rate = rate_hz
         self._due = Decimation(rate_hz)
-        self._publishers: dict[str, Publisher] = {}
+        self._writers = VehicleWriters(node, {"cmd_vel_legacy": Twist}, names if rate_hz > 0.0 else ())
 
     def publish(self, _: int, command: SwarmCommand) -> None:
         """Publish every vehicle's command, at most `rate_hz` times a second."""
+        if self._rate > 0.0:
+            self._writers.meet(command.names)
         if not self._due(command.t):
             return
         for name, row in zip(command.names, legacy_setpoints(command, self._scale).tolist(), strict=True):
-            writer = self._of(name)
-            if writer.get_subscription_count():
+            for writer in self._writers.read(name):
                 pitch, roll, yaw_rate, pwm = row
-                twist = Twist(linear=Vector3(x=pitch, y=roll, z=pwm), angular=Vector3(z=yaw_rate))
-                writer.publish(twist)
-
-    def _of(self, name: str) -> Publisher:
-        if name not in self._publishers:
-            self._publishers[name] = self._node.create_publisher(Twist, f"{name}/cmd_vel_legacy", QUEUE)
-        return self._publishers[name]
+                writer.publish(Twist(linear=Vector3(x=pitch, y=roll, z=pwm), angular=Vector3(z=yaw_rate)))

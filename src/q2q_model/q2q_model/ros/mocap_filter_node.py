@@ -37,11 +37,12 @@ class MocapFilterNodeParams:
 def build(node: Node) -> TickWiring[SwarmState]:
     """Wire the filter into a node."""
     own = declare(node, MocapFilterNodeParams())
-    block = MocapFilter(declare(node, MocapFilterParams()), own.vehicles)
+    params = declare(node, MocapFilterParams())
+    block, spare = MocapFilter(params, own.vehicles), MocapFilter(params, own.vehicles)
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("state", SwarmState))
     wiring.tell(lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()})
-    wiring.then(VehicleTopics(node, own.vehicle_topics_hz).publish)
-    wiring.rehearse(block.update, block.reset, own.vehicles)
+    wiring.then(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
+    wiring.rehearse(spare.update, spare.reset, own.vehicles)  # its report counts from the start
     wiring.start(block.update)
     return wiring
 

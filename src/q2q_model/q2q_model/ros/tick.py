@@ -29,8 +29,8 @@ from q2q_model.tick_join import TickJoin
 Made = TypeVar("Made", bound=Signal)
 
 
-REHEARSAL_T = (0.0, 0.01)
-"""Two ticks [s], so that what happens between ticks is rehearsed too."""
+REHEARSAL = ((0.0, False), (0.01, False), (0.02, False), (0.03, True), (0.04, False))
+"""Ticks [s], and whether a vehicle is not seen: a track is begun, believed, followed, and bridged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +73,9 @@ class TickWiring(Generic[Made]):
         publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
-        """Run a block on two made-up ticks and reset it, so that the first real tick is not slow."""
-        for t in REHEARSAL_T:
-            update(*(rehearsal(kind, t, names) for kind in self._inputs.values()))
+        """Run a block on made-up ticks and reset it: the first real one, and first absence, are not slow."""
+        for t, unseen in REHEARSAL:
+            update(*(rehearsal(kind, t, names, unseen=unseen) for kind in self._inputs.values()))
         reset()
 
     def start(self, update: Callable[..., Made]) -> None:
@@ -84,12 +84,16 @@ class TickWiring(Generic[Made]):
             self._subscribe(topic, signal, update)
 
     def then(self, follow: Callable[[int, Made], None]) -> None:
-        """Call `follow(stamp_ns, signal)` after each published tick, off the critical path."""
+        """Call `follow(stamp_ns, signal)` once a tick is published, off the critical path."""
         self._after.append(follow)
 
     def publish(self, stamp_ns: int, signal: Made) -> None:
         """Publish a signal under a stamp: first to listeners within the process, if it has a bus."""
         self._bus.post(self._topic, stamp_ns, signal, partial(self._tell_world, stamp_ns, signal))
+
+    def hear(self, topic: str, take: Callable[[int, Signal], None]) -> None:
+        """Call `take(stamp_ns, signal)` for every message of an input, of incomplete ticks, too."""
+        self._bus.listen(topic, take)
 
     def on_silence(self, within_s: float, act: Callable[[], None]) -> None:
         """Call `act` when a promising writer of an input in another process is silent or gone."""
@@ -112,21 +116,22 @@ class TickWiring(Generic[Made]):
     def _tell_world(self, stamp_ns: int, signal: Made) -> None:
         self._publisher.publish(encode(signal, stamp_ns))
 
+    def _conclude(self, stamp_ns: int, signal: Made) -> None:
+        self._tell_world(stamp_ns, signal)
+        for follow in self._after:
+            follow(stamp_ns, signal)
+
     def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., Made]) -> None:
         def take(stamp_ns: int, value: Signal) -> None:
-            self._receive(topic, stamp_ns, value, update)
-
-        def take_or_refuse(stamp_ns: int, value: Signal) -> None:
             try:
-                take(stamp_ns, value)
+                self._receive(topic, stamp_ns, value, update)
             except ValueError as refusal:
                 self.health.refuse(f"{topic}: {refusal}")
 
-        if self._bus.carries(topic):
-            self._bus.listen(topic, take_or_refuse)
-            return
-        receive = listener(topic, signal, take, self.health)
-        self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
+        self._bus.listen(topic, take)
+        if self._bus.admits(topic):
+            receive = listener(topic, signal, partial(self._bus.post, topic), self.health)
+            self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Callable[..., Made]) -> None:
         values = self._join.put(topic, stamp_ns, value)
@@ -137,7 +142,5 @@ class TickWiring(Generic[Made]):
         made = update(*values)
         self._watch.lap()
         self._last = made
-        self.publish(stamp_ns, made)
         self.health.ticks += 1
-        for follow in self._after:
-            follow(stamp_ns, made)
+        self._bus.post(self._topic, stamp_ns, made, partial(self._conclude, stamp_ns, made))

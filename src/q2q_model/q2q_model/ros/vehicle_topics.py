@@ -12,47 +12,40 @@ from geometry_msgs.msg import (
 )
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from std_msgs.msg import Header
 
 from q2q_model.decimation import Decimation
 from q2q_model.ros.messages import header_at
+from q2q_model.ros.vehicle_writers import VehicleWriters
 from q2q_model.rotations import rotate_inverse
-from q2q_model.signals import Array, SwarmState
-
-QUEUE = 10
+from q2q_model.signals import Array, Names, SwarmState
 
 
 class VehicleTopics:
-    """Hold the publishers of every vehicle, made when it first appears."""
+    """Hold the publishers of every vehicle."""
 
-    def __init__(self, node: Node, rate_hz: float) -> None:
-        self._node = node
+    def __init__(self, node: Node, rate_hz: float, names: Names) -> None:
+        """Publish at most so often [Hz]; `names` are the vehicles that are known already."""
+        self._rate = rate_hz
         self._due = Decimation(rate_hz)
-        self._publishers: dict[str, tuple[Publisher, Publisher]] = {}
+        topics = {"pose": PoseStamped, "odom": Odometry}
+        self._writers = VehicleWriters(node, topics, names if rate_hz > 0.0 else ())
 
     def publish(self, stamp_ns: int, state: SwarmState) -> None:
         """Publish pose and odometry of every vehicle, at most `rate_hz` times a second."""
+        if self._rate > 0.0:
+            self._writers.meet(state.names)
         if not self._due(state.t):
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), as Odometry's child frame asks
         for row, name in enumerate(state.names):
-            pose, odom = self._of(name)
-            if not (pose.get_subscription_count() or odom.get_subscription_count()):
+            if not (read := self._writers.read(name)):
                 continue
+            pose, odom = read
             header = header_at(stamp_ns)
             where = _pose(state.pos[row], state.quat[row])
             pose.publish(PoseStamped(header=header, pose=where))
             odom.publish(_odometry(header, name, where, _twist(vel_body[row], state.ang_vel_body[row])))
-
-    def _of(self, name: str) -> tuple[Publisher, Publisher]:
-        if name not in self._publishers:
-            make = self._node.create_publisher
-            self._publishers[name] = (
-                make(PoseStamped, f"{name}/pose", QUEUE),
-                make(Odometry, f"{name}/odom", QUEUE),
-            )
-        return self._publishers[name]
 
 
 def _pose(pos: Array, quat: Array) -> Pose:

@@ -25,8 +25,8 @@ from q2q_model.tracking.white_jerk import ACC_HORIZON
 
 NOISE_VAR, DENSITY, COAST, JUMP, SPEED, SIGMAS, ROOM, ROUNDING = range(8)
 """sigma^2 [m^2], q [m^2/s^5], coast_s [s], jump_max [m], speed_max [m/s], GATE_SIGMAS, pos_max [m], [s]."""
-SPREAD = slice(12, 21)
-"""Columns of a vehicle's working memory that hold P-; before them its sample (3) and x- (9)."""
+EXPECTED, SPREAD = slice(3, 12), slice(12, 21)
+"""Columns of a vehicle's working memory that hold x- and P-; before them its sample (3)."""
 WIDTH = 21
 
 
@@ -55,6 +55,12 @@ def _expect(state: Array, cov: Array, since: float, numbers: Array, work: Array)
     work[18] += pa
     work[19] += va
     work[20] += q * tau
+
+
+def _expect_all(tracks: tuple[Array, Array, Array], numbers: Array, work: Array) -> None:
+    since, state, cov = tracks
+    for i in range(since.size):
+        expect(state[i], cov[i], since[i], numbers, work[i])
 
 
 def _fits(state: Array, since: float, numbers: Array, work: Array) -> bool:
@@ -126,6 +132,8 @@ def _turn_present(
 
 
 expect, fits, correct = compiled(_expect), compiled(_fits), compiled(_correct)
+expect_all = compiled(_expect_all)
+"""Write x- and P- of every vehicle into `work` (n, WIDTH); the arguments are those of follow_present."""
 follow_present = compiled(_follow_present)
 """Move `tracks` (since, state, cov) on by measured (n, 3) with NaN where absent, write position and velocity
 of all into `out` (n, 6); `work` is (n, WIDTH). False, and no track changed, where anything is unusual."""

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from q2q_model.outliers import REPEAT_STEP, Mask, OutlierThresholds
 from q2q_model.signals import Array
 from q2q_model.tracking import white_jerk
-from q2q_model.tracking.absences import SPREAD, WIDTH, follow_present
+from q2q_model.tracking.absences import EXPECTED, SPREAD, WIDTH, expect_all, follow_present
 from q2q_model.tracking.glide import glide_positions
 from q2q_model.tracking.memory import padded
 from q2q_model.tracking.rivals import SAME_INSTANT, Lacking, Rivals
@@ -96,7 +96,6 @@ class PositionTracks:
         self._rivals = Rivals(count, params.limits)
         self._right = np.zeros(count, dtype=np.int64)  # samples taken under its own name
         self._swapped = np.zeros(count, dtype=np.int64)  # samples taken from others since
-        self._motion = (self._cov, self._cov)
         limits = params.limits
         self._numbers = np.array(
             [
@@ -121,7 +120,6 @@ class PositionTracks:
     def _settle_rows(self, count: int) -> None:
         self._rows, self._every = np.arange(count), np.ones(count, dtype=bool)
         self._work, self._out = np.empty((count, WIDTH)), np.empty((count, 6))
-        self._span: Array = np.full(count, np.nan)
         self._steady: _Steady | None = None
 
     def age(self, t: float) -> Array:
@@ -177,7 +175,7 @@ class PositionTracks:
 
     def _follow(self, t: float, measured: Array) -> Verdict | None:
         """Take a tick in which some may be absent and nothing else is unusual; else return None."""
-        if not self._proven.all() or self._rivals.any:
+        if not self._proven.all():
             return None
         since, before = t - self._time, self._cov.copy()
         if not follow_present(
@@ -194,6 +192,7 @@ class PositionTracks:
             self._time[taken] = t
             self._right += taken
             self._swapped[taken] = 0
+            self._rivals.forget(taken)
         pos, vel, source = self._out[:, :3].copy(), self._out[:, 3:].copy(), np.where(taken, self._rows, -1)
         return Verdict(pos, vel, taken, source, ~self._every, taken, plain=plain, honest=True)
 
@@ -225,14 +224,11 @@ class PositionTracks:
     def _expect(self, t: float) -> _Ahead:
         elapsed = np.where(self._seen, t - self._time, 0.0)
         limits = self._params.limits
-        span = np.minimum(elapsed, self._params.coast_s)
-        if not np.all(np.abs(span - self._span) < SAME_INSTANT):
-            self._span, self._motion = span, white_jerk.transition(span, self._params.jerk_noise**2)
-        moved, spread = self._motion
-        cov = moved @ self._cov @ moved.transpose(0, 2, 1) + spread
+        expect_all((elapsed, self._state, self._cov), self._numbers, self._work)
+        state, cov = (self._work[:, part].reshape(-1, 3, 3).copy() for part in (EXPECTED, SPREAD))
         gate = limits.jump_max + GATE_SIGMAS * np.sqrt(cov[:, 0, 0] + self._noise_var)
         reach = limits.jump_max + limits.speed_max * elapsed
-        return _Ahead(moved @ self._state, cov, elapsed > self._params.coast_s + SAME_INSTANT, gate, reach)
+        return _Ahead(state, cov, elapsed > self._params.coast_s + SAME_INSTANT, gate, reach)
 
     def _judge(self, measured: Array, ahead: _Ahead) -> Mask:
         miss, step = measured - ahead.state[:, 0], measured - self._state[:, 0]
@@ -249,7 +245,9 @@ class PositionTracks:
         lent = swapped_sources(measured, ahead.state[:, 0], gate, orphans, trusting)
         source = np.where(lent >= 0, lent, np.where(fits | began, self._rows, -1))
         self._rivals.forget(source >= 0)
-        refused = orphans & (source < 0) & ~np.isin(self._rows, lent)
+        lending = ~self._every
+        lending[lent[lent >= 0]] = True
+        refused = orphans & (source < 0) & ~lending
         lacking = Lacking(~present & self._seen, refused)
         usual, longest = self._params.reacquire_s, max(self._params.coast_s, self._params.reacquire_s)
         doubtful = self._rivals.doubtful(t, measured, (self._state[:, 0], self._time), lacking)
@@ -271,10 +269,11 @@ class PositionTracks:
         self._state[on], self._cov[on] = white_jerk.correct(
             ahead.state[on], ahead.cov[on], samples[on], self._noise_var
         )
-        velocity = np.where(jumped[:, None], self._rivals.velocity(), self._since_first(t, samples))
-        self._state[fresh], self._cov[fresh] = white_jerk.start(
-            samples[fresh], velocity[fresh], self._noise_var
-        )
+        if fresh.any():
+            velocity = np.where(jumped[:, None], self._rivals.velocity(), self._since_first(t, samples))
+            self._state[fresh], self._cov[fresh] = white_jerk.start(
+                samples[fresh], velocity[fresh], self._noise_var
+            )
         self._time[taken] = t
         self._seen |= taken
         self._rivals.forget(jumped)

@@ -40,11 +40,6 @@ class Rivals:
         self._first_pos = np.zeros((count, 3))
         self._last_pos = np.zeros((count, 3))
 
-    @property
-    def any(self) -> bool:
-        """Return whether any vehicle has a rival."""
-        return bool(self._count.any())
-
     def grow(self, extra: int) -> None:
         """Add vehicles without rivals."""
         self._count = padded(self._count, extra)
@@ -80,10 +75,11 @@ class Rivals:
         [s] (n,).
         """
         last, when = tracks
-        away = np.linalg.norm(pos[:, None] - last, axis=2)  # (n, n): of i's sample to j's track
-        own = np.diagonal(away)[:, None]
-        reached = away <= self._limits.jump_max + self._limits.speed_max * (t - when)
-        suspect = lacking.refused | (lacking.absent & reached)
+        others = np.flatnonzero(lacking.refused | lacking.absent)  # (m,)
+        away = np.linalg.norm(pos[:, None] - last[others], axis=2)  # (n, m): of i's sample to j's track
+        own = np.linalg.norm(pos - last, axis=1)[:, None]
+        reached = away <= self._limits.jump_max + self._limits.speed_max * (t - when[others])
+        suspect = lacking.refused[others] | reached
         return np.asarray((suspect & (away < own)).any(axis=1))
 
     def velocity(self) -> Array:

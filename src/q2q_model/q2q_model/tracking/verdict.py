@@ -28,3 +28,8 @@ class Verdict:
     """Every vehicle's own sample was taken."""
     honest: bool
     """No sample was refused or taken for another's: some may be absent."""
+
+    @property
+    def lent(self) -> Mask:
+        """Return who took another's sample, (n,)."""
+        return np.asarray(self.accepted & (self.source != np.arange(len(self.source))))
