@@ -12,6 +12,8 @@ STOREYS = 4
 DRIFT = 0.01
 """Speed [m/s]: a pose that is the last one again to the last digit is an old one."""
 STAND_IN = ("cf1", "cf2")
+TICKS = ((0.0, False), (0.01, False), (0.02, False), (0.03, True), (0.04, False))
+"""When [s], and whether a vehicle is not seen: a track is begun, believed, followed, and bridged."""
 LOST_S = 0.5
 """How long the lost vehicle has not been seen [s]."""
 

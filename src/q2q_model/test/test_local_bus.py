@@ -46,3 +46,13 @@ def test_a_listener_that_fails_loses_neither_publication_nor_the_next_signal() -
         bus.post("a", 1, signal(0.0), lambda: world.append(1))
     bus.post("a", 2, signal(0.0), lambda: world.append(2))
     assert (heard, world) == ([1, 2], [1, 2])
+
+
+def test_a_topic_from_outside_is_read_once_for_all() -> None:
+    bus, heard = LocalBus(("state",)), []
+    assert [bus.admits("mocap"), bus.admits("mocap"), bus.admits("state")] == [True, False, False]
+    assert not bus.carries("mocap")
+    for name in ("filter", "trajectory"):
+        bus.listen("mocap", lambda stamp, _, name=name: heard.append((name, stamp)))
+    bus.post("mocap", 3, signal(0.0))
+    assert heard == [("filter", 3), ("trajectory", 3)]

@@ -13,7 +13,7 @@ from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.local_bus import LocalBus
 from q2q_model.parameters import check_bounds, tunable
-from q2q_model.rehearsal import rehearsal
+from q2q_model.rehearsal import TICKS, rehearsal
 from q2q_model.ros.bus_node import BusNode
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.listening import listener
@@ -27,10 +27,6 @@ from q2q_model.stopwatch import Stopwatch
 from q2q_model.tick_join import TickJoin
 
 Made = TypeVar("Made", bound=Signal)
-
-
-REHEARSAL = ((0.0, False), (0.01, False), (0.02, False), (0.03, True), (0.04, False))
-"""Ticks [s], and whether a vehicle is not seen: a track is begun, believed, followed, and bridged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +70,7 @@ class TickWiring(Generic[Made]):
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
         """Run a block on made-up ticks and reset it: the first real one, and first absence, are not slow."""
-        for t, unseen in REHEARSAL:
+        for t, unseen in TICKS:
             update(*(rehearsal(kind, t, names, unseen=unseen) for kind in self._inputs.values()))
         reset()
 

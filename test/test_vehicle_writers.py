@@ -1,0 +1,58 @@
+"""Prove when the publishers of vehicles are made: before flight if known, else one vehicle a tick."""
+
+from dataclasses import dataclass, field
+
+import pytest
+from geometry_msgs.msg import PoseStamped, Twist
+
+from q2q_model.ros.vehicle_writers import VehicleWriters
+
+TOPICS = {"pose": PoseStamped, "speed": Twist}
+
+
+@dataclass
+class Writer:
+    """Stand in for a publisher with so many readers."""
+
+    readers: int = 0
+
+    def get_subscription_count(self) -> int:
+        """Answer as rclpy's."""
+        return self.readers
+
+
+@dataclass
+class Node:
+    """Note what publishers are made."""
+
+    made: dict[str, Writer] = field(default_factory=dict)
+
+    def create_publisher(self, _: type, topic: str, __: int) -> Writer:
+        """Make a writer; two of one topic are a mistake."""
+        assert topic not in self.made
+        return self.made.setdefault(topic, Writer())
+
+
+@pytest.fixture
+def node() -> Node:
+    return Node()
+
+
+def test_those_of_known_vehicles_are_there_before_the_first_tick(node: Node) -> None:
+    VehicleWriters(node, TOPICS, ("cf1", "cf2"))
+    assert list(node.made) == ["cf1/pose", "cf1/speed", "cf2/pose", "cf2/speed"]
+
+
+def test_those_of_others_are_made_one_vehicle_a_tick(node: Node) -> None:
+    writers, counts = VehicleWriters(node, TOPICS, ("cf1",)), []
+    for names in (("cf1",), *(("cf1", "cf2", "cf3"),) * 4, ("cf3", "cf4")):
+        writers.meet(names)
+        counts.append(len(node.made))
+    assert counts == [2, 4, 6, 6, 6, 8]
+
+
+def test_only_vehicles_that_somebody_reads_are_published(node: Node) -> None:
+    writers = VehicleWriters(node, TOPICS, ("cf1", "cf2"))
+    assert writers.read("cf1") == writers.read("stranger") == ()
+    node.made["cf2/speed"].readers = 1
+    assert writers.read("cf2") == (node.made["cf2/pose"], node.made["cf2/speed"])
