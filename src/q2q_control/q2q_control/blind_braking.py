@@ -27,6 +27,7 @@ import numpy as np
 
 from q2q_control.fallback import is_blind
 from q2q_model.compiled import compiled
+from q2q_model.rotations import yaw_from_quat
 from q2q_model.signals import Array, Names, SwarmCommand, SwarmState, index_of
 from q2q_model.vehicle import GRAVITY
 
@@ -41,8 +42,8 @@ LONGEST_STEP = 0.1
 
 _X, _Y, _VX, _VY, _YAW = range(5)
 _UNKNOWN = np.array([np.nan, np.nan, 0.0, 0.0, 0.0])
-_AGE = 10
-"""Column of what is seen; before it position, velocity and orientation."""
+_AGE = 5
+"""Column of what is seen, behind those of a track."""
 
 
 class BlindBraking:
@@ -66,7 +67,7 @@ class BlindBraking:
 
     def sighted(self, state: SwarmState, command: SwarmCommand) -> None:
         """Note a tick in which every vehicle was seen, and what it was commanded."""
-        self._names, self._track = state.names, np.tile(_UNKNOWN, (len(state.names), 1))
+        self._names, self._track = state.names, np.zeros((len(state.names), 5))
         given = _of(_tilts(command), command.names, state.names, 0.0)
         sight = _sight(state, state.names)
         sight[:, _AGE] = 0.0
@@ -112,10 +113,11 @@ def _tilts(command: SwarmCommand) -> Array:
 
 
 def _sight(state: SwarmState | None, names: Names) -> Array:
-    """Return position, velocity, orientation and age of vehicles, (n, 11); infinite for who is not known."""
+    """Return p, v, psi and age of vehicles as they are seen, (n, 6); infinite for who is not known."""
     if state is None:
         return np.full((len(names), _AGE + 1), np.inf)
-    seen = np.concatenate((state.pos, state.vel, state.quat, state.age[:, None]), axis=1)
+    yaw = yaw_from_quat(state.quat)
+    seen = np.concatenate((state.pos[:, :2], state.vel[:, :2], np.stack((yaw, state.age), axis=1)), axis=1)
     return _of(seen, state.names, names, np.inf)
 
 
@@ -142,12 +144,10 @@ def _follow(track: Array, flown: Array, elapsed: float, sight: Array, given: Arr
         one[_Y] += elapsed * one[_VY]
         lean(one, flown[i, 0], flown[i, 1], elapsed)
         if seen[_AGE] <= 0.0:
-            one[_X], one[_Y], one[_VX], one[_VY] = seen[0], seen[1], seen[3], seen[4]
-            x, y, z, w = seen[6], seen[7], seen[8], seen[9]
-            one[_YAW] = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+            one[:] = seen[:_AGE]
             lean(one, given[i, 0], given[i, 1], LAG_S)
 
 
 lean, follow = compiled(_lean), compiled(_follow)
 """Move `track` (n, 5) on by `elapsed` [s] of the tilts `flown` (n, 2), then take over who is seen in `sight`
-(n, 11), with the tilts `given` (n, 2) on their way."""
+(n, 6), with the tilts `given` (n, 2) on their way."""

@@ -4,7 +4,6 @@ from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
 
 from q2q_control.legacy import LegacyScale, legacy_setpoints
-from q2q_model.decimation import Decimation
 from q2q_model.ros.vehicle_writers import VehicleWriters
 from q2q_model.signals import Names, SwarmCommand
 
@@ -15,15 +14,11 @@ class LegacyTopics:
     def __init__(self, node: Node, scale: LegacyScale, rate_hz: float, names: Names) -> None:
         """Publish at most so often [Hz]; `names` are the vehicles that are known already."""
         self._scale = scale
-        self._rate = rate_hz
-        self._due = Decimation(rate_hz)
-        self._writers = VehicleWriters(node, {"cmd_vel_legacy": Twist}, names if rate_hz > 0.0 else ())
+        self._writers = VehicleWriters(node, {"cmd_vel_legacy": Twist}, rate_hz, names)
 
     def publish(self, _: int, command: SwarmCommand) -> None:
         """Publish every vehicle's command, at most `rate_hz` times a second."""
-        if self._rate > 0.0:
-            self._writers.meet(command.names)
-        if not self._due(command.t):
+        if not self._writers.due(command.t, command.names):
             return
         for name, row in zip(command.names, legacy_setpoints(command, self._scale).tolist(), strict=True):
             for writer in self._writers.read(name):

@@ -14,7 +14,6 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from q2q_model.decimation import Decimation
 from q2q_model.ros.messages import header_at
 from q2q_model.ros.vehicle_writers import VehicleWriters
 from q2q_model.rotations import rotate_inverse
@@ -26,16 +25,11 @@ class VehicleTopics:
 
     def __init__(self, node: Node, rate_hz: float, names: Names) -> None:
         """Publish at most so often [Hz]; `names` are the vehicles that are known already."""
-        self._rate = rate_hz
-        self._due = Decimation(rate_hz)
-        topics = {"pose": PoseStamped, "odom": Odometry}
-        self._writers = VehicleWriters(node, topics, names if rate_hz > 0.0 else ())
+        self._writers = VehicleWriters(node, {"pose": PoseStamped, "odom": Odometry}, rate_hz, names)
 
     def publish(self, stamp_ns: int, state: SwarmState) -> None:
         """Publish pose and odometry of every vehicle, at most `rate_hz` times a second."""
-        if self._rate > 0.0:
-            self._writers.meet(state.names)
-        if not self._due(state.t):
+        if not self._writers.due(state.t, state.names):
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), as Odometry's child frame asks
         for row, name in enumerate(state.names):

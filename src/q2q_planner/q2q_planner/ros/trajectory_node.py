@@ -53,7 +53,6 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         latched.publish(encode_plan(plan, clock.start_ns))
         latched_is_out(node, latched)
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
-    setpoint_at(plan, 0.0, 0.0)  # a rehearsal of `update` would start the plan
     wiring.start(update)
     return wiring
 
