@@ -30,7 +30,7 @@ LONGEST_GAP = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Pending:
-    """Hold the commands that act between now and `latency` from now, in order."""
+    """Commands that act between now and `latency` from now, in order."""
 
     durations: tuple[float, ...]
     """[s]"""
@@ -46,7 +46,7 @@ class _Sent:
 
 
 class Actuation:
-    """Remember the commands on their way and the thrust that has come of the earlier ones."""
+    """Commands in transit, and the thrust that earlier ones have produced."""
 
     def __init__(self, vehicle: Vehicle, latency: float) -> None:
         """Model vehicles like `vehicle` whose commands act `latency` [s] after their tick's stamp."""

@@ -38,7 +38,7 @@ _QUAT_AT, _ETA_AT = 6, 21
 
 @dataclass(frozen=True, slots=True)
 class Aligned:
-    """Hold one tick's numbers, one row a vehicle in the order of `names`."""
+    """Arrays of one tick, one row a vehicle in the order of `names`."""
 
     t: float
     names: Names

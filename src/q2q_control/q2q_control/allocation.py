@@ -44,7 +44,7 @@ _YAW = np.array([-1.0, 1.0, -1.0, 1.0])
 
 @dataclass(frozen=True, slots=True)
 class RotorFrame:
-    """Hold where the rotors sit and what each can give."""
+    """Rotor positions and the thrust each rotor can give."""
 
     lever: float
     """h [m]."""

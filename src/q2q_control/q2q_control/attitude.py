@@ -38,7 +38,7 @@ from q2q_model.vehicle import Vehicle
 
 @dataclass(frozen=True, slots=True)
 class AttitudeParams:
-    """Hold how quickly a vehicle turns."""
+    """Bandwidths of the attitude loop."""
 
     frequency: float = tunable(
         15.0,  # the firmware's Mellinger loop settles as fast; 7 times the position loop's 2 rad/s

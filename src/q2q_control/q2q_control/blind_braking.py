@@ -47,7 +47,7 @@ _AGE = 5
 
 
 class BlindBraking:
-    """Hold how fast vehicles fly that are not seen."""
+    """Dead-reckoned velocities of vehicles that are not seen."""
 
     def __init__(self) -> None:
         """Know nobody."""

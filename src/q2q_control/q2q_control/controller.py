@@ -6,7 +6,7 @@ from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmSt
 
 
 class Controller(Protocol):
-    """Turn one tick's signals into commands for the vehicles of the setpoint."""
+    """Block that maps the signals of one tick to commands for the setpoint's vehicles."""
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None

@@ -21,7 +21,7 @@ _TRACKED = int(TrackStatus.TRACKED)
 
 @dataclass(frozen=True, slots=True)
 class TrackerParams:
-    """Hold what is known of the road, and how quickly disturbances are believed."""
+    """Delay and lag of the command path, and bandwidths of the disturbance estimates."""
 
     latency: float = tunable(0.026, "stamp of a tick to its command's effect", unit="s", low=0.0, high=0.3)
     state_bandwidth: float = tunable(
@@ -41,7 +41,7 @@ class TrackerParams:
 
 @dataclass(frozen=True, slots=True)
 class Tracked:
-    """Hold what is known of a tick's vehicles."""
+    """Estimates for the vehicles of one tick."""
 
     estimate: Estimate
     acc: Array
@@ -51,7 +51,7 @@ class Tracked:
 
 
 class DisturbanceTracker:
-    """Remember thrust, commands on their way, and estimates."""
+    """Thrust, commands in transit, and disturbance estimates of every vehicle."""
 
     def __init__(self, params: TrackerParams, vehicle: Vehicle) -> None:
         """Track vehicles like `vehicle`."""

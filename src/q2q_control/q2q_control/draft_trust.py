@@ -18,7 +18,7 @@ _STALE = int(InterferenceStatus.STALE_SOURCE)
 
 
 class DraftTrust:
-    """Remember when each vehicle's draft was last based on sources that were seen."""
+    """Time at which each vehicle's predicted downwash was last based on sources that were seen."""
 
     def __init__(self, fade_time: float) -> None:
         """Let stale drafts fade with a time constant of `fade_time` [s]."""

@@ -31,7 +31,7 @@ _LEVEL, _LAND = int(CommandStatus.LEVEL), int(CommandStatus.LAND)
 
 @dataclass(frozen=True, slots=True)
 class FallbackParams:
-    """Hold the ages at which the phases change."""
+    """Ages at which the fallback phases change."""
 
     degraded_s: float = tunable(
         0.05, "age of a state from which it counts as predicted", unit="s", low=0.0, high=1.0, read_only=True

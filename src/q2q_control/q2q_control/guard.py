@@ -62,7 +62,7 @@ def on_time(_: float) -> float:
 
 
 class Guard:
-    """Hold what is known of every vehicle since when, and who is cut."""
+    """State machine of command safety: since when each vehicle is in which phase, and who is cut."""
 
     def __init__(
         self,

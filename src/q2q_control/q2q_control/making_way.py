@@ -39,7 +39,7 @@ DIRECTIONS = 8
 
 @dataclass(slots=True)
 class _Shift:
-    """Hold how far one vehicle's setpoint is moved, and for whom."""
+    """Shift of one vehicle's setpoint, and the vehicle it evades."""
 
     pos: Array = field(default_factory=lambda: np.zeros(2))
     vel: Array = field(default_factory=lambda: np.zeros(2))
@@ -60,7 +60,7 @@ class _Shift:
 
 
 class MakingWay:
-    """Hold who makes way, and how far it has come."""
+    """Evading vehicles and how far each has moved."""
 
     def __init__(self) -> None:
         """Nobody makes way."""

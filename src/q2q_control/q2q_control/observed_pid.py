@@ -18,7 +18,7 @@ from q2q_model.vehicle import Vehicle
 
 
 class ObservedPid:
-    """Hold the PID and the estimates of the vehicles."""
+    """PID with a disturbance observer."""
 
     def __init__(
         self, params: PidParams, tracker: TrackerParams, vehicle: Vehicle, vehicles: Names = ()

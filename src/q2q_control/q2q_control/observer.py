@@ -36,7 +36,7 @@ GAP_MAX = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """Hold what one tick tells about the vehicles."""
+    """Measurements of the vehicles at one tick."""
 
     t: float
     """Stamp of the tick [s]."""
@@ -53,7 +53,7 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Hold what is believed of every vehicle."""
+    """Estimated state and disturbance of every vehicle."""
 
     pos: Array
     """[m], world, (n, 3)."""
@@ -64,7 +64,7 @@ class Estimate:
 
 
 class DisturbanceObserver:
-    """Remember the estimates of named vehicles."""
+    """Estimates of named vehicles."""
 
     def __init__(self, state_bandwidth: float, disturbance_bandwidth: float, disturbance_max: float) -> None:
         """Place the poles [rad/s]; |d| stays within disturbance_max [m/s^2]."""

@@ -17,7 +17,7 @@ STEP = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """Hold one vehicle's piecewise polynomial."""
+    """Piecewise polynomial of one vehicle."""
 
     durations: Array
     """[s], (pieces,)."""

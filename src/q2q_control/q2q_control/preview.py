@@ -31,7 +31,7 @@ COAST = 0.5
 
 
 class ReferencePreview(Protocol):
-    """Answer where the references of named vehicles will be."""
+    """Source of the future references of named vehicles."""
 
     def at(self, names: Names, times: Array) -> Array:
         """Return position [m], velocity [m/s], acceleration [m/s^2], world, at `times` (K,) [s], (n, K, 9).
@@ -42,7 +42,7 @@ class ReferencePreview(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SampledPreview:
-    """Hold a plan as samples at equal steps; it rests before its start and after its end."""
+    """Plan sampled at equal steps; it rests before its start and after its end."""
 
     names: Names
     start: float

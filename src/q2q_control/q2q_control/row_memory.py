@@ -26,7 +26,7 @@ _HOLD, _LEVEL = int(CommandStatus.HOLD), int(CommandStatus.LEVEL)
 
 @dataclass(frozen=True, slots=True)
 class HoldThenLevel:
-    """Hold what the fallback commands."""
+    """Commands of the fallback: hold, then level."""
 
     hold_time: float
     """[s]"""
@@ -35,7 +35,7 @@ class HoldThenLevel:
 
 
 class RowMemory:
-    """Hold the last computed command of every vehicle and when it was computed."""
+    """Last computed command of every vehicle and its time."""
 
     def __init__(self, rule: HoldThenLevel) -> None:
         self.rule = rule

@@ -41,7 +41,7 @@ WEIGHT_MIN = 0.3
 
 @dataclass(frozen=True, slots=True)
 class ThrustLimits:
-    """Hold one vehicle's mass and limits."""
+    """Mass and thrust limits of one vehicle."""
 
     mass: float
     """[kg]"""
@@ -55,7 +55,7 @@ class ThrustLimits:
 
 @dataclass(frozen=True, slots=True)
 class ThrustVector:
-    """Hold thrust and attitude of each vehicle, and which limits cut them."""
+    """Thrust and attitude of each vehicle, and the limits that cut them."""
 
     thrust: Array
     """U1 [N], (n,)."""

@@ -20,7 +20,7 @@ from q2q_model.signals import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmS
 
 
 class TickWatch:
-    """Hold when the last newer tick was answered, and with what."""
+    """Time and answer of the newest tick."""
 
     def __init__(self, guard: Guard, params: FallbackParams) -> None:
         self._guard = guard

@@ -5,7 +5,7 @@ from math import inf
 
 
 class TimeBudget:
-    """Remember when a tick's computing began."""
+    """Computing time that is left in a tick."""
 
     def __init__(self, seconds: float, clock: Callable[[], float]) -> None:
         """Allow so many seconds a tick, by a clock [s] that only grows."""

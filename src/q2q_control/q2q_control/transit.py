@@ -23,7 +23,7 @@ MOST_S = 0.5
 
 
 class Transit:
-    """Remember the quickest messages of this window and of the one before."""
+    """Smallest transport delays of this window and of the one before."""
 
     def __init__(self) -> None:
         self._began = -inf

@@ -35,7 +35,7 @@ MOST_VEHICLES = 10_000
 
 
 class BadMessageError(ValueError):
-    """Refuse a message whose parts do not fit each other."""
+    """Error for a message whose parts do not fit each other."""
 
 
 def header_stamp_ns(data: bytes) -> int:
@@ -80,7 +80,7 @@ def decode(data: bytes, signal: type[S]) -> S:
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """Hold where one array lies in a message."""
+    """Offset and length of one array in a message."""
 
     attribute: str
     field: str
@@ -97,7 +97,7 @@ class _Block:
 
 @dataclass(frozen=True, slots=True)
 class _Map:
-    """Hold where everything lies in messages with these names."""
+    """Offsets of all fields in messages with these names."""
 
     head: bytes
     """Bytes of frame_id and names."""
@@ -114,7 +114,7 @@ class _Map:
 
 
 class SignalReader(Generic[S]):
-    """Read one kind of message; remember where things lay in the last one, as names seldom change."""
+    """Reader of one kind of message; it keeps the last offsets, as names seldom change."""
 
     def __init__(self, signal: type[S]) -> None:
         self._signal: Callable[..., S] = signal
@@ -191,7 +191,7 @@ def _aligned(at: int, size: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class _Form:
-    """Hold what messages of a kind with the same names have in common."""
+    """Structure shared by messages of a kind with the same names."""
 
     head: bytes
     """frame_id and names, as they follow the stamp."""

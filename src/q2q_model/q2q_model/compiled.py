@@ -25,7 +25,7 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN4
 
 
 class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """Keep compiled code under a key that changes with everything it uses."""
+    """Cache of compiled code whose key changes with everything the code uses."""
 
     def _index_key(self, signature: Any, codegen: Any) -> tuple[object, ...]:  # noqa: ANN401
         return (*super()._index_key(signature, codegen), digest_of(self._py_func))

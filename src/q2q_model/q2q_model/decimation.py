@@ -2,7 +2,7 @@
 
 
 class Decimation:
-    """Remember when the last event went through."""
+    """Time at which the last event passed."""
 
     def __init__(self, rate_hz: float) -> None:
         """Take the largest rate [Hz]; 0 lets nothing through."""

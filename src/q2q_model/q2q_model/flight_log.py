@@ -7,7 +7,7 @@ from q2q_model.signals import Array, Names
 
 @dataclass(frozen=True, slots=True)
 class FlightLog:
-    """Hold a flight's extra columns, one row a tick."""
+    """Extra columns of a flight, one row a tick."""
 
     t: Array
     """Capture stamps [s], rising, (T,)."""

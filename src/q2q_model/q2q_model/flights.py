@@ -16,7 +16,7 @@ from q2q_model.signals import Array, Names, index_of
 
 @dataclass(frozen=True, slots=True)
 class Flight:
-    """Hold one flight, one row a tick."""
+    """Record of one flight, one row a tick."""
 
     name: str
     names: Names
@@ -91,7 +91,7 @@ _WIDTHS = {
 
 @dataclass(frozen=True, slots=True)
 class JoinedFlight:
-    """Hold a flight made of signals, and what was bent to make it."""
+    """Flight joined from signals, and the corrections that joining took."""
 
     flight: Flight
     repairs: tuple[str, ...]

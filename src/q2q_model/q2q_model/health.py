@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Level(IntEnum):
-    """Grade a node's health (diagnostic_msgs/DiagnosticStatus)."""
+    """Level of a node's health (diagnostic_msgs/DiagnosticStatus)."""
 
     OK = 0
     WARN = 1
@@ -16,7 +16,7 @@ class Level(IntEnum):
 
 @dataclass(slots=True)
 class Health:
-    """Hold one node's counters since it started."""
+    """Counters of one node since its start."""
 
     ticks: int = 0
     """Ticks answered."""
@@ -39,7 +39,7 @@ class Health:
 
 @dataclass(frozen=True, slots=True)
 class HealthReport:
-    """Hold what one second of a node's life looked like."""
+    """Summary of one second of a node."""
 
     level: Level
     summary: str

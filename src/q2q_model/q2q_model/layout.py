@@ -20,7 +20,7 @@ Signal = MocapFrame | SwarmState | SwarmSetpoint | Interference | SwarmCommand |
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """Map one array of a signal to one flat array of its message."""
+    """One array of a signal and the flat array of its message."""
 
     attribute: str
     """Field of the signal dataclass."""
@@ -32,7 +32,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Map one signal class to one message type."""
+    """Mapping of one signal class to one message type."""
 
     message: str
     """Type name within q2q_msgs."""

@@ -27,7 +27,7 @@ MARGIN = 0.5
 
 @dataclass(frozen=True, slots=True)
 class LevelSet:
-    """Hold the level set of a draft as a table; it is a Zone. `level_set` makes it."""
+    """Level set of a downwash model as a table; a Zone made by `level_set`."""
 
     threshold: float
     """|eta| on the boundary [m/s^2]."""

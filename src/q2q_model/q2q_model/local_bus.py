@@ -21,7 +21,7 @@ def _nothing() -> None:
 
 
 class LocalBus:
-    """Hold the listeners of every topic that is written within the process."""
+    """Listeners of every topic that is written within the process."""
 
     def __init__(self, topics: Collection[str]) -> None:
         """Take the topics whose writers are in this process."""

@@ -39,7 +39,7 @@ _LIMITS = OutlierThresholds()
 
 @dataclass(frozen=True, slots=True)
 class MocapFilterParams:
-    """Hold the parameters of the mocap filter."""
+    """Parameters of the mocap filter."""
 
     pos_max: float = tunable(_LIMITS.pos_max, "largest believable |x|, |y|, |z|", unit="m", low=0.1)
     speed_max: float = tunable(_LIMITS.speed_max, "largest believable speed", unit="m/s", low=0.1, high=100.0)
@@ -83,7 +83,7 @@ IDEAL_SENSING = MocapFilterParams(position_noise=0.0, rate_filter_s=0.0)
 
 @dataclass(frozen=True, slots=True)
 class FilterReport:
-    """Count what the filter met since its start (resets do not clear it)."""
+    """Counts of the filter since its start (resets do not clear them)."""
 
     frames: int = 0
     """Frames taken."""
@@ -112,7 +112,7 @@ class FilterReport:
 
 
 class MocapFilter:
-    """Remember every vehicle's track; frames in, states out."""
+    """Tracks of all vehicles; maps frames to states."""
 
     def __init__(self, params: MocapFilterParams, names: Names) -> None:
         """Track the vehicles `names`, in that order; none named means whoever appears."""

@@ -41,12 +41,12 @@ T = TypeVar("T")
 
 
 class ModelFileError(ValueError):
-    """Say why a model file cannot be used."""
+    """Error for a model file that cannot be used."""
 
 
 @dataclass(frozen=True, slots=True)
 class RoleScores:
-    """Hold one figure for each role; None where there were no such samples."""
+    """Score for each role; None where there were no such samples."""
 
     lower: float | None = None
     upper: float | None = None
@@ -54,7 +54,7 @@ class RoleScores:
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """Hold what a model was fitted on and how well."""
+    """Flights a model was fitted on and its scores."""
 
     method: str
     flights: tuple[str, ...]
@@ -67,7 +67,7 @@ class Fit:
 
 @dataclass(frozen=True, slots=True)
 class ModelFile:
-    """Hold all that a model file says."""
+    """Contents of a model file."""
 
     interaction: InteractionModel
     zone: Zone = field(default_factory=Cylinder)

@@ -17,7 +17,7 @@ that a network holds back come in shorter bursts."""
 
 
 class OldStamps:
-    """Remember old stamps since the last newer one."""
+    """Old stamps since the last newer one."""
 
     def __init__(self) -> None:
         """Know none."""

@@ -50,7 +50,7 @@ SEGMENTS_BACK = 200
 
 @dataclass(frozen=True, slots=True)
 class OutlierThresholds:
-    """Hold the thresholds of section 2.2, shared by the batch rule and the online filter."""
+    """Thresholds of section 2.2, shared by the batch rule and the online filter."""
 
     pos_max: float = tunable(
         50.0, "largest believable |x|, |y|, |z|: no flight room is larger", unit="m", low=0.1

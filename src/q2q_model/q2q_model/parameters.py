@@ -15,7 +15,7 @@ ParameterValue = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
 
 class ParamsClass(Protocol):
-    """Match any dataclass of parameters."""
+    """Any dataclass of parameters."""
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
@@ -26,7 +26,7 @@ T = TypeVar("T", bound=ParameterValue)
 
 @dataclass(frozen=True, slots=True)
 class Tunable:
-    """Say what a parameter means and where it may lie."""
+    """Description and bounds of a parameter."""
 
     description: str
     unit: str = ""

@@ -21,7 +21,7 @@ Plain = bool | int | float | str | None | list["Plain"] | dict[str, "Plain"]
 
 
 class PlainValueError(ValueError):
-    """Say which value is not what its field needs."""
+    """Error for a value that does not fit its field."""
 
 
 def to_plain(value: object, path: str = "") -> Plain:

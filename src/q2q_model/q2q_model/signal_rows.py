@@ -24,7 +24,7 @@ Values = NDArray[np.float64 | np.uint8]
 
 @dataclass(frozen=True, slots=True)
 class SignalRows:
-    """Hold the signals of a recording that have the same names."""
+    """Signals of a recording that have the same names."""
 
     names: Names
     t: Array

@@ -17,7 +17,7 @@ Names = tuple[str, ...]
 
 
 class TrackStatus(IntEnum):
-    """Say where a vehicle's state comes from (SwarmState.status)."""
+    """Source of a vehicle's state (SwarmState.status)."""
 
     TRACKED = 0
     COASTING = 1
@@ -25,7 +25,7 @@ class TrackStatus(IntEnum):
 
 
 class SetpointStatus(IntEnum):
-    """Say whether a setpoint is the planned one (SwarmSetpoint.status)."""
+    """Whether a setpoint is the planned one (SwarmSetpoint.status)."""
 
     NOMINAL = 0
     SHIFTED = 1
@@ -33,7 +33,7 @@ class SetpointStatus(IntEnum):
 
 
 class InterferenceStatus(IntEnum):
-    """Say how far a predicted draft can be trusted (Interference.status)."""
+    """Confidence in a predicted downwash (Interference.status)."""
 
     VALID = 0
     STALE_SOURCE = 1
@@ -41,7 +41,7 @@ class InterferenceStatus(IntEnum):
 
 
 class CommandStatus(IntEnum):
-    """Say how a command came about (SwarmCommand.status)."""
+    """Origin of a command (SwarmCommand.status)."""
 
     OK = 0
     SATURATED = 1
@@ -54,7 +54,7 @@ class CommandStatus(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class MocapFrame:
-    """Hold what motion capture saw: any subset of the vehicles, in any order."""
+    """Frame of motion capture: any subset of the vehicles, in any order."""
 
     t: float
     names: Names
@@ -66,7 +66,7 @@ class MocapFrame:
 
 @dataclass(frozen=True, slots=True)
 class SwarmState:
-    """Hold the state of every vehicle: filtered, or true on the simulator's `truth`."""
+    """State of every vehicle: filtered, or true on the simulator's `truth`."""
 
     t: float
     names: Names
@@ -86,7 +86,7 @@ class SwarmState:
 
 @dataclass(frozen=True, slots=True)
 class SwarmSetpoint:
-    """Hold where every vehicle should be at the tick."""
+    """Setpoints of all vehicles at the tick."""
 
     t: float
     names: Names
@@ -106,7 +106,7 @@ class SwarmSetpoint:
 
 @dataclass(frozen=True, slots=True)
 class Interference:
-    """Hold the acceleration that neighbours' drafts put on every vehicle: eta of eq. (14)."""
+    """Acceleration of every vehicle due to the downwash of its neighbours: eta of eq. (14)."""
 
     t: float
     names: Names
@@ -120,7 +120,7 @@ class Interference:
 
 @dataclass(frozen=True, slots=True)
 class SwarmCommand:
-    """Hold what every onboard attitude loop should do."""
+    """Commands to every onboard attitude loop."""
 
     t: float
     names: Names
@@ -138,7 +138,7 @@ class SwarmCommand:
 
 @dataclass(frozen=True, slots=True)
 class SwarmImu:
-    """Hold what every inertial sensor reads."""
+    """Readings of every inertial sensor."""
 
     t: float
     names: Names

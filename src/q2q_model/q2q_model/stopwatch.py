@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 
 class Stopwatch:
-    """Remember when it was started, the last lap and the longest."""
+    """Start, last lap and longest lap of a repeated task."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         """Start, by a clock [s] that only grows."""

@@ -14,7 +14,7 @@ WAITING_TICKS = 16
 
 
 class TickJoin(Generic[V]):
-    """Collect values until every topic has one of the same stamp."""
+    """Join of several topics by stamp."""
 
     def __init__(self, topics: tuple[str, ...]) -> None:
         self._topics = topics

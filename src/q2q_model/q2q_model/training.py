@@ -44,7 +44,7 @@ ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 
 
 @dataclass(frozen=True, slots=True)
 class _Inputs:
-    """Hold one flight as tensors."""
+    """One flight as tensors."""
 
     t: torch.Tensor
     z: torch.Tensor

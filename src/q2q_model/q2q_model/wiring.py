@@ -15,7 +15,7 @@ PROMISE_S = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Wiring:
-    """Hold what one node reads, and how many readers its writers have matched."""
+    """Inputs of one node and the number of readers its writers have matched."""
 
     reads: tuple[str, ...]
     """Topics, once for each subscription."""

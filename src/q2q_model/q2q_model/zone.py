@@ -15,7 +15,7 @@ from q2q_model.signals import Array
 
 
 class Zone(Protocol):
-    """Measure how far a relative position is from the harmful set."""
+    """Set of harmful relative positions with a distance function."""
 
     def signed_distance(self, rel_pos: Array) -> Array:
         """Return the distance to the set's boundary [m], (...,), negative inside, of rel_pos (..., 3)."""
@@ -23,7 +23,7 @@ class Zone(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
-    """Hold the paper's zone I(eps, d)."""
+    """The paper's zone I(eps, d)."""
 
     eps: float = 0.1
     """Radius [m]; section 3.1: the vehicles' discs do not overlap beyond 92 mm."""
@@ -40,7 +40,7 @@ class Cylinder:
 
 @dataclass(frozen=True, slots=True)
 class Ellipsoid:
-    """Hold a spheroid about the vertical: (dx^2 + dy^2) / eps^2 + dz^2 / d^2 <= 1."""
+    """Spheroid about the vertical: (dx^2 + dy^2) / eps^2 + dz^2 / d^2 <= 1."""
 
     eps: float
     """Horizontal half axis [m]."""

@@ -35,7 +35,7 @@ SAME_MOMENT = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class AvoidanceParams:
-    """Hold the numbers of the search; none of them weakens the proof."""
+    """Parameters of the search; none of them weakens the proof."""
 
     pieces: int = tunable(5, "pieces between two waypoints; more give a freer curve", low=2, high=40)
     margin: float = tunable(2e-4, "distance kept from the zone", unit="m", low=1e-6, high=1.0)
@@ -50,7 +50,7 @@ class AvoidanceParams:
 
 @dataclass(frozen=True, slots=True)
 class AvoidancePlan:
-    """Hold a certified plan and what it took."""
+    """Certified plan and the effort it took."""
 
     plan: SwarmPlan
     certificate: Certificate
@@ -63,7 +63,7 @@ class AvoidancePlan:
 
 
 class InfeasibleError(ValueError):
-    """Say that no certified plan was found, and which pair stands in the way."""
+    """Error when no certified plan was found, naming the pair in conflict."""
 
 
 def avoid(

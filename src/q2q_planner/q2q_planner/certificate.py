@@ -39,7 +39,7 @@ DEEPEST = 40
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """Hold what is proven about a plan and a zone."""
+    """Proven clearance of a plan from a zone."""
 
     clearance: float
     """No pair is nearer to the zone than this at any t [m]; infinite for one vehicle."""
@@ -71,7 +71,7 @@ Rows = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Stretches:
-    """Hold pairs on pieces that may come near each other."""
+    """Pairs and pieces on which they may come near each other."""
 
     first: Rows
     second: Rows

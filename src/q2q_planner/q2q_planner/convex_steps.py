@@ -36,7 +36,7 @@ HOPELESS = 0.2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Hold what is to be bent, and out of what."""
+    """Trajectories to bend and the zone to bend them out of."""
 
     free: SwarmPlan
     """Minimum snap without avoidance."""
@@ -57,7 +57,7 @@ class Problem:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """Hold where the steps begin."""
+    """Starting point of the iteration."""
 
     side: Array
     """-1 for pairs whose first deep pass changes sides, (pairs,)."""
@@ -67,7 +67,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attempt:
-    """Hold where the steps ended."""
+    """Result of the iteration."""
 
     plan: SwarmPlan
     proof: Certificate

@@ -32,7 +32,7 @@ SHORTEST_EDGE = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lathe:
-    """Hold a convex solid of revolution; it is a Zone."""
+    """Convex solid of revolution; a Zone."""
 
     profile: Array
     """Corners (radius, height) [m] of the hull in the first quadrant, heights rising, (k, 2)."""

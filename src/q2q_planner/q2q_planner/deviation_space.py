@@ -26,7 +26,7 @@ from q2q_planner.waypoints import VehicleWaypoints
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeviationSpace:
-    """Hold the deviations of one vehicle; y has m numbers an axis."""
+    """Deviations of one vehicle; y has m numbers an axis."""
 
     knots: Array
     """Times [s], rising, (k,)."""

@@ -42,7 +42,7 @@ HALVINGS = 7
 
 @dataclass(frozen=True, slots=True)
 class LearnedDraft:
-    """Hold what was learned: the draft, and how the altitude loop answers it."""
+    """Learned downwash model and altitude loop."""
 
     model: InteractionModel
     loop: AltitudeLoop = PAPER_LOOP
@@ -58,7 +58,7 @@ class LearnedDraft:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DraftPlan:
-    """Hold a plan around a draft."""
+    """Plan around a downwash zone."""
 
     found: AvoidancePlan
     zone: LevelSet

@@ -54,7 +54,7 @@ SHAPES: tuple[Shape, ...] = ("lines", "curves", "ring")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Encounter:
-    """Hold who meets whom, and how they hear of each other."""
+    """Vehicles that meet, and how they receive each other's states."""
 
     plan: SwarmPlan
     tick: float
@@ -68,7 +68,7 @@ class Encounter:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Hold what became of an encounter."""
+    """Outcome of an encounter."""
 
     vehicles: int
     apart: bool

@@ -21,7 +21,7 @@ from q2q_model.vehicle import GRAVITY
 
 @dataclass(frozen=True, slots=True)
 class FlatState:
-    """Hold what the vehicle must do."""
+    """State and inputs by differential flatness."""
 
     thrust: Array
     """Collective, over mass [m/s^2], (...,)."""

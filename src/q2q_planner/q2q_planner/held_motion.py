@@ -18,7 +18,7 @@ SNAP_POS, SNAP_VEL = 1e-4, 5e-3
 
 @dataclass(frozen=True, slots=True)
 class HeldMotion:
-    """Hold what every vehicle of the swarm does from t on: acc for hold, then it brakes."""
+    """Motion of every vehicle from t on: acc for hold, then it brakes."""
 
     t: float
     names: Names

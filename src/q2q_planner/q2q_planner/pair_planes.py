@@ -31,7 +31,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Watch:
-    """Hold the samples of pairs that have come near the zone, sorted by pair, then sample."""
+    """Samples of pairs that have come near the zone, sorted by pair, then sample."""
 
     pair: Rows
     """(w,)"""

@@ -27,7 +27,7 @@ REMEDY = "write one with `ros2 run q2q_planner plan`"
 
 @dataclass(frozen=True, slots=True)
 class PlanFacts:
-    """Hold what is known of a plan beside its curves; NaN where it is not known."""
+    """Facts about a plan beside its curves; NaN where unknown."""
 
     zone: str = "none"
     """The zone that pairs were kept out of, in words."""

@@ -38,7 +38,7 @@ SETTLED = 1e-7
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planes:
-    """Hold m planes."""
+    """m half-spaces."""
 
     first: Rows
     """Vehicle i, (m,)."""

@@ -54,7 +54,7 @@ CUTOFF = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class PotentialFieldParams:
-    """Hold the numbers of (19)-(21); defaults are the paper's, section 4.2."""
+    """Parameters of (19)-(21); defaults are the paper's, section 4.2."""
 
     enabled: bool = tunable(default=True, description="push; off: every vehicle glides back to its reference")
     k_d: float = tunable(3.0, "damping of the error", unit="1/s", low=0.0, high=100.0)
@@ -85,7 +85,7 @@ class PotentialFieldParams:
 
 
 class PotentialField:
-    """Move setpoints by (20)-(21); a Replanner. Trusts every vehicle to follow: `state` is not used."""
+    """Replanner by (20)-(21). It trusts every vehicle to follow: `state` is not used."""
 
     def __init__(self, params: PotentialFieldParams | None = None) -> None:
         """Start on the reference."""

@@ -6,7 +6,7 @@ from q2q_model.signals import SwarmSetpoint, SwarmState
 
 
 class Replanner(Protocol):
-    """Move setpoints out of the interference zones, tick by tick."""
+    """Block that moves setpoints out of the interference zones, tick by tick."""
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:
         """Return the modified setpoints of the tick; `state` None trusts every vehicle to follow."""

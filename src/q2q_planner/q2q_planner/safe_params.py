@@ -7,7 +7,7 @@ from q2q_model.parameters import check_bounds, tunable
 
 @dataclass(frozen=True, slots=True)
 class SafeReplannerParams:
-    """Hold the numbers of the safe law."""
+    """Parameters of the safe law."""
 
     enabled: bool = tunable(
         default=True, description="avoid; off: every vehicle glides back to its reference"

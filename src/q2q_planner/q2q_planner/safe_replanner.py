@@ -54,7 +54,7 @@ TURN = 0.01
 
 
 class SafeReplanner:
-    """Move setpoints out of the zones under the promise above; a Replanner."""
+    """Replanner that keeps the promise above."""
 
     def __init__(self, params: SafeReplannerParams | None = None) -> None:
         """Start on the reference."""

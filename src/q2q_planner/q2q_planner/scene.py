@@ -32,7 +32,7 @@ _EMPTY = np.zeros((0, 3))
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Hold everyone at a tick."""
+    """All vehicles at a tick."""
 
     own: int
     """Rows of the swarm."""

@@ -21,7 +21,7 @@ SETTLE_TOLERANCE = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class SetpointError:
-    """Hold e and its derivative, one row a vehicle."""
+    """Error e and its derivative, one row a vehicle."""
 
     names: Names
     pos: Array

@@ -15,7 +15,7 @@ SAME_TIME = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedPieces:
-    """Hold the positions of n vehicles on common pieces."""
+    """Positions of n vehicles on common pieces."""
 
     starts: Array
     """Start of each piece [s], (pieces,)."""

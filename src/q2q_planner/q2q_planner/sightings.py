@@ -13,7 +13,7 @@ from q2q_model.signals import Array, Names, SwarmState
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """Hold the newest word on some vehicles."""
+    """Newest state of some vehicles."""
 
     names: Names
     pos: Array
@@ -25,7 +25,7 @@ class Word:
 
 
 class Sightings:
-    """Keep the newest word on every vehicle ever heard of."""
+    """Last known state of every vehicle."""
 
     def __init__(self) -> None:
         """Start with no word."""

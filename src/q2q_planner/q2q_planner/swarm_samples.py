@@ -15,7 +15,7 @@ FINE = 512
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SwarmSamples:
-    """Hold S sample times of n vehicles."""
+    """S sample times of n vehicles."""
 
     t: Array
     """[s], rising, (S,)."""

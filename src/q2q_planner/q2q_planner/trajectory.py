@@ -20,7 +20,7 @@ _DERIVATIVES = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
-    """Hold one vehicle's piecewise polynomial."""
+    """Piecewise polynomial of one vehicle."""
 
     durations: Array
     """Length of each piece [s], (pieces,), all above zero."""
@@ -60,7 +60,7 @@ class Trajectory:
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """Hold every vehicle's polynomials side by side, so that one compiled pass evaluates them all."""
+    """Polynomials of all vehicles side by side, evaluated in one compiled pass."""
 
     starts: Array
     """Start of each piece [s], (n, most pieces); beyond the last piece infinite."""
@@ -74,7 +74,7 @@ class _Table:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SwarmPlan:
-    """Hold the trajectories of a swarm, all starting at the same time."""
+    """Trajectories of a swarm with a common start time."""
 
     names: Names
     trajectories: tuple[Trajectory, ...]

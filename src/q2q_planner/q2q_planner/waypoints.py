@@ -34,7 +34,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass(frozen=True, slots=True)
 class Waypoint:
-    """Hold one point of a flight."""
+    """One point of a flight."""
 
     t: float
     """Time from the plan's start [s]."""
@@ -46,7 +46,7 @@ class Waypoint:
 
 @dataclass(frozen=True, slots=True)
 class VehicleWaypoints:
-    """Hold the waypoints of one vehicle, in the order of their times, at least two."""
+    """Waypoints of one vehicle, in the order of their times, at least two."""
 
     name: str
     waypoints: tuple[Waypoint, ...]

@@ -27,7 +27,7 @@ from q2q_sim.streams import stream
 
 @dataclass(frozen=True, slots=True)
 class DisturbanceParams:
-    """Hold how unquiet the room is; the defaults are still air and perfect rotors."""
+    """Size of wind and rotor errors; the defaults are still air and perfect rotors."""
 
     air_std: float = tunable(0.0, "standard deviation of the air's push", unit="m/s^2", low=0.0, high=10.0)
     air_time: float = tunable(1.0, "correlation time of the air's push", unit="s", low=1e-3, high=100.0)
@@ -45,7 +45,7 @@ class DisturbanceParams:
 
 
 class Disturbance:
-    """Hold the air around the vehicles and what their rotors give."""
+    """Wind around the vehicles and gains of their rotors."""
 
     def __init__(self, params: DisturbanceParams, vehicles: int, tick: float, seed: int) -> None:
         """Disturb `vehicles` vehicles every `tick` [s]."""

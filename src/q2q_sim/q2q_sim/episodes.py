@@ -19,7 +19,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class Frequency:
-    """Say how often something happens, and how long it lasts."""
+    """Rate and duration of an event."""
 
     rate: float
     """Beginnings a second and row [1/s]."""
@@ -30,7 +30,7 @@ class Frequency:
 
 
 class Episodes:
-    """Hold which rows are in an episode now."""
+    """Rows that are in an episode now."""
 
     def __init__(self, frequency: Frequency, rows: int, tick: float, rng: np.random.Generator) -> None:
         """Take the tick [s] and a stream of its own."""

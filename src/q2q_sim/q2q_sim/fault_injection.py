@@ -37,7 +37,7 @@ MARKS = {
 
 @dataclass(frozen=True, slots=True)
 class Delivery:
-    """Hold the frame that comes in a tick."""
+    """Frame that arrives in a tick."""
 
     frame: MocapFrame
     stamp_ns: int
@@ -46,7 +46,7 @@ class Delivery:
 
 
 class FaultInjection:
-    """Hold a flight's faults, and the frames that may come again."""
+    """Faults of a flight, and the frames that may be repeated."""
 
     def __init__(self, faults: Sequence[Fault], names: Names, tick_ns: int, seed: int) -> None:
         """Strike the vehicles `names`, tick by tick of tick_ns [ns]."""

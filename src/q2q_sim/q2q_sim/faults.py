@@ -34,7 +34,7 @@ from q2q_sim.streams import stream
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """Say what the size of a kind of fault means."""
+    """Unit and bounds of the size of one kind of fault."""
 
     unit: str
     low: float = 0.0
@@ -64,7 +64,7 @@ KINDS: Mapping[str, Kind] = {
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Hold one fault."""
+    """One fault."""
 
     kind: str
     start: float

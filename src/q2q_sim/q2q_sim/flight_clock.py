@@ -11,7 +11,7 @@ RECENT = 100
 
 @dataclass(frozen=True, slots=True)
 class FlightTiming:
-    """Hold how a flight went in wall time."""
+    """Wall-time figures of a flight."""
 
     ticks: int
     missed_ticks: int

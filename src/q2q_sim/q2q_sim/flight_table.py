@@ -57,7 +57,7 @@ UNITS = {
 
 @dataclass(frozen=True, slots=True)
 class FlightTable:
-    """Hold a table's columns, checked."""
+    """Validated columns of a table."""
 
     t: Array
     """[s], rising, (T,)."""

@@ -20,7 +20,7 @@ from q2q_sim.streams import stream
 
 @dataclass(frozen=True, slots=True)
 class ImuParams:
-    """Hold how well the sensors read; the defaults read perfectly."""
+    """Noise of the sensors; the defaults are perfect."""
 
     acc_noise: float = tunable(0.0, "standard deviation of a reading", unit="m/s^2", low=0.0, high=50.0)
     acc_bias: float = tunable(0.0, "standard deviation of the bias", unit="m/s^2", low=0.0, high=10.0)
@@ -51,7 +51,7 @@ readings = compiled(_readings)
 
 
 class Imu:
-    """Turn true motion into readings."""
+    """Sensor model from true motion to readings."""
 
     def __init__(self, params: ImuParams, vehicles: int, seed: int) -> None:
         self._params = params

@@ -38,7 +38,7 @@ class CommandGate:
 
 
 class Patience:
-    """Say when to ask again for a lost message, and when to fly on without it.
+    """When to ask again for a lost message, and when to fly on without it.
 
     A stalled tick is asked for again every `again_s`. After `give_up_s` without an answer the tick is
     missed; the ticks after it wait only `again_s`, until an answer comes.

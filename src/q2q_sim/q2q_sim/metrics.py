@@ -21,7 +21,7 @@ from q2q_model.zone import Cylinder, Zone
 
 @dataclass(frozen=True, slots=True)
 class VehicleMetrics:
-    """Hold one vehicle's figures; NaN where unknown."""
+    """Figures of one vehicle; NaN where unknown."""
 
     z_rmse_m: float
     xy_rmse_m: float
@@ -35,7 +35,7 @@ class VehicleMetrics:
 
 @dataclass(frozen=True, slots=True)
 class FlightMetrics:
-    """Hold a flight's figures; NaN where unknown."""
+    """Figures of a flight; NaN where unknown."""
 
     vehicles: Mapping[str, VehicleMetrics]
     min_separation_m: float

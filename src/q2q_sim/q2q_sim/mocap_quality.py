@@ -16,7 +16,7 @@ error of 2 mm (Merriaux et al., A study of Vicon system positioning performance,
 
 @dataclass(frozen=True, slots=True)
 class MocapQuality:
-    """Hold how well one vehicle was seen."""
+    """Quality of one vehicle's motion capture."""
 
     rate_hz: float
     """Median rate of the frames that hold the vehicle."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Playback:
-    """Hold where bag time and wall time meet."""
+    """Offset and rate between bag time and wall time."""
 
     first_ns: int
     """Bag time of the first message to play [ns]."""

@@ -24,7 +24,7 @@ _WIDTHS = {
 
 
 class FlightRecording:
-    """Hold the arrays that a flight fills; what is not written stays NaN."""
+    """Arrays that a flight fills; what is not written stays NaN."""
 
     def __init__(self, names: Names, ticks: int) -> None:
         """Make room for `ticks` ticks of the vehicles `names`."""

@@ -65,7 +65,7 @@ THIN, THICK = 0.008, 0.02
 
 @dataclass(frozen=True, slots=True)
 class SceneParams:
-    """Hold what is drawn how."""
+    """Parameters of the drawing."""
 
     eps: float = tunable(Cylinder().eps, "radius of the zone", unit="m", low=0.01, high=10.0)
     d: float = tunable(Cylinder().d, "half height of the zone", unit="m", low=0.01, high=10.0)
@@ -83,7 +83,7 @@ class SceneParams:
 
 @dataclass(frozen=True, slots=True)
 class Glimpse:
-    """Hold what is known at one time; what is missing is not drawn."""
+    """Signals known at one time; what is missing is not drawn."""
 
     state: SwarmState
     interference: Interference | None = None
@@ -92,7 +92,7 @@ class Glimpse:
 
 
 class SceneBuilder:
-    """Remember paths and air, and draw every tick."""
+    """Builder of scenes; it keeps paths and air between ticks."""
 
     def __init__(self, params: SceneParams) -> None:
         """Take what is drawn how."""

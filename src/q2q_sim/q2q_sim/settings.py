@@ -26,7 +26,7 @@ Overrides = Mapping[str, Mapping[str, ParameterValue]]
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """Hold one kind of room, and what the blocks should know of it."""
+    """Kind of room, and what the blocks should know of it."""
 
     vicon: ViconParams = field(default_factory=ViconParams)
     radio: RadioParams = field(default_factory=RadioParams)

@@ -15,7 +15,7 @@ Quat = tuple[float, float, float, float]
 
 
 class Kind(IntEnum):
-    """Name the shapes."""
+    """Kinds of shapes."""
 
     BOX = 0
     CYLINDER = 1
@@ -26,7 +26,7 @@ class Kind(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """Hold one thing to draw."""
+    """One thing to draw."""
 
     kind: Kind
     group: str
@@ -44,7 +44,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Hold all there is to draw at one time."""
+    """Shapes to draw at one time."""
 
     t: float
     """[s]"""

@@ -28,7 +28,7 @@ Rows = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Air:
-    """Hold where the sources were, for drafts that travel."""
+    """Past states of the sources, for downwash that travels."""
 
     kind: Wake
     ring: Array
@@ -149,7 +149,7 @@ def still_air(state: Array, kind: Wake, body: Array) -> Air:
 
 
 class Swarm:
-    """Hold the vehicles of a room and move them."""
+    """Vehicles of a room and their motion."""
 
     def __init__(self, names: Names, vehicle: Vehicle, start: Array, wake: Wake) -> None:
         """Place vehicles at rest at `start` (n, 4): x, y, z [m], yaw [rad]."""

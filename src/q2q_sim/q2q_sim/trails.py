@@ -9,7 +9,7 @@ from q2q_sim.shapes import Point
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """Say how much of the past is kept, and how finely."""
+    """Length and resolution of the past that is kept."""
 
     seconds: float
     rate_hz: float
@@ -17,7 +17,7 @@ class Span:
 
 @dataclass(slots=True)
 class Trail:
-    """Hold one vehicle's recent positions, each with its time [s]."""
+    """Recent positions of one vehicle, each with its time [s]."""
 
     points: deque[tuple[float, Point]] = field(default_factory=deque)
 
@@ -37,7 +37,7 @@ class Trail:
 
 @dataclass(slots=True)
 class Air:
-    """Hold where one vehicle's rotors were and which way they blew, each with its time [s]."""
+    """Recent rotor positions and blowing directions of one vehicle, each with its time [s]."""
 
     parcels: deque[tuple[float, Array, Array]] = field(default_factory=deque)
 

@@ -33,7 +33,7 @@ from q2q_sim.streams import stream
 
 
 class Injected(IntFlag):
-    """Name what was done to a vehicle's row of a frame."""
+    """What was done to a vehicle's row of a frame."""
 
     NOTHING = 0
     OUTLIER = 1
@@ -54,7 +54,7 @@ _SMALL_ANGLE = 1e-8
 
 @dataclass(frozen=True, slots=True)
 class ViconParams:
-    """Hold how well motion capture sees; the defaults see perfectly."""
+    """Noise, dropout and outliers of motion capture; the defaults are perfect."""
 
     latency: float = tunable(0.0, "exposure to frame at the computer", unit="s", low=0.0, high=0.5)
     pos_noise: float = tunable(0.0, "standard deviation of position", unit="m", low=0.0, high=0.1)
@@ -85,7 +85,7 @@ class ViconParams:
 
 
 class Vicon:
-    """Turn true states into frames, one a tick."""
+    """Motion capture: true states to frames, one a tick."""
 
     def __init__(self, params: ViconParams, vehicles: int, tick: float, seed: int) -> None:
         """See `vehicles` vehicles every `tick` [s]."""

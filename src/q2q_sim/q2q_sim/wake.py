@@ -36,7 +36,7 @@ from q2q_model.compiled import compiled
 
 
 class Wake(IntEnum):
-    """Name the true drafts."""
+    """Kinds of true downwash."""
 
     NONE = 0
     PAPER = 1

@@ -32,7 +32,7 @@ FEWEST = 100
 
 @dataclass(frozen=True, slots=True)
 class Syllabus:
-    """Hold how much is asked and fitted."""
+    """Sizes of the training set and of the fit."""
 
     situations: int = 20000
     encounters: int = 250
@@ -44,7 +44,7 @@ class Syllabus:
 
 @dataclass(frozen=True, slots=True)
 class Lessons:
-    """Hold what the law sees, and what it ought to say [m/s^2], (K,)."""
+    """Features of the law and the accelerations it should give [m/s^2], (K,)."""
 
     seen: Look
     said: Array

@@ -25,7 +25,7 @@ Nudges = Callable[[tuple[int, ...]], Array]
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """Hold what happened."""
+    """Outcome of simulated encounters."""
 
     cost: Array
     """J of each encounter [m^2], (E,)."""

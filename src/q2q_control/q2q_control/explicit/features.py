@@ -50,7 +50,7 @@ _B, _FEEDBACK, _QUX, _PUSH_AHEAD, _PUSH, _SCALARS, _A, _P = 0, 1, 2, 3, 5, 6, 7,
 
 
 class PairHorizon(NamedTuple):
-    """Hold what lies ahead of pairs, the first vehicle first."""
+    """Predicted horizon of pairs, the first vehicle first."""
 
     states: Array
     """e, e', a, (..., 2, 3)."""
@@ -66,7 +66,7 @@ class PairHorizon(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """Hold what the law sees of pairs."""
+    """Features that the law sees of pairs."""
 
     x: Array
     """(..., WIDTH)"""

@@ -26,7 +26,7 @@ _OF_GAINS = GAINS[0] * GAINS[1]
 
 @dataclass(frozen=True, slots=True)
 class ExplicitLaw:
-    """Hold the chain and the weights; h1, h2 are the layers' sizes."""
+    """Linear chain and network weights of the law; h1, h2 are the layers' sizes."""
 
     gains: Array
     """Of the chain (q2q_control.mpc.chain_sweep.sweep_gains), (13, 3)."""

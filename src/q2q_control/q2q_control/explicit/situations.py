@@ -25,7 +25,7 @@ DWELLS: Range = (1.0, 4.0)
 
 @dataclass(frozen=True, slots=True)
 class Situations:
-    """Hold K situations of a pair, N stages ahead."""
+    """K situations of a pair, N stages ahead."""
 
     states: Array
     """Height error [m], climb error [m/s], acceleration by thrust [m/s^2], (K, 2, 3)."""
@@ -37,7 +37,7 @@ class Situations:
 
 @dataclass(frozen=True, slots=True)
 class Encounters:
-    """Hold E flights of a pair, as long as they take and a horizon more."""
+    """E flights of a pair, each with a horizon beyond its end."""
 
     paths: Array
     """References [m], world, (E, 2, M + N + 1, 3)."""

@@ -30,7 +30,7 @@ Rows = NDArray[np.intp]
 
 
 class ExplicitSolver:
-    """Hold the law, and the room its evaluation needs."""
+    """Explicit law with its work arrays."""
 
     def __init__(self, law: ExplicitLaw, side: Array) -> None:
         """Answer heights by `law`; `side` are the gains (`sweep_gains`) of the chains of x and y."""

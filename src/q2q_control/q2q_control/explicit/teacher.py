@@ -32,7 +32,7 @@ MOST = 60
 
 @dataclass(frozen=True, slots=True)
 class Teacher:
-    """Hold what answers."""
+    """MPC whose answers the law is distilled from."""
 
     params: MpcParams
     vehicle: Vehicle
@@ -60,7 +60,7 @@ class Teacher:
 
 @dataclass(frozen=True, slots=True)
 class Answers:
-    """Hold what the teacher says to K situations."""
+    """Answers of the teacher to K situations."""
 
     inputs: Array
     """First commands of both vehicles, less their references' accelerations [m/s^2], (K, 2)."""

@@ -36,7 +36,7 @@ NUDGE = 1e-5
 
 @dataclass(frozen=True, slots=True)
 class NetworkParams:
-    """Hold how the networks are made and trained."""
+    """Sizes and training parameters of the networks."""
 
     hidden: int = 30
     """Units of each hidden layer, section 5.2."""
@@ -72,7 +72,7 @@ def solve_networks(problem: GlobalProblem, params: NetworkParams, rng: np.random
 
 
 class _Fit:
-    """Hold the samples, and turn weights into residuals and their derivatives."""
+    """Samples of the problem; maps weights to residuals and their derivatives."""
 
     def __init__(self, problem: GlobalProblem, params: NetworkParams) -> None:
         self._problem, self._params = problem, params

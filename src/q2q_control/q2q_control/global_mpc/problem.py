@@ -20,7 +20,7 @@ from q2q_model.vehicle import GRAVITY, Vehicle
 
 @dataclass(frozen=True, slots=True)
 class GlobalProblem:
-    """Hold one problem: n vehicles, T samples at equal steps."""
+    """Optimal control problem of n vehicles and T samples at equal steps."""
 
     times: Array
     """(T,) [s]"""
@@ -46,7 +46,7 @@ class GlobalProblem:
 
 @dataclass(frozen=True, slots=True)
 class GlobalSolution:
-    """Hold what a method found."""
+    """Solution that a method found."""
 
     pos: Array
     """[m], world, (n, T, 3)."""

@@ -30,7 +30,7 @@ from q2q_model.signals import Array
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Hold one axis' discrete model and weights."""
+    """Discrete model and weights of one axis."""
 
     transition: Array
     """A, (3, 3)."""
@@ -48,7 +48,7 @@ class Chain:
 
 @dataclass(frozen=True, slots=True)
 class ChainWeights:
-    """Hold how an axis trades error for effort."""
+    """Weights of error and effort of one axis."""
 
     bandwidth: float
     """[rad/s]"""

@@ -41,7 +41,7 @@ ALL_PAIRS = 4
 
 @dataclass(frozen=True, slots=True)
 class Tracks:
-    """Hold where every vehicle was and will be."""
+    """Past and predicted positions of every vehicle."""
 
     times: Array
     """Rising [s], (K,): the past, then now, then the stages of the horizon."""
@@ -59,7 +59,7 @@ class Tracks:
 
 @dataclass(frozen=True, slots=True)
 class DraftHorizon:
-    """Hold the predicted drafts and their slopes."""
+    """Predicted downwash accelerations and their slopes."""
 
     eta: Array
     i: Rows
@@ -71,7 +71,7 @@ class DraftHorizon:
 
 @dataclass(frozen=True, slots=True)
 class SlopeRule:
-    """Say which slopes are wanted."""
+    """Selection of the slopes that are evaluated."""
 
     moves: tuple[int, ...]
     """Axes along which vehicles may move off their paths: 0 1 2 for x y z."""

@@ -16,7 +16,7 @@ INTERRUPTED, SOLVED, CUT_OFF = 0, 1, 2
 
 
 class Horizon(NamedTuple):
-    """Hold one tick's question for n vehicles and N stages; world frame."""
+    """Problem of one tick for n vehicles and N stages; world frame."""
 
     start: Array
     """Position [m], velocity [m/s], acceleration by thrust [m/s^2] of each axis, (n, 3 axes, 3)."""
@@ -36,7 +36,7 @@ class Horizon(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """Hold the solved horizon."""
+    """Solution of one tick's problem."""
 
     pos: Array
     """Predicted positions [m], world, (n, N + 1, 3)."""

@@ -31,7 +31,7 @@ Slopes = tuple[Rows, Rows, Array]
 
 
 class GroupShape(NamedTuple):
-    """Hold what problems of as many vehicles and the same axes have in common."""
+    """Structure shared by problems of equal vehicle count and axes."""
 
     axes: Rows
     """(a,), of 0 1 2: x y z."""

@@ -27,7 +27,7 @@ from q2q_model.signals import Array
 
 
 class LqProblem(NamedTuple):
-    """Hold one problem; stage index first."""
+    """Linear-quadratic problem with input bounds; stage index first."""
 
     start: Array
     """x_0, (3n,)."""
@@ -60,7 +60,7 @@ class LqProblem(NamedTuple):
 
 
 class LqSolution(NamedTuple):
-    """Hold the optimal inputs and states."""
+    """Optimal inputs and states."""
 
     states: Array
     """(N + 1, 3n)"""

@@ -7,7 +7,7 @@ from q2q_model.parameters import check_bounds, tunable
 
 @dataclass(frozen=True, slots=True)
 class MpcParams:
-    """Hold horizon, weights, limits and what is known of the road."""
+    """Horizon, weights, limits and command path of the MPC."""
 
     horizon: float = tunable(2.0, "how far it looks ahead", unit="s", low=0.2, high=10.0, read_only=True)
     steps: int = tunable(40, "stages of the horizon", low=4, high=400, read_only=True)

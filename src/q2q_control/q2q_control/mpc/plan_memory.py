@@ -15,7 +15,7 @@ from q2q_model.signals import Array, Names, index_of
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Hold the plans of a swarm from one tick; N stages of equal steps."""
+    """Predicted plans of a swarm from one tick; N stages of equal steps."""
 
     start: float
     """Time of the first stage [s]."""
@@ -30,7 +30,7 @@ class Plan:
 
 
 class PlanMemory:
-    """Hold the last plan by vehicle name."""
+    """Last plan by vehicle name."""
 
     def __init__(self, steps: int, step: float) -> None:
         """Hold plans of `steps` stages of `step` [s]."""

@@ -26,7 +26,7 @@ InTime = Callable[[], bool]
 
 @dataclass(frozen=True, slots=True)
 class SolveRules:
-    """Say how vehicles that interact are solved."""
+    """Parameters of the joint solution of interacting vehicles."""
 
     joint: bool
     """Together; else each by itself."""
@@ -37,7 +37,7 @@ class SolveRules:
 
 
 class Solver(Protocol):
-    """Answer a tick's horizon."""
+    """Solver of one tick's problem."""
 
     def solve(
         self, horizon: Horizon, drafts: DraftHorizon, guess: NDArray[np.int8], in_time: InTime
@@ -46,7 +46,7 @@ class Solver(Protocol):
 
 
 class HorizonSolver:
-    """Hold the models of the axes, and what problems of equal shape have in common."""
+    """Axis models, and the structure shared by problems of equal shape."""
 
     def __init__(
         self,

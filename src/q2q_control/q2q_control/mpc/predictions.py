@@ -9,7 +9,7 @@ from q2q_model.signals import Array, Names
 
 @dataclass(frozen=True, slots=True)
 class Predictions:
-    """Hold the predicted paths of some vehicles."""
+    """Predicted paths of some vehicles."""
 
     names: Names
     times: Array

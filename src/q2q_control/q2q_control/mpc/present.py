@@ -20,7 +20,7 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Present:
-    """Hold the state in which a command given now finds the vehicles."""
+    """State in which a command given now finds the vehicles."""
 
     t: float
     """[s]: the tick's stamp plus the latency."""
@@ -31,7 +31,7 @@ class Present:
 
 
 class PresentEstimator:
-    """Hold the tracker of disturbances and commands."""
+    """Tracker of disturbances and of commands in transit."""
 
     def __init__(self, params: MpcParams, vehicle: Vehicle) -> None:
         """Estimate vehicles like `vehicle`."""

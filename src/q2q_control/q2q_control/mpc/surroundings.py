@@ -26,7 +26,7 @@ _LOST = int(TrackStatus.LOST)
 
 
 class Surroundings:
-    """Remember where the vehicles were."""
+    """Recent positions of the vehicles."""
 
     def __init__(self) -> None:
         self.heard: Predictions | None = None

@@ -34,7 +34,7 @@ ARMED, LOCKED = 2, 64
 
 @dataclass(frozen=True, slots=True)
 class OnboardPose:
-    """Hold what a vehicle believes of its pose."""
+    """Pose estimated on board a vehicle."""
 
     pos: tuple[float, ...]
     """[m], world."""
@@ -44,7 +44,7 @@ class OnboardPose:
 
 @dataclass(slots=True)
 class _Known:
-    """Hold what a vehicle last said."""
+    """Last values logged by a vehicle."""
 
     volt: float = math.nan
     info: int = 0
@@ -59,7 +59,7 @@ class _Known:
 
 
 class Mailbox:
-    """Hold what is to be sent, newest of each kind, and send it from a thread of its own."""
+    """Newest packet of each kind, sent from a thread of its own."""
 
     def __init__(self, name: str) -> None:
         self._waiting: dict[str, Callable[[], None]] = {}
@@ -107,7 +107,7 @@ class Mailbox:
 
 
 class CflibLink:
-    """Hold the link to one vehicle; it opens itself again when it is lost."""
+    """Link to one vehicle; it reconnects when it is lost."""
 
     def __init__(self, name: str, uri: str, firmware_params: Mapping[str, float], cache: str = "") -> None:
         """Open the link; `firmware_params` are set once it is connected, `cache` keeps the tables.

@@ -26,7 +26,7 @@ PERIOD_S = 0.01
 
 
 class GuardedCommands:
-    """Hold the guard, and in live flight the newest state and the watch."""
+    """Guard of a controller node, with the newest state and the watch in live flight."""
 
     def __init__(
         self, controller: Controller, params: FallbackParams, hover_thrust: float, *, live: bool

@@ -9,7 +9,7 @@ from q2q_model.signals import Names, SwarmCommand
 
 
 class LegacyTopics:
-    """Hold the publishers of every vehicle."""
+    """Publishers of `cmd_vel_legacy`, one a vehicle."""
 
     def __init__(self, node: Node, scale: LegacyScale, rate_hz: float, names: Names) -> None:
         """Publish at most so often [Hz]; `names` are the vehicles that are known already."""

@@ -4,7 +4,7 @@ import warnings
 
 
 class BagError(ValueError):
-    """Refuse a bag that cannot be read or written as asked; the message names the remedy."""
+    """Error for a bag that cannot be read or written as asked; the message names the remedy."""
 
 
 class BagRepairWarning(UserWarning):

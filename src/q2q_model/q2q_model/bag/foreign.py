@@ -44,7 +44,7 @@ Row = tuple[float, ...]
 
 @dataclass(frozen=True, slots=True)
 class _Poses:
-    """Hold one vehicle's poses in the order of their stamps."""
+    """Poses of one vehicle in the order of their stamps."""
 
     t: Array
     pos: Array

@@ -34,12 +34,12 @@ Logged = tuple[int, int, bytes]
 
 
 class NotIndexedError(ValueError):
-    """Say that a bag is not made of whole, indexed MCAP files."""
+    """Error for a bag that is not made of whole, indexed MCAP files."""
 
 
 @dataclass(frozen=True, slots=True)
 class IndexedChannel:
-    """Hold one channel of a file."""
+    """One channel of a file."""
 
     topic: str
     type_name: str
@@ -49,7 +49,7 @@ class IndexedChannel:
 
 @dataclass(frozen=True, slots=True)
 class IndexedFile:
-    """Hold what lies in a file, and where."""
+    """Contents of a file and their offsets."""
 
     path: Path
     channels: Mapping[int, IndexedChannel]

@@ -27,7 +27,7 @@ class _Header(Protocol):
 
 
 class _Row(Protocol):
-    """Match a decoded q2q_msgs/FlightLog."""
+    """Decoded q2q_msgs/FlightLog."""
 
     header: _Header
     names: list[str]

@@ -18,7 +18,7 @@ __all__ = ["BagReader", "RawMessage", "TimedSignal"]
 
 @dataclass(frozen=True, slots=True)
 class TimedSignal:
-    """Hold one decoded message of a bag."""
+    """One decoded message of a bag."""
 
     topic: str
     stamp_ns: int

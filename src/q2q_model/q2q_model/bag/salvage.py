@@ -13,7 +13,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 
 @dataclass(frozen=True, slots=True)
 class SavedMessage:
-    """Hold one message that could be read."""
+    """One message that could be read."""
 
     topic: str
     type_name: str
@@ -23,7 +23,7 @@ class SavedMessage:
 
 @dataclass(frozen=True, slots=True)
 class Salvage:
-    """Hold what could be read of a file."""
+    """Readable contents of a damaged file."""
 
     messages: tuple[SavedMessage, ...]
     definitions: dict[str, str]

@@ -22,7 +22,7 @@ STORAGES = (".mcap", ".db3")
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """Hold one topic of a bag."""
+    """One topic of a bag."""
 
     topic: str
     type_name: str
@@ -33,7 +33,7 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class RawMessage:
-    """Hold one message of a bag as bytes."""
+    """One message of a bag as bytes."""
 
     topic: str
     stamp_ns: int
@@ -44,7 +44,7 @@ class RawMessage:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Hold what a bag has, and how to read it."""
+    """Contents of a bag, and a way to read them."""
 
     path: Path
     channels: tuple[Channel, ...]

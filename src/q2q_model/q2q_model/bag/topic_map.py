@@ -29,7 +29,7 @@ KEYS = ("vehicles", "poses", "rename", "references", "signals", "stamps", "toler
 
 @dataclass(frozen=True, slots=True)
 class TopicMap:
-    """Hold which topic is what."""
+    """Signals and the topics they are read from."""
 
     vehicles: Mapping[str, str] = field(default_factory=dict)
     """Vehicle -> topic of its poses."""

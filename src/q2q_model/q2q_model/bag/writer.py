@@ -37,7 +37,7 @@ _FOR_EVER = QosTime(sec=9223372036, nsec=854775807)
 
 @dataclass(frozen=True, slots=True)
 class OfferedQos:
-    """Hold how a topic's writer offered its messages."""
+    """Quality of service that a topic's writer offered."""
 
     reliable: bool = True
     transient_local: bool = False
@@ -45,7 +45,7 @@ class OfferedQos:
 
 
 class BagWriter:
-    """Hold an open bag; a context manager that closes it whatever happens."""
+    """Open bag; a context manager that closes it in every case."""
 
     def __init__(self, path: Path | str, chunk_s: float = CHUNK_S) -> None:
         """Create the bag's folder `path`.

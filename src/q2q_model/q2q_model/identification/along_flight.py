@@ -18,7 +18,7 @@ from q2q_model.signals import Array
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Hold the motion of a swarm over time, without gaps."""
+    """Motion of a swarm over time, without gaps."""
 
     t: Array
     """[s], rising, (T,)."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class AltitudeLoop:
-    """Hold the gains of one vehicle's closed altitude loop."""
+    """Gains of one vehicle's closed altitude loop."""
 
     k_p: float
     k_d: float

@@ -26,7 +26,7 @@ SHORTEST = 2.0
 
 @dataclass(frozen=True, slots=True)
 class AltitudeRecord:
-    """Hold one flight on an even grid, without gaps."""
+    """Altitudes of one flight on an even grid, without gaps."""
 
     name: str
     names: Names

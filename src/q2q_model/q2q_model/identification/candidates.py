@@ -24,7 +24,7 @@ MARGIN = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """Hold one way to explain flights."""
+    """Model family that may explain the flights."""
 
     name: str
     kind: str
@@ -35,7 +35,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """Hold a candidate and how it did on flights it had not seen."""
+    """Candidate and its score on held-out flights."""
 
     candidate: Candidate
     held_out: Score

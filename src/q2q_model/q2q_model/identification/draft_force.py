@@ -35,7 +35,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class ForceRecord:
-    """Hold one flight with its measured vertical push."""
+    """Flight with its measured vertical force."""
 
     name: str
     names: Names
@@ -50,7 +50,7 @@ class ForceRecord:
 
 @dataclass(frozen=True, slots=True)
 class ForceSamples:
-    """Hold what one vehicle of one flight felt."""
+    """Force samples of one vehicle of one flight."""
 
     flight: str
     motion: Motion
@@ -64,7 +64,7 @@ class ForceSamples:
 
 @dataclass(frozen=True, slots=True)
 class ForceScore:
-    """Hold how well a model predicts; None where there are no such rows."""
+    """Prediction scores of a model; None where there are no such rows."""
 
     r2_exposed: float | None
     rmse_exposed_mps2: float | None

@@ -20,7 +20,7 @@ GAPS = (0.1, 1.2)
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """Hold one flight: altitudes always, pushes where sensors and commands were recorded."""
+    """Evidence of one flight: altitudes always, forces where sensors and commands were recorded."""
 
     record: AltitudeRecord
     pushes: tuple[ForceSamples, ...]

@@ -29,7 +29,7 @@ Fitter = Callable[[Sequence[Evidence]], InteractionModel]
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Hold how well a model explains flights."""
+    """Scores of a model on held-out flights."""
 
     mse_m2: RoleScores
     r2: RoleScores
@@ -42,7 +42,7 @@ class Score:
 
 @dataclass(frozen=True, slots=True)
 class _Sums:
-    """Hold sums of squares (missed, total) and counts, for the lower and the upper role."""
+    """Sums of squares (missed, total) and counts, for the lower and the upper role."""
 
     altitude: Array
     """(2 roles, missed total count)."""

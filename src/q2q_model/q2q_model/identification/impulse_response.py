@@ -29,7 +29,7 @@ from q2q_model.signals import Array
 
 @dataclass(frozen=True, slots=True)
 class LoopStep:
-    """Hold one sample's exact step; inputs are eta, b and the reference's jerk."""
+    """Exact step of one sample; inputs are eta, b and the reference's jerk."""
 
     phi: Array
     """(s, s), states epsilon, epsilon', xi, delta (s = 3 without lag)."""

@@ -39,7 +39,7 @@ LONGEST_STEP = 0.1
 
 @dataclass(frozen=True, slots=True)
 class LiveParams:
-    """Hold how fast and how far a model is refined."""
+    """Rates and bounds of the online refinement."""
 
     memory: float = tunable(
         60.0, "time in which old flight counts less by 1/e", unit="s", low=1.0, high=3600.0
@@ -58,7 +58,7 @@ class LiveParams:
 
 @dataclass(frozen=True, slots=True)
 class LiveEstimate:
-    """Hold what is known so far."""
+    """Estimate so far."""
 
     t: float
     gain: float
@@ -69,7 +69,7 @@ class LiveEstimate:
 
 
 class LiveRefinement:
-    """Hold the sums of a flight; the model that is refined stays as it was given."""
+    """Sums of a flight for refining a model, which itself stays unchanged."""
 
     def __init__(self, model: InteractionModel, vehicle: Vehicle, params: LiveParams | None = None) -> None:
         self.params = params or LiveParams()

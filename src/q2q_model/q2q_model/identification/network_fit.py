@@ -31,7 +31,7 @@ BETA1, BETA2, TINY = 0.9, 0.999, 1e-8
 
 @dataclass(frozen=True, slots=True)
 class NetworkParams:
-    """Hold how the networks are fitted."""
+    """Parameters of the network fit."""
 
     envelope: Cylinder = field(default_factory=Cylinder)
     """eps and d of (15)."""

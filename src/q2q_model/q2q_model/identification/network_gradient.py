@@ -29,7 +29,7 @@ NEVER = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """Hold eta of samples and what its derivatives need."""
+    """Values of eta at samples and the terms of its derivatives."""
 
     eta: Array
     """[m/s^2], (p,)."""
@@ -40,7 +40,7 @@ class Evaluation:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Hold one role's samples, hidden units and the factor that its f enters eta with."""
+    """Samples and hidden units of one role, and the factor with which its f enters eta."""
 
     rows: NDArray[np.intp]
     inputs: Array

@@ -35,7 +35,7 @@ FEED_FORWARD = "fa_ff"
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """Hold one flight as it comes out of a bag."""
+    """One flight as read from a bag."""
 
     flight: Flight
     log: FlightLog | None = None
@@ -43,7 +43,7 @@ class Recording:
 
 @dataclass(frozen=True, slots=True)
 class ProcedureParams:
-    """Hold what the user may choose."""
+    """Choices of the user."""
 
     model_type: str = "auto"
     threshold: float = 0.1
@@ -53,7 +53,7 @@ class ProcedureParams:
 
 @dataclass(frozen=True, slots=True)
 class Identification:
-    """Hold all that was found."""
+    """Result of an identification."""
 
     evidence: tuple[Evidence, ...]
     gains: GainFit

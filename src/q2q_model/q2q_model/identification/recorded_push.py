@@ -46,7 +46,7 @@ def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
 
 @dataclass(frozen=True, slots=True)
 class Sensed:
-    """Hold what accelerometer and command say of a flight."""
+    """Acceleration and command as recorded in a flight."""
 
     t: Array
     force: Array

@@ -29,7 +29,7 @@ FEWEST = 200
 
 @dataclass(frozen=True, slots=True)
 class _ClearAir:
-    """Hold a flight's sensors, and each vehicle's rows in clear air."""
+    """Sensor records of a flight and each vehicle's rows in clear air."""
 
     found: Sensed
     clear: Mask

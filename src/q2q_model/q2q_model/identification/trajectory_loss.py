@@ -46,12 +46,12 @@ Rows = NDArray[np.intp]
 
 
 class DivergingModelError(ValueError):
-    """Say that a model pushes harder the more it is followed, so that no altitude solves it."""
+    """Error for a model whose force grows as it is followed, so that no altitude solves it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """Hold what the loss needs of one flight."""
+    """Terms of one flight in the loss."""
 
     name: str
     i: Rows
@@ -77,7 +77,7 @@ class Passage:
 
 @dataclass(frozen=True, slots=True)
 class LossValue:
-    """Hold the loss, its gradient and its parts."""
+    """Value, gradient and parts of the loss."""
 
     mse: Array
     """Mean square error of each vehicle of each flight [m^2], (flights, n)."""

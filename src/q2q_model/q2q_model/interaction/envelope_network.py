@@ -30,7 +30,7 @@ EDGE = 4.3
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Hold the weights of one f."""
+    """Weights of one f."""
 
     hidden_weights: Array
     hidden_bias: Array
@@ -55,7 +55,7 @@ class Network:
 
 @dataclass(frozen=True, slots=True)
 class EnvelopeNetwork:
-    """Hold the two networks and their envelope; it is an InteractionModel."""
+    """The paper's two networks under their envelope; an InteractionModel."""
 
     lower: Network
     upper: Network

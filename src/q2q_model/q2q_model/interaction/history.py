@@ -15,7 +15,7 @@ FIRST_CAPACITY = 64
 
 
 class StateHistory:
-    """Hold the last `span` seconds of a swarm's positions, velocities and body z axes."""
+    """Positions, velocities and body z axes of a swarm over the last `span` seconds."""
 
     def __init__(self, vehicles: int, span: float) -> None:
         self._span = span

@@ -46,7 +46,7 @@ EDGE = 4.3
 
 @dataclass(frozen=True, slots=True)
 class Jet:
-    """Hold a jet's parameters; it is an InteractionModel."""
+    """Parametric jet; an InteractionModel."""
 
     strength: float = tunable(0.392, "push on the axis at the reference gap", unit="m/s^2", low=-20, high=20)
     reference_gap: float = tunable(0.5, "height difference where strength is read", unit="m", low=0, high=5)

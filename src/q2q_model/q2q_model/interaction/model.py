@@ -34,7 +34,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, slots=True)
 class PairMotion:
-    """Hold how the two of a pair move: the source when its air left it, the vehicle that feels it now."""
+    """Motion of a pair: the source when its air left it, the exposed vehicle now."""
 
     source_vel: Array
     """Velocity of j [m/s], world, (..., 3)."""
@@ -51,7 +51,7 @@ def at_rest(rel_pos: Array) -> PairMotion:
 
 
 class InteractionModel(Protocol):
-    """Predict the draft of one source on one vehicle."""
+    """Model of the downwash of one source at one vehicle."""
 
     @property
     def reach(self) -> Reach:

@@ -10,7 +10,7 @@ from q2q_model.signals import Array
 
 @dataclass(frozen=True, slots=True)
 class NoInteraction:
-    """Predict no draft at all."""
+    """Model without interaction."""
 
     @property
     def reach(self) -> Reach:

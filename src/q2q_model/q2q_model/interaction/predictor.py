@@ -29,7 +29,7 @@ _NO_PAIR = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_)
 
 
 class InteractionPredictor:
-    """Turn SwarmState into Interference; the model can be exchanged while flying."""
+    """Block that maps SwarmState to Interference; its model can be exchanged in flight."""
 
     def __init__(self, model: InteractionModel) -> None:
         self.model = model

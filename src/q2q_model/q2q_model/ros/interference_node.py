@@ -21,7 +21,7 @@ from q2q_model.tools.models import find_model
 
 @dataclass(frozen=True, slots=True)
 class InterferenceParams:
-    """Hold the node's parameters."""
+    """Parameters of the node."""
 
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
 

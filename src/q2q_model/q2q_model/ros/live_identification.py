@@ -23,7 +23,7 @@ INPUTS: dict[str, type[Signal]] = {"state": SwarmState, "command": SwarmCommand,
 
 
 class LiveIdentification:
-    """Hold the refinement and the publisher of its models."""
+    """Online refinement and the publisher of its models."""
 
     def __init__(self, node: Node, base: ModelFile, vehicle: Vehicle) -> None:
         self._base, self._node = base, node

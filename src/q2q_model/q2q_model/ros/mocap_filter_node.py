@@ -15,7 +15,7 @@ from q2q_model.signals import MocapFrame, SwarmState
 
 @dataclass(frozen=True, slots=True)
 class MocapFilterNodeParams:
-    """Hold the parameters of the node that are not the filter's."""
+    """Parameters of the node beside those of the filter."""
 
     vehicles: tuple[str, ...] = tunable(
         (), "vehicles to track; empty adopts those that appear", read_only=True

@@ -73,7 +73,7 @@ def run_together(
 
 
 class _Ending:
-    """Remember that the end was asked for."""
+    """Flag that the end was requested."""
 
     def __init__(self) -> None:
         self.asked, self.interrupts = False, True

@@ -31,7 +31,7 @@ Made = TypeVar("Made", bound=Signal)
 
 @dataclass(frozen=True, slots=True)
 class TickWriterParams:
-    """Hold the parameters of every node that answers ticks."""
+    """Parameters of every node that answers ticks."""
 
     promise_s: float = tunable(
         0.0,
@@ -48,7 +48,7 @@ class TickWriterParams:
 
 
 class TickWiring(Generic[Made]):
-    """Hold the subscriptions and the publisher of one block, whose output is a Made."""
+    """Subscriptions and publisher of one block, whose output is a Made."""
 
     def __init__(
         self, node: Node, inputs: Mapping[str, type[Signal]], output: tuple[str, type[Made]]

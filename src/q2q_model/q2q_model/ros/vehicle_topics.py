@@ -21,7 +21,7 @@ from q2q_model.signals import Array, Names, SwarmState
 
 
 class VehicleTopics:
-    """Hold the publishers of every vehicle."""
+    """Publishers of per-vehicle topics."""
 
     def __init__(self, node: Node, rate_hz: float, names: Names) -> None:
         """Publish at most so often [Hz]; `names` are the vehicles that are known already."""

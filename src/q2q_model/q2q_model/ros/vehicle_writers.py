@@ -16,7 +16,7 @@ QUEUE = 10
 
 
 class VehicleWriters:
-    """Hold one publisher a vehicle and topic, and when they are due."""
+    """One publisher a vehicle and topic, and when each is due."""
 
     def __init__(self, node: Node, topics: Mapping[str, type], rate_hz: float, names: Names = ()) -> None:
         """Publish on `<name>/<topic>` messages of the class of each topic.

@@ -33,7 +33,7 @@ from q2q_model.tracking.rivals import SAME_INSTANT
 
 @dataclass(frozen=True, slots=True)
 class AttitudeParams:
-    """Hold what AttitudeTracks needs of the filter's parameters."""
+    """Filter parameters that AttitudeTracks needs."""
 
     turn_max: float
     """[rad]"""
@@ -45,7 +45,7 @@ class AttitudeParams:
 
 
 class AttitudeTracks:
-    """Remember how every vehicle was turned."""
+    """Attitude track of every vehicle."""
 
     def __init__(self, params: AttitudeParams, count: int) -> None:
         """Start `count` vehicles level and at rest, none of them seen."""

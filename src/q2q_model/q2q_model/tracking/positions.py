@@ -41,7 +41,7 @@ STEADY = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class TrackParams:
-    """Hold what PositionTracks needs of the filter's parameters."""
+    """Filter parameters that PositionTracks needs."""
 
     limits: OutlierThresholds
     position_noise: float
@@ -54,7 +54,7 @@ class TrackParams:
 
 @dataclass(frozen=True, slots=True)
 class _Ahead:
-    """Hold what the tracks expect at a tick."""
+    """Predictions of the tracks at a tick."""
 
     state: Array
     cov: Array
@@ -67,7 +67,7 @@ class _Ahead:
 
 @dataclass(slots=True)
 class _Steady:
-    """Hold gains that have settled: evenly spaced samples give the same ones again."""
+    """Steady-state gains: evenly spaced samples give the same ones again."""
 
     t: float
     """The last tick [s]."""
@@ -82,7 +82,7 @@ class _Steady:
 
 
 class PositionTracks:
-    """Remember where every vehicle was, and how it moved."""
+    """Position track of every vehicle."""
 
     def __init__(self, params: TrackParams, count: int) -> None:
         """Start `count` vehicles, none of them seen."""

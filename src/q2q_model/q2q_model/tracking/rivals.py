@@ -20,7 +20,7 @@ SAME_INSTANT = 1e-9
 
 
 class Lacking(NamedTuple):
-    """Say who has no believable sample of its own at a tick."""
+    """Vehicles without a believable sample of their own at a tick."""
 
     absent: Mask
     """Seen before, without a sample now, (n,)."""
@@ -29,7 +29,7 @@ class Lacking(NamedTuple):
 
 
 class Rivals:
-    """Hold at most one rival a vehicle."""
+    """Competing tracks, at most one a vehicle."""
 
     def __init__(self, count: int, limits: OutlierThresholds) -> None:
         """Start without any."""

@@ -11,7 +11,7 @@ from q2q_model.signals import Array
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Hold what became of each sample, one row a vehicle."""
+    """Outcome of each sample, one row a vehicle."""
 
     pos: Array
     """Position [m], (n, 3); zero for a vehicle never seen."""

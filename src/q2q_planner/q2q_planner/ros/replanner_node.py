@@ -25,7 +25,7 @@ PREFIX = f"{SAFE}."
 
 @dataclass(frozen=True, slots=True)
 class ReplannerNodeParams:
-    """Hold the parameters of the node that are not a law's."""
+    """Parameters of the node beside those of a law."""
 
     law: str = tunable("paper", "which law moves the setpoints", choices=("paper", SAFE), read_only=True)
 

@@ -27,7 +27,7 @@ IN_PLACE = {("table6_room", "measured"): "table6_measured"}
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Name a scenario and its air."""
+    """Scenario and air of a cell."""
 
     scenario: str
     wake: str

@@ -51,7 +51,7 @@ MOST_LOADING = 1.5
 
 @dataclass(frozen=True, slots=True)
 class Learned:
-    """Hold what was learned of an air."""
+    """Model and gains learned in one air."""
 
     model: InteractionModel
     loading: float

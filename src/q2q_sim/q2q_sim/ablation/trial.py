@@ -42,7 +42,7 @@ FORGOTTEN = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """Hold what is judged of a flight of n vehicles."""
+    """Judged quantities of a flight of n vehicles."""
 
     pos: Array
     """True positions [m], world, (T, n, 3)."""

@@ -29,7 +29,7 @@ CALM_S = 4.5
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """Hold which part of a scenario is flown, and how fast."""
+    """Flown part of a scenario and its speed."""
 
     scenario: str
     begin: float
@@ -62,7 +62,7 @@ ROOMS = ("capture", "real", "rough")
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Hold one run of a campaign."""
+    """One run of a campaign."""
 
     seed: int
     document: Document

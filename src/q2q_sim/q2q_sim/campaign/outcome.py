@@ -14,7 +14,7 @@ TWIN = "twin"
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Hold how a run ended."""
+    """Outcome of a run."""
 
     seed: int
     through_nodes: bool

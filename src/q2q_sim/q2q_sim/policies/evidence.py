@@ -24,7 +24,7 @@ SAME_TICK = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """Hold one message of a flight."""
+    """One message of a flight."""
 
     topic: str
     """Without a leading slash."""
@@ -35,7 +35,7 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """Hold a flight of T ticks and n vehicles."""
+    """Flight of T ticks and n vehicles."""
 
     t: Array
     """Stamps of the ticks [s], rising, (T,)."""
@@ -126,7 +126,7 @@ def _seen(table: "_Table", frames: Sequence[Signal], true_pos: Array) -> NDArray
 
 
 class _Table:
-    """Hold the ticks and vehicles that make the rows and columns."""
+    """Ticks and vehicles that are the rows and columns."""
 
     def __init__(self, t: Array, names: Names) -> None:
         self.t, self._names = t, names

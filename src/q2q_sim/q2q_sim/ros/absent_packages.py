@@ -26,7 +26,7 @@ OLD_NAMED_POSE = ("header", "pose", "twist", "acc")
 
 
 class Fields:
-    """Hold the fields of a message; names that it does not have are refused."""
+    """Fields of a message; other names are refused."""
 
     names: tuple[str, ...] = ()
 

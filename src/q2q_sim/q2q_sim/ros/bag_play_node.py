@@ -38,7 +38,7 @@ BEAT_S = 0.001
 
 @dataclass(frozen=True, slots=True)
 class PlayParams:
-    """Hold the node's parameters."""
+    """Parameters of the node."""
 
     bag: str = tunable("", "bag folder to play", read_only=True)
     rate: float = tunable(1.0, "bag seconds a wall second", low=0.001, high=1000.0, read_only=True)
@@ -57,7 +57,7 @@ class PlayParams:
 
 
 class Player:
-    """Hold the bag, the publishers and where the playing stands."""
+    """Bag, publishers and playback position."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

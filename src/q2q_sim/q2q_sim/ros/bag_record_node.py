@@ -21,7 +21,7 @@ from q2q_sim.topics import TYPE_NAMES
 
 @dataclass(frozen=True, slots=True)
 class RecordParams:
-    """Hold the node's parameters."""
+    """Parameters of the node."""
 
     bag: str = tunable("", "folder to write; must not exist", read_only=True)
     topics: tuple[str, ...] = tunable((), "topics of the house to record; empty is all", read_only=True)
@@ -34,7 +34,7 @@ class RecordParams:
 
 
 class Recorder:
-    """Hold the writer and the subscriptions."""
+    """Bag writer and subscriptions."""
 
     def __init__(self, node: Node) -> None:
         params = declare(node, RecordParams())

@@ -30,7 +30,7 @@ Address = tuple[str, int]
 
 @dataclass(slots=True)
 class Traffic:
-    """Count what passed."""
+    """Packet counts."""
 
     received: int = 0
     sent: int = 0
@@ -39,7 +39,7 @@ class Traffic:
 
 
 class CrtpEndpoint:
-    """Hold the sockets of a fleet. Use as a context manager."""
+    """Sockets of a fleet. Use as a context manager."""
 
     def __init__(
         self,

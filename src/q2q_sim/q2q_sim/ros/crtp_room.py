@@ -20,7 +20,7 @@ TELL_S = 1.0
 
 @dataclass(frozen=True, slots=True)
 class CrtpNodeParams:
-    """Hold the simulator's parameters of the CRTP endpoint."""
+    """Parameters of the simulator's CRTP endpoint."""
 
     crtp_port: int = tunable(
         19850, "UDP port of the first vehicle; 0 lets the system choose", low=0, high=65535, read_only=True

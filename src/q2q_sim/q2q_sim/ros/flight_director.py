@@ -29,7 +29,7 @@ SOURCES = ("/simulator", "/bag_play")
 
 
 class FlightDirector:
-    """Hold the watcher's node and what it has heard. Use as a context manager."""
+    """Node that starts and watches a flight. Use as a context manager."""
 
     def __init__(self, check: Callable[[], None]) -> None:
         """Take a check that is called while waiting; it raises when a process has died."""

@@ -19,7 +19,7 @@ HEAD_LENGTH, HEAD = 0.05, 2.0
 
 
 class FoxgloveScene:
-    """Hold the server and what it shows."""
+    """Foxglove server and the channels it shows."""
 
     def __init__(self, port: int) -> None:
         """Listen on a port of this machine; 0 lets the system choose.

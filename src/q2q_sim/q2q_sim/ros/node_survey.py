@@ -38,7 +38,7 @@ Way = dict[str, ParameterValue]
 
 @dataclass(frozen=True, slots=True)
 class NodeInterface:
-    """Hold all that a user of a node sees."""
+    """Parameters, topics and services of a node."""
 
     package: str
     executable: str

@@ -18,7 +18,7 @@ TOPIC = "/diagnostics"
 
 @dataclass(frozen=True, slots=True)
 class NodeLife:
-    """Hold how a node fared over a recording."""
+    """Health of a node over a recording."""
 
     node: str
     seconds: int

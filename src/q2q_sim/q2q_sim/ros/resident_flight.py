@@ -41,7 +41,7 @@ LOOK_S = 0.05
 
 @dataclass(frozen=True, slots=True)
 class _Cast:
-    """Hold the nodes of a flight, and who watches it."""
+    """Nodes of a flight and their watcher."""
 
     executor: Executor
     nodes: Mapping[Node, object]

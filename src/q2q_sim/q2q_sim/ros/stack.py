@@ -40,7 +40,7 @@ WRITES = {
 
 @dataclass(frozen=True, slots=True)
 class StackParams:
-    """Hold the parameters of the process."""
+    """Parameters of the process."""
 
     nodes: tuple[str, ...] = tunable(
         ("mocap_filter", "interference", "trajectory", "replanner", "pid"),

@@ -21,7 +21,7 @@ Receive = Callable[..., None]
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """Hold one topic or service of a node."""
+    """One topic or service of a node."""
 
     way: str
     """reads, publishes or serves."""
@@ -34,7 +34,7 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """Hold one declared parameter."""
+    """One declared parameter."""
 
     name: str
     default: object
@@ -47,21 +47,21 @@ class Declared:
 
 @dataclass(frozen=True, slots=True)
 class Valued:
-    """Hold what `declare_parameter` returns."""
+    """Result of `declare_parameter`."""
 
     value: object
 
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """Hold a parameter that is set in flight."""
+    """Parameter that is set in flight."""
 
     name: str
     value: object
 
 
 class Deaf:
-    """Take what a publisher, reader, logger or timer takes, and do nothing."""
+    """Publisher, reader, logger or timer that does nothing."""
 
     topic_name = ""
 
@@ -83,7 +83,7 @@ class Deaf:
 
 
 class StandInNode:
-    """Hold what was declared, and the callbacks of what is read."""
+    """Declared parameters, and the callbacks of what is read."""
 
     def __init__(self, name: str, given: Mapping[str, ParameterValue]) -> None:
         """Take the node's name and the parameters a user would have set."""

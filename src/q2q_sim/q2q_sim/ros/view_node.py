@@ -39,7 +39,7 @@ FOXGLOVE_PORT = 8765
 
 @dataclass(frozen=True, slots=True)
 class ViewParams:
-    """Hold the node's own parameters."""
+    """Parameters of the node."""
 
     scene_hz: float = tunable(
         20.0, "largest rate of the scene, by stamps", unit="Hz", low=0.1, high=100.0, read_only=True
@@ -55,7 +55,7 @@ class ViewParams:
 
 
 class View:
-    """Hold the scene's memory, the last signals and the viewers."""
+    """Scene memory, last signals and viewers."""
 
     def __init__(self, node: Node) -> None:
         """Subscribe, and open the server for Foxglove where asked.

@@ -22,7 +22,7 @@ NS = 1_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """Hold what a run's flight said, and what was broken."""
+    """Measurements and violations of a run's flight."""
 
     heard: tuple[Heard, ...]
     violations: tuple[Violation, ...]

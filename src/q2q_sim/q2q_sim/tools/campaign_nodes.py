@@ -29,7 +29,7 @@ APART_EVERY = 20
 
 
 class NodeFlights:
-    """Hold the folder of flights. Use as a context manager: leaving it deletes what need not be kept."""
+    """Folder of flights. Use as a context manager: leaving it deletes what need not be kept."""
 
     def __init__(self, folder: Path, kept: Path) -> None:
         """Take the folder for running flights, and that for bags of violations."""

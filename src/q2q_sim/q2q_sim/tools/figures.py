@@ -20,7 +20,7 @@ DPI = 130
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """Hold a flight and what the legend calls it."""
+    """Flight and its legend."""
 
     flight: Flight
     label: str

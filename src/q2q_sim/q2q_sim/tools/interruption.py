@@ -5,7 +5,7 @@ from types import FrameType
 
 
 class Interruption:
-    """Remember whether SIGINT or SIGTERM came."""
+    """Flag that SIGINT or SIGTERM came."""
 
     def __init__(self) -> None:
         """Catch both signals from now on: they raise nothing by themselves, wherever they come."""

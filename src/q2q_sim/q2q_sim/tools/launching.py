@@ -18,7 +18,7 @@ YES, NO = "true", "false"
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """Hold one argument of a launch file."""
+    """One argument of a launch file."""
 
     name: str
     default: str

@@ -25,7 +25,7 @@ WORDS = 24
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """Hold a picture file and its caption."""
+    """Picture file and its caption."""
 
     path: Path
     caption: str
@@ -33,7 +33,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Hold a table: its head and its rows, already as text."""
+    """Table: its head and its rows, already as text."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]

@@ -13,7 +13,7 @@ SUFFIXES = (".py", ".yaml", ".q2q")
 
 
 class PaperCache:
-    """Hold the folder of the outcomes, and the code they are of."""
+    """Folder of the outcomes, and the code they are of."""
 
     def __init__(self, out: Path, code: str) -> None:
         """Take the folder of the remade paper and the fingerprint of the code."""

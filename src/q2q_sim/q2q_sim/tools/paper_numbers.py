@@ -14,7 +14,7 @@ FILE = Path(__file__).resolve().parents[1] / "paper.yaml"
 
 @dataclass(frozen=True, slots=True)
 class PaperNumber:
-    """Hold one number of the paper."""
+    """One number of the paper."""
 
     id: str
     paper: float | None

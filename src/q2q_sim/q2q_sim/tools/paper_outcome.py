@@ -13,7 +13,7 @@ from q2q_model.signals import Array
 
 @dataclass(frozen=True, slots=True)
 class FigurePicture:
-    """Hold a picture that was drawn."""
+    """Picture that was drawn."""
 
     group: str
     """fig10"""
@@ -24,7 +24,7 @@ class FigurePicture:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Hold the numbers, by id as in paper.yaml, and the pictures."""
+    """Numbers, by id as in paper.yaml, and pictures."""
 
     values: Mapping[str, float]
     pictures: tuple[FigurePicture, ...] = ()
@@ -32,7 +32,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """Hold what makes some of the paper's tables and figures."""
+    """Maker of some of the paper's tables and figures."""
 
     name: str
     groups: tuple[str, ...]
@@ -44,7 +44,7 @@ class Experiment:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """Hold one curve of a panel."""
+    """One curve of a panel."""
 
     label: str
     x: Array

@@ -27,7 +27,7 @@ PATIENCE_S = 300.0
 
 
 class ResidentNodes:
-    """Hold the process. Use as a context manager."""
+    """Resident process of nodes. Use as a context manager."""
 
     def __init__(self, log: Path) -> None:
         """Take the file for what the nodes say."""

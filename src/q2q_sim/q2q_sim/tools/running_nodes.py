@@ -23,7 +23,7 @@ WIRING_TIMEOUT_S = 90.0
 
 @dataclass(frozen=True, slots=True)
 class RunningNodes:
-    """Hold the processes and who watches them."""
+    """Processes and their watcher."""
 
     processes: Processes
     director: FlightDirector

@@ -24,7 +24,7 @@ LOOKS = 20
 
 @dataclass(frozen=True, slots=True)
 class Strike:
-    """Hold what happens to which node, and when."""
+    """What happens to which node, and when."""
 
     node: str
     tick: int
@@ -35,7 +35,7 @@ class Strike:
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """Hold the simulator's patience in lockstep."""
+    """Patience of the simulator in lockstep."""
 
     again_s: float = 0.2
     give_up_s: float = 60.0
@@ -66,7 +66,7 @@ def fly_struck(
 
 
 class _Hand:
-    """Hold what the strike has come to."""
+    """Progress of the strike."""
 
     def __init__(self, processes: Processes, spec: NodeSpec, strike: Strike) -> None:
         self._processes, self._spec, self._strike = processes, spec, strike
