@@ -137,6 +137,10 @@ _NAMING = ("truth", "reference", "state", "command", "reference_safe", "interfer
 """Where vehicle names are looked for first: topics that always carry the whole swarm, in its order."""
 
 
+GOES_ON = "command"
+"""A live controller commands on by its own clock when no tick comes any more: no defect of a recording."""
+
+
 def _names_in(found: Sequence[SignalRows]) -> dict[str, None]:
     """Return the vehicles in the order in which the recording names them."""
     groups = sorted(found, key=lambda rows: int(rows.place[0]))
@@ -157,6 +161,8 @@ def _remarks(topic: str, stamps: Array, t: Array, ticks_of: str) -> list[str]:
             f"({t[0]:.3f} to {t[-1]:.3f} s): the clocks are mixed, or the recordings do not overlap"
         )
     said = []
+    if topic == GOES_ON:
+        apart -= int(np.count_nonzero(stamps > t[-1]))
     if apart:
         said.append(f"{apart} of {len(stamps)} messages on {topic} belong to no tick of {ticks_of}: left out")
     twice = len(stamps) - len(np.unique(stamps))

@@ -201,13 +201,14 @@ def test_strays_repeats_and_disorder_are_stated(tmp_path: Path):
         for place, tick in enumerate((0, 1, 3, 2, 4, 4)):
             bag.write_signal("/mocap", place * STEP_NS, random_signal(MocapFrame, tick, PAIR, rng))
         for tick in (4, 5):
-            last = random_signal(SwarmCommand, tick, PAIR, rng)
-            bag.write_signal("/command", 10 * STEP_NS, last)
+            bag.write_signal("/state", 10 * STEP_NS, random_signal(SwarmState, tick, PAIR, rng))
+            bag.write_signal("/command", 10 * STEP_NS, random_signal(SwarmCommand, tick, PAIR, rng))
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         flight = read_flight(tmp_path / "bag")
     text = " | ".join(str(one.message) for one in said)
-    assert "1 of 2 messages on command belong to no tick" in text
+    assert "1 of 2 messages on state belong to no tick" in text
+    assert "command" not in text  # a live controller commands on after the last tick
     assert "1 stamps on mocap come again" in text
     assert "stamps on mocap are out of order" in text
     assert len(flight.t) == 5

@@ -66,7 +66,7 @@ def with_row(row: int, value: float | np.ndarray) -> Callable[[np.ndarray], np.n
 
 def test_a_flight_without_faults_keeps_every_policy() -> None:
     assert broken(lambda one: one) == set()
-    assert len(POLICIES) == 11
+    assert len(POLICIES) == 12
 
 
 def test_two_vehicles_that_touch_break_the_separation_and_who_strays_the_room() -> None:
@@ -257,3 +257,12 @@ def test_a_bag_is_judged_as_its_signals_are(tmp_path: Path, capsys: pytest.Captu
     assert "tilt: cf3 at 3.00 s" in capsys.readouterr().out
     assert tool.main([str(tmp_path / "none")]) == 2
     assert "no bag at" in capsys.readouterr().err
+
+
+def test_who_is_on_the_floor_though_sent_above_it_has_fallen_unless_it_lands_blind() -> None:
+    fall = only("truth", changed(SwarmState, 3.0, 3.1, pos=lambda pos: pos * [1.0, 1.0, 0.0]))
+    low = changed(SwarmSetpoint, 3.0, 3.1, pos=lambda pos: pos * [1.0, 1.0, 0.0])
+    lands = changed(SwarmCommand, 2.0, 3.05, status=lambda _: np.full(3, CommandStatus.LAND))
+    assert "floor" in broken(fall)
+    assert "floor" not in broken(lambda one: low(fall(one)))
+    assert "floor" not in broken(lambda one: lands(fall(one)))

@@ -7,6 +7,7 @@
 | separation | every pair stays `separation` apart | true positions |
 | zone | a pair whose setpoints keep clear of the zone by `stray` is not in it | true positions |
 | room | every vehicle stays within `stray_room` of where it is sent; landing is sent down | true positions |
+| floor | no vehicle touches the floor that is sent above it; landing is sent down | true positions |
 | thrust | 0 <= U1 <= the vehicle's largest | commands |
 | tilt | thrust is commanded within tilt_max of the vertical | commands |
 | numbers | nothing in a state, setpoint or command is NaN or infinite | all |

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from q2q_sim.policies import ages, closeness, commands, tracking
+from q2q_sim.policies import ages, closeness, commands, floor, tracking
 from q2q_sim.policies.evidence import Evidence
 from q2q_sim.policies.verdicts import Circumstances, Policy, Violation
 
@@ -10,6 +10,7 @@ POLICIES: Mapping[str, Policy] = {
     "separation": closeness.separation,
     "zone": closeness.zone,
     "room": tracking.room,
+    "floor": floor.floor,
     "thrust": commands.thrust,
     "tilt": commands.tilt,
     "numbers": commands.numbers,

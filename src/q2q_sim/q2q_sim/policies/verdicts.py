@@ -19,6 +19,9 @@ class Limits:
 
     # two Crazyflies touch at twice 46 mm of arm and 23 mm of propeller
     separation: float = tunable(0.14, "least distance of two vehicles", unit="m", low=0.0)
+    # a Crazyflie's legs reach 20 mm below its rotors
+    floor: float = tunable(0.02, "height at which a vehicle touches the floor", unit="m", low=0.0)
+    take_off: float = tunable(0.1, "height of setpoints from which on a touch is a fall", unit="m", low=0.0)
     stray: float = tunable(
         0.3, "how clear setpoints are of the zone where vehicles must not be in it", unit="m", low=0.0
     )

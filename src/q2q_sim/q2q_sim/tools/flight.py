@@ -16,12 +16,14 @@ from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
 from q2q_sim.flight_clock import FlightTiming, timing_of
 from q2q_sim.metrics import FlightMetrics, measure
+from q2q_sim.policies import Circumstances
 from q2q_sim.scenario import Scenario
 from q2q_sim.tools.processes import NodeSpec
 from q2q_sim.tools.running_nodes import RECORDER, running_nodes
+from q2q_sim.verdict import Verdict, verdict_of
 
-MEASURED = ("mocap", "truth", "reference", "command")
-"""Topics that the numbers of a flight need; a bag that nobody keeps has no others."""
+MEASURED = ("mocap", "truth", "reference", "reference_safe", "command")
+"""Topics that the numbers and the verdict of a flight need; a bag that nobody keeps has no others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,7 @@ class FlightRun:
     metrics: FlightMetrics
     timing: FlightTiming
     bag: Path
+    verdict: Verdict
 
 
 def load_scenario(request: FlightRequest) -> Scenario:
@@ -92,8 +95,10 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
     with running_nodes(specs, folder, lambda: progress(0.0)) as running:
         running.director.start()
         summary = running.director.wait_summary(lambda ticks: progress(ticks / total))
-    flight = read_flight(bag)
-    return FlightRun(request, flight, measure(flight, scenario.vehicle), timing_of(summary), bag)
+    flight, timing = read_flight(bag), timing_of(summary)
+    around = Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
+    verdict = verdict_of(flight, around, timing.missed_ticks)
+    return FlightRun(request, flight, measure(flight, scenario.vehicle), timing, bag, verdict)
 
 
 def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:

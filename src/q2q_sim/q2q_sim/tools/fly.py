@@ -18,7 +18,7 @@ from q2q_sim.tools.flight import MEASURED, FlightRequest, FlightRun, fly
 from q2q_sim.tools.interruption import Interruption
 from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
-from q2q_sim.tools.run_table import run_notes, run_table
+from q2q_sim.tools.run_table import run_notes, run_table, run_verdicts
 
 EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
@@ -107,11 +107,17 @@ def _run(asked: argparse.Namespace) -> int:
     if asked.json:
         asked.json.parent.mkdir(parents=True, exist_ok=True)
         asked.json.write_text(json.dumps(runs_json([run]), indent=1) + "\n")
-    return 0
+    return conclude([run])
+
+
+def conclude(runs: Sequence[FlightRun]) -> int:
+    """Print the verdict on some flights as the last line; return the exit status, 1 where one is not ok."""
+    print(run_verdicts(runs))
+    return int(not all(run.verdict.ok for run in runs))
 
 
 def show(runs: Sequence[FlightRun]) -> None:
-    """Print the table of some flights, and how they went."""
+    """Print the table of some flights, and their timing."""
     console = Console()
     console.print(run_table(runs))
     for note in run_notes(runs):

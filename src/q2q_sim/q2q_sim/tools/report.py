@@ -19,12 +19,14 @@ from q2q_model.tools.command_line import CommandLine
 from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.mocap_quality import MocapQuality, mocap_quality
+from q2q_sim.policies import Circumstances
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.tools import figures
 from q2q_sim.tools.figures import Curve
 from q2q_sim.tools.fly import warn_plainly
 from q2q_sim.tools.page import Grid, Picture, page
 from q2q_sim.tools.run_json import Json, finite
+from q2q_sim.verdict import Verdict, verdict_line, verdict_of
 
 HEAD = ("flight", "vehicle", "z RMSE [m]", "xy RMSE [m]", "U1 energy [N²s]", "above hover", "max U1 [N]")
 HEAD_LIMITS = ("flight", "vehicle", "saturated [%]", "fallback [%]", "separation [m]", "in zone [s]")
@@ -41,6 +43,7 @@ class Reported:
     quality: dict[str, MocapQuality]
     lives: tuple[NodeLife, ...]
     """How its nodes fared, where `/diagnostics` was recorded."""
+    verdict: Verdict
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -56,6 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if asked.json:
         asked.json.write_text(json.dumps(as_json(flights), indent=1) + "\n")
     print(f"page: {asked.out / 'index.html'}")
+    print(verdicts(flights))
     return 0
 
 
@@ -73,7 +77,13 @@ def parser() -> CommandLine:
 def reported(bag: Path, vehicle: Vehicle) -> Reported:
     """Return a bag's flight, measured."""
     flight = read_flight(bag)
-    return Reported(flight, measure(flight, vehicle), mocap_quality(flight), recorded_lives(bag))
+    verdict = verdict_of(flight, Circumstances(vehicle=vehicle))
+    return Reported(flight, measure(flight, vehicle), mocap_quality(flight), recorded_lives(bag), verdict)
+
+
+def verdicts(flights: Sequence[Reported]) -> str:
+    """Return how the flights went, in one line."""
+    return verdict_line([(one.flight.name, one.verdict) for one in flights])
 
 
 def write(flights: Sequence[Reported], out: Path) -> None:
@@ -93,7 +103,7 @@ def write(flights: Sequence[Reported], out: Path) -> None:
     ]
     title = f"Flight {flights[0].flight.name}"
     lead = "Tracking against the plan, on the true positions where the bag has them."
-    (out / "index.html").write_text(page(title, lead, [*grids, pictures]))
+    (out / "index.html").write_text(page(title, lead, [*grids, verdicts(flights), pictures]))
 
 
 def as_json(flights: Sequence[Reported]) -> Json:

@@ -9,6 +9,7 @@ from rich.table import Table
 from q2q_sim.tools.flight import FlightRun
 from q2q_sim.tools.page import Grid
 from q2q_sim.tools.run_json import finite
+from q2q_sim.verdict import verdict_line
 
 MODE_WORDS = {
     "ignoring": "ignoring",
@@ -47,6 +48,11 @@ def run_table(runs: Sequence[FlightRun]) -> Table:
 def run_notes(runs: Sequence[FlightRun]) -> list[str]:
     """Say how each flight went beside its table."""
     return [_note(run) for run in runs]
+
+
+def run_verdicts(runs: Sequence[FlightRun]) -> str:
+    """Return how the flights went, in one line."""
+    return verdict_line([(MODE_WORDS[run.request.mode], run.verdict) for run in runs])
 
 
 def _note(run: FlightRun) -> str:

@@ -1,0 +1,136 @@
+"""The verdict on a flight names what went wrong, where and when, and nothing that went as it was sent."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+
+from q2q_model.flights import Flight
+from q2q_model.signals import Array, CommandStatus
+from q2q_model.tools.models import find_model
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.policies import Circumstances
+from q2q_sim.recording import FlightRecording
+from q2q_sim.scenario import scenario_from_document
+from q2q_sim.verdict import Verdict, verdict_line, verdict_of
+
+TICKS = 1000
+T = 0.01 * np.arange(TICKS)
+HOVER = np.broadcast_to([[0.0, 0.0, 1.0], [0.0, 1.0, 1.0]], (TICKS, 2, 3))
+AROUND = Circumstances()
+
+
+def flown(true_pos: Array = HOVER, ref_pos: Array = HOVER, status: Array | None = None) -> Flight:
+    """Return a flight of two vehicles over 10 s."""
+    empty = FlightRecording(("cf1", "cf2"), TICKS).flight("made")
+    given = np.zeros((TICKS, 2)) if status is None else status
+    return replace(empty, t=T, true_pos=true_pos, ref_pos=ref_pos, command_status=given)
+
+
+def moved(since: float, until: float, vehicle: int, to: tuple[float, float, float]) -> Array:
+    """Return the hover with one vehicle elsewhere for a while."""
+    pos = HOVER.copy()
+    pos[(since <= T) & (until > T), vehicle] = to
+    return pos
+
+
+def told(flight: Flight, missed: int | None = None) -> str:
+    verdict = verdict_of(flight, AROUND, missed)
+    assert verdict.ok == str(verdict).startswith("ok")
+    return str(verdict)
+
+
+def test_a_flight_that_goes_as_it_is_sent_is_ok() -> None:
+    assert told(flown()) == "ok: 10.0 s flown to the end"
+
+
+@pytest.mark.parametrize(
+    ("where", "words"),
+    [
+        ((0.0, 1.0, 0.0), "cf2 hit the floor at 5.6 s"),
+        ((0.0, 0.1, 1.0), "cf1 and cf2 collided at 5.6 s, 0.10 m apart"),
+        ((0.0, 2.7, 1.0), "cf2 left the room at 5.6 s, 1.70 m from its setpoint"),
+    ],
+)
+def test_what_goes_wrong_is_named_with_who_and_when(where: tuple[float, float, float], words: str) -> None:
+    assert told(flown(moved(5.6, 5.8, 1, where))) == words
+
+
+def test_a_vehicle_sent_to_the_floor_does_not_hit_it() -> None:
+    path = HOVER.copy()
+    path[:, 1, 2] = np.clip(0.5 * T, 0.0, 1.0)  # a take-off 0.15 m behind its setpoint
+    behind = np.maximum(path - [0.0, 0.0, 0.08], 0.0)
+    assert told(flown(behind, path)).startswith("ok")
+    assert told(flown(path * [1.0, 1.0, 0.0], path)).startswith("cf1 hit the floor at 0.0 s")
+
+
+def test_commands_that_end_before_the_flight_are_told_first_as_they_came_first() -> None:
+    status = np.zeros((TICKS, 2))
+    status[T > 3.995] = np.nan
+    fallen = moved(5.0, 20.0, 0, (0.0, 0.0, 0.0))
+    words = "commands ended at 4.0 s of 10.0 s; cf1 hit the floor at 5.0 s; 600 of 1000 ticks were missed"
+    assert told(flown(fallen, status=status)) == words
+
+
+def test_a_hundredth_of_the_ticks_may_be_missed_and_no_more() -> None:
+    assert told(flown(), missed=10).startswith("ok")
+    assert told(flown(), missed=11) == "11 of 1000 ticks were missed"
+    assert told(flown(), missed=999).startswith("999 of 1000")
+
+
+def test_ticks_without_a_command_are_counted_where_nobody_else_counted_them() -> None:
+    status = np.zeros((TICKS, 2))
+    status[100:140] = np.nan
+    assert told(flown(status=status)) == "40 of 1000 ticks were missed"
+
+
+def test_an_emergency_stop_and_a_blind_landing_are_told() -> None:
+    cut = np.zeros((TICKS, 2))
+    cut[T > 6.995] = CommandStatus.CUT
+    assert told(flown(status=cut)) == "cf1's motors were cut at 7.0 s; cf2's motors were cut at 7.0 s"
+    landing = np.zeros((TICKS, 2))
+    landing[T > 6.995, 1] = CommandStatus.LAND
+    assert told(flown(status=landing)).startswith("ok")  # seen again before it was down
+    assert told(flown(moved(8.0, 20.0, 1, (0.0, 1.0, 0.0)), status=landing)) == "cf2 landed blind at 8.0 s"
+
+
+def test_what_was_not_recorded_is_not_judged_and_told() -> None:
+    nowhere = np.full_like(HOVER, np.nan)
+    no_plan = told(flown(ref_pos=nowhere))
+    assert no_plan == "ok: 10.0 s flown to the end; not judged: floor and room (no reference recorded)"
+    assert "floor, room and distances" in told(flown(true_pos=nowhere))
+    assert "missed ticks" in told(flown(status=np.full((TICKS, 2), np.nan)))
+
+
+def test_the_filtered_positions_are_judged_where_nobody_knows_the_truth() -> None:
+    recorded = flown(true_pos=np.full_like(HOVER, np.nan))
+    fallen = replace(recorded, pos=moved(5.6, 5.8, 1, (0.0, 1.0, 0.0)))
+    assert told(fallen) == "cf2 hit the floor at 5.6 s"
+
+
+def test_several_flights_are_told_in_one_line_by_their_names() -> None:
+    fine = Verdict(5.0)
+    assert verdict_line([("aware", fine)]) == "verdict: ok: 5.0 s flown to the end"
+    fallen = verdict_of(flown(moved(5.6, 5.8, 1, (0.0, 1.0, 0.0))), AROUND)
+    line = verdict_line([("aware", fine), ("ignoring", fallen)])
+    assert line == "verdict: aware: ok: 5.0 s flown to the end | ignoring: cf2 hit the floor at 5.6 s"
+
+
+@pytest.mark.parametrize(("mode", "falls"), [("ignoring", True), ("aware", False)])
+def test_a_hover_under_another_by_the_soft_loop_falls_where_the_downwash_is_ignored(
+    mode: str, falls: bool
+) -> None:
+    """At rest K_p 0.81 gives way by eta / K_p = 2.5 / 0.81 = 3.1 m: far below the floor from 1 m."""
+    above, below = ([[0.0, 0.0, z]] * 2 for z in (1.5, 1.0))
+    vehicles = {
+        name: [{"t": t, "pos": pos} for t, pos in zip((0.0, 5.0), path, strict=True)]
+        for name, path in (("cf1", above), ("cf2", below))
+    }
+    document = yaml.safe_load("{duration: 5.0, wake: measured, model: measured_law}") | {"vehicles": vehicles}
+    scenario = scenario_from_document("hover", document)
+    options = FlightOptions(
+        mode="ignoring" if mode == "ignoring" else "aware", model=find_model(scenario.model).interaction
+    )
+    verdict = str(verdict_of(fly(scenario, options), Circumstances(vehicle=scenario.vehicle)))
+    assert verdict.startswith("cf2 hit the floor at" if falls else "ok")
