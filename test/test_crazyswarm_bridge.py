@@ -164,13 +164,13 @@ def one_command() -> SwarmCommand:
 @pytest.mark.parametrize(("backend", "turned"), [("cpp", -1.0), ("cflib", 1.0)])
 def test_both_servers_put_the_same_stick_on_the_wire(backend: str, turned: float) -> None:
     """Cpp sends pitch = -linear.x as it is; the other gives -linear.x to cflib, which turns it again."""
-    x, y, yaw_rate, pwm = legacy_twists(one_command(), LegacyScale(0.6), backend)[0]
+    x, y, yaw_rate, pwm = legacy_twists(one_command(), LegacyScale(0.48), backend)[0]
     wire_pitch = turned * x
     assert wire_pitch == pytest.approx(-math.degrees(0.2))  # legacy: nose up is positive
     assert (y, yaw_rate, pwm) == (
         pytest.approx(math.degrees(0.1)),
         pytest.approx(-math.degrees(0.4)),
-        30000.0,
+        40959.0,  # 0.3 / 0.48 of 65535
     )
 
 

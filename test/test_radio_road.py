@@ -89,7 +89,7 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
     model = find_model(scenario.model).interaction
     blocks = blocks_of(scenario, Options(mode), model)
     road = _Road(scenario, seed, positioning)
-    names, scale = scenario.names, LegacyScale(scenario.vehicle.thrust_max)
+    names, scale = scenario.names, LegacyScale(scenario.vehicle.full_pwm_thrust)
     pilot = RadioPilot(
         {name: road.link(k) for k, name in enumerate(names)},
         RadioPilotParams(),

@@ -7,8 +7,8 @@
 | angular.z | yaw rate [deg/s] |
 | linear.z | thrust [PWM 0..60000] |
 
-Thrust is mapped linearly: full PWM is the vehicle's largest thrust. This file and q2q_sim.radio are the
-only places with degrees and PWM.
+Thrust is linear in PWM, by the table of vehicle and firmware (q2q_model.thrust_map). This file and
+q2q_sim.radio are the only places with degrees and PWM.
 """
 
 from dataclasses import dataclass
@@ -16,21 +16,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals import Array, SwarmCommand
-
-PWM_MAX = 60000
-"""Largest thrust that the Crazyflie's commander accepts [PWM]."""
+from q2q_model.thrust_map import PWM_FULL, PWM_STICK_MAX
 
 
 @dataclass(frozen=True, slots=True)
 class LegacyScale:
-    """Hold what turns newtons into PWM."""
+    """Scale of newtons and PWM."""
 
-    thrust_max: float
-    """Thrust at PWM_MAX [N]."""
+    full_pwm_thrust: float
+    """Collective thrust with every motor at PWM_FULL [N]."""
+
+    def pwm_of(self, thrust: Array) -> Array:
+        """Return the PWM that gives a collective thrust [N]; not rounded, not bounded."""
+        return np.asarray(thrust / self.full_pwm_thrust * PWM_FULL)
+
+    def thrust_of(self, pwm: Array) -> Array:
+        """Return the collective thrust [N] at a PWM."""
+        return np.asarray(pwm / PWM_FULL * self.full_pwm_thrust)
 
 
 def legacy_setpoints(command: SwarmCommand, scale: LegacyScale) -> Array:
     """Return pitch [deg], roll [deg], yaw rate [deg/s], thrust [PWM] of every vehicle, (n, 4)."""
-    pwm = np.clip(np.round(command.thrust / scale.thrust_max * PWM_MAX), 0, PWM_MAX)
+    pwm = np.clip(np.round(scale.pwm_of(command.thrust)), 0, PWM_STICK_MAX)
     angles = np.degrees([command.pitch, command.roll, command.yaw_rate])  # (3, n)
     return np.column_stack([*angles, pwm])

@@ -141,8 +141,10 @@ def pid_gains(params: PidParams) -> Array:
 
 def pid_limits(params: PidParams, vehicle: Vehicle) -> ThrustLimits:
     """Return the limits of a vehicle: what it can give, and what the parameters allow."""
-    allowed = params.thrust_max if params.thrust_limited else vehicle.thrust_max
-    return ThrustLimits(vehicle.mass, min(allowed, vehicle.thrust_max), params.tilt_max, params.exact_inverse)
+    allowed = params.thrust_max if params.thrust_limited else vehicle.stick_thrust_max
+    return ThrustLimits(
+        vehicle.mass, min(allowed, vehicle.stick_thrust_max), params.tilt_max, params.exact_inverse
+    )
 
 
 def wanted_acceleration(tick: Aligned, integral: Array, gains: Array) -> Array:

@@ -5,7 +5,7 @@
 | phi [rad], right side down | roll [deg], the same | roll |
 | theta [rad], nose down | pitch [deg], the same: cflib sends its negative | legacy pitch, nose up |
 | r [rad/s], to the left | yawrate [deg/s], negative: sent as it is | RPYT yaw rate, to the right |
-| U1 [N] | thrust [PWM], 60000 is thrust_max | the same on every motor |
+| U1 [N] | thrust [PWM], by the table of vehicle and firmware | the same on every motor |
 | acc = acc_ref - eta [m/s^2] | acc of a full state | feed-forward of the Mellinger controller |
 | body rates [rad/s] | "degrees/s" of send_full_state_setpoint, in truth rad/s | mrad/s |
 

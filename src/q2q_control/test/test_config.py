@@ -8,6 +8,7 @@ import yaml
 
 from q2q_control.pid import PidParams
 from q2q_model.parameters import with_overrides
+from q2q_model.vehicle import CRAZYFLIE_2_0
 
 FOLDER = Path(__file__).parents[1] / "config"
 FILES = sorted(FOLDER.glob("pid_*.yaml"))
@@ -49,7 +50,13 @@ def test_mellingers_gains_are_the_firmwares_over_its_mass():
 
 def test_the_firmwares_cascade_as_one_loop_has_the_cascades_poles():
     found = gains_in(FOLDER / "pid_firmware.yaml")
-    c, outer, outer_i, inner, inner_i = 1000.0 / 65535.0 * 0.60 / 0.034, 2.0, 0.5, 25.0, 15.0
+    c, outer, outer_i, inner, inner_i = (
+        1000.0 / 65535.0 * CRAZYFLIE_2_0.full_pwm_thrust / 0.034,
+        2.0,
+        0.5,
+        25.0,
+        15.0,
+    )
     # s^2 e = -c (K (P e + Z int e + s e) + I int(P e + s e)), the product of integrals left out
     cascade = [1.0, c * inner, c * (inner * outer + inner_i), c * (inner_i * outer + inner * outer_i)]
     assert np.allclose([1.0, found.k_d_z, found.k_p_z, found.k_i_z], cascade, rtol=1e-3)  # three decimals

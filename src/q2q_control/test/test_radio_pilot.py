@@ -105,7 +105,7 @@ def state(t: float, status: TrackStatus = TrackStatus.TRACKED) -> SwarmState:
     return SwarmState(t, NAMES, pos, zero, quat, zero, np.zeros(2), np.full(2, status, dtype=np.uint8))
 
 
-@given(*[st.floats(-0.5, 0.5)] * 3, st.floats(0.0, 0.6))
+@given(*[st.floats(-0.5, 0.5)] * 3, st.floats(0.0, 0.4395))
 def test_sticks_have_cflibs_signs_and_the_houses_scale(
     roll: float, pitch: float, yaw_rate: float, thrust: float
 ) -> None:
@@ -113,11 +113,11 @@ def test_sticks_have_cflibs_signs_and_the_houses_scale(
     command = SwarmCommand(
         0.0, ("cf1",), thrust * one, roll * one, pitch * one, yaw_rate * one, np.zeros(1, np.uint8)
     )
-    (stick,) = sticks(command, LegacyScale(0.6))
+    (stick,) = sticks(command, LegacyScale(0.48))
     assert stick.roll_deg == pytest.approx(math.degrees(roll))
     assert stick.pitch_deg == pytest.approx(math.degrees(pitch))
     assert stick.yaw_rate_deg == pytest.approx(-math.degrees(yaw_rate))
-    assert stick.pwm == pytest.approx(thrust * 100_000.0, abs=0.5)
+    assert stick.pwm == pytest.approx(thrust * 65535.0 / 0.48, abs=0.5)
 
 
 def test_full_states_carry_the_acceleration_less_the_draft_of_the_same_vehicle() -> None:
@@ -341,7 +341,7 @@ def test_times_of_silence_out_of_order_are_refused() -> None:
 
 
 def test_the_level_stick_is_the_thrust_on_the_houses_scale() -> None:
-    assert level_stick(0.3, LegacyScale(0.6)) == Stick(0.0, 0.0, 0.0, 30000)
+    assert level_stick(0.034 * 9.81, LegacyScale(0.48)) == Stick(0.0, 0.0, 0.0, 45539)
 
 
 def test_a_battery_that_is_unknown_neither_refuses_nor_lands() -> None:

@@ -53,7 +53,7 @@ def test_more_thrust_than_there_is_names_vehicle_waypoint_and_bound() -> None:
         VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 1)), Waypoint(5.6, (1, 0, 2))))
     ]
     with pytest.raises(
-        ValueError, match=r"cf1, after waypoint 1 .*N of thrust, crazyflie_2_0 has at most 0.6 N"
+        ValueError, match=r"cf1, after waypoint 1 .*N of thrust, crazyflie_2_0 has at most 0.439 N"
     ):
         check_flyable(minimum_snap_plan(steep), steep, CRAZYFLIE_2_0)
     calm = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 2))))]
@@ -61,7 +61,7 @@ def test_more_thrust_than_there_is_names_vehicle_waypoint_and_bound() -> None:
 
 
 def test_limits_are_cut_to_what_thrust_allows() -> None:
-    spare = CRAZYFLIE_2_0.thrust_max / CRAZYFLIE_2_0.mass - GRAVITY
+    spare = CRAZYFLIE_2_0.stick_thrust_max / CRAZYFLIE_2_0.mass - GRAVITY
     assert with_limits_of(FlightLimits(acceleration=50.0), CRAZYFLIE_2_0).acceleration == pytest.approx(spare)
 
 

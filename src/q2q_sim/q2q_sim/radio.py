@@ -18,9 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.legacy import PWM_MAX, LegacyScale, legacy_setpoints
+from q2q_control.legacy import LegacyScale, legacy_setpoints
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.signals import Array, SwarmCommand
+from q2q_model.vehicle import Vehicle
 from q2q_sim.episodes import Mask
 from q2q_sim.packets import deliver, put
 from q2q_sim.streams import stream
@@ -50,11 +51,11 @@ class RadioParams:
 class Radio:
     """Hold the packets on their way, and what each vehicle obeys."""
 
-    def __init__(self, params: RadioParams, at_start: Array, thrust_max: float, seed: int) -> None:
+    def __init__(self, params: RadioParams, at_start: Array, vehicle: Vehicle, seed: int) -> None:
         """Start with every vehicle obeying a thrust [N] of `at_start` (n,), level."""
         n = len(at_start)
         self._params = params
-        self._scale = LegacyScale(thrust_max)
+        self._scale, self._stick_max = LegacyScale(vehicle.full_pwm_thrust), vehicle.stick_thrust_max
         self._loss, self._jitter = stream(seed, "radio loss"), stream(seed, "radio jitter")
         self._gap_ns, self._latency_ns = round(1e9 / params.rate), round(1e9 * params.latency)
         self._next_ns = np.zeros(n, dtype=np.int64)
@@ -66,7 +67,7 @@ class Radio:
         self._onboard = np.zeros(n, dtype=np.int64), locked, obeyed
         sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
         put(
-            self._flying, 0, (np.zeros((4, 0)), thrust_max), sent, (0, 0, 0)
+            self._flying, 0, (np.zeros((4, 0)), self._stick_max), sent, (0, 0, 0)
         )  # loads it before the first tick
 
     def send(self, now_ns: int, rows: Rows, command: SwarmCommand, jammed: Mask) -> None:
@@ -74,7 +75,7 @@ class Radio:
 
         Packets to vehicles that are `jammed` (n,) are lost besides those that are lost anyway.
         """
-        asked = self._coded(command), self._scale.thrust_max
+        asked = self._coded(command), self._stick_max
         while self._count + len(rows) > len(self._flying[0]):
             when, what = self._flying
             self._flying = np.vstack([when, np.zeros_like(when)]), np.vstack([what, np.zeros_like(what)])
@@ -105,5 +106,5 @@ class Radio:
             return values.reshape(4, -1)
         pitch, roll, yaw_rate, pwm = legacy_setpoints(command, self._scale).T
         degrees = np.stack([roll, pitch, yaw_rate]).astype(np.float32).astype(np.float64)
-        thrust = np.where(pwm < PWM_MIN, 0.0, pwm) / PWM_MAX * self._scale.thrust_max
+        thrust = self._scale.thrust_of(np.where(pwm < PWM_MIN, 0.0, pwm))
         return np.stack([thrust, *np.radians(degrees)])

@@ -71,7 +71,7 @@ class Room:
         self._disturbance = Disturbance(scenario.disturbance, n, TICK_S, seed)
         self._faults = FaultInjection(scenario.faults, scenario.names, TICK_NS, seed)
         hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
-        self._radio = Radio(_with_camera_latency(scenario), hover, vehicle.thrust_max, seed)
+        self._radio = Radio(_with_camera_latency(scenario), hover, vehicle, seed)
         self._commanded: Names = ()
         self._command_rows: Rows = np.zeros(0, dtype=np.intp)
         self._valid = np.zeros(n, dtype=np.uint8)  # InterferenceStatus.VALID; ticks share it

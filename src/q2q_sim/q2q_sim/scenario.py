@@ -5,6 +5,7 @@ A document (parsed YAML) becomes a Scenario here, every value checked; `q2q_sim.
     description: one line
     duration: 50.0            # [s]
     vehicle: textbook_065     # q2q_model.vehicle
+    firmware: stock           # its thrust per PWM: q2q_model.thrust_map
     wake: paper               # the true draft: none, paper, measured
     model: paper_law          # what a controller is given: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.settings; vicon, radio, imu, disturbance below override single values
@@ -15,7 +16,7 @@ A document (parsed YAML) becomes a Scenario here, every value checked; `q2q_sim.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from math import isfinite
 from typing import TypeVar
@@ -25,7 +26,8 @@ from q2q_control.pid import PidParams
 from q2q_model.mocap_filter import MocapFilterParams
 from q2q_model.parameters import ParameterValue, ParamsClass, with_overrides
 from q2q_model.signals import Names
-from q2q_model.vehicle import Vehicle, vehicle_by_name
+from q2q_model.thrust_map import STOCK
+from q2q_model.vehicle import Vehicle, on_firmware, vehicle_by_name
 from q2q_planner.minsnap import Reading
 from q2q_planner.potential_field import PotentialFieldParams
 from q2q_planner.safe_params import SafeReplannerParams
@@ -52,8 +54,8 @@ LONGEST = 3600.0
 """Longest flight [s]."""
 READINGS: dict[str, Reading] = {"stop_and_go": "stop_and_go", "free": "free"}
 KEYS = (
-    "description", "duration", "vehicle", "wake", "model", "room", "reading", "vehicles", "overrides",
-    "vicon", "radio", "imu", "disturbance", "faults",
+    "description", "duration", "vehicle", "firmware", "wake", "model", "room", "reading", "vehicles",
+    "overrides", "vicon", "radio", "imu", "disturbance", "faults",
 )  # fmt: skip
 
 
@@ -114,7 +116,9 @@ def scenario_from_document(name: str, document: object) -> Scenario:
         name=name,
         description=str(entries.get("description", "")),
         duration=_number(entries.get("duration"), f"{name}: duration"),
-        vehicle=vehicle_by_name(str(entries.get("vehicle", "crazyflie_2_0"))),
+        vehicle=vehicle_by_name(
+            str(entries.get("vehicle", "crazyflie_2_0")), str(entries.get("firmware", STOCK))
+        ),
         waypoints=swarm_from_document({"vehicles": entries.get("vehicles")}),
         reading=_reading(entries.get("reading", "stop_and_go")),
         wake=str(entries.get("wake", "none")),
@@ -126,6 +130,17 @@ def scenario_from_document(name: str, document: object) -> Scenario:
         faults=_faults(entries.get("faults", [])),
         overrides=_merged(room.overrides, entries.get("overrides", {})),
     )
+
+
+def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
+    """Return the scenario with its vehicles on a firmware; an empty name keeps theirs.
+
+    Raises:
+        ValueError: a firmware that the vehicle does not have.
+    """
+    if not firmware:
+        return scenario
+    return replace(scenario, vehicle=on_firmware(scenario.vehicle, firmware))
 
 
 def block_params(block: str, default: P, overrides: Overrides) -> P:

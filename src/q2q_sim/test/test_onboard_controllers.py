@@ -141,7 +141,7 @@ def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
     gains = parameters()
     hover = Setpoint(roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, thrust_pwm=30000.0)
     thrust, *_ = torque_for(hover, row_at(), gains)
-    assert thrust == pytest.approx(30000.0 / 60000.0 * CRAZYFLIE_2_0.thrust_max)
+    assert thrust == pytest.approx(30000.0 / 65535.0 * 0.48)
     memory, forces = np.zeros(MEMORY_WIDTH), np.zeros(4)
     memory[CONTROL : CONTROL + 4] = 30000.0, -30000.0, 30000.0, 60000.0
     drive_motors(wanted_row(hover, motors_on=True), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
@@ -152,10 +152,15 @@ def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
 
 
 def flown(
-    vehicle: Vehicle, controller: int, setpoint: Setpoint, seconds: float, drive: Array = STILL
+    vehicle: Vehicle,
+    controller: int,
+    setpoint: Setpoint,
+    seconds: float,
+    drive: Array = STILL,
+    **values: float,
 ) -> Swarm:
     swarm = Swarm(("cf1",), vehicle, np.array([[0.0, 0.0, 1.0, 0.0]]), Wake.NONE)
-    gains = parameters(vehicle, stabilizer__controller=controller).gains()[None]
+    gains = parameters(vehicle, stabilizer__controller=controller, **values).gains()[None]
     rows = Controllers(
         wanted_row(setpoint, motors_on=True)[None], gains, fresh_memory(1),
         frame_row(airframe_of(vehicle))[None], np.zeros((1, 6)),
@@ -183,7 +188,7 @@ def test_both_controllers_settle_at_a_position_and_a_yaw_on_both_airframes(
 @pytest.mark.parametrize("controller", [PID, MELLINGER])
 def test_a_wanted_tilt_is_reached_with_the_signs_of_the_house(controller: int) -> None:
     tilted = Setpoint(
-        roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, attitude_deg=(4.0, -6.0, 0.0), thrust_pwm=34000.0
+        roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, attitude_deg=(4.0, -6.0, 0.0), thrust_pwm=46000.0
     )
     swarm = flown(CRAZYFLIE_2_0, controller, tilted, 1.5)
     roll, pitch, _ = np.degrees(euler_from_quat(swarm.state[0, QUAT]))
@@ -197,6 +202,7 @@ def test_acceleration_of_the_setpoint_takes_a_constant_push_out_under_mellinger_
     vehicle: Vehicle,
 ) -> None:
     push = 0.5  # [m/s^2], downwards, as a draft
+    exact = 65535.0 / vehicle.full_pwm_thrust  # [1/N]: the stock value is 3 % less
     drive = STILL + np.array([0.0, 0.0, -push, 0.0, 0.0, 0.0, 0.0])
     error = {}
     for controller in (PID, MELLINGER):
@@ -205,7 +211,7 @@ def test_acceleration_of_the_setpoint_takes_a_constant_push_out_under_mellinger_
                 x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.0, 0.0, 1.0),
                 acc=(0.0, 0.0, push if aware else 0.0),
             )  # fmt: skip
-            swarm = flown(vehicle, controller, here, 1.0, drive)
+            swarm = flown(vehicle, controller, here, 1.0, drive, ctrlMel__massThrust=exact)
             error[controller, aware] = 1.0 - swarm.state[0, 2]
     stiffness = parameters(vehicle)["ctrlMel.kp_z"] / vehicle.mass  # [1/s^2]
     # 1 s is 6 time constants of the loop less a little integral action

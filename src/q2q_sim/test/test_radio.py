@@ -1,14 +1,18 @@
 """Prove what vehicles obey: delays, losses, the thrust lock and the firmware's watchdog."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from q2q_model.signals import SwarmCommand
+from q2q_model.vehicle import CRAZYFLIE_2_0, Vehicle
 from q2q_sim.radio import Radio, RadioParams
 
 TICK_NS, STEP_NS, STEPS = 10_000_000, 2_000_000, 5
-THRUST_MAX, HOVER = 0.6, 0.33
+HOVER = 0.33
 ROW = np.array([0])
+STRONG = replace(CRAZYFLIE_2_0, thrust_max=0.6, full_pwm_thrust=0.66)
 CLEAR = np.zeros(50, dtype=np.bool_)
 
 
@@ -24,8 +28,8 @@ def _command(thrust: float, roll: float = 0.0, n: int = 1) -> SwarmCommand:
     )
 
 
-def _radio(params: RadioParams, n: int = 1, seed: int = 0) -> Radio:
-    return Radio(params, np.full(n, HOVER), THRUST_MAX, seed)
+def _radio(params: RadioParams, n: int = 1, seed: int = 0, vehicle: Vehicle = STRONG) -> Radio:
+    return Radio(params, np.full(n, HOVER), vehicle, seed)
 
 
 def _tick(radio: Radio, k: int) -> np.ndarray:
@@ -98,16 +102,21 @@ def test_a_slower_radio_sends_as_many_packets_as_it_can() -> None:
 
 
 def test_quantised_packets_carry_whole_pwm_and_32_bit_degrees() -> None:
-    radio = _radio(RadioParams(quantised=True))
+    radio = _radio(RadioParams(quantised=True), vehicle=CRAZYFLIE_2_0)
     radio.send(0, ROW, _command(0.4321, roll=0.1), CLEAR)
     obeyed = _tick(radio, 0)[0]
-    pwm = obeyed[0] / THRUST_MAX * 60000
-    assert pwm == pytest.approx(round(pwm), abs=1e-6)
-    assert obeyed[0] == pytest.approx(0.4321, abs=0.5 * THRUST_MAX / 60000)
+    assert obeyed[0] == pytest.approx(58995 / 65535 * 0.48)  # 0.4321 / 0.48 * 65535 = 58995.15
     assert obeyed[1] == pytest.approx(0.1, rel=2.0**-24)
     assert obeyed[1] != 0.1
-    radio.send(TICK_NS, ROW, _command(THRUST_MAX * 999 / 60000), CLEAR)
+    radio.send(TICK_NS, ROW, _command(0.48 * 999 / 65535), CLEAR)
     assert _tick(radio, 1)[0, 0] == 0.0  # below the firmware's least thrust
+
+
+def test_no_stick_carries_more_than_60000_pwm() -> None:
+    for quantised in (False, True):
+        radio = _radio(RadioParams(quantised=quantised), vehicle=CRAZYFLIE_2_0)
+        radio.send(0, ROW, _command(0.47), CLEAR)
+        assert _tick(radio, 0)[0, 0] == pytest.approx(60000 / 65535 * 0.48)
 
 
 def test_a_burst_for_some_vehicles_leaves_the_others_alone() -> None:

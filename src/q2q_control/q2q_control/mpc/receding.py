@@ -125,9 +125,9 @@ class Mpc:
         rules = SolveRules(params.joint, params.terminal, params.iterations)
         self.solver: Solver = HorizonSolver(models, coupled, params.steps, rules)
         self._slopes = SlopeRule(coupled, params.slope_max)
-        allowed = params.thrust_max if params.thrust_limited else self._vehicle.thrust_max
+        allowed = params.thrust_max if params.thrust_limited else self._vehicle.stick_thrust_max
         self._limits = ThrustLimits(
-            self._vehicle.mass, min(allowed, self._vehicle.thrust_max), params.tilt_max, exact=True
+            self._vehicle.mass, min(allowed, self._vehicle.stick_thrust_max), params.tilt_max, exact=True
         )
         self._numbers = packed_numbers(np.zeros((4, 3)), self._limits, (params.k_yaw, params.yaw_rate_max))
         self._nearly_full = self._limits.thrust_max * (1.0 - 1e-9)

@@ -38,6 +38,7 @@ from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import OUTSIDE, TICK
 from q2q_model.ros.run import run
 from q2q_model.signals import Interference, MocapFrame, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.thrust_map import FIRMWARES, STOCK
 from q2q_model.tick_join import TickJoin
 from q2q_model.vehicle import vehicle_by_name
 
@@ -59,6 +60,7 @@ class CrazyswarmParams:
     aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
     backend: str = tunable("cpp", "server that takes cmd_vel_legacy", choices=BACKENDS, read_only=True)
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
+    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
     take_off_height: float = tunable(0.5, "of ~/take_off", unit="m", low=0.1, high=5.0, read_only=True)
     take_off_s: float = tunable(2.0, "of ~/take_off and ~/land", unit="s", low=0.5, high=60.0, read_only=True)
 
@@ -113,7 +115,8 @@ class Crazyswarm:
         self._poses = types
 
     def _wire_commands(self) -> None:
-        scale = LegacyScale(vehicle_by_name(self._asked.vehicle).thrust_max)
+        vehicle = vehicle_by_name(self._asked.vehicle, self._asked.firmware)
+        scale = LegacyScale(vehicle.full_pwm_thrust)
         self._commands = CrazyswarmCommands(
             self._node, self._names, (scale, self._asked.backend), full_state=self._asked.mode == "setpoint"
         )

@@ -26,6 +26,7 @@ from q2q_model.ros.ready import expect_latched
 from q2q_model.ros.run import run
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.thrust_map import FIRMWARES, STOCK
 from q2q_model.tools.models import find_model
 from q2q_model.vehicle import vehicle_by_name
 
@@ -35,6 +36,7 @@ class MpcNodeParams:
     """Hold the parameters of the node that are not the controller's."""
 
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants to use", read_only=True)
+    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
     vehicles: tuple[str, ...] = tunable(
         (), "vehicles to command; empty is all of the setpoint", read_only=True
     )
@@ -66,7 +68,7 @@ class MpcNodeParams:
 def build(node: Node) -> TickWiring[SwarmCommand]:
     """Wire the MPC into a node; its parameters may change in flight."""
     own = declare(node, MpcNodeParams())
-    vehicle = vehicle_by_name(own.vehicle)
+    vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, MpcParams(), in_flight=True)
     budget = TimeBudget(own.budget_s if own.live else inf, monotonic)
     block = Mpc(params, vehicle, find_model(own.model).interaction, own.vehicles, budget.in_time)
@@ -75,7 +77,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     if own.aware:
         inputs["interference"] = Interference
     wiring = TickWiring(node, inputs, ("command", SwarmCommand))
-    wiring.then(LegacyTopics(node, LegacyScale(vehicle.thrust_max), own.legacy_hz, own.vehicles).publish)
+    wiring.then(LegacyTopics(node, LegacyScale(vehicle.full_pwm_thrust), own.legacy_hz, own.vehicles).publish)
     guarded = GuardedCommands(block, declare(node, FallbackParams()), vehicle.hover_thrust, live=own.live)
     guarded.wire(node, wiring)
 

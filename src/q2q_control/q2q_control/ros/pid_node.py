@@ -15,6 +15,7 @@ from q2q_model.ros.parameters import declare, on_change
 from q2q_model.ros.run import run
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.thrust_map import FIRMWARES, STOCK
 from q2q_model.vehicle import vehicle_by_name
 
 
@@ -23,6 +24,7 @@ class PidNodeParams:
     """Hold the parameters of the node that are not the controller's."""
 
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants to use", read_only=True)
+    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
     vehicles: tuple[str, ...] = tunable(
         (), "vehicles to command; empty is all of the setpoint", read_only=True
     )
@@ -45,7 +47,7 @@ class PidNodeParams:
 def build(node: Node) -> TickWiring[SwarmCommand]:
     """Wire the PID into a node; its gains may change in flight."""
     own = declare(node, PidNodeParams())
-    vehicle = vehicle_by_name(own.vehicle)
+    vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, PidParams(), in_flight=True)
     block = Pid(params, vehicle, own.vehicles)
     on_change(node, params, block.configure)
@@ -53,7 +55,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     if own.aware:
         inputs["interference"] = Interference
     wiring = TickWiring(node, inputs, ("command", SwarmCommand))
-    wiring.then(LegacyTopics(node, LegacyScale(vehicle.thrust_max), own.legacy_hz, own.vehicles).publish)
+    wiring.then(LegacyTopics(node, LegacyScale(vehicle.full_pwm_thrust), own.legacy_hz, own.vehicles).publish)
     guarded = GuardedCommands(block, declare(node, FallbackParams()), vehicle.hover_thrust, live=own.live)
     guarded.wire(node, wiring)
     wiring.rehearse(guarded.update, guarded.reset, own.vehicles)

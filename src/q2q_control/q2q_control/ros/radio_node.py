@@ -37,6 +37,7 @@ from q2q_model.ros.promises import watch
 from q2q_model.ros.qos import TICK
 from q2q_model.ros.run import run
 from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.thrust_map import FIRMWARES, STOCK
 from q2q_model.tick_join import TickJoin
 from q2q_model.vehicle import vehicle_by_name
 
@@ -58,6 +59,7 @@ class RadioNodeParams:
     aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
     places: bool = tunable(True, "send external poses from `state`", read_only=True)  # noqa: FBT003
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
+    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
     firmware_params: tuple[str, ...] = tunable(
         (), "parameters to set once connected, each `group.name=value`", read_only=True
     )
@@ -93,12 +95,13 @@ class Radio:
         self._node = node
         asked, limits = declare(node, RadioNodeParams()), declare(node, RadioPilotParams())
         self._asked = asked
-        self._scale = LegacyScale(vehicle_by_name(asked.vehicle).thrust_max)
+        vehicle = vehicle_by_name(asked.vehicle, asked.firmware)
+        self._scale = LegacyScale(vehicle.full_pwm_thrust)
         params = firmware_params(asked.firmware_params, asked.mode)
         self._links = {
             one.name: CflibLink(one.name, one.uri, params, asked.toc_cache) for one in _crazyflies(asked)
         }
-        hover = level_stick(vehicle_by_name(asked.vehicle).hover_thrust, self._scale)
+        hover = level_stick(vehicle.hover_thrust, self._scale)
         self._pilot = RadioPilot(self._links, limits, hover if asked.mode == "command" else None)
         self._silent_s = limits.silent_s
         self._health = Health()

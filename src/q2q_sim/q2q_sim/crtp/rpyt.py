@@ -17,7 +17,7 @@ roll are velocities), posSet (-pitch, roll, thrust / 1000 are a position).
 import struct
 from dataclasses import replace
 
-from q2q_control.legacy import PWM_MAX
+from q2q_model.thrust_map import PWM_STICK_MAX
 from q2q_sim.crtp.fields import read
 from q2q_sim.crtp.packet import Packet
 from q2q_sim.onboard.commander import Priority
@@ -50,7 +50,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
 def _setpoint(
     stick: tuple[float, float, float], thrust: float, mode: Parameters, *, locked: bool
 ) -> Setpoint:
-    pwm = 0.0 if locked or thrust < PWM_MIN else min(thrust, float(PWM_MAX))
+    pwm = 0.0 if locked or thrust < PWM_MIN else min(thrust, float(PWM_STICK_MAX))
     made = _turning(_tilting(stick, thrust, mode), stick[2], mode)
     if mode.flag("flightmode.posSet") and thrust != 0:
         return made

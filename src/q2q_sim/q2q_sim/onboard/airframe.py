@@ -1,18 +1,19 @@
 """Turn PWM into forces: what the motors and the inertia of an airframe make of the firmware's numbers.
 
-The house's scale (q2q_control.legacy) is linear: 60000 PWM on every motor is the vehicle's largest thrust.
+The scale is that of q2q_model.thrust_map, linear:
 
-    f = pwm * thrust_max / (4 * 60000)                                   one motor [N]
+    f = pwm * full_pwm_thrust / (4 * 65535)                              one motor [N]
     r' = share_tilt * r,  p' = share_tilt * p,  y' = share_yaw * y       in the mixer (motors)
 
-The firmware's attitude gains are PWM per radian, made for the Crazyflie's inertia. Another airframe is flown
-by a build whose mixer gives the same angular acceleration for the same PWM:
+The firmware's attitude gains are PWM per radian, made for the Crazyflie's inertia. A Crazyflie is flown by
+its stock build. Any other airframe is flown by a build whose mixer gives the angular acceleration of the
+Crazyflie 2.0 for the same PWM:
 
     share_tilt = (k lever / Ixx) of the Crazyflie 2.0 over that of the airframe, share_yaw alike with c / Izz
 
-so that clients see the stock gains on any airframe; on the Crazyflie 2.0 both shares are 1. The position
-gains of Mellinger are newtons per metre: they grow with the mass (parameters). Its derivative of the rates
-makes up for the rotors' lag, and grows with that: without lag it would drive itself.
+so that clients see the stock gains on any airframe; on a Crazyflie both shares are 1. The position gains of
+Mellinger are newtons per metre: they grow with the mass (stiffness_share, 1 on a Crazyflie). Its derivative
+of the rates makes up for the rotors' lag, and grows with that: without lag it would drive itself.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -26,7 +27,7 @@ Left out: the motors' thrust curve and its battery compensation (they undo each 
 import math
 from dataclasses import dataclass
 
-from q2q_control.legacy import PWM_MAX
+from q2q_model.thrust_map import MASS_THRUST, MOTOR_THRUST, PWM_FULL
 from q2q_model.vehicle import CRAZYFLIE_2_0, Vehicle
 
 MOTORS = 4
@@ -41,31 +42,31 @@ class Airframe:
     share_tilt: float
     share_yaw: float
     share_lag: float
-    """The rotors' lag over that of the Crazyflie 2.0."""
+    """What scales the derivative gain of Mellinger's rates."""
+    stiffness_share: float
+    """What scales gains in N/m."""
     mass: float
     """[kg]"""
-
-    @property
-    def pwm_per_newton(self) -> float:
-        """Return the PWM of every motor per newton of collective thrust: `ctrlMel.massThrust` [1/N]."""
-        return 1.0 / (MOTORS * self.newton_per_pwm)
-
-    @property
-    def stiffness_share(self) -> float:
-        """Return the mass over that of the Crazyflie 2.0: what scales gains in N/m."""
-        return self.mass / CRAZYFLIE_2_0.mass
+    pwm_per_newton: float
+    """PWM of every motor per newton of collective thrust: `ctrlMel.massThrust` [1/N]."""
 
 
 def airframe_of(vehicle: Vehicle) -> Airframe:
     """Return the airframe of a vehicle."""
+    force = _newton_per_pwm(vehicle)
+    if vehicle.name in MOTOR_THRUST:
+        return Airframe(force, 1.0, 1.0, 1.0, 1.0, vehicle.mass, MASS_THRUST)
     tilt, yaw = _agility(vehicle)
     stock_tilt, stock_yaw = _agility(CRAZYFLIE_2_0)
     lag = vehicle.thrust_lag / CRAZYFLIE_2_0.thrust_lag
-    return Airframe(_newton_per_pwm(vehicle), stock_tilt / tilt, stock_yaw / yaw, lag, vehicle.mass)
+    stiffness = vehicle.mass / CRAZYFLIE_2_0.mass
+    return Airframe(
+        force, stock_tilt / tilt, stock_yaw / yaw, lag, stiffness, vehicle.mass, 1.0 / (MOTORS * force)
+    )
 
 
 def _newton_per_pwm(vehicle: Vehicle) -> float:
-    return vehicle.thrust_max / (MOTORS * PWM_MAX)
+    return vehicle.full_pwm_thrust / (MOTORS * PWM_FULL)
 
 
 def _agility(vehicle: Vehicle) -> tuple[float, float]:

@@ -9,6 +9,8 @@ commander.enHighLevel (nothing in F either, since 2021) and flightmode.yawMode (
 
 from dataclasses import dataclass
 
+from q2q_model.thrust_map import MASS_THRUST
+
 Value = float | int
 
 
@@ -85,7 +87,7 @@ MELLINGER = _floats(  # F modules/src/controller/controller_mellinger.c
     {
         "kp_xy": 0.4, "kd_xy": 0.2, "ki_xy": 0.05, "i_range_xy": 2.0,
         "kp_z": 1.25, "kd_z": 0.4, "ki_z": 0.05, "i_range_z": 0.4,
-        "mass": 0.029, "massThrust": 132000.0,
+        "mass": 0.029, "massThrust": MASS_THRUST,
         "kR_xy": 70000.0, "kR_z": 60000.0, "kw_xy": 20000.0, "kw_z": 12000.0,
         "ki_m_xy": 0.0, "ki_m_z": 500.0, "kd_omega_rp": 200.0, "i_range_m_xy": 1.0, "i_range_m_z": 1500.0,
     },

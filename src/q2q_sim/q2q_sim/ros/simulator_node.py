@@ -28,13 +28,14 @@ from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.ros.run import run
 from q2q_model.signals import Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
+from q2q_model.thrust_map import FIRMWARES
 from q2q_sim import scenarios
 from q2q_sim.flight_clock import FlightClock, as_fields
 from q2q_sim.lockstep import CommandGate, Patience
 from q2q_sim.room import TICK_S, Room, Tick
 from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
 from q2q_sim.ros.crtp_room import open_crtp, rehearse_crtp
-from q2q_sim.scenario import Scenario
+from q2q_sim.scenario import Scenario, with_firmware
 
 STALL_LOOK_S = 0.05
 """How often a stalled lockstep is looked at [s]."""
@@ -51,6 +52,9 @@ class SimulatorParams:
     """Hold the node's parameters."""
 
     scenario: str = tunable("table6", "scenario name or file", read_only=True)
+    firmware: str = tunable(
+        "", "thrust per PWM; empty is the scenario's", choices=("", *FIRMWARES), read_only=True
+    )
     seed: int = tunable(0, "seed of everything random", low=0, read_only=True)
     pace: str = tunable("lockstep", "what makes time pass", choices=("lockstep", "live"), read_only=True)
     autostart: bool = tunable(True, "fly at once; else wait for ~/start", read_only=True)  # noqa: FBT003
@@ -72,7 +76,7 @@ class Simulator:
 
     def __init__(self, node: Node) -> None:
         self._params = declare(node, SimulatorParams())
-        self._scenario = scenarios.load(self._params.scenario)
+        self._scenario = with_firmware(scenarios.load(self._params.scenario), self._params.firmware)
         rehearse(self._scenario)
         self._room = Room(self._scenario, self._params.seed)
         self._gate = CommandGate(self._scenario.names, exact=self._params.pace == "lockstep")

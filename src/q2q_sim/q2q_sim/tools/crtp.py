@@ -9,12 +9,14 @@ import sys
 from time import monotonic, sleep
 from types import FrameType
 
+from q2q_model.thrust_map import FIRMWARES
 from q2q_model.tools.command_line import CommandLine
 from q2q_sim import scenarios
 from q2q_sim.crtp.link_model import LinkParams
 from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
 from q2q_sim.room import TICK_S, Room
 from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+from q2q_sim.scenario import with_firmware
 
 LATE_S = 0.5
 """A room that falls behind the wall clock by this counts from anew [s]."""
@@ -44,6 +46,7 @@ def parser() -> CommandLine:
     made.add_argument(
         "--positioning", default="deck", choices=("deck", "external"), help="who knows the place"
     )
+    made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
     made.add_argument("--latency", type=float, default=0.0, help="of the link, each way [s]")
     made.add_argument("--loss", type=float, default=0.0, help="share of transmissions lost")
     made.add_argument("--rate", type=float, default=0.0, help="packets a second of one radio; 0 is no limit")
@@ -52,7 +55,7 @@ def parser() -> CommandLine:
 
 
 def _open(asked: argparse.Namespace) -> None:
-    scenario = scenarios.load(asked.scenario)
+    scenario = with_firmware(scenarios.load(asked.scenario), asked.firmware)
     room = Room(scenario, asked.seed)
     fleet = fleet_in(room, scenario, CrtpRoomParams(start=asked.start, positioning=asked.positioning))
     link = LinkParams(latency=asked.latency, loss=asked.loss, rate=asked.rate)

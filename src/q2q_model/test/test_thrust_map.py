@@ -1,0 +1,72 @@
+"""The table of vehicle and firmware gives the forces and hovers that the firmware gives."""
+
+import pytest
+
+from q2q_model.hover import OwnHover, hover_pwm, hover_ratio
+from q2q_model.thrust_map import FIRMWARES, MASS_THRUST, MOTOR_THRUST
+from q2q_model.vehicle import CRAZYFLIE_2_0, TEXTBOOK_065, VEHICLES, on_firmware, vehicle_by_name
+
+STICK = 60000 / 65535
+
+
+@pytest.mark.parametrize(
+    ("firmware", "newtons"),
+    [
+        ("stock", 0.4395),
+        ("thrust_upgrade", 0.6592),
+        ("stock_2025_09", 0.4120),
+        ("stock_2025_02", 0.5389),  # 60 gram-force of the whole vehicle at 65535
+    ],
+)
+def test_the_largest_stick_gives_what_the_firmware_gives(firmware: str, newtons: float) -> None:
+    vehicle = vehicle_by_name("crazyflie_2_0", firmware)
+    assert vehicle.stick_thrust_max == pytest.approx(newtons, abs=5e-5)  # four decimals
+    assert vehicle.thrust_max == vehicle.full_pwm_thrust == pytest.approx(newtons / STICK, abs=1e-4)
+
+
+def test_34_grams_hover_at_45539_on_the_stock_firmware_which_is_the_default() -> None:
+    assert round(hover_pwm(CRAZYFLIE_2_0)) == 45539
+    assert vehicle_by_name("crazyflie_2_0") == on_firmware(CRAZYFLIE_2_0, "stock") == CRAZYFLIE_2_0
+
+
+def test_every_vehicle_hovers_within_its_sticks_on_every_firmware_it_has() -> None:
+    for name, vehicle in VEHICLES.items():
+        for firmware in MOTOR_THRUST.get(name, ("stock",)):
+            one = on_firmware(vehicle, firmware)
+            assert one.hover_thrust < one.stick_thrust_max <= one.thrust_max
+            assert (one.mass, one.inertia) == (vehicle.mass, vehicle.inertia)
+
+
+def test_a_stick_scaled_for_another_firmware_is_told_by_the_vehicles_own_parameters() -> None:
+    own = OwnHover(mass=0.034, mass_thrust=MASS_THRUST)
+    ratios = {name: hover_ratio(vehicle_by_name("crazyflie_2_0", name), own) for name in FIRMWARES}
+    assert ratios["stock"] == pytest.approx(65535 / 0.48 / 132000)  # 3 % above: the firmware's own rounding
+    assert ratios["thrust_upgrade"] < 0.85
+    assert ratios["stock_2025_02"] < 0.85
+    assert hover_ratio(CRAZYFLIE_2_0, OwnHover(0.029, MASS_THRUST)) > 1.15  # guards that it knows nothing of
+
+
+def test_the_textbook_vehicle_has_a_map_of_its_own() -> None:
+    assert TEXTBOOK_065.stick_thrust_max == pytest.approx(TEXTBOOK_065.thrust_max, rel=1e-15)
+    assert on_firmware(TEXTBOOK_065, "stock") is TEXTBOOK_065
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "firmware", "told"),
+    [
+        ("crazyflie_2_0", "2025", "known are stock, thrust_upgrade, stock_2025_09, stock_2025_02"),
+        ("crazyflie_brushless", "thrust_upgrade", "known are stock, stock_2025_09"),
+        ("textbook_065", "thrust_upgrade", "known are stock"),
+    ],
+)
+def test_a_firmware_that_a_vehicle_does_not_have_is_refused_with_those_it_has(
+    vehicle: str, firmware: str, told: str
+) -> None:
+    with pytest.raises(ValueError, match=f"firmware '{firmware}' of {vehicle}: {told}"):
+        vehicle_by_name(vehicle, firmware)
+
+
+@pytest.mark.parametrize("own", [OwnHover(0.0, MASS_THRUST), OwnHover(0.034, float("nan"))])
+def test_senseless_parameters_of_a_vehicle_are_refused(own: OwnHover) -> None:
+    with pytest.raises(ValueError, match="both must be above 0"):
+        hover_ratio(CRAZYFLIE_2_0, own)
