@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from q2q_model.tools.command_line import CommandLine
+from q2q_model.commands.command_line import CommandLine
 from row import Row
 
 HERE = Path(__file__).parent

@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
-from q2q_model.tools.command_line import CommandLine
+from q2q_model.commands.command_line import CommandLine
 from q2q_planner.encounters import Verdict, fly_encounter, judge, random_encounter
 from q2q_planner.safe_params import SafeReplannerParams
 from row import Row

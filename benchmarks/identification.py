@@ -119,7 +119,7 @@ def _whole_identify() -> Row:
     bags = sorted(str(path) for path in BAGS.glob("table2_*"))
     with TemporaryDirectory() as folder:
         out = str(Path(folder) / "model.q2q")
-        command = [sys.executable, "-m", "q2q_model.tools.identify", *bags, "--out", out]
+        command = [sys.executable, "-m", "q2q_model.commands.identify", *bags, "--out", out]
         before = getrusage(RUSAGE_CHILDREN)
         subprocess.run(command, check=True, capture_output=True)
         after = getrusage(RUSAGE_CHILDREN)

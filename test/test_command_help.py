@@ -7,19 +7,19 @@ import pytest
 from fresh_checkout import ROOT
 
 TOOLS = {
-    "q2q_sim.tools.fly": "--lockstpe",
-    "q2q_sim.tools.demo": "--jsno",
-    "q2q_sim.tools.report": "--comapre",
-    "q2q_sim.tools.crtp": "--latencey",
-    "q2q_sim.tools.bag_import": "--uot",
-    "q2q_sim.tools.paper": "--onyl",
-    "q2q_sim.tools.ablation": "--jsno",
-    "q2q_sim.tools.campaign": "--jsno",
-    "q2q_sim.tools.policies": "--jsno",
-    "q2q_sim.tools.docs": "--chekc",
-    "q2q_planner.tools.plan": "--modle",
-    "q2q_model.tools.identify": "--vehcile",
-    "q2q_model.tools.evaluate": "--modle",
+    "q2q_sim.commands.fly": "--lockstpe",
+    "q2q_sim.commands.demo": "--jsno",
+    "q2q_sim.commands.report": "--comapre",
+    "q2q_sim.commands.crtp": "--latencey",
+    "q2q_sim.commands.bag_import": "--uot",
+    "q2q_sim.commands.paper": "--onyl",
+    "q2q_sim.commands.ablation": "--jsno",
+    "q2q_sim.commands.campaign": "--jsno",
+    "q2q_sim.commands.policies": "--jsno",
+    "q2q_sim.commands.docs": "--chekc",
+    "q2q_planner.commands.plan": "--modle",
+    "q2q_model.commands.identify": "--vehcile",
+    "q2q_model.commands.evaluate": "--modle",
 }
 """Each tool with a misspelt option of its own."""
 

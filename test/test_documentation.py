@@ -21,10 +21,10 @@ from documentation import Command, Snippet, commands, documents, is_dead, links,
 from fresh_checkout import ROOT
 
 from q2q_model import model_file
+from q2q_model.commands.command_line import CommandLine
 from q2q_model.interaction.model import at_rest
 from q2q_model.mocap_filter import MocapFilterParams
 from q2q_model.parameters import tunable_of
-from q2q_model.tools.command_line import CommandLine
 from q2q_sim import scenarios
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.tools.docs import OUT, out_of_date, pages, table
@@ -195,7 +195,7 @@ def test_every_command_of_a_tool_is_understood_by_its_own_parser(command: Comman
     words = command.words[len(command.program) :]
     parse = CommandLine.parse_args
 
-    def parsed(made: CommandLine, arguments: object = None) -> None:
+    def parsed(made: CommandLine, arguments: object = None, _: object = None) -> None:
         parse(made, list(words) if arguments is None else arguments)
         raise _ParsedError
 
@@ -229,7 +229,7 @@ def tool(program: tuple[str, ...]) -> Callable[[list[str]], int] | None:
         module = next((one.module for one in found if one.module.startswith(program[2])), "")
     else:
         module = ""
-    if ".tools." not in module:
+    if ".commands." not in module:
         return None
     main: Callable[[list[str]], int] = import_module(module).main
     return main

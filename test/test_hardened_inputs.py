@@ -18,7 +18,7 @@ from std_msgs.msg import String
 from q2q_model.bag import BagError, BagReader
 from q2q_model.cdr import decode, encode
 from q2q_model.layout import LAYOUTS, Signal
-from q2q_model.model_file import ModelFileError
+from q2q_model.model_names import ModelFileError
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.signals import SwarmCommand

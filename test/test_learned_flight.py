@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from q2q_model.commands import identify
 from q2q_model.model_file import load
-from q2q_model.tools import identify
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions, fly
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from q2q_model.flights import Flight
-from q2q_model.model_file import ModelFileError
+from q2q_model.model_names import ModelFileError
 from q2q_model.tools.models import find_model
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions

@@ -16,7 +16,7 @@ PATIENCE_S = 90.0
 def start_flight() -> subprocess.Popen[str]:
     environment = {key: value for key, value in os.environ.items() if key != "ROS_DOMAIN_ID"}
     return subprocess.Popen(
-        [sys.executable, "-m", "q2q_sim.tools.fly", "table6", "--live"],
+        [sys.executable, "-m", "q2q_sim.commands.fly", "table6", "--live"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

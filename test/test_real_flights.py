@@ -9,7 +9,7 @@ from q2q_model.identification.command_gains import gains_from_commands
 from q2q_model.identification.procedure import recorded_altitudes
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle import CRAZYFLIE_2_0
-from q2q_sim.tools import bag_import
+from q2q_sim.commands import bag_import
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[2] / "shared" / "data")) / "neural_swarm"
 FLIGHTS = ("dc21_swap_ss_00", "dc21_swap_ss_02", "dc21_swap_ss_04", "dc21_swap_sss_02")

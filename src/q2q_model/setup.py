@@ -27,8 +27,8 @@ setup(
         "console_scripts": [
             "mocap_filter = q2q_model.ros.mocap_filter_node:main",
             "interference = q2q_model.ros.interference_node:main",
-            "identify = q2q_model.tools.identify:main",
-            "evaluate = q2q_model.tools.evaluate:main",
+            "identify = q2q_model.commands.identify:main",
+            "evaluate = q2q_model.commands.evaluate:main",
         ],
     },
 )

@@ -27,7 +27,7 @@ setup(
         "console_scripts": [
             "trajectory = q2q_planner.ros.trajectory_node:main",
             "replanner = q2q_planner.ros.replanner_node:main",
-            "plan = q2q_planner.tools.plan:main",
+            "plan = q2q_planner.commands.plan:main",
         ],
     },
 )

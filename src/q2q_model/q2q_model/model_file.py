@@ -23,10 +23,11 @@ from q2q_model.interaction.jet import Jet
 from q2q_model.interaction.model import InteractionModel
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.level_set import LevelSet, level_set
+from q2q_model.model_names import ModelFileError
 from q2q_model.plain_values import Plain, PlainValueError, from_plain, to_plain
 from q2q_model.zone import Cylinder, Ellipsoid, Zone
 
-FORMAT, VERSION, SUFFIX = "q2q-model", 1, ".q2q"
+FORMAT, VERSION = "q2q-model", 1
 
 MODELS: Mapping[str, type[NoInteraction | Jet | EnvelopeNetwork]] = {
     "none": NoInteraction,
@@ -38,10 +39,6 @@ LEVEL_SET = "level_set"
 """A zone kept by its threshold alone: its table is made again from the model."""
 
 T = TypeVar("T")
-
-
-class ModelFileError(ValueError):
-    """Error for a model file that cannot be used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,24 +95,6 @@ def load(path: Path) -> ModelFile:
         return decode(text)
     except ModelFileError as error:
         raise ModelFileError(f"model file {path}: {error}") from error
-
-
-def resolve(name: str, shipped: Path) -> ModelFile:
-    """Return the model called `name`: "none", the name of a shipped file, or a path.
-
-    Args:
-        name: what the user gave.
-        shipped: folder of the shipped files, share/q2q_model/config where installed.
-    """
-    if name == "none":
-        return ModelFile(interaction=NoInteraction())
-    named = shipped / f"{name}{SUFFIX}"
-    if Path(name).name == name and named.is_file():
-        return load(named)
-    if Path(name).is_file():
-        return load(Path(name))
-    known = ", ".join(sorted({"none"} | {path.stem for path in shipped.glob(f"*{SUFFIX}")}))
-    raise ModelFileError(f"no model {name!r}: give one of {known}, or the path of a {SUFFIX} file")
 
 
 def encode(content: ModelFile) -> str:

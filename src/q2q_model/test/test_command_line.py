@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_model.tools.command_line import CommandLine, nearest, without_ros
+from q2q_model.commands.command_line import CommandLine, nearest, without_ros
 
 
 def made() -> CommandLine:

@@ -10,9 +10,9 @@ from mcap_ros2.writer import Writer as ForeignWriter
 from rosbags.typesys import Stores, get_typestore
 
 from q2q_model.bag import BagWriter, read_flight
+from q2q_model.commands import evaluate, identify
 from q2q_model.flights import Flight
 from q2q_model.signals import Array, MocapFrame, SwarmSetpoint, SwarmState
-from q2q_model.tools import evaluate, identify
 
 BAGS = Path(__file__).resolve().parents[3] / "bags"
 needs_bags = pytest.mark.skipif(not BAGS.is_dir(), reason=f"no recorded flights in {BAGS}")

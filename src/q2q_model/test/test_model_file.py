@@ -6,14 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.commands.model_choice import IN_SOURCE
 from q2q_model.identification.altitude_loop import PAPER_LOOP
 from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
 from q2q_model.interaction.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.interaction.model import InteractionModel, at_rest
 from q2q_model.interaction.none import NoInteraction
 from q2q_model.level_set import LevelSet, level_set
-from q2q_model.model_file import Fit, ModelFile, ModelFileError, RoleScores, decode, encode, load, save
-from q2q_model.tools.models import IN_SOURCE, find_model
+from q2q_model.model_file import Fit, ModelFile, RoleScores, decode, encode, load, save
+from q2q_model.model_names import ModelFileError
+from q2q_model.tools.models import find_model
 from q2q_model.zone import Cylinder, Ellipsoid
 
 

@@ -7,8 +7,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from q2q_planner.commands.plan import main
 from q2q_planner.flight_limits import FlightLimits
-from q2q_planner.tools.plan import main
 from q2q_planner.tools.waypoint_file import read_waypoints
 from q2q_planner.waypoints import VehicleWaypoints
 

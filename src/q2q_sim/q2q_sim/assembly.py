@@ -28,6 +28,7 @@ from q2q_planner.replanner import Replanner
 from q2q_planner.safe_params import SafeReplannerParams
 from q2q_planner.safe_replanner import SafeReplanner
 from q2q_planner.trajectory import SwarmPlan
+from q2q_sim.choices import CONTROLLERS, REPLANNERS
 from q2q_sim.room import TICK_S
 from q2q_sim.scenario import Scenario, block_params
 
@@ -35,8 +36,6 @@ __all__ = ["TICK_S", "Blocks", "Mode", "Options", "blocks_of", "plan_around", "p
 
 Mode = Literal["ignoring", "aware", "aware_unlimited"]
 MODES: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
-CONTROLLERS = ("pid", "mpc")
-REPLANNERS = ("none", "paper", "safe")
 
 NodeParameters = dict[str, ParameterValue]
 

@@ -12,10 +12,9 @@ import math
 from q2q_model.vehicle import CRAZYFLIE_2_0
 from q2q_planner.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.scenario import Scenario
+from q2q_sim.scenario_files import MOST
 from q2q_sim.settings import IDEAL
 
-MOST = 1000
-"""Most vehicles; the room is then 100 m wide."""
 SPACING = 0.6
 """Along the ring [m]: well outside each other's draft and six times eps."""
 SPEED = 0.5

@@ -15,8 +15,9 @@ from q2q_sim.ablation.learning import Learned, pairs_over
 from q2q_sim.ablation.table import key, median_interval, page, ratio_to_clear_air, worst_to_ignoring
 from q2q_sim.ablation.trial import COLUMNS, Trace, exposed, flown, measured
 from q2q_sim.assembly import Options, blocks_of, plan_of
+from q2q_sim.commands.ablation import main
 from q2q_sim.scenario import Scenario
-from q2q_sim.tools.ablation import Results, main, read
+from q2q_sim.tools.ablation import Results, read
 
 LEARNED = Learned(PAPER_LAW, 0.0, None)
 SHORT = 0.3

@@ -43,7 +43,7 @@ class OpenRoom:
 def open_room(scenario: str, *more: str) -> OpenRoom:
     """Return a room once it is ready."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "q2q_sim.tools.crtp", scenario, "--port", "0", *more],
+        [sys.executable, "-m", "q2q_sim.commands.crtp", scenario, "--port", "0", *more],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
     )  # fmt: skip
     assert process.stdout is not None
@@ -180,7 +180,7 @@ def test_a_port_that_is_taken_is_named_and_the_room_does_not_open() -> None:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
         refused = subprocess.run(
-            [sys.executable, "-m", "q2q_sim.tools.crtp", "swarm2", "--port", str(port)],
+            [sys.executable, "-m", "q2q_sim.commands.crtp", "swarm2", "--port", str(port)],
             capture_output=True, text=True, timeout=START_S, check=False,
         )  # fmt: skip
     assert refused.returncode == 1

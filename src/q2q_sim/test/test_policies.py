@@ -13,10 +13,10 @@ from q2q_model.signals import CommandStatus, MocapFrame, SwarmCommand, SwarmSetp
 from q2q_model.tools.models import find_model
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.commands import policies as tool
 from q2q_sim.faults import Fault
 from q2q_sim.policies import POLICIES, Circumstances, Heard, evidence_of, judge
 from q2q_sim.radio import RadioParams
-from q2q_sim.tools import policies as tool
 from q2q_sim.vicon import ViconParams
 
 SCENARIO = replace(scenarios.load("stack3"), duration=8.0, vicon=ViconParams(), radio=RadioParams())

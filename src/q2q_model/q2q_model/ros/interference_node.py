@@ -8,7 +8,8 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from q2q_model.interaction.predictor import InteractionPredictor
-from q2q_model.model_file import ModelFileError, decode
+from q2q_model.model_file import decode
+from q2q_model.model_names import ModelFileError
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED

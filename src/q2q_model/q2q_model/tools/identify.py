@@ -1,8 +1,8 @@
-"""Learn gains, interference zone and interaction model from recorded flights."""
+"""Identify a model from recorded flights, with a bar for the steps, a report and pictures."""
 
 import json
-import sys
 import time
+from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,72 +11,33 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from threadpoolctl import threadpool_limits
 
-from q2q_model.bag import BagError
 from q2q_model.identification.procedure import Identification, ProcedureParams, identify
 from q2q_model.model_file import save
 from q2q_model.plain_values import Plain, PlainValueError, to_plain
-from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_model.tools.identify_report import report, summary
 from q2q_model.tools.models import find_model
 from q2q_model.tools.recordings import read_recordings, topic_map
-from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
+from q2q_model.vehicle import Vehicle, vehicle_by_name
 
-EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
-  ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet
-  ros2 run q2q_model identify room/* --topics room.yaml --out model.q2q
-  ros2 run q2q_model identify --live --model model.q2q --out refined.q2q"""
 STEPS = 12
 """Steps of a run with all candidates; the bar is a guide, not a promise."""
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Identify as the command line says; return 0, or 1 after an error."""
-    parser = _command_line()
-    given = parser.parse_args(without_ros(arguments))
-    if bool(given.bags) == given.live:
-        parser.error("give bags of recorded flights, or --live with --model, not both")
-    console = Console(stderr=True)
-    try:
-        if given.live:
-            return _refine_live(given.model, vehicle_by_name(given.vehicle), given.out)
-        with threadpool_limits(1, user_api="blas"):  # the matrices are small: more threads only wait
-            found, seconds = _run(given.bags, given.topics, _params(given), console)
-        save(given.out, found.file)
-        wanted = given.json or given.out.with_suffix(".json")
-        wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
-        pictures = [] if given.no_plots else _draw(found, wanted.with_suffix(""))
-    except (BagError, ValueError, OSError) as wrong:
-        print(f"identify: {wrong}", file=sys.stderr)
-        return 1
+def run(given: Namespace) -> int:
+    """Identify what is asked for; write and print what was found; return the exit status."""
+    if given.live:
+        return _refine_live(given.model, vehicle_by_name(given.vehicle), given.out)
+    with threadpool_limits(1, user_api="blas"):  # the matrices are small: more threads only wait
+        found, seconds = _run(given.bags, given.topics, _params(given), Console(stderr=True))
+    save(given.out, found.file)
+    wanted = given.json or given.out.with_suffix(".json")
+    wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
+    pictures = [] if given.no_plots else _draw(found, wanted.with_suffix(""))
     print(summary(found))
     print(f"model: {given.out}\nreport: {wanted}")
     for picture in pictures:
         print(f"plot: {picture}")
     return 0
-
-
-def _command_line() -> CommandLine:
-    parser = CommandLine("identify", __doc__, EXAMPLE)
-    parser.add_argument("bags", nargs="*", type=Path, metavar="BAG", help="recorded flights")
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="model file to write (.q2q)")
-    parser.add_argument(
-        "--json", type=Path, metavar="FILE", help="report to write; default: beside the model"
-    )
-    parser.add_argument(
-        "--model-type",
-        default="auto",
-        choices=("auto", "jet", "envelope_network"),
-        help="auto picks by held-out error",
-    )
-    parser.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
-    parser.add_argument("--vehicle", default="crazyflie_2_0", choices=tuple(VEHICLES), help="whose mass")
-    parser.add_argument(
-        "--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]"
-    )
-    parser.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
-    parser.add_argument("--model", default="paper_law", help="model that --live begins with")
-    parser.add_argument("--no-plots", action="store_true", help="draw nothing")
-    return parser
 
 
 def _refine_live(model: str, vehicle: Vehicle, out: Path) -> int:
@@ -149,7 +110,3 @@ def _draw(found: Identification, folder: Path) -> list[Path]:
     from q2q_model.tools.identify_figures import draw_all
 
     return draw_all(found, folder)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

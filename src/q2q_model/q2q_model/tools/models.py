@@ -1,12 +1,9 @@
 """Find interaction models by name: those shipped with the package, installed or in the source tree."""
 
-import os
-from pathlib import Path
-
-from q2q_model.model_file import ModelFile, resolve
-
-IN_SHARE = Path("share", "q2q_model", "config")
-IN_SOURCE = Path(__file__).resolve().parents[2] / "config"
+from q2q_model.commands.model_choice import shipped_models
+from q2q_model.interaction.none import NoInteraction
+from q2q_model.model_file import ModelFile, load
+from q2q_model.model_names import model_path
 
 
 def find_model(name: str) -> ModelFile:
@@ -15,12 +12,5 @@ def find_model(name: str) -> ModelFile:
     Raises:
         ModelFileError: there is no such model, or its file cannot be used.
     """
-    return resolve(name, shipped_models())
-
-
-def shipped_models() -> Path:
-    """Return the folder of the shipped `.q2q` files: that of the first ament prefix that has one."""
-    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        if prefix and (found := Path(prefix) / IN_SHARE).is_dir():
-            return found
-    return IN_SOURCE
+    path = model_path(name, shipped_models())
+    return ModelFile(interaction=NoInteraction()) if path is None else load(path)

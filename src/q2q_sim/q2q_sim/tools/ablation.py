@@ -1,8 +1,8 @@
-"""Compare controllers that know the draft with ones that do not, and write one table of it."""
+"""Fly what a table of the ablation lacks, and write the table."""
 
 import json
 import shlex
-import sys
+from argparse import Namespace
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -15,15 +15,13 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from q2q_model.model_file import ModelFile, decode, encode
 from q2q_model.signals import Array
-from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_sim.ablation.cases import CASES, Case
 from q2q_sim.ablation.contenders import CONTENDERS
 from q2q_sim.ablation.learning import Learned, learn
 from q2q_sim.ablation.table import key, page
 from q2q_sim.ablation.trial import trial
+from q2q_sim.choices import TABLE_ONLY
 
-EXAMPLE = """  ros2 run q2q_sim ablation --seeds 20 --json out/ablation.json --out docs/ablation.md --jobs 2
-  ros2 run q2q_sim ablation --seeds 5 --only stack3 --json out/stack3.json --out out/stack3.md"""
 READING = (
     "Medians over n replicas, each with its own noise, air, losses and rotors, with 95 % intervals; rooms "
     "without chance have one. 'Lower' is the lowest vehicle over the whole flight; 'under' counts vehicles "
@@ -34,7 +32,6 @@ LEARNED = (
     "The controllers' models were learned from other flights in the same air, in the same run "
     "(`q2q_sim.ablation.learning`):"
 )
-TABLE_ONLY = "--table-only"
 FIRST = ("ignoring", "MPC observer")
 """Flown first: an interrupted run can compare the worst and the best everywhere."""
 WAKES = ("measured", "paper")
@@ -63,23 +60,18 @@ class Results:
         fresh.replace(self.file)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Fly what is missing, write the table; return 0, or 1 after an error."""
-    words = without_ros(arguments)
-    given = _command_line().parse_args(words)
-    try:
-        results = read(given.json, given.seeds)
-        wanted = [case for case in CASES if not given.only or case.scenario in given.only]
-        if not given.table_only:
-            _fill(results, wanted, given.jobs)
-    except (ValueError, OSError) as wrong:
-        print(f"ablation: {wrong}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print(f"ablation: interrupted; the same command goes on from {given.json}", file=sys.stderr)
-        return 1
+def run(given: Namespace) -> int:
+    """Fly what is missing, write the table; return the exit status."""
+    results = read(given.json, given.seeds)
+    strangers = sorted(set(given.only or ()) - {case.scenario for case in CASES})
+    if strangers:
+        known = ", ".join(sorted({case.scenario for case in CASES}))
+        raise ValueError(f"--only {' '.join(strangers)}: choose some of {known}")
+    wanted = [case for case in CASES if not given.only or case.scenario in given.only]
+    if not given.table_only:
+        _fill(results, wanted, given.jobs)
     given.out.parent.mkdir(parents=True, exist_ok=True)
-    command = f"ros2 run q2q_sim ablation {shlex.join(word for word in words if word != TABLE_ONLY)}"
+    command = f"ros2 run q2q_sim ablation {shlex.join(word for word in given.words if word != TABLE_ONLY)}"
     given.out.write_text(page(results.cells, notes(results), command), encoding="utf-8")
     print(f"table: {given.out}\nnumbers: {given.json}")
     return 0
@@ -111,20 +103,6 @@ def notes(results: Results) -> list[str]:
     missing = len(CASES) * len(CONTENDERS) - len(results.cells)
     rest = [f"{missing} of the flights are not flown yet: the same command goes on."] if missing > 0 else []
     return [*rest, READING, LEARNED, "\n".join(models)]
-
-
-def _command_line() -> CommandLine:
-    parser = CommandLine("ablation", __doc__, EXAMPLE)
-    parser.add_argument("--seeds", type=int, default=20, metavar="N", help="replicas of each case, 1 to 25")
-    parser.add_argument(
-        "--json", type=Path, required=True, metavar="FILE", help="numbers; what it holds already is not flown"
-    )
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="table to write (.md)")
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="flights at once")
-    parser.add_argument(TABLE_ONLY, action="store_true", help="fly nothing: write what the numbers hold")
-    names = sorted({case.scenario for case in CASES})
-    parser.add_argument("--only", nargs="+", choices=names, metavar="SCENARIO", help="these scenarios only")
-    return parser
 
 
 def _fill(results: Results, wanted: Sequence[Case], jobs: int) -> None:
@@ -168,7 +146,3 @@ def _learned(plain: Mapping[str, object]) -> Learned:
     r2 = plain["r2"]
     model = decode(str(plain["file"])).interaction
     return Learned(model, float(str(plain["loading"])), None if r2 is None else float(str(r2)))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """Turn a recorded flight in a table (Parquet or CSV) into a bag: `ros2 run q2q_sim bag_import`."""
 
-import sys
+from argparse import Namespace
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -8,27 +8,14 @@ import numpy as np
 
 from q2q_model.bag import LOG_TOPIC, BagWriter, write_log_row
 from q2q_model.signals import Array
-from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_sim.flight_table import FlightTable, flight_table, log_of, signals_of
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Convert as the command line says; return 0, or 1 after an error."""
-    parser = CommandLine("bag_import", __doc__, "  ros2 run q2q_sim bag_import flight.parquet --out flight")
-    parser.add_argument(
-        "table", type=Path, help="flight as .parquet or .csv: t, then <vehicle>_x ... or x ..."
-    )
-    parser.add_argument(
-        "--out", type=Path, required=True, metavar="BAG", help="folder to write; must not exist"
-    )
-    given = parser.parse_args(without_ros(arguments))
-    try:
-        table = flight_table(read_columns(given.table))
-        counts = write_bag(table, given.out)
-    except (ValueError, OSError) as wrong:
-        print(f"bag_import: {wrong}", file=sys.stderr)
-        return 1
-    print(f"{given.out}: {len(table.t)} ticks of {', '.join(table.names)}")
+def run(asked: Namespace) -> int:
+    """Convert the table; print what is in the bag; return the exit status."""
+    table = flight_table(read_columns(asked.table))
+    counts = write_bag(table, asked.out)
+    print(f"{asked.out}: {len(table.t)} ticks of {', '.join(table.names)}")
     for topic, count in counts.items():
         print(f"  {topic}: {count} messages")
     print(f"  {int(table.gap.sum())} samples lie in gaps of the source: not in /mocap")
@@ -64,7 +51,3 @@ def write_bag(table: FlightTable, path: Path) -> dict[str, int]:
                 write_log_row(bag, log, row)
     topics = [*signals, LOG_TOPIC] if log.columns else list(signals)
     return dict.fromkeys(topics, len(table.t))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

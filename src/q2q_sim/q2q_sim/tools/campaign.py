@@ -1,13 +1,7 @@
-"""Fly random faults through random scenarios, and judge every flight: `campaign --runs N`.
+"""Fly a campaign: go on where it was, keep what ended, print what violated a policy."""
 
-A run is a seed. Ended runs are kept in a file of JSON lines, so that a campaign that was interrupted goes
-on where it was; a violation prints its seed and keeps its bag and scenario. Ends with 1 where any policy
-was violated.
-"""
-
-import argparse
 import json
-import sys
+from argparse import Namespace
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -15,29 +9,14 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from q2q_model.tools.command_line import CommandLine, without_ros
 from q2q_sim.campaign.outcome import Outcome, as_document, from_document, summary
-from q2q_sim.tools.campaign_engine import ENGINES, outcomes
+from q2q_sim.tools.campaign_engine import outcomes
 from q2q_sim.tools.campaign_nodes import NodeFlights
-from q2q_sim.tools.fly import warn_plainly
-
-EXAMPLE = """  scripts/campaign --runs 20
-  scripts/campaign --runs 2000 --jobs 2 --through-nodes 200 --json out/campaign.json
-  DASK_SCHEDULER_ADDRESS=tcp://host:8786 scripts/campaign --runs 20000 --engine dask"""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Fly the campaign the command line asks for; return the exit status."""
-    asked = parser().parse_args(without_ros(arguments))
-    warn_plainly("campaign")
-    try:
-        flown, seconds = _fly(asked)
-    except KeyboardInterrupt:
-        print("campaign: interrupted; call it again to go on", file=sys.stderr)
-        return 130
-    except (ValueError, OSError) as refusal:
-        print(f"campaign: {refusal}", file=sys.stderr)
-        return 2
+def run(asked: Namespace) -> int:
+    """Fly the campaign that is asked for; return 1 where a policy is violated."""
+    flown, seconds = _fly(asked)
     show(flown, seconds)
     if asked.json:
         asked.json.parent.mkdir(parents=True, exist_ok=True)
@@ -45,31 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return int(any(one.violations for one in flown))
 
 
-def parser() -> CommandLine:
-    """Return the parser of the command line."""
-    made = CommandLine("campaign", __doc__, EXAMPLE)
-    made.add_argument("--runs", type=_count, default=20, help="how many runs in all (default 20)")
-    made.add_argument("--jobs", type=_count, default=1, help="how many at once (default 1)")
-    made.add_argument(
-        "--through-nodes", type=_count, default=0, help="how many of them through the real nodes, in lockstep"
-    )
-    made.add_argument("--seed", type=_count, default=0, help="seed of the first run; the others follow it")
-    made.add_argument("--engine", choices=ENGINES, default="local", help="who runs them at once")
-    made.add_argument("--out", type=Path, default=Path("out/campaign"), help="folder of runs and bags")
-    made.add_argument("--json", type=Path, help="write what it comes to to this file")
-    return made
-
-
-def _count(text: str) -> int:
-    count = int(text) if text.isdigit() else -1
-    if count < 0:
-        raise argparse.ArgumentTypeError(f"{text}: a whole number, 0 or above")
-    return count
-
-
-def _fly(asked: argparse.Namespace) -> tuple[list[Outcome], float]:
-    if asked.through_nodes > asked.runs:
-        raise ValueError(f"--through-nodes {asked.through_nodes}: at most the {asked.runs} --runs")
+def _fly(asked: Namespace) -> tuple[list[Outcome], float]:
     asked.out.mkdir(parents=True, exist_ok=True)
     log, kept = asked.out / "runs.jsonl", asked.out / "violations"
     seeds = range(asked.seed, asked.seed + asked.runs)
@@ -94,9 +49,7 @@ def _fly(asked: argparse.Namespace) -> tuple[list[Outcome], float]:
     return flown, sum(one.seconds for one in flown)
 
 
-def _all(
-    asked: argparse.Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path
-) -> Iterable[Outcome]:
+def _all(asked: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path) -> Iterable[Outcome]:
     if pure:
         yield from outcomes(asked.engine, pure, asked.jobs, kept)
     if nodes:
@@ -156,7 +109,3 @@ def _bar() -> Progress:
     return Progress(
         words, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=Console(stderr=True)
     )
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -7,10 +7,10 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from q2q_sim.campaign.outcome import CRASH, Outcome
+from q2q_sim.choices import ENGINES
 from q2q_sim.policies import Violation
 from q2q_sim.tools.campaign_flight import fly_and_judge
 
-ENGINES = ("local", "dask")
 RECYCLE = 200
 """Runs after which a process is replaced: what leaks, leaks no further. By new pools: one that replaces its
 own processes (max_tasks_per_child) may wait for ever, https://github.com/python/cpython/issues/115634."""

@@ -1,16 +1,11 @@
-"""Command line of a room that speaks CRTP without ROS: `crtp SCENARIO`.
+"""Open a room that speaks CRTP without ROS, and fly it at the pace of the wall clock."""
 
-Prints one URI a vehicle, then flies at 100 Hz of wall time until it is interrupted.
-"""
-
-import argparse
 import signal
-import sys
+from argparse import Namespace
+from contextlib import suppress
 from time import monotonic, sleep
 from types import FrameType
 
-from q2q_model.thrust_map import FIRMWARES
-from q2q_model.tools.command_line import CommandLine
 from q2q_sim import scenarios
 from q2q_sim.crtp.link_model import LinkParams
 from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
@@ -22,39 +17,16 @@ LATE_S = 0.5
 """A room that falls behind the wall clock by this counts from anew [s]."""
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Open the room that the command line asks for; return the exit status."""
-    asked = parser().parse_args(arguments)
+def run(asked: Namespace) -> int:
+    """Open the room and fly it until SIGINT or SIGTERM; return the exit status."""
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _interrupt)
-    try:
+    with suppress(KeyboardInterrupt):
         _open(asked)
-    except KeyboardInterrupt:
-        return 0
-    except (ValueError, OSError) as refusal:
-        print(f"crtp: {refusal}", file=sys.stderr)
-        return 1
     return 0
 
 
-def parser() -> CommandLine:
-    """Return the parser of the command line."""
-    made = CommandLine("crtp", __doc__, "  ros2 run q2q_sim crtp table6 --start air")
-    made.add_argument("scenario", nargs="?", default="table6", help="scenario name or YAML file")
-    made.add_argument("--port", type=int, default=19850, help="first UDP port; 0 lets the system choose")
-    made.add_argument("--start", default="ground", choices=("ground", "air"), help="where vehicles wait")
-    made.add_argument(
-        "--positioning", default="deck", choices=("deck", "external"), help="who knows the place"
-    )
-    made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
-    made.add_argument("--latency", type=float, default=0.0, help="of the link, each way [s]")
-    made.add_argument("--loss", type=float, default=0.0, help="share of transmissions lost")
-    made.add_argument("--rate", type=float, default=0.0, help="packets a second of one radio; 0 is no limit")
-    made.add_argument("--seed", type=int, default=0, help="seed of everything random")
-    return made
-
-
-def _open(asked: argparse.Namespace) -> None:
+def _open(asked: Namespace) -> None:
     scenario = with_firmware(scenarios.load(asked.scenario), asked.firmware)
     room = Room(scenario, asked.seed)
     fleet = fleet_in(room, scenario, CrtpRoomParams(start=asked.start, positioning=asked.positioning))
@@ -77,7 +49,3 @@ def _fly(room: Room, endpoint: CrtpEndpoint) -> None:
 
 def _interrupt(_: int, __: FrameType | None) -> None:
     raise KeyboardInterrupt
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,24 +1,17 @@
-"""Fly one Crazyflie over another three times: ignoring the draft, aware of it, aware without the limit.
-
-The flight is the one of the paper's sections 5.1 and 5.2 (scenario table6): Q1 hovers at 1.5 m, Q2 passes
-0.5 m above it. Beside the table stands what the paper's Table 6 found. The last line is the verdict on each
-flight; the status is 1 where one is not ok. Ignoring the draft, Q1 sags and touches nothing: that is ok.
-"""
+"""Fly the demonstration's three flights; leave bags, pictures and a page behind."""
 
 import json
 import shutil
-import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.tools.command_line import CommandLine
 from q2q_sim.tools.figures import Curve, altitude_figure, save, thrust_figure
 from q2q_sim.tools.flight import FlightRequest, FlightRun
-from q2q_sim.tools.fly import conclude, fly_with_progress, warn_plainly
+from q2q_sim.tools.fly import conclude, fly_with_progress
 from q2q_sim.tools.fly import show as print_runs
 from q2q_sim.tools.interruption import Interruption
 from q2q_sim.tools.page import Picture, page
-from q2q_sim.tools.processes import NodeDiedError
 from q2q_sim.tools.run_json import runs_json
 from q2q_sim.tools.run_table import MODE_WORDS, run_grid, run_notes, run_verdicts
 
@@ -31,21 +24,9 @@ LEAD = (
 )
 
 
-def main(arguments: list[str] | None = None) -> int:
+def run(asked: Namespace) -> int:
     """Fly the demonstration; return the exit status."""
-    made = CommandLine("demo", __doc__, "  scripts/demo --json out.json")
-    made.add_argument("--out", type=Path, default=Path("out/demo"), help="folder of what is left behind")
-    made.add_argument("--json", type=Path, help="write the numbers to this file")
-    asked = made.parse_args(arguments)
-    warn_plainly("demo")
-    try:
-        return conclude(show(asked.out, asked.json))
-    except KeyboardInterrupt:
-        print("demo: interrupted; all nodes are ended", file=sys.stderr)
-        return 130
-    except (ValueError, OSError, NodeDiedError, TimeoutError) as refusal:
-        print(f"demo: {refusal}", file=sys.stderr)
-        return 1
+    return conclude(show(asked.out, asked.json))
 
 
 def show(out: Path, json_file: Path | None) -> Sequence[FlightRun]:
@@ -83,7 +64,3 @@ def draw(runs: Sequence[FlightRun], out: Path) -> list[Picture]:
             path = save(figure_of(curves, name), out / f"{name}_{what}.png")
             pictures.append(Picture(path, f"{name}: {what}, as Fig. 14"))
     return pictures
-
-
-if __name__ == "__main__":
-    sys.exit(main())

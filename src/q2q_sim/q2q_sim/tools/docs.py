@@ -5,25 +5,19 @@ The documents' pictures are drawn anew with `--images`.
 """
 
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.tools.command_line import CommandLine
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.ros.stand_in import Declared, Port
 from q2q_sim.tools.docs_images import write_images
 
-OUT = Path("docs/nodes")
 MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then run it again. -->"
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def run(asked: Namespace) -> int:
     """Write or check the pages; return the exit status."""
-    made = CommandLine("docs", __doc__, "  scripts/docs\n  scripts/docs --check\n  scripts/docs --images")
-    made.add_argument("--out", type=Path, default=OUT, help="folder of the pages")
-    made.add_argument("--check", action="store_true", help="write nothing; fail where a page is out of date")
-    made.add_argument("--images", action="store_true", help="draw docs/images anew, too")
-    asked = made.parse_args(arguments)
     wanted = pages(survey())
     stale = out_of_date(wanted, asked.out)
     if asked.check:
@@ -115,7 +109,3 @@ def _default(default: object) -> str:
     if isinstance(default, str):
         return f'"{default}"'
     return str(default) if isinstance(default, int | float | list) else "[]"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -5,23 +5,18 @@ goes on where it stood.
 """
 
 import json
-import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from q2q_model.tools.command_line import CommandLine
 from q2q_sim.tools import paper_control, paper_learning, paper_planning
-from q2q_sim.tools.fly import warn_plainly
 from q2q_sim.tools.paper_cache import PaperCache, fingerprint
 from q2q_sim.tools.paper_numbers import PaperNumber, chosen, paper_numbers
 from q2q_sim.tools.paper_outcome import Experiment, Outcome
 from q2q_sim.tools.paper_page import as_json, write_page, write_pdf
-
-EXAMPLE = """  scripts/paper
-  scripts/paper --only table6,fig10 --json out/paper.json"""
 
 EXPERIMENTS = (
     Experiment("vehicle", ("table1",), 0.1, paper_learning.vehicle),
@@ -39,23 +34,9 @@ EXPERIMENTS = (
 """In the order they are run: quick ones first."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Remake the paper; return the exit status."""
-    made = CommandLine("paper", __doc__, EXAMPLE)
-    made.add_argument("--only", default="", metavar="LIST", help="tables and figures, as table6,fig10")
-    made.add_argument("--out", type=Path, default=Path("out/paper"), help="folder of page, PDF, pictures")
-    made.add_argument("--json", type=Path, metavar="FILE", help="write the rows to this file")
-    made.add_argument("--again", action="store_true", help="run finished experiments again")
-    asked = made.parse_args(arguments)
-    warn_plainly("paper")
-    try:
-        return _remake(chosen(paper_numbers(), asked.only), asked.out, asked.json, again=asked.again)
-    except KeyboardInterrupt:
-        print("paper: interrupted; what is finished is kept, run it again to go on", file=sys.stderr)
-        return 130
-    except (ValueError, OSError) as refusal:
-        print(f"paper: {refusal}", file=sys.stderr)
-        return 1
+def run(asked: Namespace) -> int:
+    """Remake what is asked for; return the exit status."""
+    return _remake(chosen(paper_numbers(), asked.only), asked.out, asked.json, again=asked.again)
 
 
 def needed(numbers: Sequence[PaperNumber]) -> list[Experiment]:
@@ -91,7 +72,3 @@ def run_all(experiments: Sequence[Experiment], cache: PaperCache, *, again: bool
             outcomes.append(found)
             bar.advance(task, one.seconds)
     return outcomes
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,48 +1,29 @@
-"""Judge recorded flights by the safety policies: `policies BAG...`; ends with 1 where one is violated."""
+"""Judge recorded flights by the safety policies."""
 
 import json
-import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from q2q_model.bag import BagReader
-from q2q_model.tools.command_line import CommandLine, without_ros
-from q2q_model.vehicle import VEHICLES, vehicle_by_name
+from q2q_model.vehicle import vehicle_by_name
 from q2q_sim import scenarios
 from q2q_sim.policies import POLICIES, Circumstances, Evidence, Heard, Violation, evidence_of, judge
 from q2q_sim.tools.run_json import Json, finite
 from q2q_sim.topics import TICK_TOPICS
 
-EXAMPLE = """  ros2 run q2q_sim policies out/fly/bag
-  ros2 run q2q_sim policies out/campaign/violations/17 --scenario out/campaign/violations/17.yaml --json"""
 
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Judge the bags the command line names; return the exit status."""
-    asked = parser().parse_args(without_ros(arguments))
-    try:
-        circumstances = circumstances_of(asked.scenario, asked.vehicle)
-        found = {str(bag): judge(evidence_in(bag), circumstances) for bag in asked.bags}
-    except (ValueError, OSError) as refusal:
-        print(f"policies: {refusal}", file=sys.stderr)
-        return 2
+def run(asked: Namespace) -> int:
+    """Judge the bags that are named; return 1 where a policy is violated."""
+    circumstances = circumstances_of(asked.scenario, asked.vehicle)
+    found = {str(bag): judge(evidence_in(bag), circumstances) for bag in asked.bags}
     if asked.json:
         print(json.dumps({bag: as_json(violations) for bag, violations in found.items()}, indent=1))
     else:
         for bag, violations in found.items():
             print("\n".join(f"{bag}: {one}" for one in violations) or f"{bag}: keeps {', '.join(POLICIES)}")
     return int(any(found.values()))
-
-
-def parser() -> CommandLine:
-    """Return the parser of the command line."""
-    made = CommandLine("policies", __doc__, EXAMPLE)
-    made.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bag folder of a flight")
-    made.add_argument("--scenario", default="", help="what was flown: its vehicle and its faults")
-    made.add_argument("--vehicle", default="", help=f"without a scenario: one of {', '.join(VEHICLES)}")
-    made.add_argument("--json", action="store_true", help="print the violations as JSON")
-    return made
 
 
 def circumstances_of(scenario: str, vehicle: str) -> Circumstances:
@@ -68,7 +49,3 @@ def as_json(violations: Sequence[Violation]) -> Json:
         {key: finite(value) if isinstance(value, float) else value for key, value in asdict(one).items()}
         for one in violations
     ]
-
-
-if __name__ == "__main__":
-    sys.exit(main())

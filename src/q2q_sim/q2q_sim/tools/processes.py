@@ -38,7 +38,7 @@ class NodeSpec:
         return (self.executable, *(spec.executable for spec in self.inside))
 
 
-class NodeDiedError(RuntimeError):
+class NodeDiedError(ChildProcessError):
     """Say which node ended before its flight, and what it said last."""
 
 

@@ -1,10 +1,7 @@
-"""Report any recorded flight as one HTML page: tracking, drafts, commands, separation, mocap quality.
-
-`report BAG --compare OTHER` lays flights over each other, the first one as what the others differ from.
-"""
+"""Measure recorded flights and lay them over each other on one HTML page."""
 
 import json
-import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,15 +12,13 @@ from numpy.typing import NDArray
 from q2q_model.bag import read_flight
 from q2q_model.flights import Flight
 from q2q_model.signals import CommandStatus
-from q2q_model.tools.command_line import CommandLine
-from q2q_model.vehicle import VEHICLES, Vehicle, vehicle_by_name
+from q2q_model.vehicle import Vehicle, vehicle_by_name
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.mocap_quality import MocapQuality, mocap_quality
 from q2q_sim.policies import Circumstances
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.tools import figures
 from q2q_sim.tools.figures import Curve
-from q2q_sim.tools.fly import warn_plainly
 from q2q_sim.tools.page import Grid, Picture, page
 from q2q_sim.tools.run_json import Json, finite
 from q2q_sim.verdict import Verdict, verdict_line, verdict_of
@@ -46,32 +41,15 @@ class Reported:
     verdict: Verdict
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the report the command line asks for; return the exit status."""
-    asked = parser().parse_args(arguments)
-    warn_plainly("report")
-    try:
-        flights = [reported(bag, vehicle_by_name(asked.vehicle)) for bag in [asked.bag, *asked.compare]]
-        write(flights, asked.out)
-    except (ValueError, OSError) as refusal:
-        print(f"report: {refusal}", file=sys.stderr)
-        return 1
+def run(asked: Namespace) -> int:
+    """Write the report that is asked for; return the exit status."""
+    flights = [reported(bag, vehicle_by_name(asked.vehicle)) for bag in [asked.bag, *asked.compare]]
+    write(flights, asked.out)
     if asked.json:
         asked.json.write_text(json.dumps(as_json(flights), indent=1) + "\n")
     print(f"page: {asked.out / 'index.html'}")
     print(verdicts(flights))
     return 0
-
-
-def parser() -> CommandLine:
-    """Return the parser of the command line."""
-    made = CommandLine("report", __doc__, "  ros2 run q2q_sim report out/demo/bags/aware")
-    made.add_argument("bag", type=Path, help="bag folder of the flight")
-    made.add_argument("--compare", type=Path, nargs="+", default=[], help="more flights to lay over it")
-    made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
-    made.add_argument("--out", type=Path, default=Path("out/report"), help="folder of page and pictures")
-    made.add_argument("--json", type=Path, help="write the numbers to this file")
-    return made
 
 
 def reported(bag: Path, vehicle: Vehicle) -> Reported:
@@ -173,7 +151,3 @@ def _percent(condition: NDArray[np.bool_]) -> str:
 
 def _text(value: float) -> str:
     return "-" if finite(value) is None else f"{value:.5g}"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

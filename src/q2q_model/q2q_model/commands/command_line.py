@@ -1,16 +1,35 @@
-"""Parse command lines: help with an example, and the nearest right word for a wrong one."""
+"""Parse command lines: help with an example, and the nearest right word for a wrong one.
+
+    words -> parsed -> checked -> (imports) -> work -> exit status
+
+Nothing but the standard library is needed before the last check, so that help and refusals come at once.
+"""
 
 import argparse
 import re
 import sys
-from collections.abc import Sequence
+import warnings
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 from difflib import get_close_matches
+from pathlib import Path
 from typing import NoReturn
+
+from q2q_model.commands.quiet_end import ending_at_once
 
 ROS_ARGS = "--ros-args"
 """What follows is for ROS: a launch file adds it to whatever it starts."""
 WRONG_CHOICE = re.compile(r"invalid choice: '([^']*)'")
 UNKNOWN = re.compile(r"unrecognized arguments: (.*)")
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, as shells have it: 128 + SIGINT."""
+
+Work = Callable[[Namespace], int]
+"""Do what a command line asks for; return the exit status."""
+
+
+class UsageError(ValueError):
+    """Words that are right one by one and wrong together."""
 
 
 class CommandLine(argparse.ArgumentParser):
@@ -39,6 +58,48 @@ class CommandLine(argparse.ArgumentParser):
         options = [word for action in self._actions for word in action.option_strings]
         choices = [str(word) for action in self._actions for word in action.choices or ()]
         return options + choices
+
+
+def carry_out(
+    line: CommandLine,
+    prepare: Callable[[Namespace], Work],
+    words: Sequence[str] | None = None,
+    *,
+    interrupted: str = "interrupted",
+    refused: int = 1,
+) -> int:
+    """Do what a command line asks for; return the exit status.
+
+    Args:
+        line: what may be asked for.
+        prepare: refuses what cannot be done (UsageError, ValueError, OSError), imports, returns the work.
+            What it is given has the words themselves, too, as `words`.
+        words: the words (None: this program's own); from `--ros-args` on they are not ours.
+        interrupted: what to say after Ctrl-C; the status is 130.
+        refused: status after a refusal.
+    """
+    own = without_ros(words)
+    asked = line.parse_args(own, Namespace(words=own))
+    warnings.formatwarning = lambda message, *_, **__: f"{line.prog}: warning: {message}\n"
+    try:
+        with ending_at_once(INTERRUPTED):
+            work = prepare(asked)
+        return work(asked)
+    except KeyboardInterrupt:
+        print(f"{line.prog}: {interrupted}", file=sys.stderr)
+        return INTERRUPTED
+    except UsageError as wrong:
+        line.error(str(wrong))
+    except (ValueError, OSError) as refusal:
+        print(f"{line.prog}: {refusal}", file=sys.stderr)
+        return refused
+
+
+def must_exist(what: str, *paths: Path) -> None:
+    """Raise ValueError for the first path that is not there; `what` names its kind."""
+    for path in paths:
+        if not path.exists():
+            raise ValueError(f"{what} {path}: there is no such file or folder")
 
 
 def without_ros(arguments: Sequence[str] | None) -> list[str]:

@@ -1,0 +1,56 @@
+"""Learn gains, interference zone and interaction model from recorded flights."""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, carry_out, must_exist
+from q2q_model.commands.model_choice import check_model
+from q2q_model.vehicle import VEHICLES
+
+EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
+  ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet
+  ros2 run q2q_model identify room/* --topics room.yaml --out model.q2q
+  ros2 run q2q_model identify --live --model model.q2q --out refined.q2q"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Identify as the command line says; return the exit status."""
+    return carry_out(parser(), _prepare, words)
+
+
+def _prepare(asked: Namespace) -> Work:
+    if bool(asked.bags) == asked.live:
+        raise UsageError("give bags of recorded flights, or --live with --model, not both")
+    if asked.live:
+        check_model(asked.model)
+    must_exist("bag", *asked.bags, *([asked.topics] if asked.topics else []))
+    from q2q_model.tools.identify import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("identify", __doc__, EXAMPLE)
+    made.add_argument("bags", nargs="*", type=Path, metavar="BAG", help="recorded flights")
+    made.add_argument("--out", type=Path, required=True, metavar="FILE", help="model file to write (.q2q)")
+    made.add_argument("--json", type=Path, metavar="FILE", help="report to write; default: beside the model")
+    made.add_argument(
+        "--model-type",
+        default="auto",
+        choices=("auto", "jet", "envelope_network"),
+        help="auto picks by held-out error",
+    )
+    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
+    made.add_argument("--vehicle", default="crazyflie_2_0", choices=tuple(VEHICLES), help="whose mass")
+    made.add_argument("--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]")
+    made.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
+    made.add_argument("--model", default="paper_law", help="model that --live begins with")
+    made.add_argument("--no-plots", action="store_true", help="draw nothing")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,79 @@
+"""Turn waypoints into a plan file: minimum snap, and out of each other's draft, proven for every t."""
+
+import argparse
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_model.commands.model_choice import check_model
+from q2q_model.vehicle import VEHICLES, vehicle_by_name
+
+EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
+  ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --json cost.json --csv plan.csv
+  ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --cut 0.88
+  ros2 run q2q_planner plan waypoints.yaml --out plan.json --no-avoid --upload uploads/
+
+waypoints.yaml:
+  vehicles: {cf1: [{t: 0, pos: [-1, 0, 0]}, {t: 20, pos: [0, 0, 2.5]}, {t: 50, pos: [1, 0, 0]}], cf2: [..]}"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Plan as the command line says; return the exit status."""
+    return carry_out(parser(), _prepare, words)
+
+
+def _prepare(asked: Namespace) -> Work:
+    vehicle_by_name(asked.vehicle)
+    if asked.model:
+        check_model(asked.model)
+    must_exist("waypoint file", asked.waypoints, *([asked.warm] if asked.warm else []))
+    from q2q_planner.tools.plan import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("plan", __doc__, EXAMPLE)
+    made.add_argument("waypoints", type=Path, help="YAML file of waypoints")
+    made.add_argument("--out", type=Path, required=True, metavar="PLAN", help="plan file to write")
+    made.add_argument("--json", type=Path, help="write cost and proof to this file")
+    made.add_argument(
+        "--avoid", action=argparse.BooleanOptionalAction, default=True, help="keep out of the zone"
+    )
+    made.add_argument("--starts", type=int, default=2, help="starts of the search (default 2)")
+    made.add_argument("--warm", type=Path, metavar="PLAN", help="search only around this plan")
+    made.add_argument("--reading", choices=("stop_and_go", "free"), default="stop_and_go", help="of eq. (17)")
+    made.add_argument("--csv", type=Path, help="write setpoints at 100 Hz to this file")
+    made.add_argument(
+        "--upload", type=Path, help="write <name>.csv for Crazyswarm2's upload into this folder"
+    )
+    made.add_argument(
+        "--figures", type=Path, help="draw Figs 10 to 13 and plan and zone in 3-D, into this folder"
+    )
+    _add_zone(made)
+    _add_limits(made)
+    return made
+
+
+def _add_zone(made: CommandLine) -> None:
+    zone = made.add_argument_group("zone")
+    zone.add_argument("--shape", choices=("cylinder", "ellipsoid"), default="cylinder")
+    zone.add_argument("--eps", type=float, default=0.1, help="radius of the zone [m] (default 0.1)")
+    zone.add_argument("--d", type=float, default=1.1, help="half height of the zone [m] (default 1.1)")
+    zone.add_argument("--model", help="take this interaction model's zone: a shipped name or a .q2q file")
+    zone.add_argument("--threshold", type=float, help="with --model: where its draft is above this [m/s^2]")
+    zone.add_argument("--cut", type=float, help="with --model: so large that this share of the draft is gone")
+
+
+def _add_limits(made: CommandLine) -> None:
+    limits = made.add_argument_group("limits; waypoints without t get times within them")
+    limits.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
+    limits.add_argument("--speed", type=float, default=2.0, help="[m/s] (default 2)")
+    limits.add_argument("--acceleration", type=float, default=4.0, help="[m/s^2] (default 4)")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,42 @@
+"""Compare controllers that know the draft with ones that do not, and write one table of it."""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_sim.choices import TABLE_ONLY
+
+EXAMPLE = """  ros2 run q2q_sim ablation --seeds 20 --json out/ablation.json --out docs/ablation.md --jobs 2
+  ros2 run q2q_sim ablation --seeds 5 --only stack3 --json out/stack3.json --out out/stack3.md"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Fly what is missing, write the table; return the exit status."""
+    what = "interrupted; the same command goes on from the numbers in --json"
+    return carry_out(parser(), _prepare, words, interrupted=what)
+
+
+def _prepare(_: Namespace) -> Work:
+    from q2q_sim.tools.ablation import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("ablation", __doc__, EXAMPLE)
+    made.add_argument("--seeds", type=int, default=20, metavar="N", help="replicas of each case, 1 to 25")
+    made.add_argument(
+        "--json", type=Path, required=True, metavar="FILE", help="numbers; what it holds already is not flown"
+    )
+    made.add_argument("--out", type=Path, required=True, metavar="FILE", help="table to write (.md)")
+    made.add_argument("--jobs", type=int, default=1, metavar="N", help="flights at once")
+    made.add_argument(TABLE_ONLY, action="store_true", help="fly nothing: write what the numbers hold")
+    made.add_argument("--only", nargs="+", metavar="SCENARIO", help="these scenarios only")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

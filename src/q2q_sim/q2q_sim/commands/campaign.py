@@ -1,0 +1,58 @@
+"""Fly random faults through random scenarios, and judge every flight: `campaign --runs N`.
+
+A run is a seed. Ended runs are kept in a file of JSON lines, so that a campaign that was interrupted goes
+on where it was; a violation prints its seed and keeps its bag and scenario. Ends with 1 where any policy
+was violated.
+"""
+
+import argparse
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_sim.choices import ENGINES
+
+EXAMPLE = """  scripts/campaign --runs 20
+  scripts/campaign --runs 2000 --jobs 2 --through-nodes 200 --json out/campaign.json
+  DASK_SCHEDULER_ADDRESS=tcp://host:8786 scripts/campaign --runs 20000 --engine dask"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Fly the campaign the command line asks for; return the exit status."""
+    return carry_out(parser(), _prepare, words, interrupted="interrupted; call it again to go on", refused=2)
+
+
+def _prepare(asked: Namespace) -> Work:
+    if asked.through_nodes > asked.runs:
+        raise ValueError(f"--through-nodes {asked.through_nodes}: at most the {asked.runs} --runs")
+    from q2q_sim.tools.campaign import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("campaign", __doc__, EXAMPLE)
+    made.add_argument("--runs", type=_count, default=20, help="how many runs in all (default 20)")
+    made.add_argument("--jobs", type=_count, default=1, help="how many at once (default 1)")
+    made.add_argument(
+        "--through-nodes", type=_count, default=0, help="how many of them through the real nodes, in lockstep"
+    )
+    made.add_argument("--seed", type=_count, default=0, help="seed of the first run; the others follow it")
+    made.add_argument("--engine", choices=ENGINES, default="local", help="who runs them at once")
+    made.add_argument("--out", type=Path, default=Path("out/campaign"), help="folder of runs and bags")
+    made.add_argument("--json", type=Path, help="write what it comes to to this file")
+    return made
+
+
+def _count(text: str) -> int:
+    count = int(text) if text.isdigit() else -1
+    if count < 0:
+        raise argparse.ArgumentTypeError(f"{text}: a whole number, 0 or above")
+    return count
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,45 @@
+"""Command line of a room that speaks CRTP without ROS: `crtp SCENARIO`.
+
+Prints one URI a vehicle, then flies at 100 Hz of wall time until it is interrupted.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.thrust_map import FIRMWARES
+from q2q_sim import scenario_files
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Open the room that the command line asks for; return the exit status."""
+    return carry_out(parser(), _prepare, words)
+
+
+def _prepare(asked: Namespace) -> Work:
+    scenario_files.check(asked.scenario)
+    from q2q_sim.tools.crtp import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("crtp", __doc__, "  ros2 run q2q_sim crtp table6 --start air")
+    made.add_argument("scenario", nargs="?", default="table6", help="scenario name or YAML file")
+    made.add_argument("--port", type=int, default=19850, help="first UDP port; 0 lets the system choose")
+    made.add_argument("--start", default="ground", choices=("ground", "air"), help="where vehicles wait")
+    made.add_argument(
+        "--positioning", default="deck", choices=("deck", "external"), help="who knows the place"
+    )
+    made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
+    made.add_argument("--latency", type=float, default=0.0, help="of the link, each way [s]")
+    made.add_argument("--loss", type=float, default=0.0, help="share of transmissions lost")
+    made.add_argument("--rate", type=float, default=0.0, help="packets a second of one radio; 0 is no limit")
+    made.add_argument("--seed", type=int, default=0, help="seed of everything random")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

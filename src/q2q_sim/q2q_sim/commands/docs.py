@@ -1,0 +1,38 @@
+"""Write one page a node into docs/nodes: topics, types, qualities of service, services, parameters.
+
+Nothing in the pages is typed: the words are the node module's docstring, the rest is what the node declares.
+The documents' pictures are drawn anew with `--images`.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out
+
+OUT = Path("docs/nodes")
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Write or check the pages; return the exit status."""
+    return carry_out(parser(), _prepare, words)
+
+
+def _prepare(_: Namespace) -> Work:
+    from q2q_sim.tools.docs import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("docs", __doc__, "  scripts/docs\n  scripts/docs --check\n  scripts/docs --images")
+    made.add_argument("--out", type=Path, default=OUT, help="folder of the pages")
+    made.add_argument("--check", action="store_true", help="write nothing; fail where a page is out of date")
+    made.add_argument("--images", action="store_true", help="draw docs/images anew, too")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

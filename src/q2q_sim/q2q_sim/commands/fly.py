@@ -1,0 +1,89 @@
+"""Command line of one flight: `fly SCENARIO`."""
+
+import argparse
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.model_choice import check_model
+from q2q_sim import scenario_files
+from q2q_sim.choices import CONTROLLERS, REPLANNERS
+
+EXAMPLE = """  scripts/fly --list
+  scripts/fly table6 --aware --lockstep --json out/table6.json
+  scripts/fly table6_room --ignoring --seed 3 --bag out/room_3
+  scripts/fly --real dc19_swap_ss_02"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Fly as the command line says; return the exit status."""
+    return carry_out(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
+
+
+def _prepare(asked: Namespace) -> Work:
+    if not (asked.list or asked.real or asked.scenario):
+        raise ValueError("give a scenario: `scripts/fly --list` names them")
+    if asked.scenario:
+        scenario_files.check(asked.scenario)
+    if asked.model:
+        check_model(asked.model)
+    from q2q_sim.tools.fly import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("fly", __doc__, EXAMPLE)
+    made.add_argument("scenario", nargs="?", help="scenario name or YAML file; see --list")
+    made.add_argument("--list", action="store_true", help="name the scenarios, one line each")
+    made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="who computes the commands")
+    _either(made, "aware", "ignoring", "compensate the draft, or ignore it", default=True)
+    _either(
+        made, "limit", "no-limit", "hold the scenario's thrust limit, or only the vehicle's", default=True
+    )
+    made.add_argument(
+        "--replan",
+        nargs="?",
+        const="paper",
+        default="none",
+        choices=REPLANNERS,
+        help="law of the online replanner (--replan alone: paper)",
+    )
+    made.add_argument("--no-replan", dest="replan", action="store_const", const="none", help="--replan none")
+    made.add_argument(
+        "--plan",
+        default="none",
+        choices=("none", "avoid"),
+        help="plan ahead around the model's draft, or not",
+    )
+    _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as the commands come", default=False)
+    made.add_argument(
+        "--stack", action="store_true", help="run filter, model, planner and controller in one process"
+    )
+    made.add_argument("--seed", type=int, default=0, help="seed of everything random")
+    made.add_argument("--model", default="", help="interaction model: none, a shipped name, or a .q2q file")
+    made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
+    made.add_argument(
+        "--record",
+        nargs="+",
+        default=[],
+        metavar="TOPIC",
+        help="topics for the bag (default: all; without --bag what the numbers need)",
+    )
+    made.add_argument("--json", type=Path, help="write the numbers to this file")
+    made.add_argument("--real", metavar="FLIGHT", help="play a recorded flight of Q2Q_DATA instead")
+    return made
+
+
+def _either(made: argparse.ArgumentParser, yes: str, no: str, words: str, *, default: bool) -> None:
+    group = made.add_mutually_exclusive_group()
+    name = yes.replace("-", "_")
+    group.add_argument(f"--{yes}", dest=name, action="store_true", default=default, help=words)
+    group.add_argument(f"--{no}", dest=name, action="store_false", help=f"not --{yes}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

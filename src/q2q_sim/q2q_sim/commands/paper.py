@@ -1,0 +1,45 @@
+"""Remake every table and figure of the paper from the project's own flights, beside its numbers.
+
+Finished experiments are kept in OUT/cache and not run again until the code changes; a run that was broken off
+goes on where it stood.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out
+
+EXAMPLE = """  scripts/paper
+  scripts/paper --only table6,fig10 --json out/paper.json"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Remake the paper; return the exit status."""
+    what = "interrupted; what is finished is kept, run it again to go on"
+    return carry_out(parser(), _prepare, words, interrupted=what)
+
+
+def _prepare(asked: Namespace) -> Work:
+    if asked.only:
+        from q2q_sim.tools.paper_numbers import chosen, paper_numbers
+
+        chosen(paper_numbers(), asked.only)
+    from q2q_sim.tools.paper import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("paper", __doc__, EXAMPLE)
+    made.add_argument("--only", default="", metavar="LIST", help="tables and figures, as table6,fig10")
+    made.add_argument("--out", type=Path, default=Path("out/paper"), help="folder of page, PDF, pictures")
+    made.add_argument("--json", type=Path, metavar="FILE", help="write the rows to this file")
+    made.add_argument("--again", action="store_true", help="run finished experiments again")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

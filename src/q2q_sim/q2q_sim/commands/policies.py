@@ -1,0 +1,43 @@
+"""Judge recorded flights by the safety policies: `policies BAG...`; ends with 1 where one is violated."""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_model.vehicle import VEHICLES, vehicle_by_name
+from q2q_sim import scenario_files
+
+EXAMPLE = """  ros2 run q2q_sim policies out/fly/bag
+  ros2 run q2q_sim policies out/campaign/violations/17 --scenario out/campaign/violations/17.yaml --json"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Judge the bags the command line names; return the exit status."""
+    return carry_out(parser(), _prepare, words, refused=2)
+
+
+def _prepare(asked: Namespace) -> Work:
+    must_exist("bag", *asked.bags)
+    if asked.scenario:
+        scenario_files.check(asked.scenario)
+    elif asked.vehicle:
+        vehicle_by_name(asked.vehicle)
+    from q2q_sim.tools.policies import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("policies", __doc__, EXAMPLE)
+    made.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bag folder of a flight")
+    made.add_argument("--scenario", default="", help="what was flown: its vehicle and its faults")
+    made.add_argument("--vehicle", default="", help=f"without a scenario: one of {', '.join(VEHICLES)}")
+    made.add_argument("--json", action="store_true", help="print the violations as JSON")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())
