@@ -11,9 +11,6 @@ from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 
-from rich.console import Console
-from rich.table import Table
-
 from q2q_model.commands.command_line import CommandLine
 from row import Row
 
@@ -46,6 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(area: str) -> list[Row]:
+    from rich.console import Console
+    from rich.table import Table
+
     print(f"bench: {area} ...", file=sys.stderr)
     rows: list[Row] = import_module(area).run()
     table = Table(title=area)

@@ -1,7 +1,12 @@
-"""Every tool has help with an example, and answers a wrong word with the nearest right one."""
+"""Every tool has help with an example, answers a wrong word with the nearest right one, and refuses at once.
+
+At once: with the standard library alone. The tools run here in a Python that finds no other package, so that
+nothing heavy can have been imported before the answer.
+"""
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from fresh_checkout import ROOT
@@ -20,22 +25,45 @@ TOOLS = {
     "q2q_planner.commands.plan": "--modle",
     "q2q_model.commands.identify": "--vehcile",
     "q2q_model.commands.evaluate": "--modle",
+    "bench": "--jsno",
 }
 """Each tool with a misspelt option of its own."""
+REFUSALS = (
+    ("q2q_sim.commands.fly tabel6", 1, "did you mean table6?"),
+    ("q2q_sim.commands.fly none.yaml", 1, "none.yaml: cannot be read"),
+    ("q2q_sim.commands.fly swarm2000", 1, "1 to 1000 vehicles"),
+    ("q2q_sim.commands.fly table6 --model nosuch", 1, "paper_law"),
+    ("q2q_sim.commands.crtp tabel6", 1, "did you mean table6?"),
+    ("q2q_sim.commands.report none", 1, "bag none"),
+    ("q2q_sim.commands.report . --vehicle nosuch", 1, "unknown vehicle"),
+    ("q2q_sim.commands.policies . --scenario tabel6", 2, "did you mean table6?"),
+    ("q2q_sim.commands.policies none", 2, "bag none"),
+    ("q2q_sim.commands.bag_import none.csv --out x", 1, "table none.csv"),
+    ("q2q_sim.commands.campaign --runs 1 --through-nodes 2", 2, "at most the 1 --runs"),
+    ("q2q_planner.commands.plan none.yaml --out x", 1, "waypoint file none.yaml"),
+    ("q2q_model.commands.identify none --out x", 1, "bag none"),
+    ("q2q_model.commands.evaluate none --model none", 1, "bag none"),
+    ("bench smulation", 2, "did you mean simulation?"),
+)
+SCRIPTS = ("bench", "campaign", "check", "demo", "docs", "fly", "paper", "setup")
 
 
 def run(tool: str, *words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", tool, *words]
+    folders = [str(ROOT / "benchmarks"), *map(str, (ROOT / "src").glob("q2q_*"))]
+    program = (
+        f"import sys; sys.path[:0] = {folders}; import {tool} as tool; sys.exit(tool.main(sys.argv[1:]))"
+    )
+    command = [sys.executable, "-I", "-S", "-c", program, *words]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=300)
 
 
 def test_every_tool_is_held_to_this():
     found = {
-        f"{path.parts[-3]}.tools.{path.stem}"
-        for path in (ROOT / "src").glob("*/*/tools/*.py")
+        f"{path.parts[-3]}.commands.{path.stem}"
+        for path in (ROOT / "src").glob("*/*/*/*.py")
         if "CommandLine(" in path.read_text(encoding="utf-8") and path.stem != "command_line"
     }
-    assert found == set(TOOLS)
+    assert found | {"bench"} == set(TOOLS)
 
 
 def test_no_tool_parses_its_words_any_other_way():
@@ -57,3 +85,53 @@ def test_help_has_an_example_and_a_wrong_word_an_answer(tool: str):
     assert wrong.returncode == 2
     assert "did you mean --" in wrong.stderr or "required" in wrong.stderr
     assert wrong.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(("words", "status", "says"), REFUSALS)
+def test_what_cannot_be_done_is_refused_in_one_line(words: str, status: int, says: str):
+    refused = run(*words.split())
+    assert refused.returncode == status, refused.stderr
+    assert says in refused.stderr
+    assert refused.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_a_scripts_help_sets_nothing_up(script: str):
+    clean = {"PATH": "/usr/local/bin:/usr/bin:/bin", "HOME": "/nowhere"}
+    told = subprocess.run(
+        ["bash", "-x", ROOT / "scripts" / script, "--help"],
+        env=clean,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert told.returncode == 0, told.stderr
+    assert "example:\n  " in told.stdout
+    assert "+ nothing_to_do" not in told.stderr
+    assert "scripts/setup --dev" not in told.stderr
+
+
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+def test_an_interrupt_during_a_nodes_import_ends_it_without_a_word(number: str, tmp_path: Path):
+    (tmp_path / "slow_node.py").write_text(
+        f"import os, signal\ntry: os.kill(os.getpid(), signal.{number})\nexcept BaseException: pass\n"
+        "def main(): raise SystemExit(9)\n"
+    )
+    folders = [str(tmp_path), str(ROOT / "src/q2q_model")]
+    program = (
+        f"import sys; sys.path[:0] = {folders}\n"
+        "from q2q_model.commands.node_start import start_node; start_node('slow_node')"
+    )
+    done = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
+
+
+def test_an_interrupt_during_a_tools_import_ends_it_with_130():
+    program = (
+        f"import os, signal, sys; sys.path.insert(0, {str(ROOT / 'src/q2q_model')!r})\n"
+        "from q2q_model.commands.command_line import CommandLine, carry_out\n"
+        "def prepare(asked): os.kill(os.getpid(), signal.SIGINT); return lambda asked: 9\n"
+        "sys.exit(carry_out(CommandLine('tool', '', ''), prepare, []))"
+    )
+    done = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (130, b"")

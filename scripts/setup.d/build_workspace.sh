@@ -4,7 +4,7 @@
 build_hash() {
   {
     venv_hash
-    cd "$ROOT/src" && cat ../colcon.meta ../scripts/setup.d/{build_workspace.sh,repair_shebangs.py} */package.xml */setup.py */setup.cfg */CMakeLists.txt */msg/*.msg
+    cd "$ROOT/src" && cat ../colcon.meta ../scripts/setup.d/{build_workspace.sh,console_scripts.py} */package.xml */setup.py */setup.cfg */CMakeLists.txt */msg/*.msg
     printf '%s\n' */msg/* */resource/* */config/* */launch/*
   } 2>/dev/null | sha256sum
 }
@@ -30,7 +30,7 @@ ensure_build() {
   [ -f "$ROOT/install/local_setup.bash" ] || MAKING=$ROOT/install
   rm -f "$STAMPS/build"
   logged "colcon build failed" colcon_build
-  "$VENV/bin/python" -I -S "$ROOT/scripts/setup.d/repair_shebangs.py" "$ROOT/install"
+  "$VENV/bin/python" -I -S "$ROOT/scripts/setup.d/console_scripts.py" "$ROOT"
   stamp build "$(build_hash)"
   MAKING=
 }

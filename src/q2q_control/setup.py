@@ -25,10 +25,10 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "pid = q2q_control.ros.pid_node:main",
-            "mpc = q2q_control.ros.mpc_node:main",
-            "crazyswarm = q2q_control.ros.crazyswarm_node:main",
-            "radio = q2q_control.ros.radio_node:main",
+            "pid = q2q_control.commands.nodes:pid",
+            "mpc = q2q_control.commands.nodes:mpc",
+            "crazyswarm = q2q_control.commands.nodes:crazyswarm",
+            "radio = q2q_control.commands.nodes:radio",
         ],
     },
 )

@@ -25,8 +25,8 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "mocap_filter = q2q_model.ros.mocap_filter_node:main",
-            "interference = q2q_model.ros.interference_node:main",
+            "mocap_filter = q2q_model.commands.nodes:mocap_filter",
+            "interference = q2q_model.commands.nodes:interference",
             "identify = q2q_model.commands.identify:main",
             "evaluate = q2q_model.commands.evaluate:main",
         ],

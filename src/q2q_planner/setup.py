@@ -25,8 +25,8 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "trajectory = q2q_planner.ros.trajectory_node:main",
-            "replanner = q2q_planner.ros.replanner_node:main",
+            "trajectory = q2q_planner.commands.nodes:trajectory",
+            "replanner = q2q_planner.commands.nodes:replanner",
             "plan = q2q_planner.commands.plan:main",
         ],
     },

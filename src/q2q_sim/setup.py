@@ -26,11 +26,11 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "simulator = q2q_sim.ros.simulator_node:main",
-            "bag_record = q2q_sim.ros.bag_record_node:main",
-            "bag_play = q2q_sim.ros.bag_play_node:main",
-            "stack = q2q_sim.ros.stack:main",
-            "view = q2q_sim.ros.view_node:main",
+            "simulator = q2q_sim.commands.nodes:simulator",
+            "bag_record = q2q_sim.commands.nodes:bag_record",
+            "bag_play = q2q_sim.commands.nodes:bag_play",
+            "stack = q2q_sim.commands.nodes:stack",
+            "view = q2q_sim.commands.nodes:view",
             "ablation = q2q_sim.commands.ablation:main",
             "bag_import = q2q_sim.commands.bag_import:main",
             "campaign = q2q_sim.commands.campaign:main",

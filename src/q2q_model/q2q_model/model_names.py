@@ -8,7 +8,7 @@ NONE = "none"
 
 
 class ModelFileError(ValueError):
-    """Reason why a model file cannot be used."""
+    """Error for a model file that cannot be used."""
 
 
 def model_path(name: str, shipped: Path) -> Path | None:

@@ -1,0 +1,23 @@
+"""Start the nodes of the package; an interrupt ends them quietly while they are being imported."""
+
+from q2q_model.commands.node_start import start_node
+
+
+def pid() -> None:
+    """Run the node `pid`."""
+    start_node("q2q_control.ros.pid_node")
+
+
+def mpc() -> None:
+    """Run the node `mpc`."""
+    start_node("q2q_control.ros.mpc_node")
+
+
+def crazyswarm() -> None:
+    """Run the node `crazyswarm`."""
+    start_node("q2q_control.ros.crazyswarm_node")
+
+
+def radio() -> None:
+    """Run the node `radio`."""
+    start_node("q2q_control.ros.radio_node")

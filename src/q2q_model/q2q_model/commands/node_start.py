@@ -1,0 +1,12 @@
+"""Start a node: import its module, which takes most of the time until it is ready, and run its `main`."""
+
+from importlib import import_module
+
+from q2q_model.commands.quiet_end import ending_at_once
+
+
+def start_node(module: str) -> None:
+    """Run `main` of a node's module; SIGINT and SIGTERM end its import with status 0, as they end nodes."""
+    with ending_at_once(0):
+        main = import_module(module).main
+    main()

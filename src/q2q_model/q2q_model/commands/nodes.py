@@ -1,0 +1,13 @@
+"""Start the nodes of the package; an interrupt ends them quietly while they are being imported."""
+
+from q2q_model.commands.node_start import start_node
+
+
+def mocap_filter() -> None:
+    """Run the node `mocap_filter`."""
+    start_node("q2q_model.ros.mocap_filter_node")
+
+
+def interference() -> None:
+    """Run the node `interference`."""
+    start_node("q2q_model.ros.interference_node")

@@ -1,0 +1,13 @@
+"""Start the nodes of the package; an interrupt ends them quietly while they are being imported."""
+
+from q2q_model.commands.node_start import start_node
+
+
+def trajectory() -> None:
+    """Run the node `trajectory`."""
+    start_node("q2q_planner.ros.trajectory_node")
+
+
+def replanner() -> None:
+    """Run the node `replanner`."""
+    start_node("q2q_planner.ros.replanner_node")
