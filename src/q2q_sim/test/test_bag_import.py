@@ -122,7 +122,7 @@ def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureF
     _write_csv(_columns(), tmp_path / "good.csv")
     (tmp_path / "there").mkdir()
     for file, out, said in (
-        ("none.csv", "bag", "no such file"),
+        ("none.csv", "bag", "no table at"),
         ("flight.txt", "bag", "neither .parquet nor .csv"),
         ("words.csv", "bag", "is no table of numbers"),
         ("cut.parquet", "bag", "is no table of numbers"),

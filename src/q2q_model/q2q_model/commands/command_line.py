@@ -99,7 +99,7 @@ def must_exist(what: str, *paths: Path) -> None:
     """Raise ValueError for the first path that is not there; `what` names its kind."""
     for path in paths:
         if not path.exists():
-            raise ValueError(f"{what} {path}: there is no such file or folder")
+            raise ValueError(f"no {what} at {path}")
 
 
 def without_ros(arguments: Sequence[str] | None) -> list[str]:
