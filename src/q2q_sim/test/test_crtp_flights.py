@@ -87,6 +87,21 @@ def test_an_estimator_fed_by_a_client_flies_as_well_and_lags_by_what_the_client_
     assert pilot.firmware().external.quat == pytest.approx(pilot.swarm.state[0, 6:10], abs=1e-6)
 
 
+def test_a_flow_deck_flies_from_where_the_estimate_began_and_forgets_the_room() -> None:
+    pilot = Pilot(np.array([[2.0, -1.0, 0.0, 0.0]]), build=Build(positioning_deck=False, flow_deck=True))
+    pilot.fly(0.5)
+    np.testing.assert_allclose(pilot.firmware().pos, 0.0, atol=1e-3)
+    stick = commander(pilot.wire())
+    for rise in np.linspace(0.0, 0.5, 100):
+        stick.send_hover_setpoint(0.0, 0.0, 0.0, rise)
+        pilot.fly(0.01)
+    pilot.fly(4.0, lambda _: stick.send_hover_setpoint(0.25, 0.0, 0.0, 0.5))
+    moved = pilot.pos() - [2.0, -1.0, 0.0]
+    np.testing.assert_allclose(moved, [1.0, 0.0, 0.5], atol=0.1)  # 0.25 m/s for 4 s, less the start
+    np.testing.assert_allclose(pilot.firmware().pos, moved, atol=1e-3)  # exact but for the room's origin
+    assert pilot.firmware().estimator.variance[0] > 1.0  # where it is in the room, nobody knows
+
+
 EXACT = 65535 / CRAZYFLIE_2_0.full_pwm_thrust
 """massThrust [1/N] that makes up for the weight; the stock value leaves 3 % to the loop."""
 

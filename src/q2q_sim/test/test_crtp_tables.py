@@ -1,5 +1,6 @@
 """Tables, parameters, log blocks and memory, as cflib reads and writes them."""
 
+import math
 import struct
 from dataclasses import replace
 
@@ -11,7 +12,12 @@ from q2q_sim.crtp import log_table, parameters
 from q2q_sim.crtp.contents import Contents, Entry
 from q2q_sim.crtp.log_table import VARIABLES
 from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.room import CrtpRoomParams
+from q2q_sim.onboard.columns import ATTITUDE_WANTED
+from q2q_sim.onboard.firmware import Build
 from q2q_sim.onboard.parameter_table import TABLE
+from q2q_sim.onboard.setpoint import Mode, Setpoint
+from q2q_sim.quadcopter import QUAT
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
@@ -218,6 +224,73 @@ def test_the_logs_of_a_moving_vehicle_have_the_firmwares_signs(grounded: Pilot) 
     body = rotate_inverse(quat, np.array([0.5, -0.4, 0.3]))
     np.testing.assert_allclose([values[f"kalman.stateP{axis}"] for axis in "XYZ"], body)
     np.testing.assert_allclose([values[f"stateEstimateZ.{axis}"] for axis in "xyz"], [1e3, 2e3, 3e3])
+
+
+def test_clients_find_the_lights_card_decks_and_loops_that_they_ask_for() -> None:
+    set_there = """led.bitmask ring.effect ring.solidRed ring.headlightEnable ring.fadeColor ring.fadeTime
+        usd.logging usd.canLog deck.bcFlow2 deck.bcLighthouse4 deck.bcLedRing velCtlPid.vxKFF velCtlPid.vyKFF
+        velCtlPid.vzKFF system.selftestPassed system.testLogParam system.taskDump cpu.flash"""
+    logged_there = """controller.roll controller.pitch controller.yaw controller.rollRate controller.pitchRate
+        controller.yawRate controller.cmd_thrust controller.actuatorThrust posCtl.targetX posCtl.targetVZ
+        posCtl.bodyVX supervisor.accNorm kalman.q0 kalman.q3 sys.testLogParam"""
+    kinds = {one.name: parameters.type_byte(one) for one in TABLE}
+    assert set(set_there.split()) <= set(kinds)
+    assert kinds["ring.effect"] == 0x08 | 0x10  # uint8, persistent
+    assert kinds["deck.bcFlow2"] == 0x08 | 0x40  # uint8, read-only
+    assert set(logged_there.split()) <= {f"{one.group}.{one.name}" for one in VARIABLES}
+
+
+def test_decks_of_the_build_are_told_as_attached() -> None:
+    told = Pilot(np.zeros((1, 4)), build=Build(decks=("bcFlow2", "bcUSD"))).firmware().parameters
+    attached = {one.name for one in TABLE if one.group == "deck" and told[one.name] == 1}
+    assert attached == {"deck.bcFlow2", "deck.bcUSD"}
+    assert told["usd.canLog"] == 1
+
+
+def test_a_deck_that_no_firmware_knows_is_refused_with_those_it_knows() -> None:
+    with pytest.raises(ValueError, match=r"deck 'flow': known are bcAI, .*bcFlow2"):
+        CrtpRoomParams(decks=("flow",))
+
+
+def test_logs_of_the_cascade_are_what_it_is_asked_for_and_asks_for() -> None:
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, math.pi / 2]]))
+    wanted = Setpoint(
+        x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.3, 0.1, 1.2), attitude_deg=(0.0, 0.0, 90.0)
+    )
+    pilot.fly(1.0)  # arms
+    pilot.fly(0.05, pilot.hold(wanted))
+    log = {f"{one.group}.{one.name}": one.read(pilot.firmware()) for one in VARIABLES}
+    # turned to the left by 90 degrees: the vehicle's ahead is y, its left is -x
+    np.testing.assert_allclose([log[f"posCtl.target{axis}"] for axis in "XYZ"], [0.1, -0.3, 1.2], atol=1e-3)
+    x, y, z = pilot.pos()
+    np.testing.assert_allclose(
+        [log[f"posCtl.targetV{axis}"] for axis in "XY"], [2 * (0.1 - y), -2 * (0.3 - x)], atol=2e-3
+    )
+    assert log["posCtl.targetVZ"] == pytest.approx(2 * (1.2 - z), rel=0.05)  # zKp, and a little of zKi
+    assert log["controller.pitch"] < -1.0  # legacy: nose down to go ahead
+    assert log["controller.roll"] > 1.0  # right side down to go right
+    assert log["controller.yaw"] == pytest.approx(90.0, abs=0.1)
+    rate = 6.0 * (log["controller.roll"] - log["stabilizer.roll"])  # roll_kp, and a little of roll_ki
+    assert log["controller.rollRate"] == pytest.approx(rate, rel=0.2)
+    assert log["controller.cmd_thrust"] == log["controller.actuatorThrust"] > 36000.0
+    qw, qx, qy, qz = (log[f"kalman.q{k}"] for k in range(4))
+    np.testing.assert_allclose([qx, qy, qz, qw], pilot.swarm.state[0, QUAT])
+    force = [log[f"acc.{axis}"] for axis in "xyz"]
+    assert log["supervisor.accNorm"] == pytest.approx(math.hypot(*force))
+
+
+def test_feed_forward_of_the_velocity_tilts_by_itself() -> None:
+    ahead = Setpoint(
+        x=Mode.VELOCITY, y=Mode.VELOCITY, z=Mode.ABS, yaw=Mode.ABS, pos=(0, 0, 1.0), vel=(0.2, 0.0, 0.0)
+    )
+    pitch = []
+    for feed in (0.0, 10.0):
+        pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
+        pilot.firmware().parameters.set("velCtlPid.vxKFF", feed)
+        pilot.fly(1.0)  # arms
+        pilot.fly(0.01, pilot.hold(ahead))
+        pitch.append(pilot.firmware().rows.memory[ATTITUDE_WANTED + 1])
+    assert pitch[1] - pitch[0] == pytest.approx(-10.0 * 0.2)
 
 
 def test_the_trajectory_memory_keeps_what_is_written_within_it(grounded: Pilot) -> None:

@@ -31,7 +31,7 @@ def parser() -> CommandLine:
     made.add_argument("--port", type=int, default=19850, help="first UDP port; 0 lets the system choose")
     made.add_argument("--start", default="ground", choices=("ground", "air"), help="where vehicles wait")
     made.add_argument(
-        "--positioning", default="deck", choices=("deck", "external"), help="who knows the place"
+        "--positioning", default="deck", choices=("deck", "flow", "external"), help="who knows the place"
     )
     made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
     made.add_argument("--latency", type=float, default=0.0, help="of the link, each way [s]")

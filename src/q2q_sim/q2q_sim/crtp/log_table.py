@@ -1,11 +1,13 @@
 """List the variables that a vehicle logs, under the firmware's names, in its units and signs.
 
 Source: firmware: LOG_ADD of modules/src/stabilizer.c, supervisor.c, crtp_localization_service.c,
-estimator/estimator_kalman.c, controller/controller_mellinger.c, hal/src/pm_stm32f4.c, radiolink.c,
+estimator/estimator_kalman.c, controller/controller_mellinger.c, controller_pid.c, position_controller_pid.c,
+hal/src/pm_stm32f4.c, radiolink.c,
 drivers/src/motors.c. Angles are in degrees, pitch nose up (stateEstimate.pitch), the gyroscope's y is not
 turned; accelerations in g, stateEstimate.az without gravity; the ...Z groups in mm, mm/s, mm/s^2, mrad/s.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import chain
@@ -19,7 +21,17 @@ from q2q_sim.crtp.contents import Contents, Entry
 from q2q_sim.crtp.number_types import TYPES
 from q2q_sim.crtp.quaternion32 import compressed
 from q2q_sim.crtp.supervisor_bits import supervisor_info
-from q2q_sim.onboard.columns import CONTROL, I_POS, MOTOR, Z_WANTED
+from q2q_sim.onboard.columns import (
+    ATTITUDE_WANTED,
+    CONTROL,
+    I_POS,
+    MOTOR,
+    POS_TARGET,
+    RATE_WANTED,
+    THRUST_WANTED,
+    VEL_TARGET,
+    Z_WANTED,
+)
 from q2q_sim.onboard.firmware import Firmware
 from q2q_sim.quadcopter import ACC, QUAT, RATE
 
@@ -79,6 +91,13 @@ def _compressed_quat(firmware: Firmware) -> float:
     return float(compressed((x, y, z, w)))
 
 
+def _turned(firmware: Firmware, vector: Array) -> Array:
+    """Return a world vector in the frame turned by the yaw."""
+    yaw = math.radians(firmware.attitude_deg[2])
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.array([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0], vector[2]])
+
+
 def _memory(first: int) -> Callable[[Firmware], Numbers]:
     return lambda firmware: firmware.rows.memory[first:]
 
@@ -109,12 +128,27 @@ _CONTROL = (
     _vector("ctrlMel: i_err_x i_err_y i_err_z", "float", _memory(I_POS)),
     _vector("motor: m1 m2 m3 m4", "uint16", _memory(MOTOR)),
 )
+_CASCADE = (
+    _one("controller.cmd_thrust", "float", lambda one: one.rows.memory[CONTROL + 3]),
+    _vector("controller: cmd_roll cmd_pitch cmd_yaw", "float", _memory(CONTROL)),
+    _vector("controller: r_roll r_pitch r_yaw", "float", _legacy_rates),
+    _one("controller.accelz", "float", lambda one: one.specific_force_g[2]),
+    _one("controller.actuatorThrust", "float", lambda one: one.rows.memory[THRUST_WANTED]),
+    _vector("controller: roll pitch yaw", "float", _memory(ATTITUDE_WANTED)),
+    _vector("controller: rollRate pitchRate yawRate", "float", _memory(RATE_WANTED)),
+    _one("controller.ctr_yaw", "int16", lambda one: one.rows.memory[CONTROL + 2]),
+    _vector("posCtl: targetVX targetVY targetVZ", "float", _memory(VEL_TARGET)),
+    _vector("posCtl: targetX targetY targetZ", "float", _memory(POS_TARGET)),
+    _vector("posCtl: bodyVX bodyVY", "float", lambda one: _turned(one, one.vel)),
+    _vector("posCtl: bodyX bodyY", "float", lambda one: _turned(one, one.pos)),
+)
 _SENSORS = (
     _vector("acc: x y z", "float", lambda one: one.specific_force_g),
     _vector("gyro: x y z", "float", lambda one: one.rates_deg),
     _vector("kalman: stateX stateY stateZ", "float", lambda one: one.pos),
     _vector("kalman: statePX statePY statePZ", "float", _vel_body),
     _vector("kalman: varX varY varZ varPX varPY varPZ", "float", lambda one: one.estimator.variance),
+    _vector("kalman: q0 q1 q2 q3", "float", lambda one: np.roll(_quat(one), 1)),  # w x y z
     _vector("locSrv: x y z", "float", lambda one: one.external.pos),
     _vector("locSrv: qx qy qz qw", "float", lambda one: one.external.quat),
     _one("locSrvZ.tick", "uint16", lambda one: one.external.at_ms),
@@ -128,13 +162,17 @@ _HEALTH = (
     _one("radio.isConnected", "uint8", lambda _: 1),
     _one("radio.numRxBc", "uint16", lambda _: 0),
     _one("radio.numRxUc", "uint16", lambda one: one.received),
+    _one("sys.testLogParam", "int8", lambda one: one.parameters["system.testLogParam"]),
     _one("sys.canfly", "uint8", lambda one: one.supervisor.may_fly),
     _one("sys.isFlying", "uint8", lambda one: one.supervisor.flying),
     _one("sys.isTumbled", "uint8", lambda one: one.supervisor.tumbled),
     _one("supervisor.info", "uint16", supervisor_info),
+    _one("supervisor.accNorm", "float", lambda one: float(np.linalg.norm(one.specific_force_g))),
 )
 
-VARIABLES: tuple[Variable, ...] = tuple(chain.from_iterable((*_STATE, *_CONTROL, *_SENSORS, *_HEALTH)))
+VARIABLES: tuple[Variable, ...] = tuple(
+    chain.from_iterable((*_STATE, *_CONTROL, *_CASCADE, *_SENSORS, *_HEALTH))
+)
 """All variables, in the order of their numbers."""
 
 

@@ -7,9 +7,17 @@ import numpy as np
 from q2q_model.parameters import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.onboard.firmware import Build
+from q2q_sim.onboard.parameter_table import DECKS
 from q2q_sim.quadcopter import state_at_rest
 from q2q_sim.room import Room
 from q2q_sim.scenario import Scenario
+
+_POSITIONING: dict[str, tuple[str, ...]] = {
+    "deck": ("bcLighthouse4",),
+    "flow": ("bcFlow2", "bcZRanger2"),
+    "external": (),
+}
+"""Decks of each way to know the place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,14 +29,32 @@ class CrtpRoomParams:
     )
     positioning: str = tunable(
         "deck",
-        "how vehicles know their place: by themselves, or told by clients",
-        choices=("deck", "external"),
+        "how vehicles know their place: by themselves, by flow from where they started, or told by clients",
+        choices=("deck", "flow", "external"),
+    )
+    decks: tuple[str, ...] = tunable(
+        ("bcFlow2", "bcZRanger2"), "decks that vehicles tell of besides that for positioning"
     )
     auto_arming: bool = tunable(default=True, description="vehicles arm themselves, as the stock build does")
 
     def __post_init__(self) -> None:
         """Check the bounds."""
         check_bounds(self)
+        known = [one.last for one in DECKS]
+        for deck in self.decks:
+            if deck not in known:
+                raise ValueError(f"deck {deck!r}: known are {', '.join(known)}")
+
+    @property
+    def build(self) -> Build:
+        """Return the build of the vehicles."""
+        decks = {*self.decks, *_POSITIONING[self.positioning]}
+        return Build(
+            auto_arming=self.auto_arming,
+            positioning_deck=self.positioning == "deck",
+            flow_deck=self.positioning == "flow",
+            decks=tuple(sorted(decks)),
+        )
 
 
 def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
@@ -37,5 +63,4 @@ def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
         start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
         start[:, 2] = 0.0
         room.swarm.state[:] = state_at_rest(start, scenario.vehicle.mass)
-    build = Build(auto_arming=params.auto_arming, positioning_deck=params.positioning == "deck")
-    return Fleet(room.swarm, scenario.vehicle, build)
+    return Fleet(room.swarm, scenario.vehicle, params.build)

@@ -44,6 +44,8 @@ KR_XY, KR_Z, KW_XY, KW_Z, KI_M_XY, KI_M_Z, KD_OMEGA, I_RANGE_M_XY, I_RANGE_M_Z =
 )  # fmt: skip
 VEL_GAINS, POS_GAINS = GAINS.index("velCtlPid.vxKp"), GAINS.index("posCtlPid.xKp")
 """kp, ki, kd of x, then y, then z."""
+VEL_FEED = GAINS.index("velCtlPid.vxKFF")
+"""x, then y, then z."""
 THRUST_BASE, THRUST_MIN = GAINS.index("posCtlPid.thrustBase"), GAINS.index("posCtlPid.thrustMin")
 ROLL_LIMIT, PITCH_LIMIT = GAINS.index("posCtlPid.rLimit"), GAINS.index("posCtlPid.pLimit")
 VEL_MAX = GAINS.index("posCtlPid.xVelMax")
@@ -66,7 +68,9 @@ CONTROL = LAST_MODES + 7
 MOTOR = CONTROL + 4
 """PWM of the four motors."""
 RATE_WANTED = MOTOR + 4
-MEMORY_WIDTH = RATE_WANTED + 3
+POS_TARGET, VEL_TARGET = RATE_WANTED + 3, RATE_WANTED + 6
+"""What the position PIDs are asked for, in the frame turned by the yaw [m], [m/s]."""
+MEMORY_WIDTH = VEL_TARGET + 3
 
 NEWTON_PER_PWM, SHARE_TILT, SHARE_YAW = 0, 1, 2
 FRAME_WIDTH = 3

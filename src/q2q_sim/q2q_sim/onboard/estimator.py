@@ -7,6 +7,9 @@ estimate e = x^ - x, which drifts with its own velocity:
     e' = e_v,  e_v' = 0,   P' = F P F' + G q^2 G',  F = [1 dt; 0 1],  G = [dt^2, dt]
     K = P h / (P_11 + r^2),  e += K (z - x^),   h = (1, 0)
 
+A flow deck measures velocity along the ground and height, both exact here (mm_flow.c, mm_tof.c; standard
+deviations of the stock drivers): the error along the ground stays what it was when the estimate began.
+
 The attitude is taken as known (gyroscope and accelerometer are good at it); the quaternion of an external
 pose is logged, not fused.
 
@@ -20,6 +23,7 @@ pose is logged, not fused.
 import numpy as np
 
 from q2q_model.signals import Array
+from q2q_sim.quadcopter import POS
 
 DT = 0.01
 """[s]"""
@@ -27,6 +31,13 @@ START_STD = np.array([100.0, 100.0, 1.0])
 """stdDevInitialPosition_xy, _z [m], kalman_core_params_defaults.h."""
 START_VEL_STD = 0.01
 """stdDevInitialVelocity [m/s], the same."""
+
+FLOW_STD = 0.2 * 0.71674 / (35.0 * 0.01)
+"""Of the velocity by flow, per metre of height [1/s]: 0.2 pixels of 35, over 0.71674 rad, each 10 ms."""
+FLOW_HEIGHT_MIN = 0.1
+"""Height that the flow is scaled by at least [m]."""
+RANGE_STD = 2.5e-3
+"""Of the height below 2 m: expStdA of the ranger [m]."""
 
 
 class Estimator:
@@ -62,3 +73,19 @@ class Estimator:
         self.drift[:3] += gain[:, 0] * surprise
         self.drift[3:] += gain[:, 1] * surprise
         self._cov = self._cov - gain[:, :, None] * self._cov[:, None, 0, :]
+
+    def correct_by_flow(self, state: Array) -> None:
+        """Take the velocity along the ground and the height that a flow deck measures in a state row."""
+        height = self._cov[2]
+        gain = height[:, 0] / (height[0, 0] + RANGE_STD**2)
+        surprise = -self.drift[2]
+        self.drift[2] += gain[0] * surprise
+        self.drift[5] += gain[1] * surprise
+        self._cov[2] = height - np.outer(gain, height[0])
+        std = FLOW_STD * max(float(state[POS][2] + self.drift[2]), FLOW_HEIGHT_MIN)
+        ground = self._cov[:2]
+        gains = ground[:, :, 1] / (ground[:, 1, 1] + std**2)[:, None]  # (2, 2)
+        slip = -self.drift[3:5]
+        self.drift[:2] += gains[:, 0] * slip
+        self.drift[3:5] += gains[:, 1] * slip
+        self._cov[:2] = ground - gains[:, :, None] * ground[:, None, 1, :]

@@ -43,6 +43,10 @@ class Build:
     """Which of the room's vehicles it is: the last byte of its radio address."""
     positioning_deck: bool = True
     """The vehicle knows its position by itself, as with a Lighthouse deck; else from clients only."""
+    flow_deck: bool = False
+    """Without a positioning deck: it measures velocity and height, from where the estimate began."""
+    decks: tuple[str, ...] = ()
+    """Those that clients are told of (parameter_table.DECKS)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +102,9 @@ class Firmware:
         self.parameters = Parameters(self._airframe)
         for name, value in self.uploads.stored.items():
             self.parameters.set(name, value)
+        for deck in self.build.decks:
+            self.parameters.set(f"deck.{deck}", 1)
+        self.parameters.set("usd.canLog", int("bcUSD" in self.build.decks))
         self.uploads = Uploads(stored=self.uploads.stored)
         self.commander = Commander()
         self.commander.set_ms = self.now_ms
@@ -194,6 +201,8 @@ class Firmware:
         self.estimator.predict(np.array([xy, xy, z]))
         if self.build.positioning_deck:
             self._correct(self.rows.state[POS])
+        elif self.build.flow_deck:
+            self.estimator.correct_by_flow(self.rows.state)
 
     def _correct(self, measured: Array) -> None:
         std = float(self.parameters["locSrv.extPosStdDev"])

@@ -2,9 +2,10 @@
 
 Order is the order of the table of contents. "persistent" ones can be stored in the vehicle's EEPROM.
 Sources: F = firmware. Stock values of ctrlMel.mass, massThrust and the Mellinger gains in N/m are replaced by
-those of the airframe (parameters.defaults_of). Four parameters are kept because every client sets them though
-they change nothing: stabilizer.estimator and ring.effect (no other estimator, no ring here),
-commander.enHighLevel (nothing in F either, since 2021) and flightmode.yawMode (X only).
+those of the airframe (parameters.defaults_of), those of decks by the build (firmware.Build.decks). Some are
+kept because clients set or read them though they change nothing: stabilizer.estimator (no other estimator
+here), commander.enHighLevel (nothing in F either, since 2021), flightmode.yawMode (X only), lights, the
+memory card, and what dumps or resets the processor (system).
 """
 
 from dataclasses import dataclass
@@ -68,7 +69,6 @@ MODES = (  # F modules/src/crtp_commander_rpyt.c, commander.c, stabilizer.c, sup
     Definition("hlCommander.vtoff", "float", 0.5),  # [m/s], crtp_commander_high_level.c
     Definition("hlCommander.vland", "float", 0.5),
     Definition("hlCommander.groupmask", "uint8", 0),
-    Definition("ring.effect", "uint8", 1),
 )
 ESTIMATION = (  # F modules/interface/kalman_core/kalman_core_params_defaults.h, crtp_localization_service.c
     Definition("kalman.resetEstimation", "uint8", 0),
@@ -95,6 +95,7 @@ MELLINGER = _floats(  # F modules/src/controller/controller_mellinger.c
 VELOCITY_PID = _gains(  # F platform/interface/platform_defaults_cf2.h
     "velCtlPid", {"vx": (25.0, 1.0, 0.0), "vy": (25.0, 1.0, 0.0), "vz": (25.0, 15.0, 0.0)}, "Kp Ki Kd"
 )
+VELOCITY_FEED = _floats("velCtlPid", {"vxKFF": 0.0, "vyKFF": 0.0, "vzKFF": 0.0})  # F the same
 POSITION_PID = (
     *_gains("posCtlPid", {"x": (2.0, 0.0, 0.0), "y": (2.0, 0.0, 0.0), "z": (2.0, 0.5, 0.0)}, "Kp Ki Kd"),
     Definition("posCtlPid.thrustBase", "uint16", 36000, persistent=True),
@@ -111,15 +112,65 @@ RATE_PID = _gains(
     {"roll": (250.0, 500.0, 2.5), "pitch": (250.0, 500.0, 2.5), "yaw": (120.0, 16.7, 0.0)},
     "_kp _ki _kd",
 )
+LIGHTS = (  # F drivers/src/led.c, deck/drivers/src/ledring12.c, Kconfig
+    Definition("led.bitmask", "uint8", 0),
+    Definition("ring.effect", "uint8", 6, persistent=True),
+    Definition("ring.neffect", "uint32", 19, read_only=True),
+    Definition("ring.solidRed", "uint8", 20),
+    Definition("ring.solidGreen", "uint8", 20),
+    Definition("ring.solidBlue", "uint8", 20),
+    Definition("ring.headlightEnable", "uint8", 0),
+    Definition("ring.emptyCharge", "float", 3.1),  # [V]
+    Definition("ring.fullCharge", "float", 4.2),
+    Definition("ring.fadeColor", "uint32", 0),
+    Definition("ring.fadeTime", "float", 0.5),  # [s]
+)
+CARD = (  # F deck/drivers/src/usddeck.c
+    Definition("usd.canLog", "uint8", 0, read_only=True),
+    Definition("usd.logging", "uint8", 0),
+)
+DECKS = tuple(  # F deck/drivers/src: isInit of each driver
+    Definition(f"deck.{name}", "uint8", 0, read_only=True)
+    for name in (
+        "bcAI", "bcActiveMarker", "bcBigQuad", "bcBuzzer", "bcDWM1000", "bcFlow", "bcFlow2", "bcLedRing",
+        "bcLighthouse4", "bcLoco", "bcMultiranger", "bcOA", "bcUSD", "bcZRanger", "bcZRanger2",
+    )
+)  # fmt: skip
 IDENTITY = (  # F modules/src/system.c, info.c
     Definition("system.selftestPassed", "int8", 1, read_only=True),
+    Definition("system.assertInfo", "uint8", 0),
+    Definition("system.testLogParam", "uint8", 0),
+    Definition("system.doAssert", "uint8", 0),
+    Definition("system.taskDump", "uint8", 0),  # sysload.c
+    Definition("system.storageStats", "uint8", 0),  # hal/src/storage.c
+    Definition("system.storageReformat", "uint8", 0),
+    Definition("system.highlight", "uint8", 0),  # ledring12.c
+    Definition("cpu.flash", "uint16", 1024, read_only=True),  # [kB], STM32F405
+    Definition("cpu.id0", "uint32", 0, read_only=True),
+    Definition("cpu.id1", "uint32", 0, read_only=True),
+    Definition("cpu.id2", "uint32", 0, read_only=True),
     Definition("firmware.revision0", "uint32", 0x2A18FC29, read_only=True),  # the commit this follows
     Definition("firmware.revision1", "uint16", 0x9D7B, read_only=True),
     Definition("firmware.modified", "uint8", 1, read_only=True),
 )
 
-TABLE = (*MODES, *ESTIMATION, *MELLINGER, *VELOCITY_PID, *POSITION_PID, *ATTITUDE_PID, *RATE_PID, *IDENTITY)
+TABLE = (
+    *MODES,
+    *ESTIMATION,
+    *MELLINGER,
+    *VELOCITY_PID,
+    *VELOCITY_FEED,
+    *POSITION_PID,
+    *ATTITUDE_PID,
+    *RATE_PID,
+    *LIGHTS,
+    *CARD,
+    *DECKS,
+    *IDENTITY,
+)
 """All parameters, in the order of their ids."""
 
-GAINS = tuple(one.name for one in (*MELLINGER, *VELOCITY_PID, *POSITION_PID, *ATTITUDE_PID, *RATE_PID))
+GAINS = tuple(
+    one.name for one in (*MELLINGER, *VELOCITY_PID, *VELOCITY_FEED, *POSITION_PID, *ATTITUDE_PID, *RATE_PID)
+)
 """Those that the compiled controllers read, in the order of their columns (columns.py)."""

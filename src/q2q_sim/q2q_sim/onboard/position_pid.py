@@ -6,7 +6,8 @@ Source: firmware: modules/src/controller/position_controller_pid.c.
     pitch_d = -PID(v_x) [deg, legacy: nose down is forward],  roll_d = -PID(v_y)      within rLimit, pLimit
     T       = 1000 PID(v_z) + thrustBase [PWM], at least thrustMin
 
-It reads no acceleration: `acc` of a full state does nothing under this controller.
+Each of the three inner PIDs adds its feed-forward, KFF v_d. The controller reads no
+acceleration: `acc` of a full state does nothing under this controller.
 """
 
 import math
@@ -26,6 +27,7 @@ from q2q_sim.onboard.columns import (
     PIDS,
     PITCH_LIMIT,
     POS_GAINS,
+    POS_TARGET,
     ROLL_LIMIT,
     SET_BODY,
     SET_POS,
@@ -33,8 +35,10 @@ from q2q_sim.onboard.columns import (
     THRUST_BASE,
     THRUST_MIN,
     THRUST_WANTED,
+    VEL_FEED,
     VEL_GAINS,
     VEL_MAX,
+    VEL_TARGET,
 )
 from q2q_sim.onboard.pid_step import INTEGRAL_LIMIT, filtered, pid, slope_of
 from q2q_sim.onboard.setpoint import Three
@@ -46,13 +50,17 @@ OVERHEAD = 1.1
 THRUST_SCALE = 1000.0
 PWM_TOP = 65535.0
 
+Which = tuple[int, int, float, float]
+"""Number of a PID, first column of its gains, largest output, feed-forward."""
 
-def _axis(error: float, measured: float, memory: Array, gains: Array, which: tuple[int, int, float]) -> float:
-    """Run one filtered PID; `which` is its number, its gains, its largest output."""
-    number, gain, output_max = which
+
+def _axis(error: float, measured: float, memory: Array, gains: Array, which: Which) -> float:
+    """Run one filtered PID."""
+    number, gain, output_max, feed = which
     at = PIDS + PID_WIDTH * number
     rise = filtered(memory, at, slope_of(memory, at, measured, DT))
-    return float(pid(error, rise, memory, gains, (at, gain, DT, INTEGRAL_LIMIT, output_max)))
+    out = pid(error, rise, memory, gains, (at, gain, DT, INTEGRAL_LIMIT, 0.0)) + feed
+    return float(min(max(out, -output_max), output_max))
 
 
 def _wanted_velocity(
@@ -66,14 +74,17 @@ def _wanted_velocity(
     if wanted[SET_BODY] == 0.0:
         vx, vy = wanted[v] * c + wanted[v + 1] * s, wanted[v + 1] * c - wanted[v] * s
     if wanted[MODE_X] == 1.0:
-        error = wanted[p] * c + wanted[p + 1] * s - ahead
-        vx = axis(error, ahead, memory, gains, (PID_X, POS_GAINS, OVERHEAD * gains[VEL_MAX]))
+        memory[POS_TARGET] = wanted[p] * c + wanted[p + 1] * s
+        error = memory[POS_TARGET] - ahead
+        vx = axis(error, ahead, memory, gains, (PID_X, POS_GAINS, OVERHEAD * gains[VEL_MAX], 0.0))
     if wanted[MODE_Y] == 1.0:
-        error = wanted[p + 1] * c - wanted[p] * s - left
-        vy = axis(error, left, memory, gains, (PID_X + 1, POS_GAINS + 3, OVERHEAD * gains[VEL_MAX + 1]))
+        memory[POS_TARGET + 1] = wanted[p + 1] * c - wanted[p] * s
+        error = memory[POS_TARGET + 1] - left
+        vy = axis(error, left, memory, gains, (PID_X + 1, POS_GAINS + 3, OVERHEAD * gains[VEL_MAX + 1], 0.0))
     if wanted[MODE_Z] == 1.0:
+        memory[POS_TARGET + 2] = wanted[p + 2]
         error, top = wanted[p + 2] - where[2], OVERHEAD * max(gains[VEL_MAX + 2], 0.5)
-        vz = axis(error, where[2], memory, gains, (PID_X + 2, POS_GAINS + 6, top))
+        vz = axis(error, where[2], memory, gains, (PID_X + 2, POS_GAINS + 6, top, 0.0))
     return vx, vy, vz
 
 
@@ -84,10 +95,13 @@ def _position_pid(row: Array, drift: Array, wanted: Array, gains: Array, memory:
     vel_x, vel_y, vel_z = row[3] + drift[3], row[4] + drift[4], row[5] + drift[5]
     ahead, left = vel_x * c + vel_y * s, vel_y * c - vel_x * s
     vx, vy, vz = wanted_velocity(where, wanted, gains, memory, (c, s))
+    memory[VEL_TARGET], memory[VEL_TARGET + 1], memory[VEL_TARGET + 2] = vx, vy, vz
+    feed = gains[VEL_FEED] * vx, gains[VEL_FEED + 1] * vy, gains[VEL_FEED + 2] * vz
     pitch_max, roll_max = gains[PITCH_LIMIT], gains[ROLL_LIMIT]
-    pitch = -axis(vx - ahead, ahead, memory, gains, (PID_VX, VEL_GAINS, OVERHEAD * pitch_max))
-    roll = -axis(vy - left, left, memory, gains, (PID_VX + 1, VEL_GAINS + 3, OVERHEAD * roll_max))
-    lift = axis(vz - vel_z, vel_z, memory, gains, (PID_VX + 2, VEL_GAINS + 6, 0.5 * PWM_TOP / THRUST_SCALE))
+    pitch = -axis(vx - ahead, ahead, memory, gains, (PID_VX, VEL_GAINS, OVERHEAD * pitch_max, feed[0]))
+    roll = -axis(vy - left, left, memory, gains, (PID_VX + 1, VEL_GAINS + 3, OVERHEAD * roll_max, feed[1]))
+    top = 0.5 * PWM_TOP / THRUST_SCALE
+    lift = axis(vz - vel_z, vel_z, memory, gains, (PID_VX + 2, VEL_GAINS + 6, top, feed[2]))
     memory[ATTITUDE_WANTED] = min(max(roll, -roll_max), roll_max)
     memory[ATTITUDE_WANTED + 1] = min(max(pitch, -pitch_max), pitch_max)
     thrust = max(THRUST_SCALE * lift + gains[THRUST_BASE], gains[THRUST_MIN])

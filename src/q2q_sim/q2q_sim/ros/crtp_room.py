@@ -33,9 +33,12 @@ class CrtpNodeParams:
     )
     crtp_positioning: str = tunable(
         "deck",
-        "how vehicles know their place: by themselves, or told by clients",
-        choices=("deck", "external"),
+        "how vehicles know their place: by themselves, by flow from where they started, or told by clients",
+        choices=("deck", "flow", "external"),
         read_only=True,
+    )
+    crtp_decks: tuple[str, ...] = tunable(
+        ("bcFlow2", "bcZRanger2"), "decks that vehicles tell of besides that for positioning", read_only=True
     )
     crtp_auto_arming: bool = tunable(True, "vehicles arm themselves, as the stock build does", read_only=True)  # noqa: FBT003
     crtp_latency: float = tunable(0.0, "of the link, each way", unit="s", low=0.0, high=0.5, read_only=True)
@@ -57,7 +60,12 @@ def open_crtp(node: Node, room: Room, scenario: Scenario, health: Health) -> Crt
         OSError: a port is taken.
     """
     asked = declare(node, CrtpNodeParams())
-    waiting = CrtpRoomParams(asked.crtp_start, asked.crtp_positioning, asked.crtp_auto_arming)
+    waiting = CrtpRoomParams(
+        start=asked.crtp_start,
+        positioning=asked.crtp_positioning,
+        decks=asked.crtp_decks,
+        auto_arming=asked.crtp_auto_arming,
+    )
     link = LinkParams(
         latency=asked.crtp_latency,
         loss=asked.crtp_loss,
