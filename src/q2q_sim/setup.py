@@ -35,6 +35,7 @@ setup(
             "bag_import = q2q_sim.commands.bag_import:main",
             "campaign = q2q_sim.commands.campaign:main",
             "crtp = q2q_sim.commands.crtp:main",
+            "firmware_check = q2q_sim.commands.firmware_check:main",
             "fly = q2q_sim.commands.fly:main",
             "policies = q2q_sim.commands.policies:main",
             "report = q2q_sim.commands.report:main",

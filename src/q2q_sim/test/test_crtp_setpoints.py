@@ -1,6 +1,7 @@
 """Every setpoint that cflib encodes means the same to the vehicle: signs and units, packet by packet."""
 
 import math
+import struct
 
 import numpy as np
 import pytest
@@ -127,6 +128,43 @@ def test_position_velocity_hover_distance_manual_and_stop_are_read(grounded: Pil
     assert commanded(grounded).attitude_deg == (1.0, -2.0, 0.0)
     commander.send_stop_setpoint()
     assert commanded(grounded) == STOP
+
+
+def test_a_stick_after_a_hover_packet_moves_in_the_bodys_frame_under_poshold(grounded: Pilot) -> None:
+    grounded.firmware().parameters.set("flightmode.poshold", 1)
+    commander = Commander(grounded.wire())
+    commander.send_setpoint(3.0, 6.0, 5.0, 0)
+    assert not commanded(grounded).velocity_body
+    commander.send_hover_setpoint(1.0, 2.0, 40.0, 3.0)
+    commander.send_setpoint(3.0, 6.0, 5.0, 0)
+    assert commanded(grounded) == Setpoint(
+        x=Mode.VELOCITY, y=Mode.VELOCITY, yaw=Mode.VELOCITY, pos=(0.0, 0.0, 3.0), vel=(-0.2, 0.1, 0.0),
+        rate_deg=(0.0, 0.0, -5.0), velocity_body=True,
+    )  # fmt: skip
+    commander.send_stop_setpoint()
+    commander.send_setpoint(3.0, 6.0, 5.0, 0)
+    assert not commanded(grounded).velocity_body
+
+
+@pytest.mark.parametrize("kind", [12, 99, 255])
+def test_setpoints_of_unknown_types_stop_the_motors(grounded: Pilot, kind: int) -> None:
+    Commander(grounded.wire()).send_position_setpoint(1.0, 2.0, 3.0, 40.0)
+    grounded.fleet.vehicles[0].handle(bytes([0x7C, kind]))
+    assert commanded(grounded) == STOP
+
+
+def test_radio_control_pulses_are_angles_or_by_the_fifth_channel_rates(grounded: Pilot) -> None:
+    channels = (1750, 1250, 2000, 1500)
+    grounded.fleet.vehicles[0].handle(struct.pack("<BBB4H", 0x7C, 3, 0, *channels))
+    assert commanded(grounded) == Setpoint(
+        roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, attitude_deg=(-25.0, 25.0, 0.0),
+        rate_deg=(0.0, 0.0, -400.0), thrust_pwm=32767.5,
+    )  # fmt: skip
+    grounded.firmware().parameters.set("cppm.rateRoll", 100.0)
+    grounded.fleet.vehicles[0].handle(struct.pack("<BBB5H", 0x7C, 3, 1, *channels, 1499))
+    one = commanded(grounded)
+    assert (one.roll, one.pitch, one.attitude_deg) == (Mode.VELOCITY, Mode.VELOCITY, (0.0, 0.0, 0.0))
+    assert one.rate_deg == (-50.0, 360.0, -400.0)
 
 
 def test_old_setpoints_of_the_same_kind_turn_the_other_way(grounded: Pilot) -> None:

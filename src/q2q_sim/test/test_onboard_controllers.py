@@ -11,16 +11,31 @@ from q2q_control.allocation import rotor_frame, wrench_of
 from q2q_model.rotations import euler_from_quat, matrix_from_quat, quat_from_euler
 from q2q_model.signals import Array
 from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
+from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.onboard.airframe import airframe_of
 from q2q_sim.onboard.attitude_of import legacy_degrees
 from q2q_sim.onboard.attitude_pid import cascade
-from q2q_sim.onboard.columns import CONTROL, MEMORY_WIDTH, MOTOR, frame_row, fresh_memory, wanted_row
+from q2q_sim.onboard.columns import (
+    CONTROL,
+    I_POS,
+    MEMORY_WIDTH,
+    MOTOR,
+    NEWTON_PER_PWM,
+    PID_ROLL,
+    PID_WIDTH,
+    PIDS,
+    Power,
+    frame_row,
+    fresh_memory,
+    wanted_row,
+)
 from q2q_sim.onboard.flight import Controllers, fly_tick
 from q2q_sim.onboard.mellinger import mellinger
 from q2q_sim.onboard.motors import drive_motors
 from q2q_sim.onboard.parameters import Parameters
 from q2q_sim.onboard.pid_step import filtered, pid, slope_of
 from q2q_sim.onboard.setpoint import ZERO, Mode, Setpoint
+from q2q_sim.onboard.thrust_curve import compensated, thrust_pwm
 from q2q_sim.quadcopter import QUAT, RATE, STATE_WIDTH
 from q2q_sim.swarm import Swarm
 from q2q_sim.wake import Wake
@@ -92,7 +107,7 @@ def test_mellinger_is_the_matrix_law_where_it_has_no_memory(
         attitude_deg=(0.0, 0.0, yaw), rate_deg=(5.0, -4.0, 3.0),
     )  # fmt: skip
     row, memory = row_at(pos, vel, angles, (0.1, -0.2, 0.3)), np.zeros(MEMORY_WIDTH)
-    mellinger(row, NO_DRIFT, wanted_row(setpoint, motors_on=True), gains.gains(), memory)
+    mellinger(row, NO_DRIFT, wanted_row(setpoint, Power()), gains.gains(), memory)
     thrust, moment = vee_of_mellinger(row, setpoint, gains)
     assert memory[CONTROL + 3] == pytest.approx(thrust, rel=1e-9)
     expected = [moment[0], -moment[1], -moment[2]] if thrust > 0.0 else [0.0, 0.0, 0.0]
@@ -101,7 +116,7 @@ def test_mellinger_is_the_matrix_law_where_it_has_no_memory(
 
 def torque_for(setpoint: Setpoint, row: Array, gains: Parameters) -> Array:
     """Return thrust [N] and torques [N m] that the motors are asked for."""
-    memory, wanted, forces = np.zeros(MEMORY_WIDTH), wanted_row(setpoint, motors_on=True), np.zeros(4)
+    memory, wanted, forces = np.zeros(MEMORY_WIDTH), wanted_row(setpoint, Power()), np.zeros(4)
     if gains["stabilizer.controller"] == MELLINGER:
         mellinger(row, NO_DRIFT, wanted, gains.gains(), memory)
     else:
@@ -144,11 +159,76 @@ def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
     assert thrust == pytest.approx(30000.0 / 65535.0 * 0.48)
     memory, forces = np.zeros(MEMORY_WIDTH), np.zeros(4)
     memory[CONTROL : CONTROL + 4] = 30000.0, -30000.0, 30000.0, 60000.0
-    drive_motors(wanted_row(hover, motors_on=True), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
+    drive_motors(wanted_row(hover, Power()), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
     assert memory[MOTOR : MOTOR + 4].max() == 65535.0
     assert memory[MOTOR : MOTOR + 4].min() == 0.0
-    drive_motors(wanted_row(hover, motors_on=False), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
+    drive_motors(
+        wanted_row(hover, Power(motors_on=False)), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces
+    )
     np.testing.assert_array_equal(forces, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("asked", "supply", "duty"),
+    [(6999.0, 4.2, 0.0), (7000.0, 4.2, 12075.97), (36000.0, 4.2, 35861.83), (36000.0, 3.4, 44299.90)],
+)
+def test_duty_makes_up_for_the_battery_and_a_motor_below_7000_pwm_stands_still(
+    asked: float, supply: float, duty: float
+) -> None:
+    """The firmware's own numbers, and back: the curve gives at that duty what was asked for."""
+    assert compensated(asked, supply) == pytest.approx(duty, abs=0.01)
+    given = thrust_pwm(compensated(asked, supply), supply)
+    assert given == pytest.approx(asked if duty else 0.0, rel=1e-9)
+
+
+def test_duties_are_lowered_alike_after_compensation_and_lifted_to_the_idle_thrust() -> None:
+    memory, forces = np.zeros(MEMORY_WIDTH), np.zeros(4)
+    memory[CONTROL : CONTROL + 4] = 0.0, 60000.0, 0.0, 35535.0  # asks for 65535, 5535, 5535, 65535
+    low = Power(supply=3.0, battery=3.0, idle_pwm=300.0)
+    frame = frame_row(airframe_of(CRAZYFLIE_2_0))
+    drive_motors(wanted_row(Setpoint(), low), memory, frame, forces)
+    np.testing.assert_array_equal(memory[MOTOR : MOTOR + 4], [65535.0, 300.0, 300.0, 65535.0])
+    full = compensated(65535.0, 3.0)
+    assert full == pytest.approx(67280.73, abs=0.01)  # more than there is: the motor gives less than asked
+    assert forces[0] / frame[NEWTON_PER_PWM] == pytest.approx(thrust_pwm(65535.0, 3.0))
+    assert forces[0] / frame[NEWTON_PER_PWM] < 65535.0
+    np.testing.assert_array_equal(forces[1:3], 0.0)
+
+
+def test_a_change_of_controller_starts_its_integrals_anew() -> None:
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
+    off = Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.0, 0.0, 1.2))
+    pilot.fly(1.0, pilot.hold(off))
+    memory, gains = pilot.firmware().rows.memory, pilot.firmware().parameters
+    z, roll = PIDS + 2 * PID_WIDTH, PIDS + PID_ROLL * PID_WIDTH
+    memory[roll] = 0.125
+    assert memory[z] > 0.0
+    gains.set("stabilizer.controller", MELLINGER)
+    pilot.fly(0.5, pilot.hold(off))
+    integrals = memory[I_POS : I_POS + 6].copy()
+    assert integrals[2] > 0.0
+    gains.set("stabilizer.controller", PID)
+    pilot.firmware().tick()
+    np.testing.assert_array_equal(memory[PIDS:roll], 0.0)
+    assert memory[roll] == 0.125  # the attitude's PIDs go on
+    np.testing.assert_array_equal(memory[I_POS : I_POS + 6], integrals)
+    gains.set("stabilizer.controller", MELLINGER)
+    pilot.firmware().tick()
+    np.testing.assert_array_equal(memory[I_POS : I_POS + 6], 0.0)
+
+
+@pytest.mark.parametrize(
+    ("asked", "flies", "word"),
+    [(0, PID, ""), (3, MELLINGER, "INDI"), (5, MELLINGER, "Lee"), (6, MELLINGER, "")],
+)
+def test_the_controller_reads_back_what_flies(grounded: Pilot, asked: int, flies: int, word: str) -> None:
+    firmware = grounded.firmware()
+    firmware.parameters.set("stabilizer.controller", MELLINGER)
+    grounded.fly(0.01)
+    firmware.parameters.set("stabilizer.controller", asked)
+    firmware.tick()
+    assert firmware.parameters["stabilizer.controller"] == flies
+    assert (word in firmware.console) if word else not firmware.console
 
 
 def flown(
@@ -162,7 +242,7 @@ def flown(
     swarm = Swarm(("cf1",), vehicle, np.array([[0.0, 0.0, 1.0, 0.0]]), Wake.NONE)
     gains = parameters(vehicle, stabilizer__controller=controller, **values).gains()[None]
     rows = Controllers(
-        wanted_row(setpoint, motors_on=True)[None], gains, fresh_memory(1),
+        np.tile(wanted_row(setpoint, Power()), (1, 2, 1)), gains, fresh_memory(1),
         frame_row(airframe_of(vehicle))[None], np.zeros((1, 6)),
     )  # fmt: skip
     for _ in range(round(100 * seconds)):

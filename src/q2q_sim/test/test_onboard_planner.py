@@ -155,6 +155,43 @@ def test_trajectories_are_shifted_turned_slowed_and_reversed() -> None:
     np.testing.assert_allclose(planner.goal(2.0).vel, [0.0, 1.0, 0.0], atol=1e-12)
 
 
+def test_a_turned_trajectory_is_shifted_by_its_unturned_start_and_backwards_not_turned() -> None:
+    line = np.zeros((4, 8))
+    line[:, 0], line[0, 1] = (2.0, 1.0, 0.5, 0.3), 1.0  # from (2, 1, 0.5) along x, yaw 0.3
+    here = np.array([5.0, 6.0, 1.0])
+    for backwards in (False, True):
+        planner = Planner()
+        planner.tell(here, np.zeros(3), 0.3 + math.pi / 2)
+        planner.follow(Piecewise((Piece(2.0, line),), 0.0, backwards=backwards), from_here=True, turned=True)
+        start, later = planner.goal(0.0), planner.goal(1.0)
+        if backwards:  # starts at its end, here, and keeps its direction and its yaw
+            np.testing.assert_allclose(start.pos, here)
+            np.testing.assert_allclose(later.pos, here - [1.0, 0.0, 0.0])
+            assert start.yaw == pytest.approx(0.3)
+        else:  # a quarter turn about the origin takes (2, 1) to (-1, 2)
+            np.testing.assert_allclose(start.pos, here + np.array([-1.0 - 2.0, 2.0 - 1.0, 0.0]), atol=1e-6)
+            np.testing.assert_allclose(later.pos - start.pos, [0.0, 1.0, 0.0], atol=1e-6)
+            assert start.yaw == pytest.approx(0.3 + math.pi / 2)
+
+
+@pytest.mark.parametrize("asked", [math.pi, -math.pi])
+def test_half_a_turn_is_flown_to_the_right_whichever_way_it_is_asked_for(asked: float) -> None:
+    planner = Planner()
+    planner.go_to(Target((0.0, 0.0, 1.0), float(np.float32(asked)), 2.0), 0.0)
+    assert planner.goal(2.0).yaw == pytest.approx(-math.pi)
+    assert planner.goal(1.0).yaw == pytest.approx(-math.pi / 2)
+
+
+def test_a_goal_that_is_no_number_disables_the_planner_until_the_next_command() -> None:
+    planner = Planner()
+    assert planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 0.0, linear=True), 0.0) == Answer.OK
+    assert planner.goal(0.01) is None
+    assert planner.state == PlanState.DISABLED
+    assert planner.take_off(Vertical(1.0, 1.0), 0.1) == Answer.WRONG_STATE
+    planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 2.0), 0.1)
+    np.testing.assert_allclose(planner.goal(3.0).pos, [1.0, 0.0, 1.0])
+
+
 @pytest.mark.parametrize(
     ("clockwise", "sideways"), [(False, False), (True, False), (False, True), (True, True)]
 )
@@ -222,12 +259,31 @@ def test_an_uploaded_trajectory_is_flown_and_an_unsound_one_is_refused(grounded:
     assert wire.answers[-1][-1] == Answer.OK
     goal = grounded.firmware().planner.goal(grounded.firmware().seconds + 1.0)
     np.testing.assert_allclose((goal.pos[2], goal.vel[2]), (0.5, 0.5))
-    for number, pieces in ((4, 0), (5, 40), (6, 2)):  # none, beyond the memory, a second piece of duration 0
+    for number, pieces in ((4, 0), (5, 40)):  # none, beyond the memory
         pilot.define_trajectory(number, 0, pieces)
         pilot.start_trajectory(number)
         assert wire.answers[-1][-1] == Answer.UNKNOWN
-    pilot.start_trajectory(9)
-    assert wire.answers[-1][-1] == Answer.UNKNOWN
     pilot.define_trajectory(3, 0, 1, type=1)
     pilot.start_trajectory(3)
     assert wire.answers[-1][-1] == Answer.UNKNOWN
+
+
+def test_an_undefined_trajectory_is_answered_and_not_flown_and_31_can_be_defined(grounded: Pilot) -> None:
+    commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
+    wire = grounded.wire()
+    pilot, planner = commander(wire), grounded.firmware().planner
+    pilot.start_trajectory(9)
+    assert (wire.answers[-1][-1], planner.state) == (Answer.OK, PlanState.IDLE)
+    for number, answer in ((30, Answer.OK), (31, Answer.UNKNOWN)):
+        pilot.define_trajectory(number, 0, 1)
+        assert wire.answers[-1][-1] == answer
+    pilot.start_trajectory(31)
+    assert (wire.answers[-1][-1], planner.state) == (Answer.OK, PlanState.IDLE)
+
+
+def test_a_command_of_more_than_an_hour_is_taken(grounded: Pilot) -> None:
+    commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
+    wire, firmware = grounded.wire(), grounded.firmware()
+    commander(wire).takeoff(1.0, 7200.0)
+    assert wire.answers[-1][-1] == Answer.OK
+    assert firmware.planner.goal(firmware.seconds + 3600.0).pos[2] == pytest.approx(0.5)

@@ -1,18 +1,22 @@
 """Arming, watchdogs, emergency stop, tumbling: what the supervisor allows, and when."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from q2q_model.vehicle import CRAZYFLIE_2_0
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.crtp.supervisor_bits import Info, supervisor_info
 from q2q_sim.onboard.airframe import airframe_of
 from q2q_sim.onboard.battery import LOW_POWER, Battery
+from q2q_sim.onboard.columns import MOTOR, SET_THRUST
 from q2q_sim.onboard.estimator import Estimator
 from q2q_sim.onboard.firmware import Build
 from q2q_sim.onboard.parameters import Parameters
+from q2q_sim.onboard.planner import Answer, Target, Vertical
 from q2q_sim.onboard.setpoint import Mode, Setpoint
 from q2q_sim.onboard.supervisor import Look, Supervisor
+from q2q_sim.onboard.supervisor_info import Info
 from q2q_sim.onboard.supervisor_rules import Condition, Rule, State, next_state
 
 HOVER = Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.0, 0.0, 1.0))
@@ -55,7 +59,7 @@ def test_the_stock_build_arms_itself_and_the_other_waits_for_the_word() -> None:
         pilot.fly(0.5)
     assert state(stock) == State.READY_TO_FLY
     assert state(careful) == State.CHECKS_PASSED
-    assert supervisor_info(careful.firmware()) & Info.CAN_BE_ARMED
+    assert careful.firmware().info & Info.CAN_BE_ARMED
     assert careful.firmware().supervisor.request_arming(arm=True)
     careful.fly(0.2)
     assert state(careful) == State.READY_TO_FLY
@@ -93,6 +97,80 @@ def test_half_a_second_without_setpoint_levels_out_and_two_cut_the_motors() -> N
     pilot.fly(1.5, pilot.hold(HOVER))
     assert pilot.pos()[2] == 0.0  # locked: it fell, and obeys nobody
     assert state(pilot) == State.LOCKED
+
+
+def test_levelling_out_keeps_the_rates_of_roll_and_pitch_and_drifts_under_mellinger() -> None:
+    pilot = hovering()
+    firmware = pilot.firmware()
+    firmware.parameters.set("stabilizer.controller", 2)
+    pilot.fly(1.0, pilot.hold(HOVER))
+    turning = replace(HOVER, rate_deg=(0.0, 20.0, 30.0), attitude_deg=(0.0, 0.0, 5.0))
+    firmware.obey(turning)
+    pilot.fly(0.5 + LOOK_S)
+    assert state(pilot) == State.LEVEL_OUT
+    off = Mode.DISABLE
+    assert firmware.flown == replace(
+        turning, x=off, y=off, roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, rate_deg=(0.0, 20.0, 0.0)
+    )
+    before = pilot.pos()[0]
+    pilot.fly(1.0)
+    assert pilot.pos()[0] - before > 0.2  # nose down at a wanted rate, level or not
+
+
+def test_a_setpoint_is_flown_one_step_after_the_supervisor_lets_the_vehicle_fly() -> None:
+    pilot = Pilot(np.zeros((1, 4)))
+    firmware, lift = pilot.firmware(), Setpoint(roll=Mode.ABS, pitch=Mode.ABS, thrust_pwm=20000.0)
+    while state(pilot) != State.READY_TO_FLY:
+        firmware.obey(lift)
+        first, others = firmware.tick()
+    assert (first[SET_THRUST], others[SET_THRUST]) == (0.0, 20000.0)
+    first, others = firmware.tick()
+    assert (first[SET_THRUST], others[SET_THRUST]) == (20000.0, 20000.0)
+
+
+def test_a_vehicle_that_must_be_armed_idles_at_7000_pwm_without_flying() -> None:
+    pilot = Pilot(np.zeros((1, 4)), build=Build(auto_arming=False))
+    pilot.fly(0.5)
+    motors = pilot.firmware().rows.memory[MOTOR : MOTOR + 4]
+    np.testing.assert_array_equal(motors, 0.0)
+    assert pilot.firmware().supervisor.request_arming(arm=True)
+    pilot.fly(0.5)
+    np.testing.assert_array_equal(motors, 7000.0)
+    assert state(pilot) == State.READY_TO_FLY
+    assert pilot.firmware().supervisor.request_arming(arm=False)
+    pilot.fly(0.1)
+    np.testing.assert_array_equal(motors, 0.0)
+    assert Pilot(np.zeros((1, 4))).firmware().parameters["powerDist.idleThrust"] == 0
+
+
+def test_info_shows_a_landing_as_an_active_plan_and_a_plan_that_was_given_up(grounded: Pilot) -> None:
+    firmware = grounded.firmware()
+    firmware.planner.take_off(Vertical(1.0, 1.0), firmware.seconds)
+    grounded.fly(1.5)
+    firmware.planner.land(Vertical(0.0, 2.0), firmware.seconds)
+    grounded.fly(0.5)
+    assert firmware.info & Info.PLAN_ACTIVE
+    assert not firmware.info & (Info.PLAN_FINISHED | Info.PLAN_DISABLED)
+    grounded.fly(2.0)
+    assert firmware.info & Info.PLAN_FINISHED
+    assert not firmware.info & Info.PLAN_ACTIVE
+    firmware.planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 0.0, linear=True), firmware.seconds)
+    grounded.fly(0.1)
+    assert firmware.info & Info.PLAN_DISABLED
+    assert not firmware.info & Info.PLAN_ACTIVE
+
+
+def test_a_linear_go_to_in_no_time_leaves_the_vehicle_without_setpoints() -> None:
+    pilot = hovering()
+    firmware = pilot.firmware()
+    firmware.relax()
+    firmware.planner.go_to(Target((0.0, 0.0, 1.0), 0.0, 1.0), firmware.seconds)
+    pilot.fly(1.5)
+    assert (
+        firmware.planner.go_to(Target((0.5, 0.0, 1.0), 0.0, 0.0, linear=True), firmware.seconds) == Answer.OK
+    )
+    pilot.fly(0.5 + 2 * LOOK_S)
+    assert state(pilot) == State.LEVEL_OUT
 
 
 def test_a_new_setpoint_in_time_ends_the_levelling() -> None:
@@ -194,6 +272,29 @@ def test_the_estimate_follows_external_positions_and_knows_how_sure_it_is() -> N
     measured = np.var(errors[200:], axis=0)
     assert (measured < one.variance[:3]).all()  # a still vehicle is better known than the filter dares to say
     assert (one.variance[:3] < 0.01**2).all()
+
+
+def test_process_noise_grows_each_millisecond_on_the_diagonal_within_bounds() -> None:
+    one, q = Estimator(np.zeros(6)), np.array([0.5, 0.5, 1.0])
+    np.testing.assert_allclose(one.variance, [1e4, 1e4, 1.0, 1e-4, 1e-4, 1e-4])
+    one.predict(q)
+    velocity = 1e-4 + 10 * (q * 1e-3) ** 2
+    np.testing.assert_allclose(one.variance[3:], velocity, rtol=1e-12)
+    height = 1.0 + 0.01**2 * 1e-4 + 10 * (1e-6) ** 2
+    np.testing.assert_allclose(one.variance[:3], [100.0, 100.0, height], rtol=1e-12)
+    for _ in range(3):
+        one.correct(np.zeros(3), np.zeros(3), 1e-5)
+    np.testing.assert_allclose(one.variance[:3], 1e-6, rtol=1e-12)
+
+
+def test_a_reset_of_the_estimate_happens_once(grounded: Pilot) -> None:
+    firmware = grounded.firmware()
+    firmware.parameters.set("kalman.initialX", 2.0)
+    firmware.parameters.set("kalman.resetEstimation", 1)
+    grounded.fly(0.01)
+    assert firmware.parameters["kalman.resetEstimation"] == 0
+    grounded.fly(0.5)
+    assert firmware.pos[0] == pytest.approx(0.0, abs=1e-3)  # the deck has corrected it
 
 
 def test_external_positions_matter_without_a_deck_only() -> None:

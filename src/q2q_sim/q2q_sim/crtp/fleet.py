@@ -16,7 +16,7 @@ from q2q_model.signals import Array
 from q2q_model.vehicle import Vehicle
 from q2q_sim.crtp.vehicle import CrtpVehicle
 from q2q_sim.onboard.airframe import airframe_of
-from q2q_sim.onboard.columns import MOTOR, WANTED_WIDTH, frame_row, fresh_memory
+from q2q_sim.onboard.columns import IDLE, MOTOR, WANTED_WIDTH, frame_row, fresh_memory
 from q2q_sim.onboard.firmware import Build, Firmware, Rows
 from q2q_sim.onboard.flight import Controllers, fly_tick
 from q2q_sim.swarm import Swarm
@@ -40,7 +40,7 @@ class Fleet:
         n, airframe = len(swarm.names), airframe_of(vehicle)
         self._swarm = swarm
         self._rows = Controllers(
-            wanted=np.zeros((n, WANTED_WIDTH)),
+            wanted=np.zeros((n, 2, WANTED_WIDTH)),
             gains=np.zeros((n, 0)),
             memory=fresh_memory(n),
             frame=np.tile(frame_row(airframe), (n, 1)),
@@ -85,5 +85,6 @@ class Fleet:
 
     def _hold(self) -> None:
         """Put vehicles back that hang in the air and have not been flown yet."""
-        self._held &= ~(self._rows.memory[:, MOTOR : MOTOR + 4] > 0.0).any(axis=1)
+        idle = self._rows.wanted[:, 1, IDLE, None]
+        self._held &= ~(self._rows.memory[:, MOTOR : MOTOR + 4] > idle).any(axis=1)
         self._swarm.state[self._held] = self._start[self._held]

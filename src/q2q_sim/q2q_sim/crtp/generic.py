@@ -5,7 +5,8 @@ angles in degrees, pitch nose up (legacy) for attitudes, yaw rates left for the 
 
 | type | fields |
 |---|---|
-| 0 stop | none: motors off |
+| 0 stop | none: motors off; and so does every type above 11 |
+| 3 radio control pulses | see pulses |
 | 6 full state | position [mm], velocity [mm/s], acceleration [mm/s^2], quaternion (32 bits), rates [mrad/s] |
 | 7 position | x, y, z [m], yaw [deg] |
 | 8 velocity | vx, vy, vz [m/s], world, yaw rate [deg/s]; 1: yaw rate to the right |
@@ -18,7 +19,7 @@ Full state carries body rates as they are (x, y, z). cflib's send_full_state_set
 a second but sends thousandths of what it is given, which the firmware reads as mrad/s: give it rad/s.
 Channel 1, type 0: notify that setpoints stop; the high-level commander may take over.
 
-Type 3 (radio control pulses) and unknown types are refused; the firmware would stop its motors.
+Different from the firmware: a packet that is too short is refused; the firmware stops for good (ASSERT).
 """
 
 import math
@@ -26,13 +27,16 @@ import struct
 from collections.abc import Callable
 
 from q2q_sim.crtp.fields import byte, read
-from q2q_sim.crtp.packet import MalformedError, Packet
+from q2q_sim.crtp.packet import Packet
+from q2q_sim.crtp.pulses import pulses
 from q2q_sim.crtp.quaternion32 import decompressed
 from q2q_sim.onboard.firmware import Firmware
+from q2q_sim.onboard.parameters import Parameters
 from q2q_sim.onboard.setpoint import STOP, Mode, Setpoint
 
 SETPOINT, META = 0, 1
 NOTIFY_STOP = 0
+PULSES = 3
 _FOUR, _MANUAL, _FULL = struct.Struct("<ffff"), struct.Struct("<fffHB"), struct.Struct("<9hI3h")
 MILLI = 1e-3
 
@@ -43,10 +47,12 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     if packet.channel == META and kind == NOTIFY_STOP:
         firmware.relax()
     if packet.channel == SETPOINT:
-        if kind not in _READERS:
-            raise MalformedError(f"setpoint of type {kind}: known are {', '.join(map(str, _READERS))}")
-        firmware.obey(_READERS[kind](packet.data[1:]))
+        firmware.obey(_setpoint(kind, packet.data[1:], firmware.parameters))
     return []
+
+
+def _setpoint(kind: int, data: bytes, parameters: Parameters) -> Setpoint:
+    return pulses(data, parameters) if kind == PULSES else _READERS.get(kind, _stop)(data)
 
 
 def _stop(_: bytes) -> Setpoint:

@@ -16,7 +16,9 @@ if hlCommander.groupmask shares a bit. Yaw is in radians here, heights in the wo
 | 9, 10 the same | mask, height, relative, yaw, keep, velocity |
 | 11 spiral | mask, sideways, clockwise, angle, first and last radius, ascent, duration |
 
-Compressed trajectories (type 1) are answered UNKNOWN.
+Durations are taken as they are, and a trajectory that is not defined is answered OK and not flown. Different
+from the firmware: compressed trajectories (type 1) are answered UNKNOWN, and so are those without pieces or
+with pieces beyond the memory, where the firmware reads what else is there.
 """
 
 import struct
@@ -25,8 +27,8 @@ from collections.abc import Callable
 import numpy as np
 
 from q2q_sim.crtp.fields import byte, read
-from q2q_sim.crtp.packet import MalformedError, Packet
-from q2q_sim.onboard.firmware import TRAJECTORY_BYTES, Firmware
+from q2q_sim.crtp.packet import Packet
+from q2q_sim.onboard.firmware import TRAJECTORY_BYTES, Firmware, Uploaded
 from q2q_sim.onboard.piecewise import Piecewise
 from q2q_sim.onboard.planner import Answer, Target, Vertical
 from q2q_sim.onboard.polynomial import Piece
@@ -37,11 +39,9 @@ _GO, _GO_2, _ARC = struct.Struct("<BB5f"), struct.Struct("<BBB5f"), struct.Struc
 _START, _START_2, _DEFINE = struct.Struct("<BBBBf"), struct.Struct("<BBBBBf"), struct.Struct("<BBBIB")
 PIECE_BYTES = 132
 """4 polynomials of 8 floats and a duration."""
-IN_MEMORY, POLY4D = 1, 0
-TRAJECTORIES = 10
+IN_MEMORY, POLY4D, COMPRESSED = 1, 0, 1
+TRAJECTORIES = 31
 """NUM_TRAJECTORY_DEFINITIONS."""
-LONGEST = 3600.0
-"""No polynomial takes longer [s]; nor does one of a time scale of this."""
 
 
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
@@ -67,12 +67,6 @@ def _flying(act: Callable[[Firmware, bytes], Answer]) -> Callable[[Firmware, byt
     return guarded
 
 
-def _time(seconds: float) -> float:
-    if not seconds <= LONGEST:
-        raise MalformedError(f"duration {seconds} s: at most {LONGEST} s is allowed")
-    return seconds
-
-
 def _set_mask(firmware: Firmware, data: bytes) -> Answer:
     firmware.parameters.set("hlCommander.groupmask", byte(data, 0))
     return Answer.OK
@@ -84,48 +78,47 @@ def _stop(firmware: Firmware, data: bytes) -> Answer:
 
 def _vertical(data: bytes) -> Vertical:
     _, height, yaw, keep, duration = read(_NEW, data)
-    return Vertical(height, _time(duration), None if keep else yaw)
+    return Vertical(height, duration, None if keep else yaw)
 
 
 def _old_vertical(data: bytes) -> Vertical:
     _, height, duration = read(_OLD, data)
-    return Vertical(height, _time(duration), 0.0)
+    return Vertical(height, duration, 0.0)
 
 
 def _at_speed(firmware: Firmware, data: bytes, name: str, up: float) -> Vertical:
     _, height, relative, yaw, keep, speed = read(_SPEED, data)
     now = float(firmware.planner.here.pos[2])
     end = now + up * height if relative else height
-    pace = speed if speed > 0.0 else max(float(firmware.parameters[f"hlCommander.{name}"]), 1e-3)
-    return Vertical(end, _time(abs(end - now) / pace), None if keep else yaw)
+    pace = speed if speed > 0.0 else float(firmware.parameters[f"hlCommander.{name}"])
+    with np.errstate(all="ignore"):  # a pace of 0 takes for ever
+        duration = float(np.float64(abs(end - now)) / pace)
+    return Vertical(end, duration, None if keep else yaw)
 
 
 def _go(firmware: Firmware, data: bytes) -> Answer:
     _, relative, x, y, z, yaw, duration = read(_GO, data)
-    target = Target((x, y, z), yaw, _time(duration), relative=bool(relative))
+    target = Target((x, y, z), yaw, duration, relative=bool(relative))
     return firmware.planner.go_to(target, firmware.seconds)
 
 
 def _go_2(firmware: Firmware, data: bytes) -> Answer:
     _, relative, linear, x, y, z, yaw, duration = read(_GO_2, data)
-    target = Target((x, y, z), yaw, _time(duration), relative=bool(relative), linear=bool(linear))
+    target = Target((x, y, z), yaw, duration, relative=bool(relative), linear=bool(linear))
     return firmware.planner.go_to(target, firmware.seconds)
 
 
 def _arc(firmware: Firmware, data: bytes) -> Answer:
-    _, sideways, clockwise, *numbers = read(_ARC, data)
-    angle, first, last, ascent, duration = numbers
-    if not 0.0 < duration <= LONGEST:
-        raise MalformedError(f"spiral of {duration} s: above 0 to {LONGEST} s is allowed")
+    _, sideways, clockwise, angle, first, last, ascent, duration = read(_ARC, data)
     spiral = Spiral(angle, first, last, ascent, duration, bool(sideways), bool(clockwise))
     return firmware.planner.fly_piece(spiral_piece(firmware.planner.here, spiral), firmware.seconds)
 
 
 def _define(firmware: Firmware, data: bytes) -> Answer:
     number, location, kind, offset, pieces = (int(one) for one in read(_DEFINE, data))
-    if number >= TRAJECTORIES or location != IN_MEMORY:
+    if number >= TRAJECTORIES:
         return Answer.UNKNOWN
-    firmware.uploads.defined[number] = (kind, offset, pieces)
+    firmware.uploads.defined[number] = Uploaded(location, kind, offset, pieces)
     return Answer.OK
 
 
@@ -141,28 +134,21 @@ def _start_2(firmware: Firmware, data: bytes) -> Answer:
 
 def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool, bool]) -> Answer:
     """Fly an uploaded trajectory; `how`: from here, turned, backwards."""
-    kind, offset, count = firmware.uploads.defined.get(number, (-1, 0, 0))
-    end = offset + count * PIECE_BYTES
-    if kind != POLY4D or count == 0 or end > TRAJECTORY_BYTES or not 0.0 < scale <= LONGEST:
+    one = firmware.uploads.defined.get(number)
+    if one is None or one.location != IN_MEMORY or one.kind not in {POLY4D, COMPRESSED}:
+        return Answer.OK
+    end = one.offset + one.pieces * PIECE_BYTES
+    if one.kind == COMPRESSED or one.pieces == 0 or end > TRAJECTORY_BYTES:
         return Answer.UNKNOWN
-    pieces = tuple(
-        _piece(bytes(firmware.uploads.memory[at : at + PIECE_BYTES]))
-        for at in range(offset, end, PIECE_BYTES)
-    )
-    if any(piece is None for piece in pieces):
-        return Answer.UNKNOWN
-    sound = tuple(piece for piece in pieces if piece is not None)
-    trajectory = Piecewise(sound, firmware.seconds, scale, backwards=how[2])
+    pieces = tuple(_piece(firmware.uploads.memory, at) for at in range(one.offset, end, PIECE_BYTES))
+    trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2])
     return firmware.planner.follow(trajectory, from_here=how[0], turned=how[1])
 
 
-def _piece(packed: bytes) -> Piece | None:
-    """Return an uploaded piece; None where its numbers make no sense."""
-    numbers = np.frombuffer(packed, dtype="<f4").astype(np.float64)
-    duration = float(numbers[32])
-    if not np.isfinite(numbers).all() or not 0.0 < duration <= LONGEST:
-        return None
-    return Piece(duration, numbers[:32].reshape(4, 8))
+def _piece(memory: bytearray, at: int) -> Piece:
+    """Return the uploaded piece at an offset."""
+    numbers = np.frombuffer(memory, dtype="<f4", count=PIECE_BYTES // 4, offset=at).astype(np.float64)
+    return Piece(float(numbers[32]), numbers[:32].reshape(4, 8))
 
 
 _COMMANDS: dict[int, Callable[[Firmware, bytes], Answer]] = {

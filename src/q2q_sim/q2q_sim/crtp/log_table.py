@@ -20,7 +20,6 @@ from q2q_model.vehicle import GRAVITY
 from q2q_sim.crtp.contents import Contents, Entry
 from q2q_sim.crtp.number_types import TYPES
 from q2q_sim.crtp.quaternion32 import compressed
-from q2q_sim.crtp.supervisor_bits import supervisor_info
 from q2q_sim.onboard.columns import (
     ATTITUDE_WANTED,
     CONTROL,
@@ -166,7 +165,7 @@ _HEALTH = (
     _one("sys.canfly", "uint8", lambda one: one.supervisor.may_fly),
     _one("sys.isFlying", "uint8", lambda one: one.supervisor.flying),
     _one("sys.isTumbled", "uint8", lambda one: one.supervisor.tumbled),
-    _one("supervisor.info", "uint16", supervisor_info),
+    _one("supervisor.info", "uint16", lambda one: one.info),
     _one("supervisor.accNorm", "float", lambda one: float(np.linalg.norm(one.specific_force_g))),
 )
 

@@ -8,7 +8,7 @@ Source: firmware: modules/src/platformservice.c, crtpservice.c; protocol 12: mod
 | 13, 0 | 2: recover from a crash | 2, done, recovered |
 | 13, 0 | 3, kind: tell the user | the same |
 | 13, 1 | 0 | 0, protocol version int32 |
-| 13, 1 | 1; 2 | the same, then the firmware's version; the vehicle's kind |
+| 13, 1 | 1; 2 | the same, then the firmware's version; the vehicle's name |
 | 15, 0 | any | the same |
 | 15, 1 | any | "Bitcraze Crazyflie", filled to 30 bytes with 0 |
 | 15, 2 | any | none |
@@ -23,7 +23,7 @@ COMMAND, VERSION = 0, 1
 ARM, RECOVER, NOTIFY = 1, 2, 3
 PROTOCOL, FIRMWARE, DEVICE = 0, 1, 2
 ECHO, SOURCE = 0, 1
-RELEASE, KIND, GREETING = b"2026.08 q2q", b"CF20", b"Bitcraze Crazyflie"
+RELEASE, NAME, GREETING = b"2026.08 q2q", b"Crazyflie 2.0", b"Bitcraze Crazyflie"
 
 
 def serve_platform(firmware: Firmware, packet: Packet) -> list[Packet]:
@@ -33,7 +33,7 @@ def serve_platform(firmware: Firmware, packet: Packet) -> list[Packet]:
     if packet.channel == COMMAND:
         body = _command(firmware, command, packet.data)
     elif packet.channel == VERSION:
-        versions = {PROTOCOL: PROTOCOL_VERSION.to_bytes(4, "little"), FIRMWARE: RELEASE, DEVICE: KIND}
+        versions = {PROTOCOL: PROTOCOL_VERSION.to_bytes(4, "little"), FIRMWARE: RELEASE, DEVICE: NAME}
         body = versions.get(command)
     return [] if body is None else [packet.answer(bytes([command]) + body)]
 

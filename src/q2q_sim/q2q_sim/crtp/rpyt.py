@@ -11,11 +11,14 @@ Source: firmware: modules/src/crtp_commander_rpyt.c. Three floats and a uint16:
 
 The flightmode parameters change what the fields mean, as in the firmware: stabModeRoll and stabModePitch
 (0: rates [deg/s]), stabModeYaw (1: angle, not inverted), althold (thrust is a climb rate), poshold (pitch and
-roll are velocities), posSet (-pitch, roll, thrust / 1000 are a position).
+roll are velocities), posSet (-pitch, roll, thrust / 1000 are a position). A packet overwrites the client's
+last setpoint of any port, and what it says nothing of stays: after a hover packet, poshold velocities are the
+body's.
 """
 
 import struct
 from dataclasses import replace
+from typing import NamedTuple
 
 from q2q_model.thrust_map import PWM_STICK_MAX
 from q2q_sim.crtp.fields import read
@@ -34,6 +37,15 @@ STICK_PER_SPEED = 30.0
 """Degrees of stick for 1 m/s under poshold."""
 
 
+class Stick(NamedTuple):
+    """Fields of a packet, as sent."""
+
+    roll: float
+    pitch: float
+    yaw: float
+    thrust: float
+
+
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     """Fly the setpoint in a packet."""
     if packet.channel != 0:
@@ -43,46 +55,75 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
         firmware.thrust_locked = True
     if thrust == 0:
         firmware.thrust_locked = False
-    firmware.obey(_setpoint((roll, pitch, yaw), thrust, firmware.parameters, locked=firmware.thrust_locked))
+    stick = Stick(roll, pitch, yaw, thrust)
+    firmware.obey(_setpoint(stick, firmware.asked, firmware.parameters, locked=firmware.thrust_locked))
     return []
 
 
-def _setpoint(
-    stick: tuple[float, float, float], thrust: float, mode: Parameters, *, locked: bool
-) -> Setpoint:
-    pwm = 0.0 if locked or thrust < PWM_MIN else min(thrust, float(PWM_STICK_MAX))
-    made = _turning(_tilting(stick, thrust, mode), stick[2], mode)
-    if mode.flag("flightmode.posSet") and thrust != 0:
-        return made
-    if mode.flag("flightmode.althold"):
-        climb = (thrust - MIDDLE) / MIDDLE
-        return replace(made, z=Mode.VELOCITY, vel=(made.vel[0], made.vel[1], climb))
-    return replace(made, thrust_pwm=pwm)
+def _setpoint(stick: Stick, last: Setpoint, mode: Parameters, *, locked: bool) -> Setpoint:
+    pwm = 0.0 if locked or stick.thrust < PWM_MIN else min(stick.thrust, float(PWM_STICK_MAX))
+    return _turning(stick, _tilting(stick, _lifting(stick, replace(last, thrust_pwm=pwm), mode), mode), mode)
 
 
-def _tilting(stick: tuple[float, float, float], thrust: float, mode: Parameters) -> Setpoint:
-    roll, pitch, yaw = stick
+def _lifting(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
+    if not mode.flag("flightmode.althold"):
+        return replace(made, z=Mode.DISABLE)
+    climb = (stick.thrust - MIDDLE) / MIDDLE
+    return replace(made, z=Mode.VELOCITY, vel=(*made.vel[:2], climb), thrust_pwm=0.0)
+
+
+def _tilting(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
     if mode.flag("flightmode.poshold"):
-        vel = (pitch / STICK_PER_SPEED, roll / STICK_PER_SPEED, 0.0)
-        return Setpoint(x=Mode.VELOCITY, y=Mode.VELOCITY, vel=vel)
-    if mode.flag("flightmode.posSet") and thrust != 0:
-        where = (-pitch, roll, thrust / 1000.0)
-        return Setpoint(
-            x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=where, attitude_deg=(0.0, 0.0, yaw)
-        )
+        return _moving(stick, made)
+    if mode.flag("flightmode.posSet") and stick.thrust != 0:
+        return _placed(stick, made)
     by_angle = mode.flag("flightmode.stabModeRoll"), mode.flag("flightmode.stabModePitch")
-    return Setpoint(
+    roll, roll_rate = (stick.roll, 0.0) if by_angle[0] else (0.0, stick.roll)
+    pitch, pitch_rate = (stick.pitch, 0.0) if by_angle[1] else (0.0, stick.pitch)
+    return replace(
+        made,
+        x=Mode.DISABLE,
+        y=Mode.DISABLE,
         roll=Mode.ABS if by_angle[0] else Mode.VELOCITY,
         pitch=Mode.ABS if by_angle[1] else Mode.VELOCITY,
-        attitude_deg=(roll if by_angle[0] else 0.0, pitch if by_angle[1] else 0.0, 0.0),
-        rate_deg=(0.0 if by_angle[0] else roll, 0.0 if by_angle[1] else pitch, 0.0),
+        vel=(0.0, 0.0, made.vel[2]),
+        attitude_deg=(roll, pitch, made.attitude_deg[2]),
+        rate_deg=(roll_rate, pitch_rate, made.rate_deg[2]),
     )
 
 
-def _turning(setpoint: Setpoint, yaw: float, mode: Parameters) -> Setpoint:
+def _moving(stick: Stick, made: Setpoint) -> Setpoint:
+    return replace(
+        made,
+        x=Mode.VELOCITY,
+        y=Mode.VELOCITY,
+        roll=Mode.DISABLE,
+        pitch=Mode.DISABLE,
+        vel=(stick.pitch / STICK_PER_SPEED, stick.roll / STICK_PER_SPEED, made.vel[2]),
+        attitude_deg=(0.0, 0.0, made.attitude_deg[2]),
+    )
+
+
+def _placed(stick: Stick, made: Setpoint) -> Setpoint:
+    return replace(
+        made,
+        x=Mode.ABS,
+        y=Mode.ABS,
+        z=Mode.ABS,
+        roll=Mode.DISABLE,
+        pitch=Mode.DISABLE,
+        yaw=Mode.ABS,
+        pos=(-stick.pitch, stick.roll, stick.thrust / 1000.0),
+        attitude_deg=(0.0, 0.0, stick.yaw),
+        thrust_pwm=0.0,
+    )
+
+
+def _turning(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
     if mode.flag("flightmode.posSet"):
-        return setpoint
+        return made
+    roll, pitch, _ = made.attitude_deg
     if mode.flag("flightmode.stabModeYaw"):
-        roll, pitch, _ = setpoint.attitude_deg
-        return replace(setpoint, yaw=Mode.ABS, attitude_deg=(roll, pitch, yaw))
-    return replace(setpoint, yaw=Mode.VELOCITY, rate_deg=(*setpoint.rate_deg[:2], -yaw))
+        still = (*made.rate_deg[:2], 0.0)
+        return replace(made, yaw=Mode.ABS, attitude_deg=(roll, pitch, stick.yaw), rate_deg=still)
+    return replace(made, yaw=Mode.VELOCITY, rate_deg=(*made.rate_deg[:2], -stick.yaw))

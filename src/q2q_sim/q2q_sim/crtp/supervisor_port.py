@@ -13,7 +13,6 @@ Source: firmware: modules/src/crtp_supervisor.c. Answers carry the command with 
 
 from q2q_sim.crtp.fields import byte
 from q2q_sim.crtp.packet import Packet
-from q2q_sim.crtp.supervisor_bits import supervisor_info
 from q2q_sim.onboard.firmware import Firmware
 
 INFO, COMMAND = 0, 1
@@ -27,7 +26,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     command = byte(packet.data, 0)
     body = None
     if packet.channel == INFO:
-        body = _info(command, supervisor_info(firmware))
+        body = _info(command, firmware.info)
     elif packet.channel == COMMAND:
         body = _command(firmware, command, packet.data)
     return [] if body is None else [packet.answer(bytes([RESPONSE | command]) + body)]

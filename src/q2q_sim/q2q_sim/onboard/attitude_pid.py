@@ -4,7 +4,7 @@ Source: firmware: modules/src/controller/controller_pid.c, attitude_pid_controll
 nose up:
 
     rate_d  = PID(attitude)         roll and pitch as the position loop or the setpoint wants them
-    control = PID(rate) [PWM], within +-32767; the yaw's with the sign turned (motors 1 and 3 turn left)
+    control = PID(rate) [PWM], whole, within +-32767; the yaw's sign turned (motors 1 and 3 turn left)
 
 The wanted yaw moves on with a wanted yaw rate. Everything starts anew when a mode changes, and stands still
 at thrust 0.
@@ -41,6 +41,7 @@ from q2q_sim.onboard.columns import (
 from q2q_sim.onboard.pid_step import pid, pid_reset, slope_of
 from q2q_sim.onboard.position_pid import position_pid
 from q2q_sim.onboard.setpoint import Three
+from q2q_sim.onboard.whole import INT16_MAX, whole
 
 DT = 1.0 / 500.0
 """ATTITUDE_RATE of the firmware [s]."""
@@ -48,12 +49,11 @@ ANGLE_INTEGRAL, YAW_INTEGRAL = 20.0, 360.0
 """PID_ROLL_INTEGRATION_LIMIT, PID_YAW_INTEGRATION_LIMIT, platform_defaults_cf2.h."""
 RATE_INTEGRAL, YAW_RATE_INTEGRAL = 33.3, 166.7
 """PID_ROLL_RATE_INTEGRATION_LIMIT, PID_YAW_RATE_INTEGRATION_LIMIT, the same."""
-CONTROL_MAX = 32767.0
 
 
 def _wrapped(angle: float) -> float:
-    """Return an angle within +-180 deg."""
-    return (angle + 180.0) % 360.0 - 180.0
+    """Return an angle within +-180 deg; each end is left as it is."""
+    return angle if abs(angle) <= 180.0 else (angle + 180.0) % 360.0 - 180.0
 
 
 def _restart(row: Array, drift: Array, memory: Array, attitude: Three) -> None:
@@ -105,8 +105,10 @@ def _rate_loop(row: Array, memory: Array, gains: Array) -> None:
         at = PIDS + PID_WIDTH * (PID_ROLL_RATE + k)
         limit = YAW_RATE_INTEGRAL if k == 2 else RATE_INTEGRAL
         rise = slope_of(memory, at, rates[k], DT)
-        how = (at, RATE_GAINS + 3 * k, DT, limit, CONTROL_MAX)
-        memory[CONTROL + k] = pid(memory[RATE_WANTED + k] - rates[k], rise, memory, gains, how)
+        how = (at, RATE_GAINS + 3 * k, DT, limit, 0.0)
+        memory[CONTROL + k] = whole(
+            pid(memory[RATE_WANTED + k] - rates[k], rise, memory, gains, how), INT16_MAX
+        )
     memory[CONTROL + 2] = -memory[CONTROL + 2]
 
 

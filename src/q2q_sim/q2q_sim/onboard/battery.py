@@ -7,13 +7,16 @@
 | 7 minutes of hover from full to empty | Bitcraze's data sheet of the Crazyflie 2.x |
 | low after 5 s below pm.lowVoltage | firmware: DEFAULT_BAT_LOW_DURATION_TO_TRIGGER_SEC |
 
-Thrust does not fall with the voltage: the firmware compensates for it.
+Thrust falls with the voltage only where a motor runs at its full duty: below, the firmware compensates
+(thrust_curve). The voltage does not sag under load.
 """
 
 import numpy as np
 
+VOLT_FULL = 4.2
+"""[V]"""
 CURVE_CHARGE = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
-CURVE_VOLT = np.array([3.00, 3.78, 3.83, 3.87, 3.89, 3.92, 3.96, 4.00, 4.04, 4.10, 4.20])
+CURVE_VOLT = np.array([3.00, 3.78, 3.83, 3.87, 3.89, 3.92, 3.96, 4.00, 4.04, 4.10, VOLT_FULL])
 HOVER_TIME = 420.0
 """[s]"""
 LOW_TIME = 5.0

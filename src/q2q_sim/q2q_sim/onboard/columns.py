@@ -2,24 +2,28 @@
 
 | row | width | what |
 |---|---|---|
-| wanted | WANTED_WIDTH | a Setpoint, and whether the motors may run |
+| wanted | WANTED_WIDTH | a Setpoint and its Power |
 | gains | GAIN_WIDTH | parameter_table.GAINS, then stabilizer.controller |
 | memory | MEMORY_WIDTH | integrals, last measurements, outputs for logs |
 | frame | FRAME_WIDTH | Airframe |
 | drift | 6 | what the estimator errs: position [m], velocity [m/s], world |
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from q2q_model.signals import Array
 from q2q_sim.onboard.airframe import Airframe
+from q2q_sim.onboard.battery import VOLT_FULL
 from q2q_sim.onboard.parameter_table import GAINS
 from q2q_sim.onboard.setpoint import Setpoint
 
 MODE_X, MODE_Y, MODE_Z, MODE_ROLL, MODE_PITCH, MODE_YAW, MODE_QUAT = range(7)
 SET_POS, SET_VEL, SET_ACC, SET_ATTITUDE, SET_RATE, SET_QUAT = 7, 10, 13, 16, 19, 22
-SET_THRUST, SET_BODY, MOTORS_ON = 26, 27, 28
-WANTED_WIDTH = 29
+SET_THRUST, SET_BODY = 26, 27
+MOTORS_ON, IDLE, SUPPLY, BATTERY = 28, 29, 30, 31
+WANTED_WIDTH = 32
 
 KP_XY, KD_XY, KI_XY, I_RANGE_XY, KP_Z, KD_Z, KI_Z, I_RANGE_Z, MASS, MASS_THRUST = (
     GAINS.index(f"ctrlMel.{name}")
@@ -65,8 +69,10 @@ THRUST_WANTED = ATTITUDE_WANTED + 3
 LAST_MODES = THRUST_WANTED + 1
 CONTROL = LAST_MODES + 7
 """Output: roll, legacy pitch, yaw, thrust [PWM]."""
-MOTOR = CONTROL + 4
-"""PWM of the four motors."""
+ASKED = CONTROL + 4
+"""What the four motors are asked for [PWM]."""
+MOTOR = ASKED + 4
+"""Duty of the four motors; 65535 is all of the time."""
 RATE_WANTED = MOTOR + 4
 POS_TARGET, VEL_TARGET = RATE_WANTED + 3, RATE_WANTED + 6
 """What the position PIDs are asked for, in the frame turned by the yaw [m], [m/s]."""
@@ -76,12 +82,26 @@ NEWTON_PER_PWM, SHARE_TILT, SHARE_YAW = 0, 1, 2
 FRAME_WIDTH = 3
 
 
-def wanted_row(setpoint: Setpoint, *, motors_on: bool) -> Array:
+@dataclass(frozen=True, slots=True)
+class Power:
+    """What the motors may do, and what feeds them."""
+
+    motors_on: bool = True
+    idle_pwm: float = 0.0
+    """Least duty of a motor that may run [PWM]."""
+    supply: float = VOLT_FULL
+    """What the firmware takes the voltage for [V]."""
+    battery: float = VOLT_FULL
+    """The voltage [V]."""
+
+
+def wanted_row(setpoint: Setpoint, power: Power) -> Array:
     """Return the row of a setpoint, (WANTED_WIDTH,)."""
     one = setpoint
     modes = (one.x, one.y, one.z, one.roll, one.pitch, one.yaw, one.quat)
     numbers = (*one.pos, *one.vel, *one.acc, *one.attitude_deg, *one.rate_deg, *one.attitude_quat)
-    return np.array([*modes, *numbers, one.thrust_pwm, one.velocity_body, motors_on], dtype=np.float64)
+    feed = (power.motors_on, power.idle_pwm, power.supply, power.battery)
+    return np.array([*modes, *numbers, one.thrust_pwm, one.velocity_body, *feed], dtype=np.float64)
 
 
 def frame_row(airframe: Airframe) -> Array:

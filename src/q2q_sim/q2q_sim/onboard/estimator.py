@@ -4,8 +4,9 @@ Source: firmware: modules/src/kalman_core/kalman_core.c, mm_position.c (state x,
 by axis, 100 times a second. The accelerometer is taken as exact, so what is estimated is the *error* of the
 estimate e = x^ - x, which drifts with its own velocity:
 
-    e' = e_v,  e_v' = 0,   P' = F P F' + G q^2 G',  F = [1 dt; 0 1],  G = [dt^2, dt]
-    K = P h / (P_11 + r^2),  e += K (z - x^),   h = (1, 0)
+    e' = e_v,  e_v' = 0,   P' = F P F',  F = [1 dt; 0 1]                       every 10 ms
+    P += diag((q h^2)^2, (q h)^2),  1e-6 <= P_kk,  P <= 100                     every h = 1 ms
+    K = P h_x / (P_11 + r^2),  e += K (z - x^),  h_x = (1, 0),  bounds again
 
 A flow deck measures velocity along the ground and height, both exact here (mm_flow.c, mm_tof.c; standard
 deviations of the stock drivers): the error along the ground stays what it was when the estimate began.
@@ -27,6 +28,12 @@ from q2q_sim.quadcopter import POS
 
 DT = 0.01
 """[s]"""
+NOISE_STEPS = 10
+"""Process noise is added so often each DT."""
+VARIANCE_MIN, COVARIANCE_MAX = 1e-6, 100.0
+"""MIN_COVARIANCE (of the diagonal), MAX_COVARIANCE, kalman_core.c [m^2], [m^2/s^2]."""
+AXES = np.arange(2)
+"""Position and velocity: the diagonal of a covariance."""
 START_STD = np.array([100.0, 100.0, 1.0])
 """stdDevInitialPosition_xy, _z [m], kalman_core_params_defaults.h."""
 START_VEL_STD = 0.01
@@ -63,8 +70,11 @@ class Estimator:
     def predict(self, acc_noise: Array) -> None:
         """Grow the covariance by one tick; `acc_noise` q of x, y, z [m/s^2]."""
         step = np.array([[1.0, DT], [0.0, 1.0]])
-        noise = np.outer([DT * DT, DT], [DT * DT, DT])
-        self._cov = step @ self._cov @ step.T + acc_noise[:, None, None] ** 2 * noise
+        self._cov = step @ self._cov @ step.T
+        h = DT / NOISE_STEPS
+        noise = np.stack([acc_noise * h * h, acc_noise * h], axis=1) ** 2  # (3, 2)
+        self._add(noise)
+        self._add((NOISE_STEPS - 1) * noise)  # no lower bound is met after the first step
 
     def correct(self, measured: Array, true_pos: Array, std: float) -> None:
         """Take an external position [m], (3,), with a standard deviation [m]."""
@@ -73,6 +83,7 @@ class Estimator:
         self.drift[:3] += gain[:, 0] * surprise
         self.drift[3:] += gain[:, 1] * surprise
         self._cov = self._cov - gain[:, :, None] * self._cov[:, None, 0, :]
+        self._add(np.zeros((3, 2)))
 
     def correct_by_flow(self, state: Array) -> None:
         """Take the velocity along the ground and the height that a flow deck measures in a state row."""
@@ -89,3 +100,9 @@ class Estimator:
         self.drift[:2] += gains[:, 0] * slip
         self.drift[3:5] += gains[:, 1] * slip
         self._cov[:2] = ground - gains[:, :, None] * ground[:, None, 1, :]
+        self._add(np.zeros((3, 2)))
+
+    def _add(self, variance: Array) -> None:
+        """Add variances (3, 2) and keep the covariance within its bounds."""
+        self._cov[:, AXES, AXES] = np.maximum(self._cov[:, AXES, AXES] + variance, VARIANCE_MIN)
+        self._cov = np.minimum(self._cov, COVARIANCE_MAX)

@@ -15,20 +15,24 @@ from q2q_model.signals import Array
 from q2q_model.vehicle import GRAVITY
 from q2q_sim.onboard.airframe import Airframe
 from q2q_sim.onboard.attitude_of import DEG, legacy_degrees
-from q2q_sim.onboard.battery import Battery
-from q2q_sim.onboard.columns import MOTOR, wanted_row
+from q2q_sim.onboard.battery import VOLT_FULL, Battery
+from q2q_sim.onboard.columns import MOTOR, Power, wanted_row
 from q2q_sim.onboard.commander import Commander, Priority
+from q2q_sim.onboard.controller_choice import Controller, chosen, refusal_of, start_controller
 from q2q_sim.onboard.estimator import DT, Estimator
 from q2q_sim.onboard.parameters import Parameters
-from q2q_sim.onboard.planner import Planner
+from q2q_sim.onboard.planner import MOVING, Planner, PlanState
 from q2q_sim.onboard.polynomial import Goal
 from q2q_sim.onboard.setpoint import STOP, Mode, Setpoint, Three
 from q2q_sim.onboard.supervisor import Look, Supervisor
+from q2q_sim.onboard.supervisor_info import supervisor_info
 from q2q_sim.quadcopter import ACC, POS, QUAT, RATE, ROTORS, VEL
 
 TICK_MS = 10
 SUPERVISOR_TICKS = 4
 """RATE_SUPERVISOR of the firmware: 25 Hz."""
+SUPPLY_SHARE = 1.0 - 0.99**TICK_MS
+"""Of a new voltage in the supply after a tick: the low-pass of stabilizer.c takes 1 % each 1 ms."""
 TRAJECTORY_BYTES = 4096
 """TRAJECTORY_MEMORY_SIZE of the firmware."""
 
@@ -72,13 +76,24 @@ class ExternalPose:
     at_ms: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class Uploaded:
+    """Description of an uploaded trajectory, as the client gave it."""
+
+    location: int
+    kind: int
+    offset: int
+    """First byte in the trajectory memory."""
+    pieces: int
+
+
 @dataclass(slots=True)
 class Uploads:
     """Hold what a client has uploaded."""
 
     memory: bytearray = field(default_factory=lambda: bytearray(TRAJECTORY_BYTES))
-    defined: dict[int, tuple[int, int, int]] = field(default_factory=dict)
-    """Trajectory id to type, offset, number of pieces."""
+    defined: dict[int, Uploaded] = field(default_factory=dict)
+    """By trajectory id."""
     stored: dict[str, float | int] = field(default_factory=dict)
     """Persistent parameters in the EEPROM."""
 
@@ -99,7 +114,7 @@ class Firmware:
 
     def boot(self) -> None:
         """Start anew: what was uploaded or set is forgotten, but for the EEPROM."""
-        self.parameters = Parameters(self._airframe)
+        self.parameters = Parameters(self._airframe, auto_arming=self.build.auto_arming)
         for name, value in self.uploads.stored.items():
             self.parameters.set(name, value)
         for deck in self.build.decks:
@@ -107,13 +122,17 @@ class Firmware:
         self.parameters.set("usd.canLog", int("bcUSD" in self.build.decks))
         self.uploads = Uploads(stored=self.uploads.stored)
         self.commander = Commander()
-        self.commander.set_ms = self.now_ms
+        self.commander.set_ms = self._boot_ms = self.now_ms
         self.planner = Planner()
         self.supervisor = Supervisor(auto_arming=self.build.auto_arming)
         self.external = ExternalPose()
         self.rows.memory[:] = 0.0
         self.thrust_locked = True
+        self.asked: Setpoint = STOP
         self.flown: Setpoint = STOP
+        self.info = 0
+        self._controller = Controller.PID
+        self._supply = VOLT_FULL
         self.console = "SYS: Q2Q simulated Crazyflie is up and running!\n"
         self.estimator = Estimator(self.rows.drift)
         self.reset_estimate()
@@ -170,6 +189,7 @@ class Firmware:
 
     def obey(self, setpoint: Setpoint) -> None:
         """Take a client's setpoint; a plan under way is forgotten."""
+        self.asked = setpoint
         if self.commander.offer(setpoint, Priority.CLIENT, self.now_ms):
             self.planner.stop()
 
@@ -179,24 +199,55 @@ class Firmware:
         self.commander.relax()
 
     def tick(self) -> Array:
-        """Run one tick; return the row that the controllers fly until the next."""
+        """Run one tick; return the rows flown in its first step and in the others, (2, columns.WANTED_WIDTH).
+
+        They differ where the supervisor lets the vehicle fly or stops it: the setpoint of the first step has
+        been taken before its look.
+        """
         self._estimate()
+        self._choose_controller()
         self._plan()
-        allowed = self.supervisor.may_fly
-        setpoint = self.commander.setpoint if allowed else STOP
+        first = self._setpoint
         if self.now_ms // TICK_MS % SUPERVISOR_TICKS == 0:
             self._supervise()
-        self.flown = self.supervisor.overridden(setpoint)
-        thrust = float(self.rows.state[ROTORS].sum())
-        self.battery.drain(
-            thrust / (self._airframe.mass * GRAVITY), DT, float(self.parameters["pm.lowVoltage"])
-        )
+        first, self.flown = (self.supervisor.overridden(one) for one in (first, self._setpoint))
+        power = self._power()
         self.now_ms += TICK_MS
-        return wanted_row(self.flown, motors_on=self.supervisor.motors_may_run)
+        row = wanted_row(self.flown, power)
+        return np.stack([row if first is self.flown else wanted_row(first, power), row])
+
+    @property
+    def idle_pwm(self) -> float:
+        """Return the least duty of a motor that may run [PWM]."""
+        return 0.0 if self.build.auto_arming else float(self.parameters["powerDist.idleThrust"])
+
+    @property
+    def _setpoint(self) -> Setpoint:
+        return self.commander.setpoint if self.supervisor.may_fly else STOP
+
+    def _power(self) -> Power:
+        """Drain the battery by one tick; return what it and the supervisor leave the motors."""
+        hovers = float(self.rows.state[ROTORS].sum()) / (self._airframe.mass * GRAVITY)
+        self.battery.drain(hovers, DT, float(self.parameters["pm.lowVoltage"]))
+        volt = self.battery.volt
+        self._supply += SUPPLY_SHARE * (volt - self._supply)
+        return Power(self.supervisor.motors_may_run, self.idle_pwm, self._supply, volt)
+
+    def _choose_controller(self) -> None:
+        asked = int(self.parameters["stabilizer.controller"])
+        if asked == self._controller:
+            return
+        flown = chosen(asked, self._controller)
+        self.console += refusal_of(asked, flown)
+        if asked <= max(Controller):
+            start_controller(flown, self.rows.memory)
+        self._controller = flown
+        self.parameters.set("stabilizer.controller", int(flown))
 
     def _estimate(self) -> None:
         if self.parameters.flag("kalman.resetEstimation"):
             self.reset_estimate()
+            self.parameters.set("kalman.resetEstimation", 0)
         xy, z = float(self.parameters["kalman.pNAcc_xy"]), float(self.parameters["kalman.pNAcc_z"])
         self.estimator.predict(np.array([xy, xy, z]))
         if self.build.positioning_deck:
@@ -210,14 +261,16 @@ class Firmware:
 
     def _plan(self) -> None:
         if not self.supervisor.may_fly:
-            self.planner.stop()
+            if self.planner.state in MOVING:
+                self.planner.stop()
             self._tell_planner()
             return
         goal = self.planner.goal(self.seconds)
         if goal is None:
             self._tell_planner()
-        wanted = STOP if goal is None else _setpoint_of(goal)
-        self.commander.offer(wanted, Priority.HIGH_LEVEL, self.now_ms)
+        if self.planner.state != PlanState.DISABLED:
+            wanted = STOP if goal is None else _setpoint_of(goal)
+            self.commander.offer(wanted, Priority.HIGH_LEVEL, self.now_ms)
 
     def _tell_planner(self) -> None:
         self.planner.tell(self.pos, self.vel, math.radians(self.attitude_deg[2]))
@@ -227,10 +280,11 @@ class Firmware:
         look = Look(
             now_ms=self.now_ms,
             acc=(x, y, z),
-            setpoint_ms=self.commander.set_ms,
-            motors_running=bool((self.rows.memory[MOTOR : MOTOR + 4] > 0.0).any()),
+            setpoint_ms=self.commander.set_ms if self.supervisor.may_fly else self._boot_ms,
+            motors_running=bool((self.rows.memory[MOTOR : MOTOR + 4] > self.idle_pwm).any()),
         )
         self.console += self.supervisor.update(look, self.parameters)
+        self.info = supervisor_info(self.supervisor, self.planner, self.seconds)
 
 
 def _setpoint_of(goal: Goal) -> Setpoint:

@@ -33,6 +33,7 @@ class Controllers:
     """Hold the rows of all vehicles (columns.py)."""
 
     wanted: Array
+    """Of the first step of a tick, and of the others, (n, 2, WANTED_WIDTH)."""
     gains: Array
     memory: Array
     frame: Array
@@ -41,12 +42,13 @@ class Controllers:
 
 def _think(row: Array, brain: Brain, i: int, k: int, forces: Array) -> None:
     """Let vehicle i decide what its motors should give in step k."""
-    wanted, gains, memory, frame, drift = brain
+    rows, gains, memory, frame, drift = brain
+    wanted = rows[i, min(k, 1)]
     if gains[i, CONTROLLER] == MELLINGER:
-        mellinger(row, drift[i], wanted[i], gains[i], memory[i])
+        mellinger(row, drift[i], wanted, gains[i], memory[i])
     else:
-        cascade((row, drift[i], wanted[i]), gains[i], memory[i], k == 0)
-    drive_motors(wanted[i], memory[i], frame[i], forces)
+        cascade((row, drift[i], wanted), gains[i], memory[i], k == 0)
+    drive_motors(wanted, memory[i], frame[i], forces)
     for axis in range(3):
         drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate goes on with its own velocity
 

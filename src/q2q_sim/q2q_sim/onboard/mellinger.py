@@ -8,7 +8,7 @@ trajectory generation and control for quadrotors, ICRA 2011; it adds integrals a
     T    = massThrust F . z_B                    [PWM]; the setpoint's thrust where z is not controlled
     z_d  = F / |F|,  y_d = z_d x (cos psi, sin psi, 0) / |..|,  x_d = y_d x z_d
     e_R  = vee(R_d' R - R' R_d),  e_w = w_ref - w
-    M    = -k_R e_R + k_w e_w + k_i int(-e_R) + k_d,omega d(e_w)/dt     [PWM], each within +-32000
+    M    = -k_R e_R + k_w e_w + k_i int(-e_R) + k_d,omega d(e_w)/dt     [PWM], whole, each within +-32000
 
 a_ref is the acceleration of the setpoint: with it, `acc = acc_ref - eta` takes the draft eta out of F at once
 (q2q_control.pid says the same of its own law). M is in the firmware's axes: roll right, nose *up*, and yaw
@@ -69,6 +69,7 @@ from q2q_sim.onboard.columns import (
     Z_WANTED,
 )
 from q2q_sim.onboard.setpoint import Three
+from q2q_sim.onboard.whole import whole
 
 DT = 1.0 / 500.0
 """ATTITUDE_RATE of the firmware [s]."""
@@ -198,8 +199,8 @@ def _mellinger(row: Array, drift: Array, wanted: Array, gains: Array, memory: Ar
     memory[Z_WANTED], memory[Z_WANTED + 1], memory[Z_WANTED + 2] = frame[6], frame[7], frame[8]
     memory[CONTROL + 3] = thrust
     if thrust > 0.0:
-        memory[CONTROL], memory[CONTROL + 1] = clamp(mx, MOMENT_MAX), clamp(my, MOMENT_MAX)
-        memory[CONTROL + 2] = clamp(-mz, MOMENT_MAX)
+        memory[CONTROL], memory[CONTROL + 1] = whole(mx, MOMENT_MAX), whole(my, MOMENT_MAX)
+        memory[CONTROL + 2] = whole(-mz, MOMENT_MAX)
         return
     memory[CONTROL : CONTROL + 3] = 0.0
     memory[I_POS : I_MOMENT + 3] = 0.0

@@ -1,43 +1,65 @@
-"""Mix thrust and moments into motor PWM, and PWM into forces, in compiled code.
+"""Mix thrust and moments into motor PWM, PWM into duty, and duty into forces, in compiled code.
 
-Source: firmware: modules/src/power_distribution_quadrotor.c (legacy mode), motors counted as in
-q2q_control.allocation:
+Source: firmware: modules/src/power_distribution_quadrotor.c (legacy mode), stabilizer.c (controlMotors);
+motors counted as in q2q_control.allocation:
 
     m1 = T - r/2 + p/2 + y,  m2 = T - r/2 - p/2 - y,  m3 = T + r/2 - p/2 + y,  m4 = T + r/2 + p/2 - y
+    d  = duty of m at the supply                                     thrust_curve
+    d' = d - max(0, max d - 65535), at least the idle thrust
 
-Is one above 65535, all are lowered alike; none is below 0. Shares of the airframe scale r, p and y.
+Everything on the way is a whole number: r/2, p/2 and m drop their fractions, and so does the duty. Shares
+of the airframe scale r, p and y. What a motor gives follows from its duty and the battery's true voltage.
 """
 
 from numba import njit
 
 from q2q_model.signals import Array
-from q2q_sim.onboard.columns import CONTROL, MOTOR, MOTORS_ON, NEWTON_PER_PWM, SHARE_TILT, SHARE_YAW
-
-PWM_TOP = 65535.0
+from q2q_sim.onboard.columns import (
+    ASKED,
+    BATTERY,
+    CONTROL,
+    IDLE,
+    MOTOR,
+    MOTORS_ON,
+    NEWTON_PER_PWM,
+    SHARE_TILT,
+    SHARE_YAW,
+    SUPPLY,
+)
+from q2q_sim.onboard.thrust_curve import PWM_TOP, compensated, thrust_pwm
+from q2q_sim.onboard.whole import INT32_MAX, whole
 
 
 def _mix(memory: Array, frame: Array) -> None:
-    """Write the motors' PWM into memory."""
-    r, p = 0.5 * frame[SHARE_TILT] * memory[CONTROL], 0.5 * frame[SHARE_TILT] * memory[CONTROL + 1]
+    """Write what the motors are asked for [PWM]."""
+    r = frame[SHARE_TILT] * whole(0.5 * memory[CONTROL], INT32_MAX)
+    p = frame[SHARE_TILT] * whole(0.5 * memory[CONTROL + 1], INT32_MAX)
     y, thrust = frame[SHARE_YAW] * memory[CONTROL + 2], memory[CONTROL + 3]
-    m = MOTOR
-    memory[m], memory[m + 1] = thrust - r + p + y, thrust - r - p - y
-    memory[m + 2], memory[m + 3] = thrust + r - p + y, thrust + r + p - y
-    excess = max(memory[m], memory[m + 1], memory[m + 2], memory[m + 3]) - PWM_TOP
+    memory[ASKED] = whole(thrust - r + p + y, INT32_MAX)
+    memory[ASKED + 1] = whole(thrust - r - p - y, INT32_MAX)
+    memory[ASKED + 2] = whole(thrust + r - p + y, INT32_MAX)
+    memory[ASKED + 3] = whole(thrust + r + p - y, INT32_MAX)
+
+
+def _cap(duties: Array, idle: float) -> None:
+    """Lower all duties alike until none is above 65535, then lift each to the idle thrust."""
+    excess = max(max(duties[0], duties[1], duties[2], duties[3]) - PWM_TOP, 0.0)
     for k in range(4):
-        pwm = memory[m + k] - max(excess, 0.0)
-        memory[m + k] = min(pwm, PWM_TOP) if pwm > 0.0 else 0.0  # 0 for what senseless gains make no number
+        duties[k] = max(duties[k] - excess, idle)
 
 
 def _drive_motors(wanted: Array, memory: Array, frame: Array, forces: Array) -> None:
-    """Write the forces [N] that the motors are asked for."""
-    if wanted[MOTORS_ON] == 0.0:
-        memory[MOTOR : MOTOR + 4] = 0.0
-    else:
-        mix(memory, frame)
+    """Write the motors' duties into memory, and the forces [N] that they are asked for."""
+    duties = memory[MOTOR : MOTOR + 4]
+    duties[:] = 0.0
+    mix(memory, frame)
+    if wanted[MOTORS_ON] != 0.0:
+        for k in range(4):
+            duties[k] = whole(compensated(memory[ASKED + k], wanted[SUPPLY]), INT32_MAX)
+        cap(duties, wanted[IDLE])
     for k in range(4):
-        forces[k] = frame[NEWTON_PER_PWM] * memory[MOTOR + k]
+        forces[k] = frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], wanted[BATTERY])
 
 
-mix = njit(cache=True)(_mix)
+mix, cap = njit(cache=True)(_mix), njit(cache=True)(_cap)
 drive_motors = njit(cache=True)(_drive_motors)

@@ -136,6 +136,15 @@ DECKS = tuple(  # F deck/drivers/src: isInit of each driver
         "bcLighthouse4", "bcLoco", "bcMultiranger", "bcOA", "bcUSD", "bcZRanger", "bcZRanger2",
     )
 )  # fmt: skip
+POWER = (  # F modules/src/power_distribution_quadrotor.c; IDLE_PWM where the build requires arming
+    Definition("powerDist.idleThrust", "uint32", 0, persistent=True),
+)
+IDLE_PWM = 7000
+"""Duty of an armed motor without thrust: MOTORS_DEFAULT_IDLE_THRUST, F modules/src/Kconfig [PWM]."""
+CPPM = _floats(  # F modules/src/crtp_commander_generic.c: [deg/s], [deg] at the end of a stick
+    "cppm",
+    {"rateRoll": 720.0, "ratePitch": 720.0, "angPitch": 50.0, "angRoll": 50.0, "rateYaw": 400.0},
+)
 IDENTITY = (  # F modules/src/system.c, info.c
     Definition("system.selftestPassed", "int8", 1, read_only=True),
     Definition("system.assertInfo", "uint8", 0),
@@ -166,6 +175,8 @@ TABLE = (
     *LIGHTS,
     *CARD,
     *DECKS,
+    *POWER,
+    *CPPM,
     *IDENTITY,
 )
 """All parameters, in the order of their ids."""

@@ -6,13 +6,13 @@ import numpy as np
 
 from q2q_model.signals import Array
 from q2q_sim.onboard.airframe import Airframe
-from q2q_sim.onboard.parameter_table import GAINS, TABLE, Definition, Value
+from q2q_sim.onboard.parameter_table import GAINS, IDLE_PWM, TABLE, Definition, Value
 
 STIFF = ("kp_xy", "kd_xy", "ki_xy", "kp_z", "kd_z", "ki_z")
 """Mellinger gains in N/m, N s/m, N/(m s)."""
 
 
-def defaults_of(airframe: Airframe) -> dict[str, Value]:
+def defaults_of(airframe: Airframe, *, auto_arming: bool) -> dict[str, Value]:
     """Return every parameter's value after a start of the build made for an airframe."""
     values = {one.name: one.default for one in TABLE}
     for name in STIFF:
@@ -20,14 +20,15 @@ def defaults_of(airframe: Airframe) -> dict[str, Value]:
     values["ctrlMel.kd_omega_rp"] *= airframe.share_lag
     values["ctrlMel.mass"] = airframe.mass
     values["ctrlMel.massThrust"] = airframe.pwm_per_newton
+    values["powerDist.idleThrust"] = 0 if auto_arming else IDLE_PWM
     return {name: _as_float32(value) for name, value in values.items()}
 
 
 class Parameters:
     """Hold the values; `changes` counts every write, so that readers can keep what they derive."""
 
-    def __init__(self, airframe: Airframe) -> None:
-        self._defaults = defaults_of(airframe)
+    def __init__(self, airframe: Airframe, *, auto_arming: bool = True) -> None:
+        self._defaults = defaults_of(airframe, auto_arming=auto_arming)
         self._values = dict(self._defaults)
         self.changes = 0
 

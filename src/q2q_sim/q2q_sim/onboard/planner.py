@@ -3,12 +3,14 @@
 Source: firmware: modules/src/planner.c, crtp_commander_high_level.c. Three states:
 
     IDLE -- take-off, go-to, trajectory --> FLYING -- land --> LANDING -- end of the polynomial --> IDLE
+    FLYING, LANDING -- goal that is no number --> DISABLED -- go-to, trajectory, land --> as from IDLE
 
-IDLE asks for motors off. A new piece starts from the goal of the moment, or, when idle, from where the
-vehicle believes to be. Yaw turns the shorter way. What a command may answer is in `Answer`.
+IDLE asks for motors off, DISABLED asks for nothing: the last setpoint grows old. A new piece starts from the
+goal of the moment, or, when none is flown, from where the vehicle believes to be. Yaw turns the shorter way
+(yaw_turn). A go-to at constant speed in 0 s, or a trajectory of senseless numbers, has a goal that is no
+number.
 """
 
-import math
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -17,6 +19,7 @@ import numpy as np
 from q2q_model.signals import Array
 from q2q_sim.onboard.piecewise import Piecewise
 from q2q_sim.onboard.polynomial import Goal, Piece, piece_between, resting
+from q2q_sim.onboard.yaw_turn import shortest_turn, wrapped
 
 
 class PlanState(IntEnum):
@@ -25,6 +28,11 @@ class PlanState(IntEnum):
     IDLE = 0
     FLYING = 1
     LANDING = 3
+    DISABLED = 4
+
+
+MOVING = (PlanState.FLYING, PlanState.LANDING)
+"""A trajectory is under way."""
 
 
 class Answer(IntEnum):
@@ -51,7 +59,7 @@ class Target:
     relative: bool = False
     """Position and yaw count from the goal of the moment."""
     linear: bool = False
-    """Constant speed instead of rest to rest."""
+    """Constant speed instead of rest to rest; in 0 s it is no number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,13 +92,17 @@ class Planner:
         return one is None or t - one.begin >= one.duration
 
     def goal(self, t: float) -> Goal | None:
-        """Return the goal at time t [s]; None when idle."""
+        """Return the goal at time t [s]; None when there is none."""
         if self.state == PlanState.LANDING and self.finished(t):
             self.state = PlanState.IDLE
-        if self.state == PlanState.IDLE or self._trajectory is None:
+        if self.state not in MOVING or self._trajectory is None:
             return None
-        self._here = self._trajectory.goal(t)
-        return self._here
+        goal = self._trajectory.goal(t)
+        if not np.isfinite(goal.pos).all():
+            self.state = PlanState.DISABLED
+            return None
+        self._here = goal
+        return goal
 
     def stop(self) -> Answer:
         """Forget the trajectory: motors off."""
@@ -109,32 +121,37 @@ class Planner:
             return Answer.WRONG_STATE
         return self._vertical(end, t, PlanState.LANDING)
 
+    @np.errstate(all="ignore")
     def go_to(self, target: Target, t: float) -> Answer:
         """Fly to a target at once."""
         start = self._now(t)
         pos, yaw = np.array(target.pos), target.yaw
         if target.relative:
-            pos, yaw = pos + start.pos, yaw + start.yaw
-        goal_yaw = _nearest_yaw(start.yaw, yaw)
-        start_yaw = _wrapped(start.yaw)
-        begin = Goal(start.pos, start.vel, start.acc, start_yaw, start.ang_vel_body)
-        end = resting(pos, goal_yaw)
-        if target.linear and target.duration > 0.0:
-            vel = (pos - start.pos) / target.duration
-            rates = np.array([0.0, 0.0, (goal_yaw - start_yaw) / target.duration])
+            pos, yaw = pos + start.pos, float(np.float32(yaw) + np.float32(start.yaw))
+        start_yaw = wrapped(start.yaw)
+        turn = shortest_turn(start_yaw, wrapped(yaw))
+        begin = replace(start, yaw=start_yaw)
+        end = resting(pos, start_yaw + turn)
+        if target.linear:
+            duration = np.float64(target.duration)
+            vel, rates = (pos - start.pos) / duration, np.array([0.0, 0.0, turn]) / duration
             begin = Goal(start.pos, vel, np.zeros(3), start_yaw, rates)
-            end = Goal(pos, vel, np.zeros(3), goal_yaw, rates)
+            end = Goal(pos, vel, np.zeros(3), start_yaw + turn, rates)
         return self._fly(piece_between(begin, end, target.duration), t, PlanState.FLYING)
 
+    @np.errstate(all="ignore")
     def follow(self, trajectory: Piecewise, *, from_here: bool, turned: bool) -> Answer:
-        """Fly a trajectory; shifted so that it starts here, and turned so that its yaw does."""
+        """Fly a trajectory; shifted by what its start lacks to here, and turned by what its yaw lacks.
+
+        As in the firmware, the turn is about the world's origin and the shift is not turned with it: the
+        trajectory starts here only if its first point is the origin.
+        """
         self._trajectory = trajectory
         if from_here:
             first = trajectory.goal(trajectory.begin)
-            turn = _wrapped(self._here.yaw - first.yaw) if turned else 0.0
-            about = replace(trajectory, turn=turn)
-            x, y, z = (self._here.pos - about.goal(trajectory.begin).pos).tolist()
-            self._trajectory = replace(about, shift=(x, y, z))
+            x, y, z = (self._here.pos - first.pos).tolist()
+            turn = shortest_turn(wrapped(first.yaw), wrapped(self._here.yaw)) if turned else 0.0
+            self._trajectory = replace(trajectory, shift=(x, y, z), turn=turn)
         self.state = PlanState.FLYING
         return Answer.OK
 
@@ -148,27 +165,18 @@ class Planner:
         return self._here
 
     def _now(self, t: float) -> Goal:
-        return self.goal(t) or self._here
+        if self.state in MOVING and self._trajectory is not None:
+            return self._trajectory.goal(t)
+        return replace(self._here, acc=np.zeros(3), ang_vel_body=np.zeros(3))
 
     def _vertical(self, end: Vertical, t: float, state: PlanState) -> Answer:
-        pos, yaw = self._here.pos, _wrapped(self._here.yaw)
+        pos, yaw = self._here.pos, wrapped(self._here.yaw)
         top = np.array([pos[0], pos[1], end.height])
-        wanted = yaw if end.yaw is None else end.yaw
-        piece = piece_between(resting(pos, yaw), resting(top, _nearest_yaw(yaw, wanted)), end.duration)
+        turn = shortest_turn(yaw, wrapped(self._here.yaw if end.yaw is None else end.yaw))
+        piece = piece_between(resting(pos, yaw), resting(top, yaw + turn), end.duration)
         return self._fly(piece, t, state)
 
     def _fly(self, piece: Piece, t: float, state: PlanState) -> Answer:
         self._trajectory = Piecewise((piece,), t)
         self.state = state
         return Answer.OK
-
-
-def _wrapped(angle: float) -> float:
-    """Return an angle in [-pi, pi)."""
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
-
-
-def _nearest_yaw(start: float, goal: float) -> float:
-    """Return the goal's yaw on the turn nearest to the wrapped start."""
-    begin = _wrapped(start)
-    return begin + _wrapped(_wrapped(goal) - begin)

@@ -60,17 +60,19 @@ def resting(pos: Array, yaw: float) -> Goal:
     return Goal(pos, np.zeros(3), np.zeros(3), yaw, np.zeros(3))
 
 
+@np.errstate(all="ignore")
 def piece_between(start: Goal, end: Goal, duration: float) -> Piece:
-    """Return the piece from one goal to another in `duration` [s]; at 0 s, the end at once."""
+    """Return the piece from one goal to another in `duration` [s]; at 0 s or less, its end at once."""
     if duration <= 0.0:
         nodes = _node(end)
         coefficients = np.zeros((4, ORDER))
         coefficients[:, :3] = nodes[:, :3] / np.array([1.0, 1.0, 2.0])
-        return Piece(0.0, coefficients)
+        return Piece(duration, coefficients)
     nodes = np.stack([_node(start), _node(end)])  # (2, 4, 4)
     return Piece(duration, pieces_from_nodes(nodes, np.array([duration]))[0])
 
 
+@np.errstate(all="ignore")
 def goal_at(piece: Piece, tau: float) -> Goal:
     """Return the goal `tau` [s] after the piece's start."""
     powers = tau ** np.arange(ORDER)

@@ -48,6 +48,8 @@ DT = 1.0 / 100.0
 OVERHEAD = 1.1
 """velMaxOverhead, rpLimitOverhead."""
 THRUST_SCALE = 1000.0
+LIFT_MAX = 32.767
+"""Half of UINT16_MAX, whole, over the thrust scale."""
 PWM_TOP = 65535.0
 
 Which = tuple[int, int, float, float]
@@ -60,7 +62,7 @@ def _axis(error: float, measured: float, memory: Array, gains: Array, which: Whi
     at = PIDS + PID_WIDTH * number
     rise = filtered(memory, at, slope_of(memory, at, measured, DT))
     out = pid(error, rise, memory, gains, (at, gain, DT, INTEGRAL_LIMIT, 0.0)) + feed
-    return float(min(max(out, -output_max), output_max))
+    return float(min(max(out, -output_max), output_max) if output_max > 0.0 else out)
 
 
 def _wanted_velocity(
@@ -100,8 +102,7 @@ def _position_pid(row: Array, drift: Array, wanted: Array, gains: Array, memory:
     pitch_max, roll_max = gains[PITCH_LIMIT], gains[ROLL_LIMIT]
     pitch = -axis(vx - ahead, ahead, memory, gains, (PID_VX, VEL_GAINS, OVERHEAD * pitch_max, feed[0]))
     roll = -axis(vy - left, left, memory, gains, (PID_VX + 1, VEL_GAINS + 3, OVERHEAD * roll_max, feed[1]))
-    top = 0.5 * PWM_TOP / THRUST_SCALE
-    lift = axis(vz - vel_z, vel_z, memory, gains, (PID_VX + 2, VEL_GAINS + 6, top, feed[2]))
+    lift = axis(vz - vel_z, vel_z, memory, gains, (PID_VX + 2, VEL_GAINS + 6, LIFT_MAX, feed[2]))
     memory[ATTITUDE_WANTED] = min(max(roll, -roll_max), roll_max)
     memory[ATTITUDE_WANTED + 1] = min(max(pitch, -pitch_max), pitch_max)
     thrust = max(THRUST_SCALE * lift + gains[THRUST_BASE], gains[THRUST_MIN])

@@ -19,6 +19,7 @@ import numpy as np
 
 from q2q_model.signals import Array
 from q2q_sim.onboard.polynomial import Goal, Piece, piece_between
+from q2q_sim.onboard.yaw_turn import wrapped
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,19 +35,21 @@ class Spiral:
     ascent: float
     """[m]"""
     duration: float
-    """[s], above 0."""
+    """[s]; an arc in 0 s is no number."""
     sideways: bool = False
     clockwise: bool = False
 
 
+@np.errstate(all="ignore")
 def spiral_piece(here: Goal, spiral: Spiral) -> Piece:
     """Return the polynomial of a spiral that starts at `here`."""
     sense = 1.0 if spiral.clockwise else -1.0
     turned = -sense * min(max(spiral.angle, -2.0 * math.pi), 2.0 * math.pi)
-    start, end = here.yaw, here.yaw + turned
+    start = wrapped(here.yaw)
+    end, duration = start + turned, np.float64(spiral.duration)
     r0, r1 = max(spiral.radius_start, 0.0), max(spiral.radius_end, 0.0)
-    growth = (r1 - r0) / spiral.duration
-    rate, climb = turned / spiral.duration, spiral.ascent / spiral.duration
+    growth = float((r1 - r0) / duration)
+    rate, climb = float(turned / duration), float(spiral.ascent / duration)
     first = _polar(_outward(start, sense, spiral.sideways), (r0, growth), rate)
     last = _polar(_outward(end, sense, spiral.sideways), (r1, growth), rate)
     centre = here.pos - np.array([*first[0], 0.0])

@@ -11,7 +11,7 @@ Source: firmware: modules/src/supervisor.c.
 | TILT_, OVER_ | 60 deg (acc z below 0.5 g) for 1 s, or upside down for 0.1 s: tumbled (platform_defaults.h) |
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from q2q_sim.onboard.parameters import Parameters
 from q2q_sim.onboard.setpoint import STOP, Mode, Setpoint, Three
@@ -45,8 +45,9 @@ class Look:
     acc: Three
     """Specific force, body [g]."""
     setpoint_ms: int
-    """When the setpoint was set [ms]."""
+    """When the setpoint was set [ms]; the start of the firmware where setpoints are not flown."""
     motors_running: bool
+    """A duty is above the idle thrust."""
 
 
 class Supervisor:
@@ -112,17 +113,20 @@ class Supervisor:
         return WORDS.get(state, "")
 
     def overridden(self, setpoint: Setpoint) -> Setpoint:
-        """Return what is flown of a setpoint in the present state."""
+        """Return what is flown of a setpoint in the present state.
+
+        Levelling out leaves the rates of roll and pitch: Mellinger's controller goes on to follow them.
+        """
         if self.state == State.LEVEL_OUT:
-            return Setpoint(
-                z=setpoint.z,
+            return replace(
+                setpoint,
+                x=Mode.DISABLE,
+                y=Mode.DISABLE,
                 roll=Mode.ABS,
                 pitch=Mode.ABS,
                 yaw=Mode.VELOCITY,
-                pos=setpoint.pos,
-                vel=(0.0, 0.0, setpoint.vel[2]),
-                acc=(0.0, 0.0, setpoint.acc[2]),
-                thrust_pwm=setpoint.thrust_pwm,
+                attitude_deg=(0.0, 0.0, setpoint.attitude_deg[2]),
+                rate_deg=(*setpoint.rate_deg[:2], 0.0),
             )
         return setpoint if self.motors_may_run else STOP
 

@@ -1,12 +1,12 @@
 """Say what the supervisor thinks in the bits of `supervisor.info`.
 
-Source: firmware: modules/src/supervisor.c (updateLogData).
+Source: firmware: modules/src/supervisor.c (updateLogData), at each of its looks.
 """
 
 from enum import IntFlag
 
-from q2q_sim.onboard.firmware import Firmware
-from q2q_sim.onboard.planner import PlanState
+from q2q_sim.onboard.planner import MOVING, Planner, PlanState
+from q2q_sim.onboard.supervisor import Supervisor
 from q2q_sim.onboard.supervisor_rules import State
 
 
@@ -22,12 +22,13 @@ class Info(IntFlag):
     LOCKED = 64
     CRASHED = 128
     PLAN_ACTIVE = 256
+    """Landing included."""
     PLAN_FINISHED = 512
+    PLAN_DISABLED = 1024
 
 
-def supervisor_info(firmware: Firmware) -> int:
-    """Return the bits of this moment."""
-    one, plan = firmware.supervisor, firmware.planner
+def supervisor_info(one: Supervisor, plan: Planner, seconds: float) -> int:
+    """Return the bits at a time [s]."""
     flags = {
         Info.CAN_BE_ARMED: one.state == State.CHECKS_PASSED,
         Info.ARMED: one.armed,
@@ -37,7 +38,8 @@ def supervisor_info(firmware: Firmware) -> int:
         Info.TUMBLED: one.tumbled,
         Info.LOCKED: one.state == State.LOCKED,
         Info.CRASHED: one.crashed,
-        Info.PLAN_ACTIVE: plan.state == PlanState.FLYING,
-        Info.PLAN_FINISHED: plan.finished(firmware.seconds),
+        Info.PLAN_ACTIVE: plan.state in MOVING,
+        Info.PLAN_FINISHED: plan.finished(seconds),
+        Info.PLAN_DISABLED: plan.state == PlanState.DISABLED,
     }
     return sum(int(bit) for bit, holds in flags.items() if holds)

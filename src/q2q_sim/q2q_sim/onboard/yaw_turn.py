@@ -1,0 +1,26 @@
+"""Turn from one yaw to another as the high-level commander does, in its 32-bit floats.
+
+Source: firmware: modules/interface/math3d.h (normalize_radians, shortest_signed_angle_radians). The width
+matters where two ways are equally long: half a turn from yaw 0 is flown to the right (yaw falls), whether +pi
+or -pi is asked for; from another yaw the last digit decides.
+"""
+
+import math
+
+import numpy as np
+
+PI = np.float32(math.pi)
+TURN = np.float32(2.0) * PI
+
+
+def wrapped(yaw: float) -> float:
+    """Return a yaw [rad] within a half turn of 0, with the firmware's ends; NaN stays NaN."""
+    given = np.float32(yaw)
+    half = np.copysign(PI, given)
+    return float(np.fmod(given + half, TURN) - half)
+
+
+def shortest_turn(start: float, end: float) -> float:
+    """Return the turn from one wrapped yaw to another [rad]: -pi for half a turn."""
+    gap = np.float32(end) - np.float32(start) + PI
+    return float(gap - np.floor(gap / TURN) * TURN - PI)
