@@ -79,7 +79,7 @@ def test_an_armed_vehicle_that_does_not_fly_disarms_after_30_s() -> None:
 def test_half_a_second_without_setpoint_levels_out_and_two_cut_the_motors() -> None:
     pilot = hovering()
     tilted = Setpoint(
-        roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, attitude_deg=(8.0, 0.0, 0.0), thrust_pwm=33000
+        roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, attitude_deg=(8.0, 0.0, 0.0), thrust_pwm=46000
     )
     pilot.firmware().obey(tilted)
     pilot.fly(0.5)
@@ -88,7 +88,7 @@ def test_half_a_second_without_setpoint_levels_out_and_two_cut_the_motors() -> N
     pilot.fly(LOOK_S + 0.01)
     assert state(pilot) == State.LEVEL_OUT
     assert pilot.firmware().flown.attitude_deg == (0.0, 0.0, 0.0)
-    assert pilot.firmware().flown.thrust_pwm == 33000
+    assert pilot.firmware().flown.thrust_pwm == 46000
     pilot.fly(1.4)
     assert pilot.firmware().supervisor.motors_may_run
     pilot.fly(0.1 + 2 * LOOK_S)

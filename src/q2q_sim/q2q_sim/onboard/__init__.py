@@ -13,8 +13,11 @@ q2q_model.rotations. Everything else is SI, world frame, z up.
 | parameter_table, parameters | names, types, numbers with their sources; the values of one vehicle |
 | airframe | motors and inertia: what a PWM does |
 | commander, planner, polynomial | who may command; take-off, land, go-to, uploaded trajectories |
-| supervisor_rules, supervisor | arming, watchdogs, emergency stop |
+| yaw_turn | the shorter way between two yaws, in 32 bits |
+| supervisor_rules, supervisor, supervisor_info | arming, watchdogs, emergency stop; its bits |
 | estimator, battery | what the vehicle believes of its position and its battery |
-| columns, mellinger, pid_step, position_pid, attitude_pid, motors, flight | the compiled 500 Hz loop |
+| thrust_curve, motors, whole | duty and force of a motor; numbers stored without fraction |
+| columns, mellinger, pid_step, position_pid, attitude_pid, flight | the compiled 500 Hz loop |
+| controller_choice | which controller flies, and what a new one forgets |
 | firmware | all of it, for one vehicle, 100 times a second |
 """

@@ -21,7 +21,7 @@ of the rates makes up for the rotors' lag, and grows with that: without lag it w
 | c | drag_to_thrust | [m] |
 | lever | | arm / sqrt 2 [m] |
 
-Left out: the motors' thrust curve and its battery compensation (they undo each other in the firmware).
+The scale holds where the firmware can compensate for the battery (thrust_curve): from 7000 PWM to full duty.
 """
 
 import math

@@ -15,6 +15,7 @@ import math
 from numba import njit
 
 from q2q_model.signals import Array
+from q2q_model.thrust_map import PWM_FULL
 from q2q_sim.onboard.attitude_of import yaw_of
 from q2q_sim.onboard.columns import (
     ATTITUDE_WANTED,
@@ -50,7 +51,7 @@ OVERHEAD = 1.1
 THRUST_SCALE = 1000.0
 LIFT_MAX = 32.767
 """Half of UINT16_MAX, whole, over the thrust scale."""
-PWM_TOP = 65535.0
+PWM_TOP = float(PWM_FULL)
 
 Which = tuple[int, int, float, float]
 """Number of a PID, first column of its gains, largest output, feed-forward."""
