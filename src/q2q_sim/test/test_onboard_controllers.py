@@ -156,7 +156,7 @@ def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
     gains = parameters()
     hover = Setpoint(roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, thrust_pwm=30000.0)
     thrust, *_ = torque_for(hover, row_at(), gains)
-    assert thrust == pytest.approx(30000.0 / 65535.0 * 0.48)
+    assert thrust == pytest.approx(30000.0 / 65535.0 * 0.48, rel=1e-4)  # a duty is a whole number of 65535ths
     memory, forces = np.zeros(MEMORY_WIDTH), np.zeros(4)
     memory[CONTROL : CONTROL + 4] = 30000.0, -30000.0, 30000.0, 60000.0
     drive_motors(wanted_row(hover, Power()), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
@@ -170,13 +170,13 @@ def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
 
 @pytest.mark.parametrize(
     ("asked", "supply", "duty"),
-    [(6999.0, 4.2, 0.0), (7000.0, 4.2, 12075.97), (36000.0, 4.2, 35861.83), (36000.0, 3.4, 44299.90)],
+    [(6999.0, 4.2, 0.0), (7000.0, 4.2, 12075.9688), (36000.0, 4.2, 35861.8281), (36000.0, 3.4, 44299.9023)],
 )
 def test_duty_makes_up_for_the_battery_and_a_motor_below_7000_pwm_stands_still(
     asked: float, supply: float, duty: float
 ) -> None:
     """The firmware's own numbers, and back: the curve gives at that duty what was asked for."""
-    assert compensated(asked, supply) == pytest.approx(duty, abs=0.01)
+    assert compensated(asked, supply) == pytest.approx(duty, rel=1e-6)  # theirs has 32 bits
     given = thrust_pwm(compensated(asked, supply), supply)
     assert given == pytest.approx(asked if duty else 0.0, rel=1e-9)
 
@@ -189,7 +189,9 @@ def test_duties_are_lowered_alike_after_compensation_and_lifted_to_the_idle_thru
     drive_motors(wanted_row(Setpoint(), low), memory, frame, forces)
     np.testing.assert_array_equal(memory[MOTOR : MOTOR + 4], [65535.0, 300.0, 300.0, 65535.0])
     full = compensated(65535.0, 3.0)
-    assert full == pytest.approx(67280.73, abs=0.01)  # more than there is: the motor gives less than asked
+    assert full == pytest.approx(
+        67280.7266, rel=1e-6
+    )  # 32 bits; more than there is: less than asked is given
     assert forces[0] / frame[NEWTON_PER_PWM] == pytest.approx(thrust_pwm(65535.0, 3.0))
     assert forces[0] / frame[NEWTON_PER_PWM] < 65535.0
     np.testing.assert_array_equal(forces[1:3], 0.0)
