@@ -158,8 +158,8 @@ def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
     thrust, *_ = torque_for(hover, row_at(), gains)
     assert thrust == pytest.approx(30000.0 / 65535.0 * 0.48, rel=1e-4)  # a duty is a whole number of 65535ths
     memory, forces = np.zeros(MEMORY_WIDTH), np.zeros(4)
-    memory[CONTROL : CONTROL + 4] = 30000.0, -30000.0, 30000.0, 60000.0
-    drive_motors(wanted_row(hover, Power()), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
+    memory[CONTROL : CONTROL + 4] = 30000.0, -30000.0, 30000.0, 30000.0  # asks for 30000, 0, 90000, 0
+    drive_motors(wanted_row(hover, Power(supply=3.0)), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
     assert memory[MOTOR : MOTOR + 4].max() == 65535.0
     assert memory[MOTOR : MOTOR + 4].min() == 0.0
     drive_motors(
