@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from q2q_sim.commands.firmware_check import main
 from q2q_sim.fidelity.cases import Row, Table
 from q2q_sim.fidelity.verdict import Tables, Verdict, compare, figures
-from q2q_sim.tools.firmware_check import main, tables_in
+from q2q_sim.tools.firmware_check import tables_in
 
 FOLDER = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data")) / "firmware"
 pytestmark = pytest.mark.skipif(

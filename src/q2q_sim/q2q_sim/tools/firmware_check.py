@@ -5,11 +5,9 @@ import json
 from argparse import Namespace
 from pathlib import Path
 
+from q2q_sim.commands.firmware_check import STDOUT
 from q2q_sim.fidelity.cases import Table
 from q2q_sim.fidelity.verdict import Tables, Verdict, compare, figures
-
-STDOUT = "-"
-"""Value of --json without a file."""
 
 
 def run(asked: Namespace) -> int:
@@ -50,4 +48,3 @@ def report(verdict: Verdict) -> str:
         for one in figures(verdict)
     ]
     return "\n".join([head, *lines])
-

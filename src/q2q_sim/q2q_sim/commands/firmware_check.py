@@ -1,0 +1,44 @@
+"""Compare the emulated firmware with tables of the real one: `firmware_check FOLDER`.
+
+Ends with 1 where a figure is out of its tolerance. FOLDER holds controllers.csv, planner.csv, supervisor.csv,
+mixer.csv and compensation.csv, computed with the firmware's own C code.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+
+EXAMPLE = """  ros2 run q2q_sim firmware_check ../shared/data/firmware
+  ros2 run q2q_sim firmware_check ../shared/data/firmware --json"""
+TABLES = ("controllers", "planner", "supervisor", "mixer", "compensation")
+STDOUT = "-"
+"""Value of --json without a file."""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Compare with the tables the command line names; return the exit status."""
+    return carry_out(parser(), _prepare, words, refused=2)
+
+
+def _prepare(asked: Namespace) -> Work:
+    must_exist("table", *(asked.folder / f"{name}.csv" for name in TABLES))
+    from q2q_sim.tools.firmware_check import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("firmware_check", __doc__, EXAMPLE)
+    made.add_argument("folder", type=Path, metavar="FOLDER", help="folder with the five tables")
+    made.add_argument(
+        "--json", nargs="?", const=STDOUT, metavar="FILE", help="print JSON instead, or write it to FILE"
+    )
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())
