@@ -28,12 +28,12 @@ from q2q_sim.quadcopter import POS
 
 DT = 0.01
 """[s]"""
+STEP = np.array([[1.0, DT], [0.0, 1.0]])
+"""F."""
 NOISE_STEPS = 10
 """Process noise is added so often each DT."""
 VARIANCE_MIN, COVARIANCE_MAX = 1e-6, 100.0
 """MIN_COVARIANCE (of the diagonal), MAX_COVARIANCE, kalman_core.c [m^2], [m^2/s^2]."""
-AXES = np.arange(2)
-"""Position and velocity: the diagonal of a covariance."""
 START_STD = np.array([100.0, 100.0, 1.0])
 """stdDevInitialPosition_xy, _z [m], kalman_core_params_defaults.h."""
 START_VEL_STD = 0.01
@@ -48,33 +48,35 @@ RANGE_STD = 2.5e-3
 
 
 class Estimator:
-    """Hold the estimate's error and its covariance, one row an axis."""
+    """Error of the estimate and its covariance, one row an axis."""
 
     def __init__(self, drift: Array) -> None:
         """Take the row of the estimate's error that the controllers read: position, velocity, world, (6,)."""
         self.drift = drift
         self._cov = np.zeros((3, 2, 2))
+        self._variances = np.einsum("kii->ki", self._cov)  # a view: the diagonals, (3, 2)
         self.forget(np.zeros(3), np.zeros(3))
 
     @property
     def variance(self) -> Array:
         """Return the variances of position [m^2] and velocity [m^2/s^2], (6,)."""
-        return np.concatenate([self._cov[:, 0, 0], self._cov[:, 1, 1]])
+        return np.asarray(self._variances.T.ravel())
 
     def forget(self, believed: Array, true_pos: Array) -> None:
         """Start anew, believing to be at rest at `believed` [m]."""
         self.drift[:3], self.drift[3:] = believed - true_pos, 0.0
         self._cov[:] = 0.0
-        self._cov[:, 0, 0], self._cov[:, 1, 1] = START_STD**2, START_VEL_STD**2
+        self._variances[:, 0], self._variances[:, 1] = START_STD**2, START_VEL_STD**2
 
     def predict(self, acc_noise: Array) -> None:
         """Grow the covariance by one tick; `acc_noise` q of x, y, z [m/s^2]."""
-        step = np.array([[1.0, DT], [0.0, 1.0]])
-        self._cov = step @ self._cov @ step.T
+        self._cov[:] = STEP @ self._cov @ STEP.T
         h = DT / NOISE_STEPS
         noise = np.stack([acc_noise * h * h, acc_noise * h], axis=1) ** 2  # (3, 2)
-        self._add(noise)
-        self._add((NOISE_STEPS - 1) * noise)  # no lower bound is met after the first step
+        self._variances += noise
+        self._keep_bounds()
+        self._variances += (NOISE_STEPS - 1) * noise
+        np.minimum(self._variances, COVARIANCE_MAX, out=self._variances)  # no other bound is met by noise
 
     def correct(self, measured: Array, true_pos: Array, std: float) -> None:
         """Take an external position [m], (3,), with a standard deviation [m]."""
@@ -82,8 +84,8 @@ class Estimator:
         surprise = measured - (true_pos + self.drift[:3])
         self.drift[:3] += gain[:, 0] * surprise
         self.drift[3:] += gain[:, 1] * surprise
-        self._cov = self._cov - gain[:, :, None] * self._cov[:, None, 0, :]
-        self._add(np.zeros((3, 2)))
+        self._cov -= gain[:, :, None] * self._cov[:, None, 0, :]
+        self._keep_bounds()
 
     def correct_by_flow(self, state: Array) -> None:
         """Take the velocity along the ground and the height that a flow deck measures in a state row."""
@@ -100,9 +102,8 @@ class Estimator:
         self.drift[:2] += gains[:, 0] * slip
         self.drift[3:5] += gains[:, 1] * slip
         self._cov[:2] = ground - gains[:, :, None] * ground[:, None, 1, :]
-        self._add(np.zeros((3, 2)))
+        self._keep_bounds()
 
-    def _add(self, variance: Array) -> None:
-        """Add variances (3, 2) and keep the covariance within its bounds."""
-        self._cov[:, AXES, AXES] = np.maximum(self._cov[:, AXES, AXES] + variance, VARIANCE_MIN)
-        self._cov = np.minimum(self._cov, COVARIANCE_MAX)
+    def _keep_bounds(self) -> None:
+        np.maximum(self._variances, VARIANCE_MIN, out=self._variances)
+        np.minimum(self._cov, COVARIANCE_MAX, out=self._cov)

@@ -16,7 +16,7 @@ from q2q_model.vehicle import GRAVITY
 from q2q_sim.onboard.airframe import Airframe
 from q2q_sim.onboard.attitude_of import DEG, legacy_degrees
 from q2q_sim.onboard.battery import VOLT_FULL, Battery
-from q2q_sim.onboard.columns import MOTOR, Power, wanted_row
+from q2q_sim.onboard.columns import MOTOR, WANTED_WIDTH, Power, wanted_row
 from q2q_sim.onboard.commander import Commander, Priority
 from q2q_sim.onboard.controller_choice import Controller, chosen, refusal_of, start_controller
 from q2q_sim.onboard.estimator import DT, Estimator
@@ -213,8 +213,11 @@ class Firmware:
         first, self.flown = (self.supervisor.overridden(one) for one in (first, self._setpoint))
         power = self._power()
         self.now_ms += TICK_MS
-        row = wanted_row(self.flown, power)
-        return np.stack([row if first is self.flown else wanted_row(first, power), row])
+        rows = np.empty((2, WANTED_WIDTH))
+        rows[:] = wanted_row(self.flown, power)
+        if first is not self.flown:
+            rows[0] = wanted_row(first, power)
+        return rows
 
     @property
     def idle_pwm(self) -> float:
