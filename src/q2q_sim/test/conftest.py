@@ -1,9 +1,14 @@
-"""Pilots of simulated vehicles that speak CRTP."""
+"""Pilots of simulated vehicles that speak CRTP; tests of this folder may import its other modules."""
+
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from q2q_sim.crtp.pilot import Pilot
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 
 @pytest.fixture

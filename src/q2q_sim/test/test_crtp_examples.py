@@ -1,0 +1,336 @@
+"""The calls of cflib's eleven examples (crazyflie-lib-python, examples/, July 2026) run to the end.
+
+| example | test |
+|---|---|
+| autonomy/autonomous_sequence, autonomous_sequence_high_level, motion_commander_demo | of a flight |
+| step-by-step/sbs_motion_commander, sbs_swarm, sbs_connect_log_param | of a flight, of a parameter |
+| logging/basiclog, basiclog_sync | of a log |
+| parameters/basicparam, persistent_params, persistent_params_from_file | of parameters |
+
+cflib is unmodified and speaks UDP to an endpoint of this process; its `time` is the room's.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from threading import Event
+
+import numpy as np
+import pytest
+
+pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
+
+import cflib.crtp
+from cflib.crazyflie import Crazyflie
+from cflib.crazyflie.log import LogConfig
+from cflib.crazyflie.mem import MemoryElement, Poly4D
+from cflib.crazyflie.swarm import CachedCfFactory, Swarm
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+from cflib.crazyflie.syncLogger import SyncLogger
+from cflib.positioning.motion_commander import MotionCommander
+from cflib.utils.param_file_helper import ParamFileHelper
+from cflib.utils.reset_estimator import reset_estimator
+from room_time import RoomTime, in_room_time
+
+from q2q_sim.crtp.link_model import LinkParams
+from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.room import CrtpRoomParams
+from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+
+ANSWER_S = 60.0
+"""An answer that has not come by then is missing [s]."""
+ATTITUDE = ("stabilizer.roll", "stabilizer.pitch", "stabilizer.yaw")
+OVERSHOOT = 0.12
+"""Of the stock PID after a climb: its integral of the height lets go slowly [m]."""
+SPOTS = np.array([[0.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0], [0.0, 3.0, 0.0, 0.0], [3.0, 3.0, 0.0, 0.0]])
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """Room that examples fly in."""
+
+    pilot: Pilot
+    clock: RoomTime
+    uris: tuple[str, ...]
+    cache: str
+
+    def crazyflie(self) -> SyncCrazyflie:
+        """Return a link to the first vehicle, to be opened."""
+        return SyncCrazyflie(self.uris[0], cf=Crazyflie(rw_cache=self.cache))
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> str:
+    return str(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture
+def stage(monkeypatch: pytest.MonkeyPatch, cache: str, request: pytest.FixtureRequest) -> Iterator[Stage]:
+    count, positioning = getattr(request, "param", (1, "deck"))
+    pilot = Pilot(SPOTS[:count], build=CrtpRoomParams(positioning=positioning).build)
+    with CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, LinkParams()) as endpoint:
+        clock = RoomTime(pilot, endpoint)
+        in_room_time(clock, monkeypatch)
+        cflib.crtp.init_drivers()
+        yield Stage(pilot, clock, endpoint.uris, cache)
+
+
+def assert_landed_at(stage: Stage, x: float, y: float, vehicle: int = 0) -> None:
+    stage.clock.sleep(1.0)
+    np.testing.assert_allclose(stage.pilot.pos(vehicle), [x, y, 0.0], atol=0.1)
+    assert not stage.pilot.firmware(vehicle).supervisor.tumbled
+
+
+def arm(stage: Stage, cf: Crazyflie) -> None:
+    cf.supervisor.send_arming_request(do_arm=True)
+    stage.clock.sleep(1.0)
+
+
+def test_a_sequence_of_positions_is_flown_by_position_setpoints(stage: Stage) -> None:
+    corners = [(0.0, 0.0, 0.4), (0.0, 0.0, 1.2), (0.5, -0.5, 1.2), (-0.5, 0.5, 1.2), (0.0, 0.0, 0.4)]
+    with stage.crazyflie() as scf:
+        cf = scf.cf
+        reset_estimator(scf)
+        arm(stage, cf)
+        for _ in range(10):
+            cf.commander.send_velocity_world_setpoint(0, 0, 0.4, 0)
+            stage.clock.sleep(0.1)
+        for corner in corners:
+            for _ in range(50):
+                cf.commander.send_position_setpoint(*corner, 0)
+                stage.clock.sleep(0.1)
+            np.testing.assert_allclose(stage.pilot.pos(), corner, atol=OVERSHOOT)
+        cf.commander.send_stop_setpoint()
+        cf.commander.send_notify_setpoint_stop()
+        stage.clock.sleep(0.1)
+    assert_landed_at(stage, 0.0, 0.0)
+
+
+def test_an_uploaded_trajectory_is_flown_between_take_off_and_landing(stage: Stage) -> None:
+    with stage.crazyflie() as scf:
+        cf = scf.cf
+        memory = cf.mem.get_mems(MemoryElement.TYPE_TRAJ)[0]
+        still = Poly4D.Poly()
+        there = Poly4D.Poly([0.0, 0.0, 0.0, 10 / 8, -15 / 16, 6 / 32, 0.0, 0.0])  # 1 m in 2 s, rest to rest
+        back = Poly4D.Poly([1.0, 0.0, 0.0, -10 / 8, 15 / 16, -6 / 32, 0.0, 0.0])
+        memory.trajectory = [Poly4D(2.0, one, still, still, still) for one in (there, back)]
+        assert memory.write_data_sync()
+        cf.high_level_commander.define_trajectory(1, 0, 2)
+        reset_estimator(cf)
+        arm(stage, cf)
+        cf.high_level_commander.takeoff(1.0, 2.0, yaw=0.0)
+        stage.clock.sleep(3.0)
+        cf.high_level_commander.start_trajectory(1, 1.0, relative_position=True, relative_yaw=False)
+        stage.clock.sleep(2.0)
+        np.testing.assert_allclose(stage.pilot.pos(), [1.0, 0.0, 1.0], atol=0.15)  # lags a little
+        stage.clock.sleep(2.0)
+        cf.high_level_commander.land(0.0, 2.0)
+        stage.clock.sleep(2.0)
+        cf.high_level_commander.stop()
+    assert_landed_at(stage, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("stage", [(1, "deck"), (1, "flow")], indirect=True, ids=["deck", "flow"])
+def test_a_motion_commander_moves_turns_circles_and_lands(stage: Stage) -> None:
+    with stage.crazyflie() as scf:
+        arm(stage, scf.cf)
+        with MotionCommander(scf) as motion:
+            stage.clock.sleep(1.0)
+            assert stage.pilot.pos()[2] == pytest.approx(0.3, abs=0.05)
+            motion.forward(0.8)
+            assert stage.pilot.pos()[0] == pytest.approx(0.8, abs=0.15)
+            motion.back(0.8)
+            motion.up(0.5)
+            motion.down(0.5)
+            motion.right(0.5, velocity=0.8)
+            stage.clock.sleep(1.0)
+            assert stage.pilot.pos()[1] == pytest.approx(-0.5, abs=0.15)
+            motion.left(0.5, velocity=0.4)
+            motion.circle_right(0.5, velocity=0.5, angle_degrees=180)
+            motion.turn_left(90)
+            stage.clock.sleep(1.0)
+            assert stage.pilot.firmware().attitude_deg[2] == pytest.approx(-90.0, abs=10.0)
+            motion.move_distance(-1, 0.0, 0.5, velocity=0.6)
+            motion.start_left(velocity=0.5)
+            stage.clock.sleep(1.0)
+            motion.stop()
+        stage.clock.sleep(1.0)
+    assert stage.pilot.pos()[2] == pytest.approx(0.0, abs=0.02)
+    assert not stage.pilot.firmware().supervisor.tumbled
+
+
+@pytest.mark.parametrize("stage", [(1, "flow")], indirect=True, ids=["flow"])
+def test_a_script_that_waits_for_a_flow_deck_finds_it_and_flies(stage: Stage) -> None:
+    attached, seen = Event(), []
+    with stage.crazyflie() as scf:
+        scf.cf.param.add_update_callback(
+            group="deck", name="bcFlow2", cb=lambda _, value: attached.set() if int(value) else None
+        )
+        assert attached.wait(ANSWER_S)
+        place = log_of("Position", 10, ("stateEstimate.x", "stateEstimate.y"))
+        scf.cf.log.add_config(place)
+        place.data_received_cb.add_callback(lambda _, data, __: seen.append(data["stateEstimate.x"]))
+        arm(stage, scf.cf)
+        place.start()
+        with MotionCommander(scf, default_height=0.5) as motion:
+            stage.clock.sleep(1.0)
+            motion.forward(0.5)
+            motion.turn_left(180)
+            motion.forward(0.5)
+            stage.clock.sleep(1.0)
+        place.stop()
+    assert max(seen) == pytest.approx(0.5, abs=0.1)
+    assert_landed_at(stage, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("stage", [(4, "deck")], indirect=True, ids=["four"])
+def test_a_swarm_lights_up_resets_arms_takes_off_flies_its_sequences_and_lands(stage: Stage) -> None:
+    clock, pilot = stage.clock, stage.pilot
+
+    def fly(script: Callable[..., None], arguments: dict[str, list[object]] | None = None) -> None:
+        with clock.parallel(len(stage.uris)):
+            swarm.parallel_safe(script, args_dict=arguments)
+
+    def light(scf: SyncCrazyflie) -> None:
+        scf.cf.param.set_value("led.bitmask", 255)
+        clock.sleep(2.0)
+        scf.cf.param.set_value("led.bitmask", 0)
+        clock.sleep(2.0)
+
+    def take_off(scf: SyncCrazyflie) -> None:
+        scf.cf.high_level_commander.takeoff(1.0, 2.0)
+        clock.sleep(3.0)
+
+    def sequence(scf: SyncCrazyflie, steps: list[tuple[float, float]]) -> None:
+        for x, y in steps:
+            scf.cf.high_level_commander.go_to(x, y, 0.0, 0, 3.0, relative=True)
+            clock.sleep(3.0)
+
+    def land(scf: SyncCrazyflie) -> None:
+        scf.cf.high_level_commander.land(0.0, 2.0)
+        clock.sleep(2.0)
+        scf.cf.high_level_commander.stop()
+
+    with Swarm(stage.uris, factory=CachedCfFactory(rw_cache=stage.cache)) as swarm:
+        fly(light)
+        with clock.parallel(len(stage.uris)):
+            swarm.reset_estimators()
+        fly(lambda scf: arm(stage, scf.cf))
+        fly(take_off)
+        assert [pilot.pos(k)[2] for k in range(4)] == pytest.approx([1.0] * 4, abs=OVERSHOOT)
+        steps: list[object] = [[(-0.5, 0.5), (0.5, -0.5), (0.5, 0.0)]]
+        fly(sequence, dict.fromkeys(stage.uris, steps))
+        fly(land)
+    for k, (x, y) in enumerate(SPOTS[:, :2]):
+        assert_landed_at(stage, x + 0.5, y, k)
+
+
+def log_of(name: str, period_ms: int, variables: tuple[str, ...]) -> LogConfig:
+    made = LogConfig(name=name, period_in_ms=period_ms)
+    for variable in variables:
+        made.add_variable(variable, "float")
+    return made
+
+
+def test_a_log_calls_back_with_what_it_was_asked_for(stage: Stage) -> None:
+    seen: list[tuple[int, dict[str, float]]] = []
+    with stage.crazyflie() as scf:
+        log = log_of("Stabilizer", 100, ("stateEstimate.x", "stateEstimate.y", "stateEstimate.z", *ATTITUDE))
+        log.add_variable("pm.vbat", "FP16")
+        scf.cf.log.add_config(log)
+        log.data_received_cb.add_callback(lambda stamp, data, _: seen.append((stamp, data)))
+        log.start()
+        stage.clock.sleep(5.0)
+    stamps = [stamp for stamp, _ in seen]
+    assert np.diff(stamps).tolist() == [100] * (len(stamps) - 1)
+    assert seen[-1][1]["pm.vbat"] == pytest.approx(4.2, abs=0.01)
+
+
+def test_a_log_is_read_entry_by_entry(stage: Stage) -> None:
+    with stage.crazyflie() as scf, SyncLogger(scf, log_of("Stabilizer", 10, ATTITUDE)) as log:
+        stamps = [stamp for stamp, _, _ in islice(log, 200)]
+    assert np.diff(stamps).tolist() == [10] * 199
+
+
+def test_a_parameter_calls_back_whenever_it_is_set(stage: Stage) -> None:
+    told, twice = [], Event()
+    with stage.crazyflie() as scf:
+        scf.wait_for_params()
+
+        def note(_: str, value: str) -> None:
+            told.append(value)
+            if told[-2:] == ["2", "1"]:
+                twice.set()
+
+        scf.cf.param.add_update_callback(group="stabilizer", name="estimator", cb=note)
+        scf.cf.param.set_value("stabilizer.estimator", 2)
+        scf.cf.param.set_value("stabilizer.estimator", 1)
+        assert twice.wait(ANSWER_S), told
+
+
+def test_every_parameter_is_fetched_and_one_is_set_and_read_back(stage: Stage) -> None:
+    fetched: dict[str, str] = {}
+    done = Event()
+    with stage.crazyflie() as scf:
+        scf.wait_for_params()
+        names = [f"{group}.{one}" for group, all_of in scf.cf.param.toc.toc.items() for one in all_of]
+        fetched = {name: scf.cf.param.get_value(name) for name in names}
+        scf.cf.param.add_update_callback(
+            group="pid_attitude",
+            name="pitch_kd",
+            cb=lambda _, value: done.set() if abs(float(value) - 0.1234) < 1e-6 else None,
+        )
+        scf.cf.param.set_value("pid_attitude.pitch_kd", 0.1234)
+        assert done.wait(ANSWER_S)
+    assert fetched["cpu.flash"] == "1024"
+    assert fetched["deck.bcFlow2"] == "1"
+    assert stage.pilot.firmware().parameters["pid_attitude.pitch_kd"] == pytest.approx(0.1234)
+
+
+def answered(ask: Callable[[Callable[[str, object], None]], None]) -> object:
+    """Return what a call of cflib answers by callback."""
+    answers: list[object] = []
+    come = Event()
+
+    def take(_: str, answer: object) -> None:
+        answers.append(answer)
+        come.set()
+
+    ask(take)
+    assert come.wait(ANSWER_S)
+    return answers[0]
+
+
+def test_the_rings_effect_is_stored_outlives_and_is_cleared(stage: Stage) -> None:
+    with stage.crazyflie() as scf:
+        scf.wait_for_params()
+        param = scf.cf.param
+        persistent = [
+            f"{group}.{name}"
+            for group, members in param.toc.toc.items()
+            for name, element in members.items()
+            if element.is_persistent()
+        ]
+        assert "ring.effect" in persistent
+        states = [
+            answered(lambda take, name=name: param.persistent_get_state(name, take)) for name in persistent
+        ]
+        assert None not in states
+        param.set_value("ring.effect", 10)
+        assert answered(lambda take: param.persistent_store("ring.effect", take)) is True
+        state = answered(lambda take: param.persistent_get_state("ring.effect", take))
+        assert (state.is_stored, state.default_value, state.stored_value) == (True, 6, 10)
+        assert answered(lambda take: param.persistent_clear("ring.effect", take)) is True
+        assert not answered(lambda take: param.persistent_get_state("ring.effect", take)).is_stored
+
+
+def test_parameters_of_a_file_are_stored(stage: Stage, tmp_path: Path) -> None:
+    state = "{default_value: 6, is_stored: true, stored_value: 13}"
+    file = tmp_path / "params.yaml"
+    file.write_text(f"params: {{ring.effect: {state}}}\ntype: persistent_param_state\nversion: '1'\n")
+    with stage.crazyflie() as scf:
+        scf.wait_for_params()
+        assert ParamFileHelper(scf.cf).store_params_from_file(str(file))
+    stage.pilot.firmware().boot()
+    assert stage.pilot.firmware().parameters["ring.effect"] == 13
