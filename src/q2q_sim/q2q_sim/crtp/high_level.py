@@ -28,11 +28,12 @@ import numpy as np
 
 from q2q_sim.crtp.fields import byte, read
 from q2q_sim.crtp.packet import Packet
-from q2q_sim.onboard.firmware import TRAJECTORY_BYTES, Firmware, Uploaded
+from q2q_sim.onboard.firmware import Firmware
 from q2q_sim.onboard.piecewise import Piecewise
 from q2q_sim.onboard.planner import Answer, Target, Vertical
 from q2q_sim.onboard.polynomial import Piece
 from q2q_sim.onboard.spiral import Spiral, spiral_piece
+from q2q_sim.onboard.uploads import TRAJECTORY_BYTES, Uploaded
 
 _OLD, _NEW, _SPEED = struct.Struct("<Bff"), struct.Struct("<Bff?f"), struct.Struct("<Bf?f?f")
 _GO, _GO_2, _ARC = struct.Struct("<BB5f"), struct.Struct("<BBB5f"), struct.Struct("<BBB5f")

@@ -14,7 +14,8 @@ import struct
 
 from q2q_sim.crtp.fields import byte, read
 from q2q_sim.crtp.packet import MAX_DATA, Packet
-from q2q_sim.onboard.firmware import TRAJECTORY_BYTES, Firmware
+from q2q_sim.onboard.firmware import Firmware
+from q2q_sim.onboard.uploads import TRAJECTORY_BYTES
 
 INFO, READ, WRITE = 0, 1, 2
 COUNT, DETAILS = 1, 2

@@ -6,7 +6,7 @@ The firmware knows time in milliseconds since the room began, and its own rows o
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from q2q_sim.onboard.polynomial import Goal
 from q2q_sim.onboard.setpoint import STOP, Mode, Setpoint, Three
 from q2q_sim.onboard.supervisor import Look, Supervisor
 from q2q_sim.onboard.supervisor_info import supervisor_info
+from q2q_sim.onboard.uploads import Uploads
 from q2q_sim.quadcopter import ACC, POS, QUAT, RATE, ROTORS, VEL
 
 TICK_MS = 10
@@ -33,8 +34,6 @@ SUPERVISOR_TICKS = 4
 """RATE_SUPERVISOR of the firmware: 25 Hz."""
 SUPPLY_SHARE = 1.0 - 0.99**TICK_MS
 """Of a new voltage in the supply after a tick: the low-pass of stabilizer.c takes 1 % each 1 ms."""
-TRAJECTORY_BYTES = 4096
-"""TRAJECTORY_MEMORY_SIZE of the firmware."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,28 +73,6 @@ class ExternalPose:
     quat: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     """x y z w."""
     at_ms: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Uploaded:
-    """Description of an uploaded trajectory, as the client gave it."""
-
-    location: int
-    kind: int
-    offset: int
-    """First byte in the trajectory memory."""
-    pieces: int
-
-
-@dataclass(slots=True)
-class Uploads:
-    """Hold what a client has uploaded."""
-
-    memory: bytearray = field(default_factory=lambda: bytearray(TRAJECTORY_BYTES))
-    defined: dict[int, Uploaded] = field(default_factory=dict)
-    """By trajectory id."""
-    stored: dict[str, float | int] = field(default_factory=dict)
-    """Persistent parameters in the EEPROM."""
 
 
 class Firmware:
