@@ -15,7 +15,8 @@ q2q_model.rotations. Everything else is SI, world frame, z up.
 | commander, planner, polynomial | who may command; take-off, land, go-to, uploaded trajectories |
 | yaw_turn | the shorter way between two yaws, in 32 bits |
 | supervisor_rules, supervisor, supervisor_info | arming, watchdogs, emergency stop; its bits |
-| estimator, battery, uploads | what the vehicle believes of its position and its battery; what clients have uploaded |
+| estimator, battery | what the vehicle believes of its position and its battery |
+| uploads | trajectories and stored parameters of clients |
 | thrust_curve, motors, whole | duty and force of a motor; numbers stored without fraction |
 | columns, mellinger, pid_step, position_pid, attitude_pid, flight | the compiled 500 Hz loop |
 | controller_choice | which controller flies, and what a new one forgets |
