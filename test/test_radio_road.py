@@ -16,6 +16,7 @@ from cflib.crazyflie.high_level_commander import HighLevelCommander
 from cflib.crazyflie.localization import Localization
 from cflib.crazyflie.supervisor import Supervisor
 
+from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.legacy import LegacyScale
 from q2q_control.radio_link import CflibSender, LinkHealth
 from q2q_control.radio_params import RadioPilotParams
@@ -108,8 +109,9 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
         pilot.watch(t)
         pilot.places(state, t)
         if k == 1:  # the filter trusts no first sample
-            assert pilot.start(t).granted
-            pilot.watch(t)
+            for act in (Act.ARM, Act.STREAM):
+                pilot.begin(Order(act), t)
+                pilot.watch(t)
         if by == "stick":
             command = blocks.controller.update(state, wanted, aware)
             pilot.fly_sticks(names, sticks(command, scale), t)

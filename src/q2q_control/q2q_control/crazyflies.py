@@ -3,7 +3,8 @@
     robots:
       cf1: {enabled: true, uri: radio://0/80/2M/E7E7E7E701, initial_position: [0, 0, 0], type: cf21}
 
-Other keys (robot_types, all, firmware_params) are Crazyswarm2's business and are passed over.
+Other keys (robot_types, all, firmware_params) are Crazyswarm2's business and are passed over. So is a robot
+with `connection: none`, itself or by its type: motion capture tracks it, nobody flies it.
 """
 
 from collections.abc import Mapping
@@ -27,8 +28,13 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
     Raises:
         ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI stands twice.
     """
-    robots = _mapping(_mapping(document, "crazyflies.yaml").get("robots"), "robots")
-    read = [_crazyflie(str(name), _mapping(entry, str(name))) for name, entry in robots.items()]
+    whole = _mapping(document, "crazyflies.yaml")
+    types = _mapping(whole.get("robot_types", {}), "robot_types")
+    robots = {
+        str(name): _mapping(entry, str(name))
+        for name, entry in _mapping(whole.get("robots"), "robots").items()
+    }
+    read = [_crazyflie(name, entry) for name, entry in robots.items() if _is_flown(entry, types)]
     enabled = tuple(one for one in read if one is not None)
     if not enabled:
         raise ValueError("robots: none is enabled; set `enabled: true`")
@@ -37,6 +43,13 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
         if len(twins) > 1:
             raise ValueError(f"{' and '.join(twins)} have the same uri {one.uri}: each needs its own")
     return enabled
+
+
+def _is_flown(robot: Mapping[object, object], types: Mapping[object, object]) -> bool:
+    """Return whether anybody connects to a robot: `connection` is its own, or its type's."""
+    kind = types.get(robot.get("type"), {})
+    of_type = kind.get("connection") if isinstance(kind, Mapping) else None
+    return robot.get("connection", of_type) != "none"
 
 
 def _crazyflie(name: str, entry: Mapping[object, object]) -> Crazyflie | None:

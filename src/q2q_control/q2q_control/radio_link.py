@@ -22,8 +22,13 @@ class LinkHealth:
     quality: float = math.nan
     """Share of packets that are acknowledged; NaN where the link does not say."""
     armed: bool = False
+    """Armed, and ready to fly."""
     locked: bool = False
     """The vehicle has stopped for good and must be restarted."""
+    onboard: tuple[float, float, float] | None = None
+    """Position that the vehicle estimates [m], world; None while it has not said."""
+    wrong: str = ""
+    """What is wrong with the vehicle's parameters; empty where nothing is."""
 
 
 class VehicleLink(Protocol):
@@ -43,6 +48,12 @@ class VehicleLink(Protocol):
 
     def arm(self) -> None:
         """Ask the vehicle to arm."""
+
+    def disarm(self) -> None:
+        """Ask the vehicle to disarm."""
+
+    def take_off(self, height: float, duration: float) -> None:
+        """Let the vehicle climb to a height [m] by itself within `duration` [s]."""
 
     def land(self, duration: float) -> None:
         """Stop sending setpoints and let the vehicle land by itself within `duration` [s]."""
@@ -75,6 +86,9 @@ class Commander(Protocol):
 
 class HighLevelCommander(Protocol):
     """Match cflib.crazyflie.high_level_commander.HighLevelCommander."""
+
+    def takeoff(self, absolute_height_m: float, duration_s: float) -> None:
+        """Take off."""
 
     def land(self, absolute_height_m: float, duration_s: float) -> None:
         """Land."""
@@ -122,6 +136,15 @@ class CflibSender:
     def arm(self) -> None:
         """Ask the vehicle to arm."""
         self.supervisor.send_arming_request(do_arm=True)
+
+    def disarm(self) -> None:
+        """Ask the vehicle to disarm."""
+        self.supervisor.send_arming_request(do_arm=False)
+
+    def take_off(self, height: float, duration: float) -> None:
+        """Let the vehicle climb to a height [m] by itself."""
+        self.commander.send_notify_setpoint_stop()
+        self.high_level.takeoff(height, duration)
 
     def land(self, duration: float) -> None:
         """Let the vehicle land by itself."""

@@ -1,4 +1,4 @@
-"""Say when a radio refuses, levels and lands: the parameters of q2q_control.radio_pilot."""
+"""Say when a radio levels and lands: the parameters of q2q_control.radio_pilot."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,11 @@ from q2q_model.parameters import check_bounds, tunable
 
 @dataclass(frozen=True, slots=True)
 class RadioPilotParams:
-    """Hold when to refuse, and when to land."""
+    """When arming has failed, and when a vehicle lands by itself."""
 
-    stale_s: float = tunable(0.1, "a state older than this is none", unit="s", low=0.01, high=2.0)
     arm_s: float = tunable(2.0, "longest time for arming", unit="s", low=0.1, high=30.0)
-    volt_start: float = tunable(3.6, "least battery to start with", unit="V", low=0.0, high=20.0)
     volt_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)
     volt_land_s: float = tunable(2.0, "for how long", unit="s", low=0.0, high=60.0)
-    land_s: float = tunable(3.0, "least duration of a landing", unit="s", low=0.5, high=60.0)
-    # a landing's polynomial peaks at 2.19 times its mean, and the firmware's PID falls no faster than 1 m/s
-    land_speed: float = tunable(0.4, "largest mean speed of one", unit="m/s", low=0.05, high=5.0)
     silent_s: float = tunable(
         0.04, "time without a command until a vehicle is levelled", unit="s", low=0.01, high=0.5
     )

@@ -1,13 +1,14 @@
-"""Decide, vehicle by vehicle, what goes over the radio: arm, fly, land, or keep silent.
+"""Carry out the flight procedure's orders over the radio, vehicle by vehicle, and land or stop by itself.
 
-    OFFLINE <-> READY -- start --> ARMING -- armed --> FLYING -- land, low battery --> LANDING --> READY
-                                                          |  link lost: OFFLINE, silent until a new start
+    OFFLINE <-> READY -- arm --> ARMING --> ARMED -- take off --> CLIMBING -- stream --> FLYING
+                  ^                           |                      |                     |
+                  +---------- disarm ---------+------ LANDING <------+--- land ------------+
 
 | event | what happens |
 |---|---|
-| start | refused, with the reason: a vehicle is offline, locked, low, without fresh state, or flying |
-| armed | sticks: one without thrust unlocks the motors; then every tick's command is sent |
+| armed | sticks: one without thrust unlocks the motors |
 | arming takes longer than arm_s | back to READY |
+| flying | every tick's command is sent; before that, none |
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
 | battery below volt_land for volt_land_s | that vehicle lands by itself, whatever is commanded |
 | state older than stale_s | no place is sent; the firmware's estimate coasts |
@@ -18,22 +19,26 @@
 | the same for silent_stop_s | its motors are stopped for good |
 
 The last four keep the firmware's watchdog fed (it levels after 0.5 s and cuts after 2 s) while the radio
-lives and a controller does not; they begin with the first command after a start, and end with the next one
-that comes before the landing.
+lives and a controller does not; they begin with the first command in flight, and end with the next one
+that comes before the landing. Whether vehicles may be armed is the procedure's to say
+(q2q_control.flight_procedure).
 
 A vehicle's place is sent once a frame, and only where it was measured in that frame.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
 
 from q2q_control.fallback import FallbackParams
+from q2q_control.flight_procedure.params import LandingParams
+from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio_link import LinkHealth, VehicleLink
 from q2q_control.radio_params import RadioPilotParams
 from q2q_control.radio_words import ZERO_STICK, FullState, Stick
+from q2q_model.reply import Reply
 from q2q_model.signals import Names, SwarmState, TrackStatus
 
 
@@ -43,16 +48,14 @@ class Phase(Enum):
     OFFLINE = "offline"
     READY = "ready"
     ARMING = "arming"
+    ARMED = "armed"
+    CLIMBING = "climbing"
+    """By its own commander, which then holds it."""
     FLYING = "flying"
     LANDING = "landing"
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """Say whether a wish was granted, and why not."""
-
-    granted: bool
-    reason: str = ""
+AIRBORNE = frozenset({Phase.CLIMBING, Phase.FLYING, Phase.LANDING})
 
 
 @dataclass(slots=True)
@@ -80,11 +83,18 @@ class RadioPilot:
     """Hold the phase of every vehicle."""
 
     def __init__(
-        self, links: Mapping[str, VehicleLink], params: RadioPilotParams, hover: Stick | None
+        self,
+        links: Mapping[str, VehicleLink],
+        params: RadioPilotParams,
+        hover: Stick | None,
+        landing: LandingParams | None = None,
     ) -> None:
         """Fly vehicles over their links: by sticks, `hover` the level one, or by full states where None."""
         self._links = dict(links)
         self._params = params
+        self._landing = landing or LandingParams()
+        self._order: Order | None = None
+        self._asked = -np.inf
         self._hover = hover
         self._vehicles = {name: _Vehicle() for name in links}
         self._last_stamp = -np.inf
@@ -105,24 +115,40 @@ class RadioPilot:
         lines, self._said = self._said, []
         return lines
 
-    def start(self, t: float) -> Verdict:
-        """Arm all vehicles at time t [s], or none."""
-        for name, one in self._vehicles.items():
-            reason = self._refusal(name, one, t)
-            if reason:
-                return Verdict(granted=False, reason=f"{name} {reason}")
-        for name, one in self._vehicles.items():
-            self._enter(name, Phase.ARMING, t)
-            one.low_since, one.heard = np.inf, -np.inf
-            self._links[name].arm()
-        return Verdict(granted=True)
+    def begin(self, order: Order, t: float) -> None:
+        """Begin to carry out an order at time t [s]; `outcome` tells what became of it."""
+        self._order, self._asked = order, t
+        if order.act is Act.ARM:
+            self._each({Phase.READY}, self._arm_one, t)
+        elif order.act is Act.TAKE_OFF:
+            for name in self._in({Phase.ARMED}):
+                self._links[name].take_off(order.height, order.duration)
+                self._enter(name, Phase.CLIMBING, t)
+        elif order.act is Act.STREAM:
+            self._each({Phase.ARMED, Phase.CLIMBING}, self._fly_one, t)
+        elif order.act is Act.LAND:
+            self.land(t)
+        elif order.act is Act.DISARM:
+            self._each({Phase.ARMING, Phase.ARMED, Phase.LANDING, Phase.READY}, self._disarm_one, t)
+        elif order.act is Act.CUT:
+            self.stop(t)
 
-    def land(self, t: float) -> Verdict:
-        """Let all flying vehicles land by themselves."""
-        flying = [name for name, one in self._vehicles.items() if one.phase in {Phase.FLYING, Phase.ARMING}]
+    def outcome(self, t: float) -> Reply | None:
+        """Return what became of the last order by time t [s], once; None while that is not known."""
+        order = self._order
+        if order is None:
+            return None
+        reply = self._armed() if order.act is Act.ARM else self._carried_out(order.act, t)
+        if reply is not None:
+            self._order = None
+        return reply
+
+    def land(self, t: float) -> bool:
+        """Let all vehicles in the air land by themselves; return whether there are any."""
+        flying = self._in({Phase.CLIMBING, Phase.FLYING})
         for name in flying:
             self._land(name, t)
-        return Verdict(granted=bool(flying), reason="" if flying else "no vehicle flies")
+        return bool(flying)
 
     def stop(self, t: float) -> None:
         """Stop all motors for good, whoever flies."""
@@ -134,7 +160,7 @@ class RadioPilot:
     def cut(self, names: Names, t: float) -> None:
         """Stop the motors of these vehicles for good, where they fly."""
         for name in names:
-            if name in self._vehicles and self._vehicles[name].phase in {Phase.FLYING, Phase.LANDING}:
+            if name in self._vehicles and self._vehicles[name].phase in AIRBORNE:
                 self._links[name].stop()
                 self._enter(name, Phase.READY, t)
 
@@ -176,23 +202,47 @@ class RadioPilot:
                 self._vehicles[name].heard, self._vehicles[name].wanted = t, one
                 self._links[name].send_full_state(one)
 
+    def _armed(self) -> Reply | None:
+        """Return how arming went; None while it goes on."""
+        if self._in({Phase.ARMING}):
+            return None
+        missing = [name for name, one in self._vehicles.items() if one.phase is not Phase.ARMED]
+        reason = f"{', '.join(missing)} did not arm within {self._params.arm_s:g} s" if missing else ""
+        return Reply(granted=not missing, reason=reason)
+
+    def _carried_out(self, act: Act, t: float) -> Reply | None:
+        if act is not Act.DISARM:
+            return Reply(granted=True)
+        armed = [name for name, link in self._links.items() if link.health().armed]
+        if armed and t - self._asked < self._params.arm_s:
+            return None
+        return Reply(
+            granted=not armed,
+            reason=f"{', '.join(armed)} armed again: the build arms itself" if armed else "",
+        )
+
+    def _in(self, phases: Collection[Phase]) -> list[str]:
+        return [name for name, one in self._vehicles.items() if one.phase in phases]
+
+    def _each(self, phases: Collection[Phase], act: Callable[[str, float], None], t: float) -> None:
+        for name in self._in(phases):
+            act(name, t)
+
+    def _arm_one(self, name: str, t: float) -> None:
+        one = self._vehicles[name]
+        self._enter(name, Phase.ARMING, t)
+        one.low_since, one.heard, one.wanted = np.inf, -np.inf, None
+        self._links[name].arm()
+
+    def _fly_one(self, name: str, t: float) -> None:
+        self._enter(name, Phase.FLYING, t)
+
+    def _disarm_one(self, name: str, t: float) -> None:
+        self._links[name].disarm()
+        self._enter(name, Phase.READY, t)
+
     def _flies(self, name: str) -> bool:
         return name in self._vehicles and self._vehicles[name].phase is Phase.FLYING
-
-    def _refusal(self, name: str, one: _Vehicle, t: float) -> str:
-        """Return why a vehicle may not start; empty where it may."""
-        health = self._links[name].health()
-        if not health.connected:
-            return "is offline: check its URI, its battery and the radio"
-        if one.phase in {Phase.ARMING, Phase.FLYING, Phase.LANDING}:
-            return f"is {one.phase.value} already"
-        if health.locked:
-            return "is locked: restart it"
-        if health.volt < self._params.volt_start:
-            return f"has {health.volt:.2f} V: {self._params.volt_start:.2f} V is the least to start with"
-        if not t - one.seen <= self._params.stale_s:
-            return f"has no state younger than {self._params.stale_s} s: check motion capture"
-        return ""
 
     def _watch(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
         if not health.connected:
@@ -203,7 +253,7 @@ class RadioPilot:
             self._enter(name, Phase.READY, t)
         elif one.phase is Phase.ARMING:
             self._arm(name, one, health, t)
-        elif one.phase is Phase.FLYING:
+        elif one.phase in {Phase.CLIMBING, Phase.FLYING}:
             self._watch_flight(name, one, health, t)
         elif one.phase is Phase.LANDING and t - one.since > one.landing_s:
             self._enter(name, Phase.READY, t)
@@ -212,10 +262,9 @@ class RadioPilot:
         if health.armed:
             if self._hover is not None:
                 self._links[name].send_stick(ZERO_STICK)
-            self._enter(name, Phase.FLYING, t)
+            self._enter(name, Phase.ARMED, t)
         elif t - one.since > self._params.arm_s:
             self._enter(name, Phase.READY, t)
-            self._said.append(f"{name} did not arm within {self._params.arm_s} s")
 
     def _watch_flight(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
         if health.locked:
@@ -233,7 +282,7 @@ class RadioPilot:
             return
         if silent < limits.silent_land_s:
             self._hold(name, one)
-        elif self._hover is None or t - one.seen <= limits.stale_s:
+        elif self._hover is None or t - one.seen <= self._landing.stale_s:
             self._said.append(f"{name} has no command for {limits.silent_land_s} s and lands")
             self._land(name, t)
         elif silent < limits.silent_stop_s:
@@ -253,13 +302,13 @@ class RadioPilot:
 
     def _land(self, name: str, t: float) -> None:
         one = self._vehicles[name]
-        one.landing_s = max(self._params.land_s, one.height / self._params.land_speed)
+        one.landing_s = self._landing.duration(one.height)
         self._links[name].land(one.landing_s)
         self._enter(name, Phase.LANDING, t)
 
     def _enter(self, name: str, phase: Phase, t: float) -> None:
         one = self._vehicles[name]
-        if one.phase is Phase.FLYING and phase is Phase.OFFLINE:
+        if one.phase in AIRBORNE and phase is Phase.OFFLINE:
             self._said.append(f"{name} is lost in flight: its firmware levels out, then cuts its motors")
         elif one.phase is not phase:
             self._said.append(f"{name} is {phase.value}")

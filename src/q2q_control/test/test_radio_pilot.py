@@ -10,11 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from q2q_control.crazyflies import crazyflies_from_document
+from q2q_control.flight_procedure.params import LandingParams
+from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.legacy import LegacyScale
+from q2q_control.radio_crew import RadioCrew
 from q2q_control.radio_link import LinkHealth
 from q2q_control.radio_params import RadioPilotParams
 from q2q_control.radio_pilot import Phase, RadioPilot
 from q2q_control.radio_words import ZERO_STICK, FullState, Stick, full_states, level_stick, names_cut, sticks
+from q2q_model.reply import Reply
 from q2q_model.rotations import euler_from_quat
 from q2q_model.signals import (
     CommandStatus,
@@ -55,6 +59,12 @@ class _FakeLink:
     def arm(self) -> None:
         self.sent.append("arm")
 
+    def disarm(self) -> None:
+        self.sent.append("disarm")
+
+    def take_off(self, height: float, duration: float) -> None:
+        self.sent.append(("take off", height, duration))
+
     def land(self, duration: float) -> None:
         self.sent.append(("land", duration))
 
@@ -79,9 +89,17 @@ class _Bench:
 
     def fly(self) -> None:
         self.see()
-        assert self.pilot.start(self.t).granted
-        self.pilot.watch(self.t)
+        for act in (Act.ARM, Act.STREAM):
+            assert self.done(act).granted
         assert set(self.pilot.phases.values()) == {Phase.FLYING}
+
+    def done(self, act: Act) -> Reply:
+        """Give an order and return what became of it."""
+        self.pilot.begin(Order(act, 0.5, 2.0), self.t)
+        self.pilot.watch(self.t)
+        reply = self.pilot.outcome(self.t)
+        assert reply is not None
+        return reply
 
     def sticks(self) -> None:
         self.pilot.fly_sticks(NAMES, [Stick(1.0, 2.0, 3.0, 30000)] * 2, self.t)
@@ -157,57 +175,48 @@ def test_a_draft_that_is_no_number_is_none_and_large_numbers_are_cut() -> None:
     assert (one.pos, one.vel, one.acc) == ((32.767,) * 3, (-32.767,) * 3, (32.767,) * 3)
 
 
-def test_a_start_arms_unlocks_and_flies_and_nothing_is_sent_before() -> None:
+def test_arming_unlocks_and_only_streamed_vehicles_are_sent_commands() -> None:
     bench = _Bench()
     bench.sticks()
-    bench.see()
+    assert bench.done(Act.ARM).granted
+    bench.sticks()
+    assert bench.done(Act.TAKE_OFF).granted
+    bench.sticks()
+    assert set(bench.pilot.phases.values()) == {Phase.CLIMBING}
+    bench.done(Act.STREAM)
+    bench.sticks()
+    assert bench.links["cf2"].sent == ["arm", ZERO_STICK, ("take off", 0.5, 2.0), Stick(1.0, 2.0, 3.0, 30000)]
+
+
+def test_a_vehicle_that_does_not_arm_in_time_is_named() -> None:
+    bench = _Bench()
     bench.links["cf1"].now = replace(WELL, armed=False)
-    assert bench.pilot.start(bench.t).granted
-    bench.pilot.watch(bench.t)
-    bench.sticks()
-    flying = [one for one in bench.links["cf2"].sent if not isinstance(one, tuple)]
-    assert flying == ["arm", ZERO_STICK, Stick(1.0, 2.0, 3.0, 30000)]
-    assert [one for one in bench.links["cf1"].sent if not isinstance(one, tuple)] == ["arm"]
+    bench.pilot.begin(Order(Act.ARM), bench.t)
+    bench.pilot.watch(bench.t + 1.9)
+    assert bench.pilot.outcome(bench.t + 1.9) is None
     bench.pilot.watch(bench.t + 2.1)
-    assert bench.pilot.phases["cf1"] is Phase.READY
-    assert "cf1 did not arm within 2.0 s" in bench.pilot.said()
+    assert bench.pilot.outcome(bench.t + 2.1) == Reply(granted=False, reason="cf1 did not arm within 2 s")
+    assert bench.pilot.outcome(bench.t + 2.1) is None  # told once
 
 
-@pytest.mark.parametrize(
-    ("health", "said"),
-    [
-        (LinkHealth(connected=False), "cf1 is offline"),
-        (replace(WELL, locked=True), "cf1 is locked: restart it"),
-        (replace(WELL, volt=3.5), "cf1 has 3.50 V: 3.60 V is the least"),
-    ],
-)
-def test_a_start_is_refused_with_the_reason_and_arms_nobody(health: LinkHealth, said: str) -> None:
+def test_disarming_is_done_when_no_vehicle_is_armed_and_says_who_arms_itself() -> None:
     bench = _Bench()
-    bench.see()
-    bench.links["cf1"].now = health
-    verdict = bench.pilot.start(bench.t)
-    assert not verdict.granted
-    assert said in verdict.reason
-    assert "arm" not in bench.links["cf1"].sent + bench.links["cf2"].sent
+    bench.done(Act.ARM)
+    bench.pilot.begin(Order(Act.DISARM), bench.t)
+    assert bench.pilot.outcome(bench.t + 1.9) is None
+    bench.links["cf1"].now = replace(WELL, armed=False)
+    reply = bench.pilot.outcome(bench.t + 2.1)
+    assert reply == Reply(granted=False, reason="cf2 armed again: the build arms itself")
+    assert [link.sent[-1] for link in bench.links.values()] == ["disarm", "disarm"]
 
 
-@pytest.mark.parametrize("why", ["never", "old", "coasting"])
-def test_a_start_without_a_fresh_measured_state_is_refused(why: str) -> None:
-    bench = _Bench()
-    if why == "old":
-        bench.see()
-        bench.t += PARAMS.stale_s + 0.01
-    if why == "coasting":
-        bench.see(TrackStatus.COASTING)
-    assert "no state younger than 0.1 s" in bench.pilot.start(bench.t).reason
-
-
-def test_a_second_start_is_refused_and_changes_nothing() -> None:
+def test_a_pilot_as_crew_reports_what_its_links_and_phases_say() -> None:
     bench = _Bench()
     bench.fly()
-    before = list(bench.links["cf1"].sent)
-    assert bench.pilot.start(bench.t).reason == "cf1 is flying already"
-    assert bench.links["cf1"].sent == before
+    bench.links["cf2"].now = replace(WELL, volt=3.3, onboard=(1.0, 2.0, 3.0), wrong="mass is 0")
+    first, second = RadioCrew(bench.pilot, bench.links).reports()
+    assert (first.name, first.connected, first.armed, first.flies) == ("cf1", True, True, True)
+    assert (second.volt, second.onboard, second.wrong) == (3.3, (1.0, 2.0, 3.0), "mass is 0")
 
 
 def test_a_link_lost_in_flight_is_silent_until_a_new_start_and_the_other_flies_on() -> None:
@@ -331,7 +340,8 @@ def test_a_landing_takes_as_long_as_the_height_asks_for_and_no_less_than_land_s(
     low.pos[:, 2] = [0.5, 2.0]
     bench.pilot.places(low, bench.t)
     bench.pilot.land(bench.t)
-    assert [bench.links[name].sent[-1] for name in NAMES] == [("land", PARAMS.land_s), ("land", 2.0 / 0.4)]
+    least = LandingParams().land_s
+    assert [bench.links[name].sent[-1] for name in NAMES] == [("land", least), ("land", 2.0 / 0.4)]
     assert bench.pilot.landing_s == 2.0 / 0.4
 
 
@@ -344,7 +354,7 @@ def test_the_level_stick_is_the_thrust_on_the_houses_scale() -> None:
     assert level_stick(0.034 * 9.81, LegacyScale(0.48)) == Stick(0.0, 0.0, 0.0, 45539)
 
 
-def test_a_battery_that_is_unknown_neither_refuses_nor_lands() -> None:
+def test_a_battery_that_is_unknown_lands_nobody() -> None:
     bench = _Bench()
     for link in bench.links.values():
         link.now = replace(WELL, volt=math.nan)
@@ -355,9 +365,9 @@ def test_a_battery_that_is_unknown_neither_refuses_nor_lands() -> None:
 
 def test_land_lands_those_who_fly_and_stop_stops_all() -> None:
     bench = _Bench()
-    assert bench.pilot.land(bench.t).reason == "no vehicle flies"
+    assert not bench.pilot.land(bench.t)
     bench.fly()
-    assert bench.pilot.land(bench.t).granted
+    assert bench.pilot.land(bench.t)
     assert set(bench.pilot.phases.values()) == {Phase.LANDING}
     bench.pilot.stop(bench.t)
     assert all(link.sent[-1] == "stop" for link in bench.links.values())

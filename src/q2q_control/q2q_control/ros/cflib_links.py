@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from q2q_control.radio_link import CflibSender, LinkHealth
 from q2q_control.radio_words import FullState, Stick
+from q2q_control.supervisor_info import LOCKED, READY
 
 if TYPE_CHECKING:
     from cflib.crazyflie import Crazyflie
@@ -28,15 +29,13 @@ SILENT_S = 1.0
 """A link over which nothing has come for this long is lost [s]."""
 AGAIN_S = 3.0
 """One over which nothing has come for this long is opened again [s]."""
-ARMED, LOCKED = 2, 64
-"""Bits of supervisor.info."""
 
 
 @dataclass(frozen=True, slots=True)
 class OnboardPose:
     """Pose estimated on board a vehicle."""
 
-    pos: tuple[float, ...]
+    pos: tuple[float, float, float]
     """[m], world."""
     quat: tuple[float, ...]
     """x y z w, body to world."""
@@ -161,8 +160,10 @@ class CflibLink:
             connected=self._open and monotonic() - one.heard < SILENT_S,
             volt=one.volt,
             quality=one.quality,
-            armed=bool(one.info & ARMED),
+            armed=one.info & READY == READY,
             locked=bool(one.info & LOCKED),
+            onboard=None if one.pose is None else one.pose.pos,
+            wrong="has not logged its own estimate yet" if one.pose is None else "",
         )
 
     def send_stick(self, stick: Stick) -> None:
@@ -183,6 +184,14 @@ class CflibLink:
     def arm(self) -> None:
         """Ask the vehicle to arm."""
         self._mailbox.put_once(self._sender.arm)
+
+    def disarm(self) -> None:
+        """Ask the vehicle to disarm."""
+        self._mailbox.put_once(self._sender.disarm)
+
+    def take_off(self, height: float, duration: float) -> None:
+        """Let the vehicle climb by itself."""
+        self._mailbox.put_once(lambda: self._sender.take_off(height, duration))
 
     def land(self, duration: float) -> None:
         """Let the vehicle land by itself, instead of what waits."""
@@ -227,7 +236,7 @@ class CflibLink:
         self._known.volt, self._known.info = data["pm.vbat"], int(data["supervisor.info"])
 
     def _on_pose(self, data: Mapping[str, float]) -> None:
-        pos = tuple(data[f"stateEstimate.{axis}"] for axis in ("x", "y", "z"))
+        pos = (data["stateEstimate.x"], data["stateEstimate.y"], data["stateEstimate.z"])
         quat = tuple(data[f"stateEstimate.{part}"] for part in ("qx", "qy", "qz", "qw"))
         self._known.pose = OnboardPose(pos, quat)
 

@@ -6,12 +6,17 @@
 | `poses_out` (NamedPoseArray, offers a deadline of 10 ms) | out | `state`, measured vehicles only |
 | `<name>/cmd_full_state` (FullState) | out | `reference_safe`, less `interference`'s acceleration if aware |
 | `<name>/cmd_vel_legacy` (Twist) | out, where mode is command | `command`; signs by `backend` |
-| `all/takeoff`, `all/land`, `all/arm`, `all/notify_setpoints_stop` | called by `~/take_off` and its like | |
+| `all/arm`, `takeoff`, `land`, `notify_setpoints_stop`, `emergency` | out, as a client | the procedure |
 
-A package that is absent switches off what needs it, with one line. Set `legacy_hz:=0` on the controller where
-this node sends `cmd_vel_legacy`.
+Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
+`~/land`, `~/emergency`, each answered when it has happened, or with why it has not; `~/status` tells the
+step. Setpoints leave only from the hand-over after `~/fly` to the landing. `~/arm`, `~/disarm` and
+`~/notify_setpoints_stop` pass a request on to the server, on the ground only. A package that is absent
+switches off what needs it, with one line. Set `legacy_hz:=0` on the controller where this node sends
+`cmd_vel_legacy`. `--dry-run` sends nothing.
 """
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,10 +28,14 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from q2q_control.crazyflies import crazyflies_from_document
 from q2q_control.crazyswarm import BACKENDS, frame_of, poses_of
+from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.steps import Act
 from q2q_control.legacy import LegacyScale
 from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
-from q2q_control.ros.crazyswarm_services import CrazyswarmServices
+from q2q_control.ros.crazyswarm_crew import CrazyswarmCrew
 from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
+from q2q_control.ros.dry_run import dry_run_as_parameter
+from q2q_control.ros.procedure_desk import ProcedureDesk
 from q2q_model.cdr import encode
 from q2q_model.health import Health
 from q2q_model.layout import Signal
@@ -61,8 +70,9 @@ class CrazyswarmParams:
     backend: str = tunable("cpp", "server that takes cmd_vel_legacy", choices=BACKENDS, read_only=True)
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
     firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
-    take_off_height: float = tunable(0.5, "of ~/take_off", unit="m", low=0.1, high=5.0, read_only=True)
-    take_off_s: float = tunable(2.0, "of ~/take_off and ~/land", unit="s", low=0.5, high=60.0, read_only=True)
+    poses_version: int = tunable(
+        1, "of poses_in, as in motion_capture.yaml: 2 is NamedPoseArrayV2", low=1, high=2, read_only=True
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of bounds, and a topic that would feed itself."""
@@ -89,9 +99,12 @@ class Crazyswarm:
         self._health = Health()
         self._join: TickJoin[Signal] = TickJoin(_inputs(self._asked))
         self._poses: PoseTypes | None = None
+        self._desk: ProcedureDesk | None = None
+        self._follows = False
+        self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
         self._try(self._wire_poses)
         self._try(self._wire_commands)
-        self._try(self._wire_services)
+        self._try(self._wire_procedure)
         publish_health(node, self._health)
 
     def _try(self, wire: Callable[[], None]) -> None:
@@ -108,10 +121,10 @@ class Crazyswarm:
         types = find_pose_types()
         if self._asked.poses_in:
             self._mocap = self._node.create_publisher(MESSAGES[MocapFrame], "mocap", TICK)
-            self._node.create_subscription(types.array, self._asked.poses_in, self._on_poses, OUTSIDE)
+            heard = find_pose_types(self._asked.poses_version).array
+            self._node.create_subscription(heard, self._asked.poses_in, self._on_poses, OUTSIDE)
         if self._asked.poses_out:
             self._out = self._node.create_publisher(types.array, self._asked.poses_out, POSES_OUT)
-            self._listen("state", SwarmState)
         self._poses = types
 
     def _wire_commands(self) -> None:
@@ -120,11 +133,18 @@ class Crazyswarm:
         self._commands = CrazyswarmCommands(
             self._node, self._names, (scale, self._asked.backend), full_state=self._asked.mode == "setpoint"
         )
-        for topic in _inputs(self._asked):
+        for topic in dict.fromkeys((*_inputs(self._asked), "reference_safe", "state")):
             self._listen(topic, _SIGNALS[topic])
 
-    def _wire_services(self) -> None:
-        self._services = CrazyswarmServices(self._node, self._asked.take_off_height, self._asked.take_off_s)
+    def _wire_procedure(self) -> None:
+        crew = CrazyswarmCrew(self._node, self._names)
+        self._desk = ProcedureDesk(self._node, self._names, crew, self._params)
+        for name, act in (
+            ("arm", Act.ARM),
+            ("disarm", Act.DISARM),
+            ("notify_setpoints_stop", Act.STOP_STREAM),
+        ):
+            self._desk.offer(name, act)
 
     def _listen(self, topic: str, signal: type[Signal]) -> None:
         def take(stamp_ns: int, value: Signal) -> None:
@@ -135,13 +155,21 @@ class Crazyswarm:
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
         if isinstance(value, SwarmState):
-            self._send_poses(stamp_ns, value)
+            if self._asked.poses_out:
+                self._send_poses(stamp_ns, value)
+            if self._desk is not None:
+                self._desk.see(value)
             return
+        if isinstance(value, SwarmSetpoint):
+            self._follows = self._desk is not None and self._desk.follows(value)
+            if self._asked.mode == "command":
+                return
         tick = self._join.put(topic, stamp_ns, value)
         self._health.missed = self._join.missed
         if tick is not None:
             self._health.ticks += 1
-            self._send(stamp_ns, tick)
+            if self._follows:
+                self._send(stamp_ns, tick)
 
     def _send(self, stamp_ns: int, tick: tuple[Signal, ...]) -> None:
         first, draft = tick[0], tick[1] if len(tick) > 1 else None
@@ -167,6 +195,7 @@ _SIGNALS: dict[str, type[Signal]] = {
     "reference_safe": SwarmSetpoint,
     "interference": Interference,
     "command": SwarmCommand,
+    "state": SwarmState,
 }
 
 
@@ -186,5 +215,6 @@ def _names(asked: CrazyswarmParams) -> Names:
 
 
 def main() -> None:
-    """Run the node `crazyswarm`."""
+    """Run the node `crazyswarm`; `--dry-run` is its parameter dry_run."""
+    sys.argv = dry_run_as_parameter(sys.argv)
     run("crazyswarm", Crazyswarm)

@@ -68,10 +68,16 @@ def find(package: str, names: Sequence[str], folder: str = "msg") -> list[type]:
     except ImportError as missing:
         hint = f"sudo apt install ros-jazzy-{package.replace('_', '-')}"
         raise ImportError(f"{package} is not installed ({hint}); what needs it is off") from missing
+    absent = [name for name in names if name not in vars(module)]
+    if absent:
+        raise ImportError(f"{package} has no {', '.join(absent)}: update it; what needs it is off")
     return [getattr(module, name) for name in names]
 
 
-def find_pose_types() -> PoseTypes:
-    """Return the messages of motion capture; raise ImportError where they are missing."""
-    array, one = find(MOCAP_PACKAGE, ("NamedPoseArray", "NamedPose"))
+def find_pose_types(version: int = 1) -> PoseTypes:
+    """Return the messages of motion capture; raise ImportError where they are missing.
+
+    `version` is `poses_version` of motion_capture.yaml: 2 is NamedPoseArrayV2, which tells latencies, too.
+    """
+    array, one = find(MOCAP_PACKAGE, ("NamedPoseArrayV2" if version == 2 else "NamedPoseArray", "NamedPose"))
     return PoseTypes(array, one)

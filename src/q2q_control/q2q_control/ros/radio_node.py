@@ -5,11 +5,15 @@
 | command | `command`, `state` | roll, pitch, yaw rate, thrust |
 | setpoint | `reference_safe`, `state`, and `interference` if aware | full state with acc = acc_ref - eta |
 
-Services: `~/start`, `~/land`, `~/stop` (motors off, for good); in setpoint mode, where no controller has it,
-`all/emergency` too. q2q_control.radio_pilot says what is refused and what happens by itself, as when commands
-stay away: DDS's word that their writer is gone is one more look, at once.
+Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
+`~/land`, `~/emergency` (motors off, for good; `~/stop` is another name of it, and in setpoint mode, where no
+controller has it, `all/emergency`). Each answers what has happened, or why not; `~/status` tells the step.
+`~/start` is for vehicles that are held at their setpoints. q2q_control.radio_pilot says what happens by
+itself, as when commands stay away: DDS's word that their writer is gone is one more look, at once. `--dry-
+run` sends nothing.
 """
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, sleep
@@ -19,12 +23,17 @@ from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
 from q2q_control.crazyflies import Crazyflie, crazyflies_from_document
+from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.steps import Call
 from q2q_control.legacy import LegacyScale
+from q2q_control.radio_crew import RadioCrew
 from q2q_control.radio_params import RadioPilotParams
-from q2q_control.radio_pilot import RadioPilot, Verdict
+from q2q_control.radio_pilot import RadioPilot
 from q2q_control.radio_words import full_states, level_stick, names_cut, sticks
 from q2q_control.ros.cflib_links import CflibLink
+from q2q_control.ros.dry_run import dry_run_as_parameter
 from q2q_control.ros.guarded_commands import EMERGENCY
+from q2q_control.ros.procedure_desk import ProcedureDesk
 from q2q_control.ros.radio_topics import RadioTopics
 from q2q_model.health import Health
 from q2q_model.layout import Signal
@@ -83,7 +92,7 @@ class RadioNodeParams:
 
 
 class Radio:
-    """Hold links and pilot, and pass signals on."""
+    """Links, pilot and procedure of the vehicles, and the signals that are passed on to them."""
 
     def __init__(self, node: Node) -> None:
         """Open the links.
@@ -93,22 +102,24 @@ class Radio:
             OSError: a file cannot be read.
         """
         self._node = node
-        asked, limits = declare(node, RadioNodeParams()), declare(node, RadioPilotParams())
-        self._asked = asked
+        self._asked = asked = declare(node, RadioNodeParams())
+        limits, landing = declare(node, RadioPilotParams()), declare(node, LandingParams())
         vehicle = vehicle_by_name(asked.vehicle, asked.firmware)
         self._scale = LegacyScale(vehicle.full_pwm_thrust)
-        params = firmware_params(asked.firmware_params, asked.mode)
-        self._links = {
-            one.name: CflibLink(one.name, one.uri, params, asked.toc_cache) for one in _crazyflies(asked)
-        }
+        self._links = open_links(asked)
         hover = level_stick(vehicle.hover_thrust, self._scale)
-        self._pilot = RadioPilot(self._links, limits, hover if asked.mode == "command" else None)
+        self._pilot = RadioPilot(self._links, limits, hover if asked.mode == "command" else None, landing)
         self._silent_s = limits.silent_s
+        self._follows = False
         self._health = Health()
         self._topics = RadioTopics(node, tuple(self._links), asked.pose_hz)
+        crew = RadioCrew(self._pilot, self._links)
+        self._desk = ProcedureDesk(
+            node, tuple(self._links), crew, (declare(node, FlightProcedureParams()), landing)
+        )
+        self._desk.guard = self._other_radios
         self._subscribe()
-        for name, act in (("start", self._on_start), ("land", self._on_land), ("stop", self._on_stop)):
-            node.create_service(Trigger, f"~/{name}", act)
+        node.create_service(Trigger, "~/stop", self._on_stop)
         node.create_timer(WATCH_S, self._watch)
         if asked.mode == "setpoint":
             node.create_service(Empty, EMERGENCY, self._on_emergency)
@@ -116,7 +127,7 @@ class Radio:
 
     def close(self) -> None:
         """Let flying vehicles land, then close the links: cflib's last packet stops the motors."""
-        if self._pilot.land(monotonic()).granted:
+        if self._pilot.land(monotonic()):
             sleep(self._pilot.landing_s + SETTLE_S)
         for link in self._links.values():
             link.close()
@@ -129,9 +140,9 @@ class Radio:
                 inputs["interference"] = Interference
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         for topic, signal in inputs.items():
-            self._listen(topic, signal)
             watch(self._node, topic, signal, self._silent_s, self._on_silence)
-        self._listen("state", SwarmState)
+        for topic, signal in (inputs | {"reference_safe": SwarmSetpoint, "state": SwarmState}).items():
+            self._listen(topic, signal)
 
     def _listen(self, topic: str, signal: type[Signal]) -> None:
         def take(stamp_ns: int, value: Signal) -> None:
@@ -142,16 +153,27 @@ class Radio:
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
         if isinstance(value, SwarmState):
+            self._desk.see(value)
             self._pilot.places(value, monotonic(), send=self._asked.places)
             return
+        if isinstance(value, SwarmSetpoint):
+            self._follows = self._desk.follows(value)
+            if self._asked.mode == "command":
+                return
         tick = self._join.put(topic, stamp_ns, value)
         self._health.missed = self._join.missed
         if tick is None:
             return
         self._health.ticks += 1
+        self._fly(tick)
+
+    def _fly(self, tick: tuple[Signal, ...]) -> None:
         first, draft = tick[0], tick[1] if len(tick) > 1 else None
         if isinstance(first, SwarmCommand):
             self._pilot.cut(names_cut(first), monotonic())
+        if not self._follows:
+            return
+        if isinstance(first, SwarmCommand):
             self._pilot.fly_sticks(first.names, sticks(first, self._scale), monotonic())
         elif isinstance(first, SwarmSetpoint) and (draft is None or isinstance(draft, Interference)):
             self._pilot.fly_full_states(first.names, full_states(first, draft), monotonic())
@@ -170,22 +192,29 @@ class Radio:
             self._node.get_logger().info(line)
         self._health.extra |= {f"phase_{name}": phase.value for name, phase in self._pilot.phases.items()}
 
-    def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        others = self._topics.other_radios()
-        if others:
-            return _answer(response, Verdict(granted=False, reason=f"another radio node runs: {others}"))
-        return _answer(response, self._pilot.start(monotonic()))
-
-    def _on_land(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        return _answer(response, self._pilot.land(monotonic()))
+    def _other_radios(self, call: Call) -> str:
+        others = "" if call is Call.EMERGENCY else self._topics.other_radios()
+        return f"another radio node runs: {others}" if others else ""
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
-        self._pilot.stop(monotonic())
+        self._desk.emergency()
         return response
 
     def _on_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._pilot.stop(monotonic())
-        return _answer(response, Verdict(granted=True, reason="motors stopped; restart the vehicles"))
+        self._desk.emergency()
+        response.success, response.message = True, "motors stopped; restart the vehicles"
+        return response
+
+
+def open_links(asked: RadioNodeParams) -> dict[str, CflibLink]:
+    """Return a link to every vehicle, by name.
+
+    Raises:
+        ValueError: no vehicles, a wrong file or parameter, cflib is missing.
+        OSError: a file cannot be read.
+    """
+    params = firmware_params(asked.firmware_params, asked.mode)
+    return {one.name: CflibLink(one.name, one.uri, params, asked.toc_cache) for one in _crazyflies(asked)}
 
 
 def firmware_params(asked: tuple[str, ...], mode: str) -> dict[str, float]:
@@ -215,11 +244,7 @@ def _crazyflies(asked: RadioNodeParams) -> tuple[Crazyflie, ...]:
     return made
 
 
-def _answer(response: Trigger.Response, verdict: Verdict) -> Trigger.Response:
-    response.success, response.message = verdict.granted, verdict.reason
-    return response
-
-
 def main() -> None:
-    """Run the node `radio`."""
+    """Run the node `radio`; `--dry-run` is its parameter dry_run."""
+    sys.argv = dry_run_as_parameter(sys.argv)
     run("radio", Radio, Radio.close)

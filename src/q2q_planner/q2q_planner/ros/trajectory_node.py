@@ -1,12 +1,23 @@
-"""Play a plan as a node: `mocap` ticks in, `reference` out; the plan itself latched on `plan`."""
+"""Play a plan as a node: `mocap` ticks in, `reference` out; what is played latched on `plan`.
 
+With `wait` nothing is played before it is called for (q2q_planner.plan_player): the reference rests where the
+vehicles are seen; `~/glide` leads it to the plan's first points, proven apart, `~/start` starts the plan's
+clock, `~/hold` brakes along what is played, `~/wait` begins anew. The plan that waits is latched on
+`next_plan`. Real vehicles are flown so: the nodes `radio` and `crazyswarm` make these calls
+(docs/real_vehicles.md).
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from std_srvs.srv import Trigger
 
 from q2q_model.parameters import check_bounds, tunable
+from q2q_model.reply import Reply
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED
 from q2q_model.ros.ready import latched_is_out
@@ -14,19 +25,20 @@ from q2q_model.ros.run import run
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import MocapFrame, SwarmSetpoint
 from q2q_planner import plan_file
-from q2q_planner.plan_clock import PlanClock
+from q2q_planner.glide import GlideParams
+from q2q_planner.plan_player import PlanPlayer, Played
 from q2q_planner.ros.plan_message import encode_plan
-from q2q_planner.trajectory import setpoint_at
 
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryParams:
-    """Hold the node's parameters."""
+    """Parameters of the node that are not the glide's."""
 
     plan: str = tunable("", "plan file to play", read_only=True)
     start: float = tunable(
         -1.0, "stamp at which the plan starts; below 0: at the first tick", unit="s", read_only=True
     )
+    wait: bool = tunable(default=False, description="play nothing before it is called for", read_only=True)
 
     def __post_init__(self) -> None:
         """Refuse values out of bounds."""
@@ -41,20 +53,56 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
             "parameter plan is empty: give a plan file, e.g. one made by `ros2 run q2q_planner plan`"
         )
     plan = plan_file.load(Path(params.plan))
-    clock = PlanClock(params.start)
-    latched = node.create_publisher(Plan, "plan", LATCHED)
+    player = PlanPlayer(plan, params.start, declare(node, GlideParams()), wait=params.wait)
+    told = _Told(player, node.create_publisher(Plan, "plan", LATCHED))
+    if player.played is not None:  # known before the first tick: whoever looks ahead has it in time
+        latched_is_out(node, told.publisher)
+    told.tell()
+    if params.wait:
+        waiting = node.create_publisher(Plan, "next_plan", LATCHED)
+        waiting.publish(encode_plan(plan, 0))
+        latched_is_out(node, waiting)
+    calls = {"wait": player.wait, "glide": player.glide, "start": player.start, "hold": player.hold}
+    for name, act in calls.items():
+        node.create_service(Trigger, f"~/{name}", told.answering(act))
 
     def update(frame: MocapFrame) -> SwarmSetpoint:
-        if clock.starts_with(frame.t):
-            latched.publish(encode_plan(plan, clock.start_ns))
-        return setpoint_at(plan, frame.t, clock.start)
+        setpoint = player.update(frame)
+        told.tell()
+        return setpoint
 
-    if params.start >= 0.0:  # known before the first tick: whoever looks ahead has it in time
-        latched.publish(encode_plan(plan, clock.start_ns))
-        latched_is_out(node, latched)
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
     wiring.start(update)
     return wiring
+
+
+class _Told:
+    """What has been told of the plan that is played."""
+
+    def __init__(self, player: PlanPlayer, publisher: Publisher) -> None:
+        self.publisher = publisher
+        self._player = player
+        self._last: Played | None = None
+
+    def tell(self) -> None:
+        """Publish what is played, where it has changed."""
+        played = self._player.played
+        if played is not None and played is not self._last:
+            self.publisher.publish(encode_plan(played.plan, played.start_ns))
+        self._last = played
+
+    def answering(
+        self, act: Callable[[], Reply]
+    ) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
+        """Return the callback of a service that acts, and tells what is played then."""
+
+        def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            reply = act()
+            self.tell()
+            response.success, response.message = reply.granted, reply.reason
+            return response
+
+        return answer
 
 
 def main() -> None:

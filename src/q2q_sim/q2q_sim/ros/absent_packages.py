@@ -10,7 +10,10 @@ from contextlib import contextmanager
 from types import ModuleType
 
 FIELDS: dict[str, dict[str, tuple[str, ...]]] = {
-    "crazyflie_interfaces.msg": {"FullState": ("header", "pose", "twist", "acc")},
+    "crazyflie_interfaces.msg": {
+        "FullState": ("header", "pose", "twist", "acc"),
+        "Status": ("header", "supervisor_info", "battery_voltage", "pm_state", "rssi"),
+    },
     "crazyflie_interfaces.srv": {
         "Takeoff": ("group_mask", "height", "duration"),
         "Land": ("group_mask", "height", "duration"),
@@ -19,6 +22,7 @@ FIELDS: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "motion_capture_tracking_interfaces.msg": {
         "NamedPoseArray": ("header", "poses"),
+        "NamedPoseArrayV2": ("header", "timestamp", "latencies", "poses"),
         "NamedPose": ("name", "pose"),
     },
 }

@@ -68,7 +68,10 @@ def ways(executable: str, folder: Path) -> list[Way]:
     link: Way = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
     bridged: Way = {"vehicles": (VEHICLE,)}
     known: dict[str, list[Way]] = {
-        "trajectory": [{"plan": str(folder / "plan.json")}],
+        "trajectory": [
+            {"plan": str(folder / "plan.json"), "wait": True},
+            {"plan": str(folder / "plan.json"), "wait": False},
+        ],
         "pid": [{"aware": True, "live": True}, {"aware": False, "live": True}],
         "radio": [
             link | {"mode": "command"},

@@ -68,6 +68,9 @@ class Deaf:
     def publish(self, _: object) -> None:
         """Forget a message."""
 
+    def send_response(self, _: object, __: object) -> None:
+        """Forget an answer."""
+
     def get_subscription_count(self) -> int:
         """Return one reader, so that nothing is left untold."""
         return 1
@@ -108,9 +111,10 @@ class StandInNode:
         self.readers.append((kind, receive))
         return Deaf()
 
-    def create_service(self, kind: type, name: str, _: Receive) -> None:
+    def create_service(self, kind: type, name: str, _: Receive) -> Deaf:
         """Write down a service."""
         self.ports.append(Port("serves", name, type_name(kind, "srv"), ""))
+        return Deaf()
 
     def create_client(self, kind: type, name: str) -> Deaf:
         """Write down a service that is called."""

@@ -1,0 +1,146 @@
+"""Check whether vehicles may take off, join a plan, or be flown to it; name the vehicle and the number.
+
+Every check returns why it refuses; empty where it does not. They are asked in the order of the ground: links,
+batteries, parameters, motion capture, estimators, thrust, places, the plan, the room.
+"""
+
+from collections.abc import Callable, Iterator
+from itertools import combinations
+
+import numpy as np
+
+from q2q_control.flight_procedure.observation import Observation, VehicleReport
+from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
+from q2q_model.signals import Array
+
+AXES = "xyz"
+
+
+def connection_refusal(seen: Observation) -> str:
+    """Return which vehicle is not connected."""
+    offline = [one.name for one in seen.vehicles if not one.connected]
+    return f"{', '.join(offline)} offline: check URI, battery and radio" if offline else ""
+
+
+def take_off_refusal(seen: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
+    """Return why vehicles on the ground may not take off."""
+    checks: tuple[Callable[[], str], ...] = (
+        lambda: connection_refusal(seen),
+        lambda: _first(_said(one, params) for one in seen.vehicles),
+        lambda: state_refusal(seen, landing),
+        lambda: _first(_estimates(seen, params)),
+        lambda: _first(_thrust(one, params) for one in seen.vehicles),
+        lambda: _first(_standing(seen, params)),
+        lambda: apart_refusal(seen.names, seen.pos, params.apart),
+        lambda: _first(_places(seen, params)),
+        lambda: _first(_extent(seen, params)),
+    )
+    return _first(check() for check in checks)
+
+
+def join_refusal(seen: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
+    """Return why vehicles may not be flown by the present setpoints from where they are."""
+    return (
+        connection_refusal(seen)
+        or _first(_said(one, params) for one in seen.vehicles)
+        or state_refusal(seen, landing)
+        or setpoint_refusal(seen, params.start_near, landing)
+    )
+
+
+def state_refusal(seen: Observation, landing: LandingParams) -> str:
+    """Return which vehicle has no fresh state."""
+    for name, age in zip(seen.names, seen.age.tolist(), strict=True):
+        if not age <= landing.stale_s:
+            told = f"its last is {age:.2f} s old" if np.isfinite(age) else "it was never seen"
+            return f"{name} has no state younger than {landing.stale_s:g} s ({told}): check motion capture"
+    return ""
+
+
+def setpoint_refusal(seen: Observation, near: float, landing: LandingParams) -> str:
+    """Return which vehicle has no fresh setpoint, or one farther than `near` [m]."""
+    if not seen.wanted_age <= landing.stale_s:
+        return f"no setpoint younger than {landing.stale_s:g} s: start trajectory and replanner"
+    for name, far in zip(seen.names, _norm(seen.pos - seen.wanted).tolist(), strict=True):
+        if not far <= near:
+            told = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"
+            return f"{name} {told}: {near:.2f} m is the most; call take_off, then fly"
+    return ""
+
+
+def apart_refusal(names: tuple[str, ...], pos: Array, apart: float) -> str:
+    """Return which pair is too near, seen from above."""
+    for first, second in combinations(range(len(names)), 2):
+        gap = float(np.hypot(*(pos[first] - pos[second])[:2]))
+        if gap < apart:
+            return f"{names[first]} and {names[second]} are {gap:.2f} m apart: {apart:.2f} m is the least"
+    return ""
+
+
+def _said(one: VehicleReport, params: FlightProcedureParams) -> str:
+    if one.locked:
+        return f"{one.name} is locked: restart it"
+    if np.isnan(one.volt) and params.volt_start > 0.0:
+        return f"{one.name} does not tell its battery: log it, or set volt_start to 0"
+    if one.volt < params.volt_start:
+        return f"{one.name} has {one.volt:.2f} V: {params.volt_start:.2f} V is the least to start with"
+    return f"{one.name}: {one.wrong}" if one.wrong else ""
+
+
+def _estimates(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
+    for one, pos in zip(seen.vehicles, seen.pos, strict=True):
+        if one.onboard is None:
+            continue
+        far = float(_norm(np.array(one.onboard) - pos))
+        if not far <= params.estimator_error:
+            bound = f"{params.estimator_error:.2f} m is the most; check frames, wait for its estimator"
+            yield f"{one.name} believes to be {far:.2f} m from where it is seen: {bound}"
+
+
+def _thrust(one: VehicleReport, params: FlightProcedureParams) -> str:
+    if np.isnan(one.hover_ratio) or abs(one.hover_ratio - 1.0) <= params.hover_mismatch:
+        return ""
+    told = f"would be sent {100.0 * one.hover_ratio:.0f} % of the thrust at which it hovers"
+    return f"{one.name} {told}: within {100.0 * params.hover_mismatch:.0f} % is allowed; check `vehicle`"
+
+
+def _standing(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
+    heights, speeds = seen.pos[:, 2] - params.ground, _norm(seen.vel)
+    for name, height, speed in zip(seen.names, heights.tolist(), speeds.tolist(), strict=True):
+        if not abs(height) <= params.near_ground:
+            yield f"{name} is {height:.2f} m above the ground: it must stand on it; set `ground`"
+        if not speed <= params.still_speed:
+            yield f"{name} moves at {speed:.2f} m/s: it must stand still"
+
+
+def _places(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
+    if seen.plan is None:
+        yield "no plan waits: start trajectory with a plan and wait:=true"
+        return
+    if set(seen.plan.names) != set(seen.names):
+        yield f"the plan is for {', '.join(seen.plan.names)}, the vehicles are {', '.join(seen.names)}"
+        return
+    off = seen.pos[:, :2] - seen.first_points()[:, :2]
+    for name, far in zip(seen.names, _norm(off).tolist(), strict=True):
+        if not far <= params.start_near:
+            yield f"{name} is {far:.2f} m beside its first point: {params.start_near:.2f} m is the most"
+
+
+def _extent(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
+    if seen.plan is None:
+        return
+    low, high = np.array(params.room[:3]), np.array(params.room[3:])
+    for row, name in enumerate(seen.plan.names):
+        for axis in range(3):
+            least, most = float(seen.plan.low[row, axis]), float(seen.plan.high[row, axis])
+            if least < low[axis] or most > high[axis]:
+                reach = f"{AXES[axis]} from {least:.2f} to {most:.2f} m"
+                yield f"{name} would fly {reach}: the room is {low[axis]:g} to {high[axis]:g} m"
+
+
+def _first(reasons: Iterator[str]) -> str:
+    return next((reason for reason in reasons if reason), "")
+
+
+def _norm(rows: Array) -> Array:
+    return np.asarray(np.sqrt((rows * rows).sum(axis=-1)))

@@ -1,0 +1,49 @@
+"""Keep what came last of states, setpoints and the plan, and say what is known at a time."""
+
+import numpy as np
+
+from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
+from q2q_model.signals import Array, Names, SwarmSetpoint, SwarmState, TrackStatus, index_of
+
+
+class FlightView:
+    """What came last, a row a vehicle."""
+
+    def __init__(self, names: Names) -> None:
+        self._names = names
+        n = len(names)
+        self._pos, self._vel = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
+        self._seen = np.full(n, -np.inf)
+        self._wanted, self._wanted_vel = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
+        self._heard = -np.inf
+        self.plan: PlanOutline | None = None
+        """The plan that waits."""
+
+    def see(self, state: SwarmState, t: float) -> None:
+        """Take a state that came at time t [s]: the vehicles that were measured in it."""
+        rows = index_of(self._names, state.names)
+        for own, row in enumerate(rows.tolist()):
+            if row >= 0 and state.status[row] == TrackStatus.TRACKED:
+                self._pos[own], self._vel[own], self._seen[own] = state.pos[row], state.vel[row], t
+
+    def hear(self, setpoint: SwarmSetpoint, t: float) -> Array:
+        """Take a setpoint that came at time t [s]; return its positions by vehicle, NaN where it has none."""
+        rows = index_of(self._names, setpoint.names)
+        absent = (rows < 0)[:, None]
+        self._wanted = np.where(absent, np.nan, setpoint.pos[rows])
+        self._wanted_vel = np.where(absent, np.nan, setpoint.vel[rows])
+        self._heard = t
+        return self._wanted
+
+    def observe(self, vehicles: tuple[VehicleReport, ...], t: float) -> Observation:
+        """Return what is known at time t [s]."""
+        return Observation(
+            vehicles=vehicles,
+            pos=self._pos.copy(),
+            vel=self._vel.copy(),
+            age=t - self._seen,
+            wanted=self._wanted,
+            wanted_vel=self._wanted_vel,
+            wanted_age=t - self._heard,
+            plan=self.plan,
+        )

@@ -1,0 +1,66 @@
+"""Say where vehicles rest, and for how long they have."""
+
+import numpy as np
+
+from q2q_control.flight_procedure.checks import state_refusal
+from q2q_control.flight_procedure.observation import Observation
+from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
+from q2q_model.signals import Array
+
+
+class Rest:
+    """Time since which a condition has held."""
+
+    def __init__(self, settle_s: float) -> None:
+        self._settle_s = settle_s
+        self._since = np.inf
+
+    def lasts(self, holds: bool, t: float) -> bool:
+        """Return whether the condition has held for settle_s [s] up to t [s]."""
+        self._since = min(self._since, t) if holds else np.inf
+        return t - self._since >= self._settle_s
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._since = np.inf
+
+
+def at_height(
+    seen: Observation,
+    height: float,
+    params: FlightProcedureParams,
+    landing: LandingParams,
+    near: float | None = None,
+) -> str:
+    """Return who is not at rest at a height [m]; empty where all are."""
+    points = np.column_stack([seen.pos[:, :2], np.full(len(seen.names), height)])
+    return at_points(seen, points, params, landing, near)
+
+
+def at_points(
+    seen: Observation,
+    points: Array,
+    params: FlightProcedureParams,
+    landing: LandingParams,
+    near: float | None = None,
+) -> str:
+    """Return who is not at rest within `near` (params.reached) of its point (n, 3) [m]; empty: all are."""
+    stale = state_refusal(seen, landing)
+    if stale:
+        return stale
+    bound = params.reached if near is None else near
+    far = np.linalg.norm(seen.pos - points, axis=1).tolist()
+    speed = np.linalg.norm(seen.vel, axis=1).tolist()
+    for name, height, off, fast in zip(seen.names, seen.pos[:, 2].tolist(), far, speed, strict=True):
+        if not off <= bound:
+            return f"{name} is at {height:.2f} m, {off:.2f} m from where it should be"
+        if not fast <= params.still_speed:
+            return f"{name} still moves at {fast:.2f} m/s"
+    return ""
+
+
+def places(seen: Observation) -> str:
+    """Return the height of every vehicle in words."""
+    return ", ".join(
+        f"{name} at {height:.2f} m" for name, height in zip(seen.names, seen.pos[:, 2].tolist(), strict=True)
+    )

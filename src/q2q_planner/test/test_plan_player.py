@@ -1,0 +1,159 @@
+"""A plan is played at a stamp, at the first tick, or by calls; calls never let the reference jump."""
+
+import numpy as np
+import pytest
+
+from q2q_model.signals import Array, MocapFrame, SwarmSetpoint
+from q2q_model.zone import Cylinder
+from q2q_planner.braked_plan import braked
+from q2q_planner.certificate import certify
+from q2q_planner.glide import GlideParams, glide
+from q2q_planner.minsnap import minimum_snap_plan
+from q2q_planner.plan_player import PlanPlayer
+from q2q_planner.trajectory import SwarmPlan
+from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+
+NAMES = ("cf1", "cf2")
+PLAN = minimum_snap_plan(
+    [
+        VehicleWaypoints("cf1", (Waypoint(0.0, (0.0, 0.0, 1.0)), Waypoint(4.0, (1.0, 0.0, 1.5)),
+                                 Waypoint(8.0, (0.0, 0.0, 1.0)))),
+        VehicleWaypoints("cf2", (Waypoint(0.0, (0.0, 1.0, 1.5)), Waypoint(8.0, (0.0, -1.0, 1.5)))),
+    ]
+)  # fmt: skip
+GROUND = np.array([[0.1, 0.0, 0.0], [0.0, 1.1, 0.0]])
+ABOVE = GROUND + np.array([0.0, 0.0, 0.5])
+STEP = 0.01
+
+
+class _Room:
+    """Frames of vehicles that stay where they are put."""
+
+    def __init__(self, pos: Array = GROUND) -> None:
+        self.player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+        self.pos, self.t = pos, 100.0
+        self.wanted: list[SwarmSetpoint] = []
+
+    def tick(self, seconds: float = STEP) -> SwarmSetpoint:
+        for _ in range(round(seconds / STEP)):
+            self.t += STEP
+            self.wanted.append(self.player.update(frame(self.t, self.pos)))
+        return self.wanted[-1]
+
+    def largest_step(self) -> float:
+        """Return how far the reference moved in one tick at most [m]."""
+        pos = np.array([one.pos for one in self.wanted])
+        return float(np.linalg.norm(np.diff(pos, axis=0), axis=2).max())
+
+
+def frame(t: float, pos: Array) -> MocapFrame:
+    return MocapFrame(t, NAMES, pos, np.tile([0.0, 0.0, 0.0, 1.0], (len(pos), 1)))
+
+
+def first_points() -> Array:
+    return np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 1.5]])
+
+
+def test_without_a_wait_the_plan_starts_at_the_first_tick_or_at_its_stamp() -> None:
+    at_once = PlanPlayer(PLAN, -1.0, GlideParams(), wait=False)
+    np.testing.assert_allclose(at_once.update(frame(7.0, GROUND)).pos, first_points(), atol=1e-12)
+    assert at_once.played is not None
+    assert at_once.played.start == 7.0
+    late = PlanPlayer(PLAN, 3.0, GlideParams(), wait=False)
+    np.testing.assert_allclose(late.update(frame(7.0, GROUND)).pos[0], [1.0, 0.0, 1.5], atol=1e-9)
+
+
+def test_while_it_waits_the_reference_is_where_the_vehicles_are_seen() -> None:
+    room = _Room()
+    np.testing.assert_array_equal(room.tick().pos, GROUND)
+    room.pos = ABOVE
+    np.testing.assert_array_equal(room.tick(5.0).pos, room.pos)
+    assert room.player.played is None
+
+
+def test_a_vehicle_that_was_never_seen_has_no_reference_and_is_named() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    with pytest.raises(ValueError, match="cf2 has not been seen"):
+        player.update(MocapFrame(0.0, ("cf1",), GROUND[:1], np.array([[0.0, 0.0, 0.0, 1.0]])))
+    assert player.glide().reason == "no vehicle has been seen yet"
+
+
+def test_glide_start_hold_and_a_second_flight_never_let_the_reference_jump() -> None:
+    room = _Room(ABOVE)
+    room.tick()
+    assert not room.player.start().granted  # not at the first points
+    assert room.player.glide().granted
+    room.tick(0.5)
+    assert "moves at" in room.player.start().reason
+    assert "hold first" in room.player.glide().reason
+    np.testing.assert_allclose(room.tick(6.0).pos, first_points(), atol=1e-9)
+    assert room.player.start().granted
+    room.tick(3.0)
+    assert room.player.hold().granted
+    room.tick(1.0)
+    assert np.abs(room.tick(1.0).vel).max() < 1e-9
+    assert room.player.glide().granted  # restarted in flight: from the hold back to the first points
+    np.testing.assert_allclose(room.tick(8.0).pos, first_points(), atol=1e-9)
+    assert room.player.start().granted
+    np.testing.assert_allclose(room.tick(9.0).pos[1], [0.0, -1.0, 1.5], atol=1e-9)
+    assert room.largest_step() < 0.01  # 1 m/s: nothing here is faster
+
+
+def test_a_braked_plan_begins_as_the_plan_goes_and_stays_on_its_path() -> None:
+    stopping = braked(PLAN, 3.8)  # across the waypoint at 4 s
+    for curve, whole in zip(stopping.trajectories, PLAN.trajectories, strict=True):
+        tau = np.linspace(0.0, 1.0, 201)
+        s = 3.8 + tau - 0.5 * tau**2
+        np.testing.assert_allclose(curve.at(tau), whole.at(s), atol=1e-9)
+        np.testing.assert_allclose(curve.at(np.array(0.0), 1), whole.at(np.array(3.8), 1), atol=1e-9)
+        np.testing.assert_allclose(curve.at(np.array(1.0), 1), 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize(("s", "end"), [(-1.0, 0.0), (0.0, 0.5), (7.9, 8.0), (8.0, 8.0), (20.0, 8.0)])
+def test_braking_ends_half_its_duration_later_in_the_plan_or_at_its_ends(s: float, end: float) -> None:
+    for curve, whole in zip(braked(PLAN, s).trajectories, PLAN.trajectories, strict=True):
+        np.testing.assert_allclose(curve.at(np.array(5.0)), whole.at(np.array(end)), atol=1e-9)
+
+
+def here(*rows: tuple[float, float, float]) -> Array:
+    return np.array([(*row, 0.0) for row in rows])
+
+
+def test_a_glide_ends_where_it_should_is_as_slow_as_told_and_certified() -> None:
+    ends = here((1.0, 0.0, 1.0), (0.0, 1.0, 1.5))
+    plan = glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), ends, GlideParams())
+    t = np.linspace(0.0, plan.duration, 500)
+    speeds = [np.linalg.norm(curve.at(t, 1)[:, :3], axis=1).max() for curve in plan.trajectories]
+    assert max(speeds) == pytest.approx(0.5, rel=1e-4)  # the longest line sets the time of all
+    np.testing.assert_allclose([curve.at(t[-1:])[0] for curve in plan.trajectories], ends, atol=1e-9)
+    assert plan.certified
+    assert certify(plan, Cylinder(0.2, 1.1)).holds
+
+
+def test_lines_that_cross_are_flown_one_after_another() -> None:
+    """Both lines meet at the origin in the middle; one at a time, 0.5 m stay between them."""
+    starts, ends = here((-1.0, 0.0, 0.5), (0.0, -1.0, 0.5)), here((1.0, 0.0, 0.5), (0.0, 1.0, 0.5))
+    plan = glide(NAMES, starts, ends, GlideParams())
+    assert certify(plan, Cylinder(0.2, 1.1)).holds
+    half = plan.duration / 2
+    moved = [float(np.ptp(curve.at(np.array([0.0, half])), axis=0).max()) for curve in plan.trajectories]
+    assert sorted(round(one) for one in moved) == [0, 2]
+
+
+def test_a_line_over_another_vehicle_becomes_a_way_around_it() -> None:
+    """The way home after section 5.2: Q2 from -2 m to 2 m, over Q1 at rest in the middle."""
+    starts, ends = here((0.0, 0.0, 1.5), (0.0, -2.0, 2.0)), here((0.0, 0.0, 1.5), (0.0, 2.0, 2.0))
+    plan = glide(NAMES, starts, ends, GlideParams())
+    assert certify(plan, Cylinder(0.2, 1.1)).holds
+    np.testing.assert_allclose(plan.trajectories[1].at(np.array(plan.duration)), ends[1], atol=1e-9)
+
+
+def test_a_glide_that_no_order_keeps_apart_is_refused_with_pair_and_distance() -> None:
+    stacked = here((0.0, 0.0, 1.0), (0.05, 0.0, 1.5))
+    with pytest.raises(ValueError, match=r"cf1 and cf2 would come 0\.\d\d m into each other's zone"):
+        glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), stacked, GlideParams())
+
+
+def test_a_plan_that_rests_nowhere_else_is_one_point() -> None:
+    resting: SwarmPlan = braked(PLAN, 30.0)
+    assert [len(curve.durations) for curve in resting.trajectories] == [1, 1]

@@ -1,0 +1,305 @@
+"""A room in simulated time in which a real node of ours flies vehicles of real firmware by the procedure.
+
+The node stands on a StandInNode: what it publishes and calls is kept, or handed to whom it is for; its clocks
+are the room's. Motion capture, filter, trajectory and controller are the road's own blocks.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import TypeVar
+
+import numpy as np
+import pytest
+from std_srvs.srv import Trigger
+
+from q2q_control.flight_procedure.steps import Call
+from q2q_model.cdr import encode
+from q2q_model.layout import Signal
+from q2q_model.reply import Reply
+from q2q_model.signals import Array, MocapFrame
+from q2q_model.tools.models import find_model
+from q2q_planner.glide import GlideParams
+from q2q_planner.plan_player import PlanPlayer
+from q2q_planner.ros.plan_message import encode_plan
+from q2q_planner.trajectory import SwarmPlan
+from q2q_sim.assembly import Options, blocks_of
+from q2q_sim.crtp.pilot import Wire
+from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
+from q2q_sim.room import TICK_S, Room
+from q2q_sim.ros.stand_in import StandInNode
+from q2q_sim.scenario import Scenario
+
+BOOT_TICKS = 60
+"""The firmware boots within these, and arms itself."""
+ECHO = b"\xfc\x00"
+"""Keeps a client known to a vehicle."""
+
+
+Servers = dict[str, Callable[[object], object]]
+"""What stands behind each service that the node calls."""
+
+
+@dataclass
+class Future:
+    """An answer that is there."""
+
+    answer: object
+
+    def done(self) -> bool:
+        """Return True: it is there."""
+        return True
+
+    def result(self) -> object:
+        """Return the answer."""
+        return self.answer
+
+    def exception(self) -> None:
+        """Return None: nothing went wrong."""
+        return
+
+
+@dataclass
+class Client:
+    """Client of a service; what stands behind it answers at once, or nobody does."""
+
+    srv_name: str
+    serve: Callable[[object], object] | None
+
+    def service_is_ready(self) -> bool:
+        """Return whether somebody serves it."""
+        return self.serve is not None
+
+    def call_async(self, request: object) -> Future:
+        """Return the answer to a request."""
+        assert self.serve is not None
+        return Future(self.serve(request))
+
+
+@dataclass
+class Service:
+    """Service of the node, with the answers it has sent."""
+
+    ask: Callable[[Trigger.Request, Trigger.Response], Trigger.Response]
+    sent: list[Reply] = field(default_factory=list)
+
+    def send_response(self, response: Trigger.Response, _: object) -> None:
+        """Keep an answer."""
+        self.sent.append(Reply(response.success, response.message))
+
+    def call(self) -> None:
+        """Ask, as a client does."""
+        self.send_response(self.ask(Trigger.Request(), Trigger.Response()), None)
+
+
+@dataclass
+class Publisher:
+    """Publisher that hands every message on."""
+
+    take: Callable[[object], None]
+    topic_name: str = ""
+
+    def publish(self, message: object) -> None:
+        """Hand a message on."""
+        self.take(message)
+
+    def get_subscription_count(self) -> int:
+        """Return one reader."""
+        return 1
+
+
+class RoomNode(StandInNode):
+    """A node whose topics and services are those of the room."""
+
+    def __init__(self, name: str, given: dict[str, object], servers: Servers) -> None:
+        super().__init__(name, given)
+        self._servers = servers
+        self.services: dict[str, Service] = {}
+        self.timers: list[tuple[float, Callable[[], None]]] = []
+        self.takers: dict[str, Callable[[object], None]] = {}
+        self.published: dict[str, list[object]] = {}
+        self.forward: dict[str, Callable[[object], None]] = {}
+        self.lines: list[str] = []
+
+    def create_service(self, kind: type, name: str, ask: Callable[..., Trigger.Response]) -> Service:
+        """Return a service that tests can call."""
+        super().create_service(kind, name, ask)
+        made = Service(ask)
+        made.send_response = made.send_response  # an attribute of its own, as rclpy's may be replaced
+        return self.services.setdefault(name.removeprefix("~/"), made)
+
+    def create_client(self, kind: type, name: str) -> Client:
+        """Return a client of the server of that name, or of nobody."""
+        super().create_client(kind, name)
+        return Client(name, self._servers.get(name))
+
+    def create_publisher(self, kind: type, topic: str, qos: object) -> Publisher:
+        """Return a publisher whose messages are kept, or forwarded."""
+        super().create_publisher(kind, topic, qos)
+        kept = self.published.setdefault(topic, [])
+
+        def take(message: object) -> None:
+            self.forward.get(topic, kept.append)(message)
+
+        return Publisher(take, topic)
+
+    def create_subscription(
+        self, kind: type, topic: str, receive: Callable[..., None], qos: object, **_: object
+    ) -> object:
+        """Keep who takes a topic; a second reader that only watches deadlines takes nothing."""
+        if getattr(getattr(qos, "deadline", None), "nanoseconds", 0) == 0:
+            self.takers[topic] = receive
+        return super().create_subscription(kind, topic, receive, qos)
+
+    def create_timer(self, period: float, act: Callable[[], None]) -> None:
+        """Keep a timer for the room to call."""
+        self.timers.append((period, act))
+
+    def get_logger(self) -> "RoomNode":
+        """Return the node itself, which keeps the lines."""
+        return self
+
+    def info(self, line: str, **_: object) -> None:
+        """Keep a line."""
+        self.lines.append(line)
+
+    warning = error = info
+
+
+Made = TypeVar("Made")
+
+
+class ProcedureRoom:
+    """Room, blocks, and one node that flies the vehicles."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        monkeypatch: pytest.MonkeyPatch,
+        plan: SwarmPlan | None = None,
+        *,
+        auto_arming: bool = True,
+    ) -> None:
+        self.scenario = scenario
+        self.room = Room(scenario, 0)
+        params = CrtpRoomParams(start="ground", positioning="deck", auto_arming=auto_arming)
+        self.fleet = fleet_in(self.room, scenario, params)
+        self.blocks = blocks_of(scenario, Options("aware"), find_model(scenario.model).interaction)
+        self.plan = plan or self.blocks.plan
+        self.player = PlanPlayer(self.plan, -1.0, GlideParams(), wait=True)
+        self._monkeypatch = monkeypatch
+        self.log: list[str] = []
+        """Calls of servers, in order."""
+        self.height: list[Array] = []
+        self.wanted: list[Array] = []
+        self.steps: list[str] = []
+        self.node: RoomNode | None = None
+        self.mocap: Callable[[MocapFrame, int], None] = lambda *_: None
+        self.speaks: set[str] = {"state", "interference", "reference_safe", "command"}
+        """Topics that others publish for the node."""
+        for _ in range(BOOT_TICKS):
+            self.room.fly(self.fleet.fly)
+
+    def wire(self, vehicle: int) -> Wire:
+        """Return what cflib's encoders take for a vehicle's Crazyflie."""
+        return Wire(lambda datagram: self.fleet.vehicles[vehicle].handle(datagram))
+
+    def now(self) -> float:
+        """Return the room's time [s]."""
+        return 100.0 + self.room.tick * TICK_S
+
+    def clock(self, *modules: ModuleType) -> None:
+        """Let modules read the room's clock."""
+        for module in modules:
+            self._monkeypatch.setattr(module, "monotonic", self.now)
+
+    def trajectory(self) -> Servers:
+        """Return the services of the node `trajectory`."""
+        calls = {
+            "wait": self.player.wait,
+            "glide": self.player.glide,
+            "start": self.player.start,
+            "hold": self.player.hold,
+        }
+
+        def server(name: str, act: Callable[[], Reply]) -> Callable[[object], object]:
+            def serve(_: object) -> object:
+                reply = act()
+                self.log.append(f"trajectory/{name}")
+                return Trigger.Response(success=reply.granted, message=reply.reason)
+
+            return serve
+
+        return {f"trajectory/{name}": server(name, act) for name, act in calls.items()}
+
+    def start(
+        self,
+        name: str,
+        given: dict[str, object],
+        build: Callable[[RoomNode], Made],
+        servers: Servers | None = None,
+    ) -> Made:
+        """Build a node in this room, and let it know of the plan that waits."""
+        self.node = RoomNode(name, given, self.trajectory() | servers)
+        made = build(self.node)
+        if "next_plan" in self.node.takers:
+            self.node.takers["next_plan"](encode_plan(self.plan, 0))
+        return made
+
+    def give(self, topic: str, signal: Signal, stamp_ns: int) -> None:
+        """Hand a signal to the node, if it listens."""
+        assert self.node is not None
+        if topic in self.speaks and topic in self.node.takers:
+            self.node.takers[topic](encode(signal, stamp_ns))
+
+    def tick(self) -> None:
+        """Let 10 ms pass."""
+        seen = self.room.capture()
+        stamp = seen.frame_stamp_ns
+        self.mocap(seen.frame, stamp)
+        state = self.blocks.mocap_filter.update(seen.frame)
+        draft = self.blocks.predictor.update(state)
+        wanted = self.player.update(seen.frame)
+        self.give("state", state, stamp)
+        self.give("interference", draft, stamp)
+        self.give("reference_safe", wanted, stamp)
+        if self.node is not None and "command" in self.node.takers:
+            self.give("command", self.blocks.controller.update(state, wanted, draft), stamp)
+        if self.node is not None and self.room.tick % 2 == 0:
+            for period, act in self.node.timers:
+                if period < 0.1:
+                    act()
+        for vehicle in self.fleet.vehicles:
+            vehicle.handle(ECHO)
+        self.height.append(seen.truth.pos[:, 2].copy())
+        self.wanted.append(wanted.pos[:, 2].copy())
+        self.room.fly(self.fleet.fly)
+        self.fleet.outgoing()
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass [s]."""
+        for _ in range(round(seconds / TICK_S)):
+            self.tick()
+
+    def call(self, call: Call | str, patience: float = 40.0) -> Reply:
+        """Call a service and let time pass until it answers."""
+        assert self.node is not None
+        service = self.node.services[call.value if isinstance(call, Call) else call]
+        before = len(service.sent)
+        service.call()
+        left = round(patience / TICK_S)
+        while len(service.sent) == before and left:
+            self.tick()
+            left -= 1
+        assert len(service.sent) == before + 1, f"{call}: no answer in {patience} s: {self.node.lines[-5:]}"
+        return service.sent[-1]
+
+    def highest(self) -> float:
+        """Return how high any vehicle has been [m]."""
+        return float(np.max(self.height))
+
+    def height_error(self, seconds: float) -> Array:
+        """Return the rms height error of each vehicle in the last seconds [m], (n,)."""
+        count = round(seconds / TICK_S)
+        off = np.array(self.height[-count:]) - np.array(self.wanted[-count:])
+        return np.asarray(np.sqrt((off**2).mean(axis=0)))
