@@ -202,7 +202,7 @@ class ProcedureRoom:
 
     def wire(self, vehicle: int) -> Wire:
         """Return what cflib's encoders take for a vehicle's Crazyflie."""
-        return Wire(lambda datagram: self.fleet.vehicles[vehicle].handle(datagram))
+        return Wire(self.fleet.vehicles[vehicle].handle)
 
     def now(self) -> float:
         """Return the room's time [s]."""

@@ -18,6 +18,7 @@ from cflib.crazyflie.high_level_commander import HighLevelCommander
 from cflib.crazyflie.localization import Localization
 from cflib.crazyflie.supervisor import Supervisor
 from procedure_room import ProcedureRoom
+from q2q_sim.crtp.supervisor_bits import Info, supervisor_info
 
 from q2q_control.crazyswarm import NamedPose
 from q2q_control.flight_procedure.steps import Call
@@ -35,7 +36,6 @@ from q2q_planner.plan_player import Played
 from q2q_planner.trajectory import SwarmPlan
 from q2q_planner.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim import scenarios
-from q2q_sim.crtp.supervisor_bits import Info, supervisor_info
 from q2q_sim.onboard.firmware import Firmware
 from q2q_sim.ros.absent_packages import interface_packages
 

@@ -123,7 +123,7 @@ def state(t: float, status: TrackStatus = TrackStatus.TRACKED) -> SwarmState:
     return SwarmState(t, NAMES, pos, zero, quat, zero, np.zeros(2), np.full(2, status, dtype=np.uint8))
 
 
-@given(*[st.floats(-0.5, 0.5)] * 3, st.floats(0.0, 0.4395))
+@given(*[st.floats(-0.5, 0.5)] * 3, st.floats(0.0, 0.439))
 def test_sticks_have_cflibs_signs_and_the_houses_scale(
     roll: float, pitch: float, yaw_rate: float, thrust: float
 ) -> None:
