@@ -26,8 +26,9 @@ from q2q_model.interaction.model import at_rest
 from q2q_model.mocap_filter import MocapFilterParams
 from q2q_model.parameters import tunable_of
 from q2q_sim import scenarios
+from q2q_sim.commands.docs import OUT
 from q2q_sim.ros.node_survey import NodeInterface, survey
-from q2q_sim.tools.docs import OUT, out_of_date, pages, table
+from q2q_sim.tools.docs import out_of_date, pages, table
 from q2q_sim.tools.processes import find_executable
 
 CHEAP = ("--list", "executables", "--help")
