@@ -1,30 +1,77 @@
-"""Read the project's documents: links, headings, command lines and snippets in their code blocks."""
+"""Read the project's documents: links, headings, and code blocks with what they tell the reader to do.
+
+A block is fenced, or indented by four spaces. What it is shows by its language, or by how it begins: with a
+command, or with a YAML key. Where it goes is told by the paragraph before it:
+
+| words before a block | the reader |
+|---|---|
+| Write `FILE` | writes it into that file |
+| Append to `FILE` | adds it to that file |
+| Replace `NAME` in `FILE` | puts it in the place of the assignment to NAME |
+| anything else | types the commands, or runs the Python |
+"""
 
 import re
 import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import dedent
 
 from fresh_checkout import ROOT
 
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
-WRITE = re.compile(r"[Ww]rite `([^`]+)`")
-STARTS = ("scripts/", "ros2 ", "source ", "python ", "export ")
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```|(?<=\n\n)((?:    [^\n]*\n|\n(?=    ))+)", re.MULTILINE | re.DOTALL)
+TOLD = re.compile(r"(Write|Append to|Replace `(\w+)` in) `([^`]+)`", re.IGNORECASE)
+KEY = re.compile(r"[a-z_]+:(\s|$)")
+STARTS = ("scripts/", "ros2 ", "source ", "python ", "export ", "fastdds ", "LD_LIBRARY_PATH=")
 """What a line that is a command begins with."""
 MADE_BY_COMMANDS = ("out/",)
 """Where the documents' own commands leave files."""
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
-    """Hold one command line of a document."""
+class Block:
+    """Code block of a document."""
 
-    where: str
-    words: tuple[str, ...]
+    document: str
+    line: int
+    language: str
+    """shell, yaml, json, python; empty for a drawing, or a language nobody runs."""
+    text: str
+    told: str = ""
+    """write, append or replace; empty where the reader is told nothing."""
+    file: str = ""
+    """Where it goes."""
+    name: str = ""
+    """What it replaces there."""
+
+    @property
+    def where(self) -> str:
+        """Return document and line."""
+        return f"{self.document}:{self.line}"
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Command line of a document."""
+
+    document: str
+    text: str
+    """As it is typed."""
     written: tuple[str, ...] = ()
     """Files its document tells to write."""
+
+    @property
+    def where(self) -> str:
+        """Return document and command."""
+        return f"{self.document}: {self.text}"
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Return the words, without a comment."""
+        return tuple(shlex.split(self.text, comments=True))
 
     @property
     def program(self) -> tuple[str, ...]:
@@ -52,17 +99,6 @@ class Command:
         return tuple(word for word in paths if not word.startswith((*MADE_BY_COMMANDS, *self.written)))
 
 
-@dataclass(frozen=True, slots=True)
-class Snippet:
-    """Hold a fenced block of a language, or an indented one that begins as YAML does."""
-
-    where: str
-    language: str
-    text: str
-    file: str
-    """Where the words before it tell to write it; empty where nowhere."""
-
-
 def documents() -> list[Path]:
     """Return README.md and all of docs/."""
     return [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -86,53 +122,66 @@ def anchors(document: Path) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
+def blocks(document: Path) -> list[Block]:
+    """Return the code blocks of a document, in its order."""
+    text = document.read_text(encoding="utf-8")
+    made = []
+    for found in BLOCK.finditer(text):
+        body = found[2] if found[3] is None else dedent(found[3])
+        before = text[: found.start()]
+        told = list(TOLD.finditer(before.rstrip().rpartition("\n\n")[2]))
+        action, name, file = told[-1].groups() if told else ("", "", "")
+        made.append(
+            Block(
+                document=str(document.relative_to(ROOT)),
+                line=before.count("\n") + 1,
+                language=found[1] or _language(body),
+                text=body,
+                told=action.split()[0].lower() if action else "",
+                file=file,
+                name=name or "",
+            )
+        )
+    return made
+
+
 def commands() -> list[Command]:
     """Return the command lines of all documents."""
     found = []
     for document in documents():
-        text = document.read_text(encoding="utf-8")
-        written = tuple(WRITE.findall(text))
+        all_of_it = blocks(document)
+        written = tuple(block.file for block in all_of_it if block.told == "write")
         found += [
-            Command(f"{document.relative_to(ROOT)}: {line}", tuple(shlex.split(line, comments=True)), written)
-            for line in code_lines(text)
-            if line.startswith(STARTS)
+            Command(block.document, line, written)
+            for block in all_of_it
+            if block.language == "shell"
+            for line in command_lines(block.text)
         ]
     return found
 
 
-def snippets() -> list[Snippet]:
+def snippets() -> list[Block]:
     """Return the YAML, JSON and Python of all documents."""
-    found = []
-    for document in documents():
-        text = document.read_text(encoding="utf-8")
-        fenced = re.finditer(r"^```(\w+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-        plain = re.sub(r"^```.*?^```", _blank, text, flags=re.MULTILINE | re.DOTALL)
-        indented = re.finditer(r"(?<=\n\n)()((?:    [^\n]*\n|\n(?=    ))+)", plain)
-        for match in [*fenced, *(one for one in indented if re.match(r"    [a-z_]+:(\s|$)", one[2]))]:
-            told = WRITE.findall(text[: match.start()].rstrip().rpartition("\n\n")[2])
-            name = f"{document.relative_to(ROOT)}:{text[: match.start()].count(chr(10)) + 1}"
-            found.append(Snippet(name, match[1] or "yaml", match[2], told[-1] if told else ""))
-    return [one for one in found if one.language in {"yaml", "json", "python"}]
+    every = [block for document in documents() for block in blocks(document)]
+    return [block for block in every if block.language in {"yaml", "json", "python"}]
 
 
-def _blank(block: re.Match[str]) -> str:
-    """Return as many characters and lines as the block has, all empty."""
-    return re.sub(r"[^\n]", ".", block[0])
-
-
-def code_lines(text: str) -> Iterator[str]:
-    """Yield the lines of indented and fenced code blocks, stripped; lines joined by a backslash are one.
-
-    Blocks of a named language hold no commands.
-    """
-    fenced, kept = "", ""
+def command_lines(text: str) -> Iterator[str]:
+    """Yield the command lines of a block, stripped; lines joined by a backslash are one."""
+    kept = ""
     for line in text.splitlines():
-        if line.startswith("```"):
-            fenced = "" if fenced else line.removeprefix("```") or "shell"
-        elif fenced == "shell" or (not fenced and line.startswith("    ")):
-            kept += line.strip()
-            if kept.endswith("\\"):
-                kept = kept[:-1]
-                continue
+        kept += line.strip()
+        if kept.endswith("\\"):
+            kept = kept[:-1]
+            continue
+        if kept:
             yield kept
         kept = ""
+
+
+def _language(body: str) -> str:
+    """Return the language of a block that names none."""
+    first = body.strip()
+    if first.startswith(STARTS):
+        return "shell"
+    return "yaml" if KEY.match(first) else ""

@@ -1,106 +1,180 @@
-"""Every command of the documents runs, in the order of its document, in a folder as a reader's.
+"""Every document is followed as it stands: files written, commands and snippets run in order at a clean desk.
 
-A tool must end with 0; a flight that falls, as its document says (FALLS), with 1 and that verdict. A node
-must come up with the parameters that are written, and end with 0 on SIGINT; the bare commands of the node
-pages may be refused in one line that says what is missing. What is not run here stands in ELSEWHERE with the
-place where it is. A command of several documents runs in the last of them.
+A command must end with 0 and print no traceback. A flight that ends with 1 must be one whose verdict the
+document quotes. A node must come up and end with 0 on SIGINT. What is not run here stands in ELSEWHERE, with
+the reason.
 """
 
+import os
 import re
-import signal
-import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
-from documentation import Command, commands, snippets
+from desk import Desk
+from documentation import Block, blocks, command_lines, commands, documents
 from fresh_checkout import ROOT
-from started_nodes import PATIENCE_S, start, wait_until_spinning
+from terminal import Answer, Terminal
 
 from q2q_sim.tools.domain import own_domain
 
-ELSEWHERE = {
-    ("scripts/test",): "the tests themselves",
-    ("scripts/check",): "runs before the tests wherever they run (.ci/run)",
-    ("scripts/setup",): "test_setup, in a fresh checkout",
-    ("scripts/bench",): "some minutes; every benchmark's rows are tested in its own package",
-    ("scripts/paper",): "some minutes; test_paper remakes parts",
-    ("scripts/campaign",): "hours; test_campaign flies a short one",
-    ("scripts/ros2-small",): "test_ros2_small",
-    ("source",): "of the shell",
-    ("export",): "of the shell",
-    ("python",): "test_documentation follows the tutorial of a new model in this process",
-    ("ros2", "launch"): "test_launch_files, where launch is installed",
-    ("ros2", "pkg"): "test_documentation",
+PAGES = "docs/nodes/"
+ELSEWHERE: Mapping[str, str] = {
+    "scripts/demo": "flown with the commands of README.md",
+    "scripts/fly table6 --lockstep --json o.json": "flown with the commands of README.md",
+    "scripts/fly table6 --controller mpc --stack --live": "flown with the commands of README.md",
+    "scripts/fly section4_1 --ignoring --replan safe": "flown with the commands of README.md",
+    "scripts/test     #": "the tests themselves",
+    "scripts/check": "runs before the tests wherever they run (.ci/run)",
+    "scripts/setup --dev": "test_setup, in a fresh checkout",
+    "scripts/bench": "takes minutes; every benchmark's rows are tested in its own package",
+    "scripts/paper": "takes minutes; test_paper remakes parts",
+    "scripts/campaign --runs": "takes hours; test_campaign flies a short one",
+    'ros2 run q2q_control radio --ros-args -p vehicles:="[cf1]"': "needs a Crazyradio",
+    "ros2 launch": "needs ros2 launch; test_launch_files, where it is installed",
+    "ros2 run q2q_sim bag_import FLIGHT.parquet": "the reader's own table; test_bag_import",
+    "ros2 run q2q_model identify ROOM_BAG...": "the reader's own bags; test_identify_foreign",
+    "ros2 run q2q_model evaluate --model model.q2q ROOM": "the reader's own bags; test_identify_foreign",
+    "ros2 run q2q_sim policies BAG...": "the reader's own bags; test_policies",
+    "export ROS_DOMAIN_ID=77": "two hosts: test_two_hosts, where namespaces can be made",
+    "export ROS_DISCOVERY_SERVER": "two hosts: test_two_hosts",
+    "export ROS_SUPER_CLIENT": "two hosts: test_two_hosts",
+    "fastdds discovery": "the program comes with a sourced ROS 2 only",
+    "LD_LIBRARY_PATH=": "needs the address of a second host: test_two_hosts",
 }
-"""Programs not run here, and why."""
-OF_ANOTHER = {"out/column.q2q": "the tutorial's model, followed in test_documentation"}
-"""Files that are made by what is not run here."""
-FALLS = {
-    "scripts/fly out/mine.yaml --ignoring --bag out/mine_ignoring": "cf2 hit the floor",
-    "scripts/fly out/mine.yaml --ignoring --replan": "cf2 hit the floor",
-}
-"""Flights that fall as their documents say, and the verdict on each."""
-LATE = re.compile(r"^verdict: \d+ of \d+ ticks were missed$", re.MULTILINE)
+"""What a command that is not run here begins with, and why."""
 NODES = {path.stem for path in (ROOT / "docs" / "nodes").glob("*.md")} | {"stack"}
-BARE = "docs/nodes/"
-"""Pages whose command sets no parameter."""
-TOOL_PATIENCE_S = 600.0
+FOLLOWED = [path for path in documents() if PAGES not in str(path) and blocks(path)]
 
 
-def is_run_here(command: Command) -> bool:
-    """Return whether a command is whole, and of a program that is run here."""
-    words = command.words
-    placeholder = any(word.isupper() or word.endswith("...") or word.startswith("[") for word in words)
-    another = words[:1] in ELSEWHERE or words[:2] in ELSEWHERE or set(words) & set(OF_ANOTHER)
-    return not (placeholder or another or "--help" in words or "--list" in words)
+def name_of(document: Path) -> str:
+    """Return a document's path in the checkout."""
+    return str(document.relative_to(ROOT))
 
 
-LAST = {one.words: one for one in commands() if is_run_here(one)}
-HERE = sorted(LAST.values(), key=commands().index)
-DOCUMENTS = list(dict.fromkeys(one.where.partition(":")[0] for one in HERE))
+def is_elsewhere(line: str) -> bool:
+    """Return whether a command is not run here."""
+    return line.startswith(tuple(ELSEWHERE))
 
 
 @pytest.fixture
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Return a folder that looks like the checkout, with the files that the documents tell to write."""
-    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
-    for name in ("src", "bags"):
-        (tmp_path / name).symlink_to(ROOT / name)
-    (tmp_path / "out").mkdir()
-    for snippet in snippets():
-        if snippet.file and not snippet.file.startswith("src/"):
-            (tmp_path / snippet.file).write_text(snippet.text)
-    with own_domain():
-        yield tmp_path
+def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator["Reader"]:
+    """Return a reader at a clean desk, in a ROS domain of their own."""
+    for name in ("ROS_DOMAIN_ID", "PYTHONPATH"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    with own_domain() as domain:
+        made = Reader(tmp_path, domain)
+        yield made
+        made.terminal.close()
 
 
-@pytest.mark.parametrize("document", DOCUMENTS)
-def test_the_commands_of_a_document_run_in_its_order(document: str, desk: Path) -> None:
-    for command in HERE:
-        if command.where.partition(":")[0] == document:
-            (run_node if command.program[-1] in NODES else run_tool)(command, desk)
+class Reader:
+    """Someone who follows a document to the letter."""
+
+    def __init__(self, folder: Path, domain: int) -> None:
+        """Sit down at a clean desk."""
+        self.desk = Desk(folder)
+        self.terminal = Terminal(folder, os.environ)
+        self._domain = domain
+
+    def follow(self, document: Path) -> None:
+        """Do all that a document says, in its order."""
+        text = " ".join(document.read_text(encoding="utf-8").split())
+        for block in blocks(document):
+            if block.told:
+                self.desk.put(block)
+            elif block.language == "python":
+                for port in re.findall(r"udp://127\.0\.0\.1:(\d+)", block.text):
+                    self.terminal.await_port(int(port))
+                (self.desk.folder / "snippet.py").write_text(block.text)
+                look_at(self.terminal.run("python snippet.py"), block.where, text)
+            elif block.language == "shell":
+                self._type(block, text)
+        for name in self.terminal.nodes:
+            look_at(self.terminal.end(name), f"{document}: {name}", text)
+
+    def _type(self, block: Block, text: str) -> None:
+        for line in command_lines(block.text):
+            if is_elsewhere(line):
+                continue
+            node = node_of(line)
+            if node:
+                if node in self.terminal.nodes:
+                    look_at(self.terminal.end(node), f"{block.where}: {node}", text)
+                self.terminal.start(node, line)
+                self.terminal.await_spinning(node)
+                continue
+            own = line.replace("ROS_DOMAIN_ID=42", f"ROS_DOMAIN_ID={self._domain}")  # others fly beside us
+            look_at(self.terminal.run(own), f"{block.where}: {line}", text)
 
 
-def run_tool(command: Command, desk: Path) -> None:
-    """Run a tool to its end; late ticks of a live flight are this machine's, not the document's."""
-    words = [str(ROOT / word) if word.startswith("scripts/") else word for word in command.words]
-    done = subprocess.run(
-        words, cwd=desk, capture_output=True, text=True, check=False, timeout=TOOL_PATIENCE_S
-    )
-    fall = FALLS.get(" ".join(command.words))
-    late = "--live" in words and LATE.search(done.stdout)
-    assert done.returncode == int(bool(fall or late)), f"{command.where}\n{done.stdout}\n{done.stderr}"
-    assert fall is None or f"verdict: {fall}" in done.stdout
-    assert "Traceback" not in done.stderr
+def node_of(line: str) -> str:
+    """Return the node that a command starts; empty for any other command."""
+    words = line.split()
+    return words[3] if words[:2] == ["ros2", "run"] and words[3] in NODES else ""
 
 
-def run_node(command: Command, desk: Path) -> None:
-    """Start a node and end it; a bare one may be refused in one line."""
-    process = start(command.words[2], command.words[3], command.words[4:], desk)
-    wait_until_spinning(process)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=PATIENCE_S)
-    assert "Traceback" not in said
-    refused = process.returncode == 2 and len(said.strip().splitlines()) == 1
-    assert process.returncode == 0 or (refused and command.where.startswith(BARE)), f"{command.where}\n{said}"
+def look_at(answer: Answer, where: str, document: str) -> None:
+    """Fail where an answer is not what the document lets a reader expect."""
+    told = f"{where}\n{answer.said}"
+    assert "Traceback" not in answer.said, told
+    if answer.status != 0:
+        verdicts = [line for line in answer.said.splitlines() if line.startswith("verdict: ")]
+        assert answer.status == 1, told
+        assert verdicts, told
+        assert all(one in document for one in verdicts), f"{told}\nthe document does not say so"
+
+
+@pytest.mark.parametrize("document", FOLLOWED, ids=name_of)
+def test_a_document_can_be_followed_to_the_letter(document: Path, reader: Reader) -> None:
+    reader.follow(document)
+
+
+def test_everything_that_is_not_run_here_is_in_a_document() -> None:
+    lines = [one.text for one in commands()]
+    assert [start for start in ELSEWHERE if not any(line.startswith(start) for line in lines)] == []
+
+
+def test_no_command_is_flown_twice() -> None:
+    flights = [
+        one for one in commands() if one.text.startswith("scripts/fly ") and not is_elsewhere(one.text)
+    ]
+    told = {"--bag", "--json", "--list"}  # later commands need what these leave, or nothing flies
+    once = [one.words for one in flights if not told & set(one.words)]
+    assert len(once) == len(set(once))
+
+
+def test_the_bare_command_of_a_node_page_starts_it_or_says_in_one_line_what_it_lacks(reader: Reader) -> None:
+    pages = [one for one in commands() if one.document.startswith(PAGES)]
+    reader.terminal.run("source scripts/env.sh")
+    for one in pages:
+        assert node_of(one.text) == Path(one.document).stem
+        reader.terminal.start(node_of(one.text), one.text)
+    for name in reader.terminal.nodes:
+        reader.terminal.await_spinning(name)
+    for name in reader.terminal.nodes:
+        answer = reader.terminal.end(name)
+        assert "Traceback" not in answer.said, answer.said
+        refused = answer.status == 2 and len(answer.said.strip().splitlines()) == 1
+        assert answer.status == 0 or refused, f"{name}\n{answer.said}"
+
+
+def test_what_a_document_replaces_keeps_every_line_of_it_but_the_first() -> None:
+    for block in [one for document in documents() for one in blocks(document) if one.told == "replace"]:
+        lines = (ROOT / block.file).read_text().splitlines()
+        first = next(k for k, line in enumerate(lines) if line.startswith(block.name))
+        last = next(k for k, line in enumerate(lines[first:], first) if line.startswith("}"))
+        assert set(lines[first + 1 : last]) <= set(block.text.splitlines())
+
+
+def test_a_failed_command_is_noticed() -> None:
+    with pytest.raises(AssertionError, match="no such file"):
+        look_at(Answer(2, "no such file"), "here", "")
+
+
+def test_a_flight_that_falls_must_be_told_of() -> None:
+    fallen = Answer(1, "table\nverdict: cf2 hit the floor at 5.6 s\n")
+    look_at(fallen, "here", "it says verdict: cf2 hit the floor at 5.6 s and")
+    with pytest.raises(AssertionError, match="does not say so"):
+        look_at(fallen, "here", "all is well")
