@@ -158,6 +158,19 @@ def test_a_constant_deviation_in_clear_air_is_no_disturbance():
     assert after.dev == pytest.approx(before.dev, rel=1e-6)
 
 
+def test_a_short_excursion_in_clear_air_does_not_move_the_bias():
+    record = record_of(PASSES[0])
+    alone = np.hypot(*(record.pos[:, 1] - record.pos[:, 0])[:, :2].T) > 0.5
+    pos = record.pos.copy()
+    pos[np.flatnonzero(alone)[: alone.sum() // 10], :, 2] += 0.5
+    before, after = (
+        overlap_of(one, DeviationParams(steady=0.0)) for one in (record, replace(record, pos=pos))
+    )
+    assert before is not None
+    assert after is not None
+    assert after.dev == pytest.approx(before.dev, abs=1e-3)  # a mean would move by 50 mm a vehicle
+
+
 def test_the_decay_fit_finds_the_law_it_was_drawn_from_and_says_when_d_was_not_flown():
     decay = fit_decay([record_of(one) for one in PASSES], DeviationParams(steady=0.0, allowed=0.005))
     gaps = np.array([overlap.gap for overlap in decay.overlaps])

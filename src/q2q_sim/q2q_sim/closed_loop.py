@@ -37,7 +37,8 @@ class FlightOptions:
     """none, paper or safe."""
     seed: int = 0
     model: InteractionModel = field(default_factory=NoInteraction)
-    """What the predictor is given; the scenario's: q2q_model.tools.models.find_model(scenario.model)."""
+    """What the predictor is given; the scenario's own is find_model(scenario.model).interaction
+    (q2q_model.tools.models)."""
     plan: SwarmPlan | None = None
     """Flown in place of the scenario's own."""
     hear: Listener = deaf

@@ -17,7 +17,8 @@ from q2q_sim.ablation.trial import COLUMNS, Trace, exposed, flown, measured
 from q2q_sim.assembly import Options, blocks_of, plan_of
 from q2q_sim.commands.ablation import main
 from q2q_sim.scenario import Scenario
-from q2q_sim.tools.ablation import Results, read
+from q2q_sim.tools.ablation import CAUTION, READING, Results, read
+from q2q_sim.tools.ablation import LEARNED as LEARNED_FROM
 
 LEARNED = Learned(PAPER_LAW, 0.0, None)
 SHORT = 0.3
@@ -144,3 +145,8 @@ def test_an_unknown_contender_is_refused():
     scenario = scenarios.load("table6")
     with pytest.raises(ValueError, match="unknown contender 'lqr'"):
         built("lqr", (scenario, plan_of(scenario)), LEARNED, limited=True)
+
+
+def test_the_page_says_what_was_flown_in_what():
+    shown = (Path(__file__).resolve().parents[3] / "docs" / "ablation.md").read_text(encoding="utf-8")
+    assert [words for words in (READING, CAUTION, LEARNED_FROM) if words not in shown] == []

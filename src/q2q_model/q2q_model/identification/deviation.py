@@ -134,7 +134,7 @@ def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, floa
 
 
 def _clear_bias(record: AltitudeRecord, clear: float) -> Array:
-    """Return every vehicle's mean deviation in clear air [m], (n,)."""
+    """Return every vehicle's median deviation in clear air [m], (n,); 0 where it has none."""
     n = len(record.names)
     bias = np.zeros(n)
     for i in range(n):

@@ -21,7 +21,7 @@ from q2q_sim.tools.paper_page import as_json, write_page, write_pdf
 EXPERIMENTS = (
     Experiment("vehicle", ("table1",), 0.1, paper_learning.vehicle),
     Experiment("pid", ("table6", "table7", "fig14"), 30.0, paper_control.pid),
-    Experiment("planning", ("fig10", "fig11"), 30.0, paper_planning.planning),
+    Experiment("planning", ("table5", "fig10", "fig11"), 35.0, paper_planning.planning),
     Experiment("replanning", ("fig12", "fig13"), 15.0, paper_planning.replanning),
     Experiment(
         "learning",

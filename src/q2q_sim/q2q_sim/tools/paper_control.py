@@ -36,11 +36,12 @@ def pid(folder: Path) -> Outcome:
 
 
 def mpc(folder: Path) -> Outcome:
-    """Fly the MPC, aware of the draft."""
+    """Fly the MPC, and beside it the PD within its limit, both aware of the downwash."""
     scenario = scenarios.load(SCENARIO)
-    flight = _flown(scenario, "aware", "mpc")
-    found = _numbers(scenario, flight, "table7", "mpc") | {"fig15.q1_dip": _dip(flight)}
-    return Outcome(found, _pictures(folder, "fig15", {"aware MPC": flight}))
+    flight, beside = (_flown(scenario, "aware", controller) for controller in ("mpc", "pid"))
+    dips = {"fig15.q1_dip": _dip(flight), "fig15.q1_dip_pd": _dip(beside)}
+    found = _numbers(scenario, flight, "table7", "mpc") | dips
+    return Outcome(found, _pictures(folder, "fig15", {"aware MPC": flight, "aware PD": beside}))
 
 
 def _flown(scenario: Scenario, mode: Mode, controller: str) -> Flight:

@@ -14,15 +14,22 @@ from q2q_sim.tools.paper_outcome import FigurePicture, Outcome
 from q2q_sim.tools.run_json import Json, finite
 
 TITLE = "The paper, remade"
+CITATION = (
+    "I. Matei, C. Zeng, S. Chowdhury, R. Rai, J. de Kleer: Controlling Draft Interactions Between "
+    "Quadcopter Unmanned Aerial Vehicles with Physics-aware Modeling. Journal of Intelligent & Robotic "
+    "Systems 101 (2021)."
+)
+"""The paper, as README.md, docs/README.md and CITATION.cff name it."""
 LEAD = (
-    "Every table and figure of the paper that holds a number, from the project's own flights. The paper's "
-    "flights are not published: the draft is a reconstruction from its tables, so absolute values may differ."
+    f"The paper: {CITATION} Every table and figure of it that holds a number, from the project's own "
+    "flights, all simulated. The paper's flights are not published: the downwash they are flown in is a "
+    "reconstruction from its tables, so absolute values may differ."
 )
 HEAD = ("number", "where", "paper", "ours", "ratio", "unit", "why they differ")
 ROWS_A_PAGE = 18
+"""Rows of a PDF page."""
 NOTE_WIDTH = 92
 """Characters of a note that stand on one line of a page."""
-"""Rows of a PDF page."""
 A4_WIDE = (11.7, 8.3)
 """[inch]"""
 
@@ -68,7 +75,9 @@ def write_pdf(numbers: Sequence[PaperNumber], outcomes: Sequence[Outcome], out: 
     cells = rows(numbers, outcomes)
     with PdfPages(out / "paper.pdf") as pdf:
         for start in range(0, len(cells), ROWS_A_PAGE):
-            pdf.savefig(_table_page(cells[start : start + ROWS_A_PAGE]))
+            sheet = _table_page(cells[start : start + ROWS_A_PAGE])
+            sheet.text(0.03, 0.01, CITATION, fontsize=7)
+            pdf.savefig(sheet)
         for one, path in _pictures(numbers, outcomes, out):
             pdf.savefig(_picture_page(one.caption, path))
 
