@@ -197,6 +197,13 @@ def test_duties_are_lowered_alike_after_compensation_and_lifted_to_the_idle_thru
     assert forces[0] / frame[NEWTON_PER_PWM] == pytest.approx(thrust_pwm(65535.0, 3.0))
     assert forces[0] / frame[NEWTON_PER_PWM] < 65535.0
     np.testing.assert_array_equal(forces[1:3], 0.0)
+    drive_motors(wanted_row(Setpoint(), Power()), memory, frame, forces)
+    assert memory[MOTOR] < 65535.0
+    memory[CONTROL + 3] = (
+        60000.0  # asks for 90000, 30000, 30000, 90000: a full battery could, its load would not
+    )
+    drive_motors(wanted_row(Setpoint(), Power()), memory, frame, forces)
+    assert forces.max() == pytest.approx(CRAZYFLIE_2_0.thrust_max / 4)
 
 
 def test_a_change_of_controller_starts_its_integrals_anew() -> None:

@@ -21,7 +21,8 @@ of the rates makes up for the rotors' lag, and grows with that: without lag it w
 | c | drag_to_thrust | [m] |
 | lever | | arm / sqrt 2 [m] |
 
-The scale holds where the firmware can compensate for the battery (thrust_curve): from 7000 PWM to full duty.
+The scale holds from 7000 PWM, below which a compensated motor stands still, to full duty (thrust_curve). No
+motor gives more than a quarter of thrust_max, though: a real battery sags under such a load.
 """
 
 import math
@@ -49,19 +50,21 @@ class Airframe:
     """[kg]"""
     pwm_per_newton: float
     """PWM of every motor per newton of collective thrust: `ctrlMel.massThrust` [1/N]."""
+    force_max: float
+    """Largest force of one motor [N]."""
 
 
 def airframe_of(vehicle: Vehicle) -> Airframe:
     """Return the airframe of a vehicle."""
-    force = _newton_per_pwm(vehicle)
+    force, most = _newton_per_pwm(vehicle), vehicle.thrust_max / MOTORS
     if vehicle.name in MOTOR_THRUST:
-        return Airframe(force, 1.0, 1.0, 1.0, 1.0, vehicle.mass, MASS_THRUST)
+        return Airframe(force, 1.0, 1.0, 1.0, 1.0, vehicle.mass, MASS_THRUST, most)
     tilt, yaw = _agility(vehicle)
     stock_tilt, stock_yaw = _agility(CRAZYFLIE_2_0)
     lag = vehicle.thrust_lag / CRAZYFLIE_2_0.thrust_lag
     stiffness = vehicle.mass / CRAZYFLIE_2_0.mass
     return Airframe(
-        force, stock_tilt / tilt, stock_yaw / yaw, lag, stiffness, vehicle.mass, 1.0 / (MOTORS * force)
+        force, stock_tilt / tilt, stock_yaw / yaw, lag, stiffness, vehicle.mass, 1.0 / (MOTORS * force), most
     )
 
 

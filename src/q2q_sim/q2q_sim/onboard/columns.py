@@ -78,8 +78,8 @@ POS_TARGET, VEL_TARGET = RATE_WANTED + 3, RATE_WANTED + 6
 """What the position PIDs are asked for, in the frame turned by the yaw [m], [m/s]."""
 MEMORY_WIDTH = VEL_TARGET + 3
 
-NEWTON_PER_PWM, SHARE_TILT, SHARE_YAW = 0, 1, 2
-FRAME_WIDTH = 3
+NEWTON_PER_PWM, SHARE_TILT, SHARE_YAW, FORCE_MAX = range(4)
+FRAME_WIDTH = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,8 @@ def wanted_row(setpoint: Setpoint, power: Power) -> Array:
 
 def frame_row(airframe: Airframe) -> Array:
     """Return the row of an airframe, (FRAME_WIDTH,)."""
-    return np.array([airframe.newton_per_pwm, airframe.share_tilt, airframe.share_yaw])
+    one = airframe
+    return np.array([one.newton_per_pwm, one.share_tilt, one.share_yaw, one.force_max])
 
 
 def fresh_memory(vehicles: int) -> Array:

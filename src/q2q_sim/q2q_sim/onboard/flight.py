@@ -30,7 +30,7 @@ Brain = tuple[Array, Array, Array, Array, Array]
 
 @dataclass(frozen=True, slots=True)
 class Controllers:
-    """Hold the rows of all vehicles (columns.py)."""
+    """Rows of all vehicles (columns.py)."""
 
     wanted: Array
     """Of the first step of a tick, and of the others, (n, 2, WANTED_WIDTH)."""

@@ -8,7 +8,8 @@ motors counted as in q2q_control.allocation:
     d' = d - max(0, max d - 65535), at least the idle thrust
 
 Everything on the way is a whole number: r/2, p/2 and m drop their fractions, and so does the duty. Shares
-of the airframe scale r, p and y. What a motor gives follows from its duty and the battery's true voltage.
+of the airframe scale r, p and y. What a motor gives follows from its duty and the battery's
+true voltage, up to the most that the airframe allows.
 """
 
 from numba import njit
@@ -18,6 +19,7 @@ from q2q_sim.onboard.columns import (
     ASKED,
     BATTERY,
     CONTROL,
+    FORCE_MAX,
     IDLE,
     MOTOR,
     MOTORS_ON,
@@ -58,7 +60,7 @@ def _drive_motors(wanted: Array, memory: Array, frame: Array, forces: Array) -> 
             duties[k] = whole(compensated(memory[ASKED + k], wanted[SUPPLY]), INT32_MAX)
         cap(duties, wanted[IDLE])
     for k in range(4):
-        forces[k] = frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], wanted[BATTERY])
+        forces[k] = min(frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], wanted[BATTERY]), frame[FORCE_MAX])
 
 
 mix, cap = njit(cache=True)(_mix), njit(cache=True)(_cap)
