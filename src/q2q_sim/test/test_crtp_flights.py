@@ -102,6 +102,29 @@ def test_a_flow_deck_flies_from_where_the_estimate_began_and_forgets_the_room() 
     assert pilot.firmware().estimator.variance[0] > 1.0  # where it is in the room, nobody knows
 
 
+@pytest.mark.parametrize("expires", [False, True])
+def test_the_zero_setpoint_of_a_script_that_ended_bars_the_next_ones_take_off_unless_it_expires(
+    expires: bool,
+) -> None:
+    pilot = Pilot(np.zeros((1, 4)), build=Build(zero_expires=expires))
+    pilot.fly(0.5)
+    commander(pilot.wire(0, "first")).send_setpoint(0.0, 0.0, 0.0, 0)  # cflib's close_link
+    pilot.fly(0.3)
+    high_level(pilot.wire(0, "second")).takeoff(0.5, 1.0)
+    pilot.fly(3.0)
+    assert pilot.pos()[2] == pytest.approx(0.5 if expires else 0.0, abs=0.1)
+
+
+def test_a_stick_that_goes_on_after_a_pause_without_thrust_is_still_unlocked() -> None:
+    pilot = Pilot(np.zeros((1, 4)), build=Build(zero_expires=True))
+    stick = commander(pilot.wire())
+    pilot.fly(0.5)
+    stick.send_setpoint(0.0, 0.0, 0.0, 0)
+    pilot.fly(1.0)
+    pilot.fly(1.0, lambda _: stick.send_setpoint(0.0, 0.0, 0.0, 50000))
+    assert pilot.pos()[2] > 0.2
+
+
 EXACT = 65535 / CRAZYFLIE_2_0.full_pwm_thrust
 """massThrust [1/N] that makes up for the weight; the stock value leaves 3 % to the loop."""
 

@@ -15,6 +15,7 @@ from itertools import count
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from q2q_control.ping_share import PingShare
 from q2q_control.radio_link import CflibSender, LinkHealth
 from q2q_control.radio_words import FullState, Stick
 from q2q_control.supervisor_info import LOCKED, READY
@@ -22,11 +23,14 @@ from q2q_control.supervisor_info import LOCKED, READY
 if TYPE_CHECKING:
     from cflib.crazyflie import Crazyflie
     from cflib.crazyflie.log import LogConfig
+    from cflib.crtp.crtpstack import CRTPPacket
 
 HEALTH_MS, POSE_MS = 100, 100
 """Periods of the log blocks."""
 SILENT_S = 1.0
 """A link over which nothing has come for this long is lost [s]."""
+PING = (15, 0)
+"""Port and channel of cflib's pings."""
 AGAIN_S = 3.0
 """One over which nothing has come for this long is opened again [s]."""
 
@@ -118,6 +122,7 @@ class CflibLink:
         self._params = dict(firmware_params)
         self._crazyflie = _crazyflie(cache)
         self._known = _Known()
+        self._pings = PingShare()
         self._open = False
         self._opened_at = -math.inf
         one = self._crazyflie
@@ -128,6 +133,9 @@ class CflibLink:
         one.connection_failed.add_callback(lambda _, why: self._known.words.append(str(why).splitlines()[0]))
         one.console.receivedChar.add_callback(self._read)
         one.link_statistics.link_quality_updated.add_callback(self._quality)
+        if uri.startswith("udp://"):  # its driver tells of no quality
+            one.packet_sent.add_callback(self._count_ping)
+            one.link_statistics.latency_updated.add_callback(self._count_answer)
         self._mailbox = Mailbox(name)
         self.keep_open()
 
@@ -239,6 +247,14 @@ class CflibLink:
         pos = (data["stateEstimate.x"], data["stateEstimate.y"], data["stateEstimate.z"])
         quat = tuple(data[f"stateEstimate.{part}"] for part in ("qx", "qy", "qz", "qw"))
         self._known.pose = OnboardPose(pos, quat)
+
+    def _count_ping(self, packet: "CRTPPacket") -> None:
+        if (packet.port, packet.channel) == PING:
+            self._pings.sent()
+            self._known.quality = self._pings.share
+
+    def _count_answer(self, _: float) -> None:
+        self._pings.answered()
 
     def _quality(self, percent: float) -> None:
         self._known.quality = percent / 100.0

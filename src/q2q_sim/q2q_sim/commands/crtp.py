@@ -33,6 +33,9 @@ def parser() -> CommandLine:
     made.add_argument(
         "--positioning", default="deck", choices=("deck", "flow", "external"), help="who knows the place"
     )
+    made.add_argument(
+        "--zero-expires", action="store_true", help="a setpoint without thrust gives way after 0.5 s"
+    )
     made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
     made.add_argument("--latency", type=float, default=0.0, help="of the link, each way [s]")
     made.add_argument("--loss", type=float, default=0.0, help="share of transmissions lost")

@@ -6,6 +6,7 @@ import numpy as np
 
 from q2q_model.parameters import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet
+from q2q_sim.crtp.spots import apart
 from q2q_sim.onboard.firmware import Build
 from q2q_sim.onboard.parameter_table import DECKS
 from q2q_sim.quadcopter import state_at_rest
@@ -25,7 +26,9 @@ class CrtpRoomParams:
     """Hold how the vehicles wait for their clients."""
 
     start: str = tunable(
-        "ground", "where vehicles wait: below their first waypoint, or held at it", choices=("ground", "air")
+        "ground",
+        "where vehicles wait: below their first waypoint (beside it where two share one), or held at it",
+        choices=("ground", "air"),
     )
     positioning: str = tunable(
         "deck",
@@ -36,6 +39,9 @@ class CrtpRoomParams:
         ("bcFlow2", "bcZRanger2"), "decks that vehicles tell of besides that for positioning"
     )
     auto_arming: bool = tunable(default=True, description="vehicles arm themselves, as the stock build does")
+    zero_expires: bool = tunable(
+        default=False, description="a setpoint without thrust gives way after 0.5 s; the firmware keeps it"
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -54,6 +60,7 @@ class CrtpRoomParams:
             positioning_deck=self.positioning == "deck",
             flow_deck=self.positioning == "flow",
             decks=tuple(sorted(decks)),
+            zero_expires=self.zero_expires,
         )
 
 
@@ -62,5 +69,6 @@ def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
     if params.start == "ground":
         start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
         start[:, 2] = 0.0
+        start[:, :2] = apart(start[:, :2])
         room.swarm.state[:] = state_at_rest(start, scenario.vehicle.mass)
     return Fleet(room.swarm, scenario.vehicle, params.build)

@@ -32,6 +32,8 @@ from q2q_sim.quadcopter import ACC, POS, QUAT, RATE, ROTORS, VEL
 TICK_MS = 10
 SUPERVISOR_TICKS = 4
 """RATE_SUPERVISOR of the firmware: 25 Hz."""
+ZERO_EXPIRES_MS = 500
+"""Age at which a standing vehicle forgets a setpoint without thrust, where the build lets it."""
 SUPPLY_SHARE = 1.0 - 0.99**TICK_MS
 """Of a new voltage in the supply after a tick: the low-pass of stabilizer.c takes 1 % each 1 ms."""
 
@@ -50,6 +52,8 @@ class Build:
     """Without a positioning deck: it measures velocity and height, from where the estimate began."""
     decks: tuple[str, ...] = ()
     """Those that clients are told of (parameter_table.DECKS)."""
+    zero_expires: bool = False
+    """Different from the firmware: a client's setpoint without thrust gives way after ZERO_EXPIRES_MS."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +206,10 @@ class Firmware:
         return 0.0 if self.build.auto_arming else float(self.parameters["powerDist.idleThrust"])
 
     @property
+    def _motors_running(self) -> bool:
+        return bool((self.rows.memory[MOTOR : MOTOR + 4] > self.idle_pwm).any())
+
+    @property
     def _setpoint(self) -> Setpoint:
         return self.commander.setpoint if self.supervisor.may_fly else STOP
 
@@ -239,7 +247,16 @@ class Firmware:
         std = float(self.parameters["locSrv.extPosStdDev"])
         self.estimator.correct(measured, self.rows.state[POS], std)
 
+    def _expire(self) -> None:
+        """Let the high-level commander take over from a client that has left the motors off."""
+        one, age_ms = self.commander.setpoint, self.now_ms - self.commander.set_ms
+        off = one.z == Mode.DISABLE and one.thrust_pwm == 0 and not self._motors_running
+        if off and age_ms >= ZERO_EXPIRES_MS and self.commander.priority == Priority.CLIENT:
+            self.relax()
+
     def _plan(self) -> None:
+        if self.build.zero_expires:
+            self._expire()
         if not self.supervisor.may_fly:
             if self.planner.state in MOVING:
                 self.planner.stop()
@@ -261,7 +278,7 @@ class Firmware:
             now_ms=self.now_ms,
             acc=(x, y, z),
             setpoint_ms=self.commander.set_ms if self.supervisor.may_fly else self._boot_ms,
-            motors_running=bool((self.rows.memory[MOTOR : MOTOR + 4] > self.idle_pwm).any()),
+            motors_running=self._motors_running,
         )
         self.console += self.supervisor.update(look, self.parameters)
         self.info = supervisor_info(self.supervisor, self.planner, self.seconds)

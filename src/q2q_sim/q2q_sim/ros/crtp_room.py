@@ -27,7 +27,7 @@ class CrtpNodeParams:
     )
     crtp_start: str = tunable(
         "ground",
-        "where vehicles wait: below their first waypoint, or held at it",
+        "where vehicles wait: below their first waypoint (beside it where two share one), or held at it",
         choices=("ground", "air"),
         read_only=True,
     )
@@ -41,6 +41,11 @@ class CrtpNodeParams:
         ("bcFlow2", "bcZRanger2"), "decks that vehicles tell of besides that for positioning", read_only=True
     )
     crtp_auto_arming: bool = tunable(True, "vehicles arm themselves, as the stock build does", read_only=True)  # noqa: FBT003
+    crtp_zero_expires: bool = tunable(
+        False,  # noqa: FBT003
+        "a setpoint without thrust gives way after 0.5 s; the firmware keeps it",
+        read_only=True,
+    )
     crtp_latency: float = tunable(0.0, "of the link, each way", unit="s", low=0.0, high=0.5, read_only=True)
     crtp_loss: float = tunable(0.0, "share of transmissions lost", low=0.0, high=0.9, read_only=True)
     crtp_rate: float = tunable(
@@ -65,6 +70,7 @@ def open_crtp(node: Node, room: Room, scenario: Scenario, health: Health) -> Crt
         positioning=asked.crtp_positioning,
         decks=asked.crtp_decks,
         auto_arming=asked.crtp_auto_arming,
+        zero_expires=asked.crtp_zero_expires,
     )
     link = LinkParams(
         latency=asked.crtp_latency,

@@ -29,7 +29,10 @@ def run(asked: Namespace) -> int:
 def _open(asked: Namespace) -> None:
     scenario = with_firmware(scenarios.load(asked.scenario), asked.firmware)
     room = Room(scenario, asked.seed)
-    fleet = fleet_in(room, scenario, CrtpRoomParams(start=asked.start, positioning=asked.positioning))
+    waiting = CrtpRoomParams(
+        start=asked.start, positioning=asked.positioning, zero_expires=asked.zero_expires
+    )
+    fleet = fleet_in(room, scenario, waiting)
     link = LinkParams(latency=asked.latency, loss=asked.loss, rate=asked.rate)
     room.fly(fleet.fly)  # compiles
     with CrtpEndpoint(fleet, scenario.names, asked.port, link) as endpoint:
