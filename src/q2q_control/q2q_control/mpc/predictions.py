@@ -1,4 +1,4 @@
-"""Hold where vehicles say they will be: what distributed controllers broadcast to their neighbours."""
+"""Where vehicles say they will be: what one MPC may be told by another. No node sends or hears it yet."""
 
 from dataclasses import dataclass
 
