@@ -105,6 +105,18 @@ def test_trajectories_alone_give_the_gains_of_a_loop_without_lag():
     assert found["k_d"].value == pytest.approx(0.43, rel=5e-3)
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-4])
+def test_gains_that_a_flight_does_not_show_have_intervals_that_say_so(noise: float):
+    """Both vehicles stay where they should be: no gains are better than any others."""
+    still = replace(CALM, start=0.0, noise=noise)
+    found = dict(
+        gains_from_trajectories([record_of(still), record_of(replace(still, name="again"))]).intervals
+    )
+    for name, flown in (("k_p", LOOP.k_p), ("k_d", LOOP.k_d)):
+        assert found[name].low <= flown <= found[name].high
+        assert not found[name].is_positive
+
+
 def test_a_lag_hides_in_the_damping_that_trajectories_show():
     fit = gains_from_trajectories([record_of(CALM)])
     assert fit.loop.k_d == pytest.approx(LOOP.k_d - LOOP.k_p * LOOP.lag, rel=0.05)  # next order: K_d^2 T

@@ -78,6 +78,7 @@ def test_a_strangers_bags_give_gains_and_model_by_a_topic_map(tmp_path: Path):
     for name, flown in (("k_p", 0.81073), ("k_d", 0.42952)):  # poses alone hardly tell them, and that is said
         _, low, high = report["gains"][name]
         assert low <= flown <= high
+        assert report["gains"]["identifiable"][name] == (low > 0.0)
     assert any("gains are from trajectories" in remark for remark in report["remarks"])
     assert report["model"]["heldout_r2"]["lower"] > 0.3  # 0.50; with commands 0.99
 
@@ -105,13 +106,21 @@ def write(path: Path, flight: Flight, ticks: int = 400) -> Path:
 
 
 @needs_bags
-def test_a_flight_without_encounters_teaches_no_draft_and_keeps_every_key(tmp_path: Path):
+def test_a_flight_without_encounters_teaches_no_draft_and_keeps_every_key(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     flight = read_flight(BAGS / "table2_1")
     bag = write(tmp_path / "calm", flight, 600)
     out = tmp_path / "m.q2q"
     assert identify.main([str(bag), "--out", str(out)]) == 0
     report = json.loads(out.with_suffix(".json").read_text())
     assert set(report) == PARTS
+    assert report["gains"]["identifiable"] == {"k_p": False, "k_d": False}
+    said = capsys.readouterr().out.splitlines()
+    assert [line[:3] for line in said if line.endswith(": not identifiable from these flights")] == [
+        "K_p",
+        "K_d",
+    ]
     assert {"eps_m", "d_m", "alpha_m", "beta_per_m", "extrapolated"} <= set(report["zone"])
     assert report["zone"]["d_m"] is None
     assert (report["model"]["type"], report["model"]["parameters"]) == ("none", 0)

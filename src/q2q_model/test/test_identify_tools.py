@@ -10,7 +10,7 @@ from q2q_model.commands import evaluate, identify
 from q2q_model.identification.along_flight import eta_along
 from q2q_model.identification.recorded_push import motion_of
 from q2q_model.model_file import load
-from q2q_model.tools.recordings import read_recordings
+from q2q_model.tools.recordings import bags_among, read_recordings
 
 BAGS = Path(__file__).resolve().parents[3] / "bags"
 FLIGHTS = [BAGS / f"table2_{k}" for k in (1, 2, 5)]
@@ -78,6 +78,22 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
     assert scores["flights"]["table2_1"] == scores["pooled"]
     assert scores["pooled"]["r2_exposed"] > 0.9
     assert "table2_1" in capsys.readouterr().out
+
+
+@needs_bags
+def test_what_lies_beside_bags_is_left_out_of_a_glob_with_a_note(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    beside = sorted(path for path in BAGS.glob("*") if path.name in ("remake", "table2_1"))
+    assert [path.name for path in beside] == ["remake", "table2_1"]
+    (tmp_path / "notes").mkdir()
+    kept, notes = bags_among([*beside, tmp_path / "notes", tmp_path / "not there"])
+    assert kept == [beside[1], tmp_path / "not there"]  # reading says that nothing is there
+    assert notes == [f"left out: {path} is no bag" for path in (beside[0], tmp_path / "notes")]
+    assert evaluate.main([*map(str, beside), "--model", "paper_law"]) == 0
+    assert f"evaluate: left out: {beside[0]} is no bag" in capsys.readouterr().err
+    assert evaluate.main([str(beside[0]), "--model", "paper_law"]) == 1
+    assert "remake" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,18 @@ import numpy as np
 import pytest
 from made_flights import LOOP, Pass, made_flight
 
+from q2q_model.identification import trajectory_loss as trajectory_loss_module
 from q2q_model.identification.along_flight import Motion, eta_along
 from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
-from q2q_model.identification.candidates import best_of, candidates, fit_jet, try_out
+from q2q_model.identification.candidates import (
+    Candidate,
+    Trial,
+    best_of,
+    candidates,
+    fit_best,
+    fit_jet,
+    try_out,
+)
 from q2q_model.identification.draft_force import ForceSamples, force_samples
 from q2q_model.identification.evidence import Evidence, is_lower
 from q2q_model.identification.held_out import score_held_out, score_on
@@ -145,12 +154,32 @@ def test_a_model_that_runs_away_is_announced():
         trajectory_loss(wild, passages())
 
 
-def test_an_endless_encounter_is_refused_with_what_to_do():
-    record = records()[0]
-    together = record.pos.copy()
-    together[..., 1] = 0.0
-    with pytest.raises(ValueError, match="cut the flight into passages, or use the jet"):
-        passage(replace(record, pos=together), LOOP, REACH)
+def test_an_endless_encounter_is_thinned_and_keeps_its_loss(monkeypatch: pytest.MonkeyPatch):
+    record, model = records()[0], random_model(5)
+    whole = passage(record, LOOP, REACH)
+    monkeypatch.setattr(trajectory_loss_module, "MOST_ACTIVE", whole.across.shape[0] // 3)
+    thin = passage(record, LOOP, REACH)
+    assert thin.across.shape[0] == pytest.approx(whole.across.shape[0] / 4, abs=1)
+    full, fewer = (trajectory_loss(model, [one]).loss for one in (whole, thin))
+    assert fewer == pytest.approx(full, rel=0.01)  # 25 Hz for a pass of 0.4 s
+
+
+def test_a_candidate_that_cannot_be_fitted_is_left_out_with_a_remark():
+    flights = evidence()
+
+    def fails(_: object) -> NoInteraction:
+        raise ValueError("too many samples")
+
+    nothing = Candidate("nothing", "none", 0, lambda _: NoInteraction())
+    trials, remarks = try_out([Candidate("broken", "jet", 4, fails), nothing], flights, LOOP, lambda _: None)
+    assert [one.candidate.name for one in trials] == ["nothing"]
+    assert remarks == ["broken: left out, too many samples"]
+    late = Trial(Candidate("late", "jet", 4, fails), trials[0].held_out)
+    best, model, more = fit_best([late, *trials], flights)  # fails only when fitted to all flights
+    assert (best.candidate, model) == (nothing, NoInteraction())
+    assert more == ["late: left out, too many samples"]
+    with pytest.raises(ValueError, match="no model can be fitted to these flights: late: left out"):
+        fit_best([late], flights)
 
 
 def test_ridge_regression_and_l_bfgs_lower_the_loss_and_find_the_draft():
@@ -267,7 +296,7 @@ def test_with_one_flight_nothing_is_claimed_about_others():
 def test_the_plain_jet_is_kept_where_freedom_brings_nothing():
     flights = evidence()
     tried = candidates("jet", flights, LOOP)
-    best = best_of(try_out(tried, flights, LOOP, lambda _: None))
+    best = best_of(try_out(tried, flights, LOOP, lambda _: None)[0])
     assert best.candidate.name == "jet, straight down, power law"
 
 

@@ -10,6 +10,7 @@ from q2q_model.bag.foreign import read_mapped_flight
 from q2q_model.bag.log_topic import LOG_TOPIC, read_flight_log, write_log_row
 from q2q_model.bag.reader import BagReader, RawMessage, TimedSignal
 from q2q_model.bag.recorded_flight import read_flight
+from q2q_model.bag.source import is_bag
 from q2q_model.bag.topic_map import TopicMap, load_topic_map
 from q2q_model.bag.writer import BagWriter, OfferedQos
 
@@ -23,6 +24,7 @@ __all__ = [
     "RawMessage",
     "TimedSignal",
     "TopicMap",
+    "is_bag",
     "load_topic_map",
     "read_flight",
     "read_flight_log",

@@ -18,6 +18,7 @@ from q2q_model.bag.indexed_mcap import IndexedFile, NotIndexedError, indexed_fil
 from q2q_model.bag.salvage import salvage
 
 STORAGES = (".mcap", ".db3")
+ROS1_SUFFIX = ".bag"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,13 @@ class Source:
     repairs: tuple[str, ...]
     ros1: bool = False
     """Bytes are ROS 1 serialisation, not CDR."""
+
+
+def is_bag(path: Path) -> bool:
+    """Return whether a path looks like a bag, whole or damaged: by its name, or by what its folder holds."""
+    if path.is_dir():
+        return (path / "metadata.yaml").exists() or bool(_storage_files(path))
+    return path.suffix in (*STORAGES, ROS1_SUFFIX)
 
 
 def open_source(path: Path | str) -> Source:
@@ -113,7 +121,7 @@ def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> S
 
 
 def _through_rosbags(bag: Path, file: Path, repairs: tuple[str, ...]) -> Source:
-    ros1 = file.suffix == ".bag"
+    ros1 = file.suffix == ROS1_SUFFIX
     with (Ros1Reader if ros1 else Reader)(file) as reader:
         channels = tuple(_channel(connection) for connection in reader.connections)
 

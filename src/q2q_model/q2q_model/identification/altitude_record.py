@@ -7,7 +7,7 @@
 | U1 b_z / m - g | lift | vertical acceleration that was commanded [m/s^2], (T, n) |
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,22 @@ class AltitudeRecord:
     def jerk(self) -> Array:
         """Return z_ref''' [m/s^3], (T, n)."""
         return np.asarray(np.gradient(self.ref[..., 2], self.dt, axis=0))
+
+
+def thinned(record: AltitudeRecord, every: int) -> AltitudeRecord:
+    """Return a record with every so many ticks kept."""
+    rows = slice(None, None, every)
+    return replace(
+        record,
+        dt=every * record.dt,
+        t=record.t[rows],
+        pos=record.pos[rows],
+        vel=record.vel[rows],
+        axis=record.axis[rows],
+        ref=record.ref[rows],
+        lift=record.lift[rows],
+        feed_forward=record.feed_forward[rows],
+    )
 
 
 def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:

@@ -8,16 +8,21 @@ the plainer one, which stands earlier in the list, is kept.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.evidence import Evidence, shows_draft
 from q2q_model.identification.held_out import Fitter, Score, score_held_out
 from q2q_model.identification.jet_fit import JetFit, JetForm, fit_to_altitudes, fit_to_pushes
 from q2q_model.identification.network_fit import NetworkParams, fit_networks
-from q2q_model.identification.trajectory_loss import WIDE, passage
+from q2q_model.identification.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, passage
 from q2q_model.interaction.envelope_network import EnvelopeNetwork
 from q2q_model.interaction.model import InteractionModel
 from q2q_model.interaction.none import NoInteraction
 
+NETWORKS = "the paper's two networks"
+FAILURES = (ValueError, np.linalg.LinAlgError)
+"""What a candidate raises that cannot be fitted."""
 MARGIN = 0.02
 """Relative gain in held-out error that pays for more freedom [-]."""
 
@@ -60,18 +65,58 @@ def candidates(kind: str, flights: Sequence[Evidence], loop: AltitudeLoop) -> li
         raise ValueError(f"unknown model type {kind!r}: choose one of {', '.join(kinds)}")
     if not any(shows_draft(flight.record) for flight in flights):
         return [Candidate("no draft: nobody flew under another", "none", 0, lambda _: NoInteraction())]
-    return [one for made in kinds[kind] for one in made(flights, loop)]
+    kept = kinds[kind]
+    if kind == "auto" and _long_encounters(flights):
+        kept = (_jets,)
+    return [one for made in kept for one in made(flights, loop)]
+
+
+def remarks_on_networks(kind: str, flights: Sequence[Evidence]) -> list[str]:
+    """Return what long encounters mean for the networks: auto leaves them out, else flights are thinned."""
+    if kind == "jet" or not (long := _long_encounters(flights)):
+        return []
+    which = f"{', '.join(long)}: over {MOST_ACTIVE} samples with a pair in reach"
+    if kind == "auto":
+        return [
+            f"{NETWORKS}: not tried ({which}); --model-type envelope_network fits them in minutes, thinned"
+        ]
+    return [f"{NETWORKS}: fitted to thinned flights ({which})"]
 
 
 def try_out(
     tried: Sequence[Candidate], flights: Sequence[Evidence], loop: AltitudeLoop, tell: Callable[[str], None]
-) -> list[Trial]:
-    """Return how each candidate does on flights left out; `tell` is given each name before its turn."""
-    trials = []
+) -> tuple[list[Trial], list[str]]:
+    """Return how each candidate does on flights left out, and remarks on those that cannot be fitted.
+
+    `tell` is given each name before its turn.
+    """
+    trials, remarks = [], []
     for candidate in tried:
         tell(candidate.name)
-        trials.append(Trial(candidate, score_held_out(candidate.fit, flights, loop)))
-    return trials
+        try:
+            trials.append(Trial(candidate, score_held_out(candidate.fit, flights, loop)))
+        except FAILURES as failure:
+            remarks.append(f"{candidate.name}: left out, {failure}")
+    return trials, remarks
+
+
+def fit_best(
+    trials: Sequence[Trial], flights: Sequence[Evidence]
+) -> tuple[Trial, InteractionModel, list[str]]:
+    """Return the best trial, its model of all flights, and remarks on better ones that cannot be fitted.
+
+    Raises:
+        ValueError: none can be fitted.
+    """
+    left, remarks = list(trials), []
+    while left:
+        best = best_of(left)
+        try:
+            return best, best.candidate.fit(flights), remarks
+        except FAILURES as failure:
+            remarks.append(f"{best.candidate.name}: left out, {failure}")
+            left.remove(best)
+    raise ValueError(f"no model can be fitted to these flights: {'; '.join(remarks)}")
 
 
 def best_of(trials: Sequence[Trial]) -> Trial:
@@ -107,12 +152,21 @@ def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
     return fit
 
 
+def _long_encounters(flights: Sequence[Evidence]) -> list[str]:
+    """Return the names of flights with more samples than the networks' loss solves at once."""
+    reach = _reach(NetworkParams())
+    return [one.name for one in flights if active_samples(one.record, reach).size > MOST_ACTIVE]
+
+
+def _reach(params: NetworkParams) -> tuple[float, float]:
+    return WIDE * params.envelope.eps, WIDE * params.envelope.d
+
+
 def _networks(flights: Sequence[Evidence], loop: AltitudeLoop) -> list[Candidate]:
     params = NetworkParams()
-    reach = (WIDE * params.envelope.eps, WIDE * params.envelope.d)
-    passages = {one.name: passage(one.record, loop, reach) for one in flights}
+    passages = {one.name: passage(one.record, loop, _reach(params)) for one in flights}
 
     def fit(chosen: Sequence[Evidence]) -> EnvelopeNetwork:
         return fit_networks([passages[one.name] for one in chosen], params)
 
-    return [Candidate("the paper's two networks", "envelope_network", 322, fit)]
+    return [Candidate(NETWORKS, "envelope_network", 322, fit)]

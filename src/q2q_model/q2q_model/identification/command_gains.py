@@ -22,7 +22,7 @@ from scipy.special import fdtrc
 
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.altitude_record import AltitudeRecord
-from q2q_model.identification.interval import Interval, intervals, sandwich
+from q2q_model.identification.interval import Interval, Rows, Stretch, clusters, intervals
 from q2q_model.signals import Array
 
 FEWEST = 200
@@ -36,7 +36,10 @@ RESOLUTION = 1e-6
 ROUNDS, SETTLED = 10, 1e-4
 """Most rounds of reweighting, and the change of weights at which they end [-]."""
 BLOCK = 1.0
-"""Length of a block of dependent errors [s]."""
+"""Least length of a cluster of errors [s]."""
+
+MOST_VEHICLES = 1000
+"""Vehicles of one flight: groups are numbered by flight and vehicle."""
 
 K_P, K_D, INTEGRAL, TOLD, OFFSET = range(5)
 """Terms of the equation; the last is one column for each vehicle of each flight."""
@@ -65,8 +68,8 @@ class _Equation:
     """K_P to TOLD, (rows, 4)."""
     group: Array
     """Which vehicle of which flight, (rows,)."""
-    block: Array
-    """Stretch of time, unique among groups, (rows,)."""
+    t: Array
+    """[s], (rows,), rising within a group."""
 
 
 def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
@@ -88,10 +91,9 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     design = _design(system, terms)
     value, weight = _robust(design, system.target)
     residual = system.target - design @ value
-    root = np.sqrt(weight)
-    seen = np.copysign(np.maximum(np.abs(residual), RESOLUTION), residual)
-    spread = intervals(value, sandwich(root[:, None] * design, root * seen, system.block))
-    found = dict(zip([term for term in terms if term != OFFSET], spread, strict=False))
+    gains = [term for term in terms if term != OFFSET]
+    spread = intervals(value[: len(gains)], _rows(system, terms, residual, weight))
+    found = dict(zip(gains, spread, strict=True))
     loop = AltitudeLoop(
         k_p=found[K_P].value,
         k_d=found[K_D].value,
@@ -110,7 +112,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
 
 def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
     parts = [
-        _equation(record, i, 1000 * k + i)
+        _equation(record, i, MOST_VEHICLES * k + i)
         for k, record in enumerate(records)
         for i in range(len(record.names))
     ]
@@ -118,7 +120,7 @@ def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
         target=np.concatenate([part.target for part in parts]),
         columns=np.concatenate([part.columns for part in parts]),
         group=np.concatenate([part.group for part in parts]),
-        block=np.concatenate([part.block for part in parts]),
+        t=np.concatenate([part.t for part in parts]),
     )
 
 
@@ -130,8 +132,24 @@ def _equation(record: AltitudeRecord, i: int, group: int) -> _Equation:
     columns = np.stack([error, rate, integral - integral.mean(), -told], axis=1)
     target = record.lift[:, i] - record.ref[:, i, 2]
     known = np.isfinite(target)
-    block = 1e6 * group + np.floor(record.t / BLOCK)
-    return _Equation(target[known], columns[known], np.full(known.sum(), float(group)), block[known])
+    return _Equation(target[known], columns[known], np.full(known.sum(), float(group)), record.t[known])
+
+
+def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Array) -> Rows:
+    """Return what the gains' intervals need; offsets are taken off as the mean of each group.
+
+    Huber's psi is the weighted residual; its slope is 1 where a row weighs fully, else 0.
+    """
+    columns = system.columns[:, [term for term in terms if term != OFFSET]].copy()
+    slope = (weight == 1.0).astype(np.float64)
+    seen = weight * np.copysign(np.maximum(np.abs(residual), RESOLUTION), residual)
+    stretches = []
+    for group in np.unique(system.group):
+        own = system.group == group
+        if OFFSET in terms:
+            columns[own] -= slope[own] @ columns[own] / max(slope[own].sum(), 1.0)
+        stretches.append(Stretch(int(group) // MOST_VEHICLES, system.t[own], seen[own]))
+    return Rows(columns, seen, slope, clusters(stretches, BLOCK))
 
 
 def _design(system: _Equation, terms: Sequence[int]) -> Array:

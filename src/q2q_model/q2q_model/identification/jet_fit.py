@@ -6,7 +6,8 @@ form of the decay and whether the air keeps its source's speed and slope. The re
     pushes:     y - eta                        on exposed and upper rows
     altitudes:  z - z_free - (h * eta)         every tenth tick: the loop is far slower
 
-Intervals let residuals of half a second hang together, as a draft's turbulence does (interval.py).
+Pushes count by soft_l1, with z = (r / s)^2: psi = r (1 + z)^-1/2, psi' = (1 + z)^-3/2.
+Intervals let the residuals of a flight, or of a stretch of it, hang together (interval.py).
 """
 
 from collections.abc import Callable, Sequence
@@ -20,14 +21,21 @@ from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.altitude_record import AltitudeRecord
 from q2q_model.identification.draft_force import ForceSamples
 from q2q_model.identification.impulse_response import draft_response, free_response
-from q2q_model.identification.interval import Interval, intervals, sandwich
+from q2q_model.identification.interval import (
+    Interval,
+    Rows,
+    Stretch,
+    clusters,
+    intervals,
+    least_squares_rows,
+)
 from q2q_model.interaction.jet import Jet
 from q2q_model.signals import Array
 
 THINNING = 10
 """Every tenth tick of 100 Hz: 10 Hz for a loop of 0.9 rad/s."""
 BLOCK = 0.5
-"""Length of a block of dependent residuals [s]: a jet of 0.1 m at 1 m/s passes five times within it."""
+"""Least length of a cluster of residuals [s]: a jet of 0.1 m at 1 m/s passes five times within it."""
 FASTEST = 500.0
 """Travel speeds above this are no delay at all [m/s]: a tenth of a tick over half a metre."""
 
@@ -57,24 +65,23 @@ class JetFit:
     """Mean square of the residuals."""
 
 
-@dataclass(frozen=True, slots=True)
-class Residuals:
-    """Hold residuals and the block each belongs to."""
-
-    value: Array
-    block: Array
+Residuals = Callable[[Jet], list[Stretch]]
 
 
 def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm) -> JetFit:
     """Return the jet that explains measured pushes; samples of whole flights."""
+    flights = list(dict.fromkeys(one.flight for one in samples))
+    seen = [(flights.index(one.flight), one, np.nonzero(one.exposed | one.upper)[0]) for one in samples]
 
-    def residuals(jet: Jet) -> Residuals:
-        parts, blocks = [], []
-        for k, one in enumerate(samples):
-            rows = np.nonzero(one.exposed | one.upper)[0]
-            parts.append(one.y[rows] - eta_felt(jet, one.motion, one.vehicle, rows)[:, 2])
-            blocks.append(1e6 * k + np.floor(one.motion.t[rows] / BLOCK))
-        return Residuals(np.concatenate(parts), np.concatenate(blocks))
+    def residuals(jet: Jet) -> list[Stretch]:
+        return [
+            Stretch(
+                flight,
+                one.motion.t[rows],
+                one.y[rows] - eta_felt(jet, one.motion, one.vehicle, rows)[:, 2],
+            )
+            for flight, one, rows in seen
+        ]
 
     fit = _fit(residuals, form, "soft_l1")
     return replace(fit, jet=replace(fit.jet, relative_std=_relative_std(fit.jet, samples)))
@@ -85,23 +92,22 @@ def fit_to_altitudes(records: Sequence[AltitudeRecord], loop: AltitudeLoop, form
     motions = [Motion(one.t, one.pos, one.vel, one.axis) for one in records]
     targets = [one.deviation - free_response(loop, one.dt, one.start, one.jerk) for one in records]
 
-    def residuals(jet: Jet) -> Residuals:
-        parts, blocks = [], []
+    def residuals(jet: Jet) -> list[Stretch]:
+        found = []
         for k, (record, motion, target) in enumerate(zip(records, motions, targets, strict=True)):
             moved = draft_response(loop, record.dt, eta_along(jet, motion)[..., 2])
-            parts.append((target - moved)[::THINNING].ravel())
-            block = 1e6 * k + np.floor(record.t[::THINNING] / BLOCK)
-            blocks.append(np.repeat(block, moved.shape[1]))
-        return Residuals(np.concatenate(parts), np.concatenate(blocks))
+            missed = (target - moved)[::THINNING].T  # (n, T / 10)
+            found += [Stretch(k, record.t[::THINNING], one) for one in missed]
+        return found
 
     return _fit(residuals, form)
 
 
-def _fit(residuals: Callable[[Jet], Residuals], form: JetForm, loss: str = "linear") -> JetFit:
+def _fit(residuals: Residuals, form: JetForm, loss: str = "linear") -> JetFit:
     names, start = _free_parameters(form)
     low, high = (np.array([_BOUNDS[name][side] for name in names]) for side in (0, 1))
     found = least_squares(
-        lambda x: residuals(_jet(form, names, x)).value,
+        lambda x: np.concatenate([one.residual for one in residuals(_jet(form, names, x))]),
         start,
         bounds=(low, high),
         x_scale=np.array([_SCALES[name] for name in names]),
@@ -113,9 +119,17 @@ def _fit(residuals: Callable[[Jet], Residuals], form: JetForm, loss: str = "line
         f_scale=TURBULENT,
     )
     jet = _jet(form, names, found.x)
-    covariance = sandwich(found.jac, found.fun, residuals(jet).block)
-    spread = tuple(zip(names, intervals(found.x, covariance), strict=True))
+    cluster = clusters(residuals(jet), BLOCK)
+    rows = (_soft_l1_rows if loss == "soft_l1" else least_squares_rows)(found.jac, found.fun, cluster)
+    spread = tuple(zip(names, intervals(found.x, rows, (low, high)), strict=True))
     return JetFit(jet=jet, intervals=spread, mse=float(np.mean(found.fun**2)))
+
+
+def _soft_l1_rows(jacobian: Array, residual: Array, cluster: Array) -> Rows:
+    """Return the rows of a fit by soft_l1, whose `jacobian` SciPy has multiplied by sqrt(psi')."""
+    spread = 1.0 + (residual / TURBULENT) ** 2
+    slope = spread**-1.5
+    return Rows(jacobian / np.sqrt(slope)[:, None], residual / np.sqrt(spread), slope, cluster)
 
 
 _BOUNDS = {

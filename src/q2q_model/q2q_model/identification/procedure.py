@@ -12,7 +12,14 @@ import numpy as np
 from q2q_model.flight_log import FlightLog
 from q2q_model.flights import Flight
 from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
-from q2q_model.identification.candidates import Candidate, Trial, best_of, candidates, try_out
+from q2q_model.identification.candidates import (
+    Candidate,
+    Trial,
+    candidates,
+    fit_best,
+    remarks_on_networks,
+    try_out,
+)
 from q2q_model.identification.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.draft_force import ForceRecord, ForceSamples, force_samples
@@ -84,10 +91,10 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
     evidence = [Evidence(*pair) for pair in zip(records, pushes, strict=True)]
     tell("zone")
     decay, said = _decay(records)
-    trials = try_out(candidates(params.model_type, evidence, loop), evidence, loop, tell)
-    best = best_of(trials)
+    said += remarks_on_networks(params.model_type, evidence)
+    trials, left_out = try_out(candidates(params.model_type, evidence, loop), evidence, loop, tell)
     tell("final fit")
-    model = best.candidate.fit(evidence)
+    best, model, refused = fit_best(trials, evidence)
     zone, more = _learned_zone(model, params.threshold)
     fit = Fit(
         method=best.candidate.name,
@@ -106,7 +113,7 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
         held_out=best.held_out,
         zone=zone,
         file=ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit),
-        remarks=(*remarks, *said, *more),
+        remarks=(*remarks, *said, *left_out, *refused, *more),
     )
 
 

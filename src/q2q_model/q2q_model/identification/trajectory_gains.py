@@ -8,8 +8,8 @@ The paper minimises by Powell (xtol = ftol = 1e-8, Table 3) through an ODE solve
 `is_better` says by an F test whether the terms of one fit were needed beyond another's.
 
 A trajectory tells gains only where something moves the vehicle: a start beside the reference, a step, a
-draft that has passed. It tells the loop as a whole: a thrust lag T lowers the K_d that is found by K_p T,
-and cannot be told from it.
+draft that has passed; else their intervals are all that is searched. It tells the loop as a whole: a thrust
+lag T lowers the K_d that is found by K_p T, and cannot be told from it.
 """
 
 from collections.abc import Sequence
@@ -23,13 +23,19 @@ from scipy.special import fdtrc
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.altitude_record import AltitudeRecord
 from q2q_model.identification.impulse_response import free_response
-from q2q_model.identification.interval import Interval, intervals, sandwich
+from q2q_model.identification.interval import (
+    Interval,
+    Stretch,
+    clusters,
+    intervals,
+    least_squares_rows,
+)
 from q2q_model.signals import Array
 
 TOLERANCE = 1e-8
 """xtol and ftol of Table 3."""
 BLOCK = 5.0
-"""Length of a block of dependent errors [s]: two thirds of the loop's swing."""
+"""Least length of a cluster of errors [s]: two thirds of the loop's swing."""
 FORBIDDEN = 1e12
 """Loss of gains below zero [m^2]."""
 LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "offset": -5.0, "lag": 1e-3}
@@ -57,17 +63,20 @@ def gains_from_trajectories(
     bounds = (np.array([LOW[name] for name in names]), np.array([HIGH[name] for name in names]))
     start = np.array([START[name] for name in names])
     found = least_squares(
-        lambda x: np.concatenate([part.ravel() for part in _misses(records, _loop(names, x))]),
+        lambda x: np.concatenate([part.T.ravel() for part in _misses(records, _loop(names, x))]),
         start,
         bounds=bounds,
         x_scale=np.maximum(np.abs(start), 0.05),
     )
     loop = _loop(names, found.x)
-    block = np.concatenate(
-        [np.repeat(1e6 * k + record.t // BLOCK, len(record.names)) for k, record in enumerate(records)]
-    )
-    spread = intervals(found.x, sandwich(found.jac, found.fun, block))
     misses = _misses(records, loop)
+    stretches = [
+        Stretch(k, record.t, one)
+        for k, (record, miss) in enumerate(zip(records, misses, strict=True))
+        for one in miss.T
+    ]
+    rows = least_squares_rows(found.jac, found.fun, clusters(stretches, BLOCK))
+    spread = intervals(found.x, rows, (np.minimum(bounds[0], 0.0), bounds[1]))
     rho = _correlation(misses)
     return TrajectoryGains(
         loop=loop,

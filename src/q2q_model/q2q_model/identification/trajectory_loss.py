@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.identification.altitude_loop import AltitudeLoop
-from q2q_model.identification.altitude_record import AltitudeRecord
+from q2q_model.identification.altitude_record import AltitudeRecord, thinned
 from q2q_model.identification.impulse_response import free_response, impulse_response
 from q2q_model.identification.network_gradient import Evaluation, evaluate, pullback
 from q2q_model.interaction.envelope_network import EnvelopeNetwork
@@ -89,24 +89,28 @@ class LossValue:
     """eta on the active samples of each flight: a start for the next, nearby evaluation."""
 
 
+def active_samples(record: AltitudeRecord, reach: tuple[float, float]) -> Rows:
+    """Return the samples in which some pair is within reach, (S,)."""
+    i, j = np.nonzero(~np.eye(len(record.names), dtype=np.bool_))
+    rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)
+    near = (np.hypot(rel[..., 0], rel[..., 1]) < reach[0]) & (np.abs(rel[..., 2]) < reach[1])
+    return np.nonzero(near.any(axis=1))[0]
+
+
 def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, float]) -> Passage:
-    """Return the loss's matrices for one flight.
+    """Return the loss's matrices for one flight, thinned to `MOST_ACTIVE` active samples where it has more.
 
     Args:
         record: the flight.
         loop: the altitude loop of every vehicle.
         reach: horizontal and vertical distance [m] beyond which eta is zero.
     """
+    every = -(-active_samples(record, reach).size // MOST_ACTIVE)
+    record = thinned(record, every) if every > 1 else record
     n = len(record.names)
     i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
     rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)
-    across = np.hypot(rel[..., 0], rel[..., 1])
-    active = np.nonzero(((across < reach[0]) & (np.abs(rel[..., 2]) < reach[1])).any(axis=1))[0]
-    if active.size > MOST_ACTIVE:
-        raise ValueError(
-            f"flight {record.name}: {active.size} samples with a pair in reach, {MOST_ACTIVE} allowed; "
-            "cut the flight into passages, or use the jet, which has no such bound"
-        )
+    across, active = np.hypot(rel[..., 0], rel[..., 1]), active_samples(record, reach)
     free = free_response(loop, record.dt, record.start, record.jerk)
     r = record.deviation - free
     h = impulse_response(loop, record.dt, record.t.size)

@@ -10,22 +10,23 @@ from q2q_model.identification.draft_force import ForceSamples, ForceScore, force
 from q2q_model.identification.procedure import Recording, force_record
 from q2q_model.identification.thrust_lag import thrust_lag
 from q2q_model.tools.models import find_model
-from q2q_model.tools.recordings import read_recordings, topic_map
+from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle import Vehicle, vehicle_by_name
 
 
 def run(given: Namespace) -> int:
     """Score the model, print and write the scores; return the exit status."""
     law = find_model(given.model).interaction
-    recordings, repairs = read_recordings(given.bags, topic_map(given.topics))
+    bags, left_out = bags_among(given.bags)
+    recordings, repairs = read_recordings(bags, topic_map(given.topics))
     samples = _samples(recordings, vehicle_by_name(given.vehicle))
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
     text = {"flights": {name: asdict(one) for name, one in scores.items()}, "pooled": asdict(pooled)}
     if given.json:
         given.json.write_text(json.dumps(text, indent=1) + "\n")
-    for repair in repairs:
-        print(f"evaluate: mended: {repair}", file=sys.stderr)
+    for note in [*left_out, *(f"mended: {repair}" for repair in repairs)]:
+        print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
         print(_line(name, one))
     print(_line("pooled", pooled))

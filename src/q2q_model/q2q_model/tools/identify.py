@@ -16,7 +16,7 @@ from q2q_model.model_file import save
 from q2q_model.plain_values import Plain, PlainValueError, to_plain
 from q2q_model.tools.identify_report import report, summary
 from q2q_model.tools.models import find_model
-from q2q_model.tools.recordings import read_recordings, topic_map
+from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle import Vehicle, vehicle_by_name
 
 STEPS = 12
@@ -92,7 +92,10 @@ def _run(
         progress.add_task("read", total=STEPS)
         steps = _Steps(progress)
         steps.tell("read")
-        recordings, repairs = read_recordings(bags, topic_map(topics))
+        kept, left_out = bags_among(bags)
+        for note in left_out:
+            progress.console.print(f"identify: {note}", highlight=False)
+        recordings, repairs = read_recordings(kept, topic_map(topics))
         for repair in repairs:
             progress.console.print(f"identify: mended: {repair}", highlight=False)
         found = identify(recordings, params, steps.tell)

@@ -4,6 +4,7 @@ from dataclasses import asdict
 
 from q2q_model.identification.candidates import Trial
 from q2q_model.identification.deviation import DeviationParams
+from q2q_model.identification.interval import Interval
 from q2q_model.identification.procedure import Identification
 from q2q_model.model_file import RoleScores
 from q2q_model.plain_values import Plain
@@ -20,6 +21,7 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
         "gains": {
             "k_p": found.gains.k_p.as_list(),
             "k_d": found.gains.k_d.as_list(),
+            "identifiable": {"k_p": found.gains.k_p.is_positive, "k_d": found.gains.k_d.is_positive},
             "k_i": found.gains.loop.k_i,
             "offset_mps2": found.gains.loop.offset,
             "lag_s": loop.lag if loop else 0.0,
@@ -48,8 +50,8 @@ def summary(found: Identification) -> str:
     gains, held = found.gains, found.held_out
     lines = [
         f"{len(found.evidence)} flights, {sum(one.record.outliers for one in found.evidence)} outliers",
-        f"K_p {gains.k_p.value:.5f} [{gains.k_p.low:.5f}, {gains.k_p.high:.5f}]",
-        f"K_d {gains.k_d.value:.5f} [{gains.k_d.low:.5f}, {gains.k_d.high:.5f}]",
+        _gain("K_p", gains.k_p),
+        _gain("K_d", gains.k_d),
     ]
     if found.decay is not None:
         d = found.decay.d
@@ -63,6 +65,11 @@ def summary(found: Identification) -> str:
     if held.r2.lower is not None:
         lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's draft")
     return "\n".join(lines + [f"note: {remark}" for remark in found.remarks])
+
+
+def _gain(name: str, found: Interval) -> str:
+    doubt = "" if found.is_positive else ": not identifiable from these flights"
+    return f"{name} {found.value:.5f} [{found.low:.5f}, {found.high:.5f}]{doubt}"
 
 
 def _zone(found: Identification) -> dict[str, object]:

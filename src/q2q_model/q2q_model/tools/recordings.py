@@ -9,6 +9,7 @@ from q2q_model.bag import (
     BagError,
     BagRepairWarning,
     TopicMap,
+    is_bag,
     load_topic_map,
     read_flight,
     read_flight_log,
@@ -41,6 +42,18 @@ def read_recordings(
             flight = replace(recordings[k].flight, name=f"{bag.resolve().parent.name}/{names[k]}")
             recordings[k] = replace(recordings[k], flight=flight)
     return recordings, [str(one.message) for one in said if issubclass(one.category, BagRepairWarning)]
+
+
+def bags_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """Return the bags among paths, and a note on each of the others: a glob names what lies beside bags, too.
+
+    Paths without a single bag are returned as they are, for reading to refuse; so is one where nothing is.
+    """
+    others = [path for path in paths if path.exists() and not is_bag(path)]
+    if len(others) == len(paths):
+        return list(paths), []
+    kept = [path for path in paths if path not in others]
+    return kept, [f"left out: {path} is no bag" for path in others]
 
 
 def topic_map(path: Path | None) -> TopicMap | None:
