@@ -90,7 +90,8 @@ def try_out(
 
     `tell` is given each name before its turn.
     """
-    trials, remarks = [], []
+    trials: list[Trial] = []
+    remarks: list[str] = []
     for candidate in tried:
         tell(candidate.name)
         try:
@@ -108,7 +109,8 @@ def fit_best(
     Raises:
         ValueError: none can be fitted.
     """
-    left, remarks = list(trials), []
+    left = list(trials)
+    remarks: list[str] = []
     while left:
         best = best_of(left)
         try:
