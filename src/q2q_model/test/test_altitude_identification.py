@@ -105,10 +105,9 @@ def test_trajectories_alone_give_the_gains_of_a_loop_without_lag():
     assert found["k_d"].value == pytest.approx(0.43, rel=5e-3)
 
 
-@pytest.mark.parametrize("noise", [0.0, 1e-4])
-def test_gains_that_a_flight_does_not_show_have_intervals_that_say_so(noise: float):
+def test_gains_that_a_flight_does_not_show_have_intervals_that_say_so():
     """Both vehicles stay where they should be: no gains are better than any others."""
-    still = replace(CALM, start=0.0, noise=noise)
+    still = replace(CALM, start=0.0, noise=0.0)
     found = dict(
         gains_from_trajectories([record_of(still), record_of(replace(still, name="again"))]).intervals
     )

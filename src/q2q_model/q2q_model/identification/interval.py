@@ -96,7 +96,7 @@ def clusters(stretches: Sequence[Stretch], shortest: float) -> Array:
     if len({one.flight for one in stretches}) >= MANY:
         return np.concatenate([np.full(one.t.size, float(one.flight)) for one in stretches])
     length = max(shortest, LONG * correlation_time(stretches))
-    return np.concatenate([1e6 * k + _pieces(one.t, length) for k, one in enumerate(stretches)])
+    return np.concatenate([1e6 * k + _pieces(one.t, length) for k, one in enumerate(stretches) if one.t.size])
 
 
 def _pieces(t: Array, length: float) -> Array:
