@@ -59,6 +59,7 @@ def test_every_real_flight_goes_through_identify(name: str, bags: dict[str, Path
     report = json.loads(out.with_suffix(".json").read_text())
     assert report["model"]["type"] == "jet"
     assert report["gains"]["source"] == "commands"
+    assert all(one["type"] == "jet" for one in report["candidates"])  # encounters are long: no networks
     assert any("the paper's two networks: not tried" in remark for remark in report["remarks"])
 
 

@@ -35,8 +35,8 @@ from q2q_model.signals import Array
 
 WIDE = 6.0
 """Widths of the envelope beyond which eta is zero: there it is 1.5e-8 of its peak [-]."""
-MOST_ACTIVE = 2500
-"""Samples of one flight that are solved at once; H would take 50 MB. Longer encounters are thinned."""
+MOST_ACTIVE = 1000
+"""Samples of one flight that are solved at once: some 20 ms a loss. Longer encounters are thinned."""
 SETTLED = 1e-9
 """Change of eta at which the fixed point is reached [m/s^2]: a nanometre of altitude at most."""
 SWEEPS = 60
