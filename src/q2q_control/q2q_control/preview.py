@@ -60,6 +60,11 @@ class SampledPreview:
         return known if names == self.names else _picked(known, index_of(names, self.names))
 
 
+def made_up_preview(names: Names) -> SampledPreview:
+    """Return a preview to rehearse with before the plan has come: everybody rests at the origin."""
+    return SampledPreview(names, 0.0, 1.0, np.zeros((len(names), 2, 9)))
+
+
 def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, times: Array) -> Array:
     """Return the references of the setpoint's vehicles at `times` (K,) [s], (n, K, 9).
 

@@ -3,8 +3,9 @@
 numba's own cache looks at the file of a function and at nothing else: where a called function or a constant
 changes in another file, the old code runs on, silently. Here the key of the cache also holds a digest of all
 that the function uses, through any number of files: bytecode and constants of itself and of the compiled
-functions it calls, and the numbers it reads by name (not as `module.NAME`: import the name). Use it in place
-of `njit(cache=True)` wherever a loop calls compiled functions, or reads constants, of another file.
+functions it calls, and the numbers it reads by name (not as `module.NAME`: import the name). Every compiled
+function of the house is made by it, never by `njit`, so that set-up can compile all of them (KERNELS). Call a
+kernel with arrays of one layout only: each layout is a compilation of its own, seconds in mid-flight.
 """
 
 from collections.abc import Callable, Iterator
@@ -16,12 +17,30 @@ from numba import njit
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
+KERNELS: list[Dispatcher] = []
+"""Every compiled function of the modules imported so far."""
+
 
 def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN401  numba's dispatcher
-    """Return the compiled function; `options` are those of numba.njit but `cache`."""
+    """Return the compiled function, entered in KERNELS; `options` are those of numba.njit but `cache`."""
     made = njit(**options)(function)
     made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
+    KERNELS.append(made)
     return made
+
+
+def uncached() -> list[str]:
+    """Return the kernels in KERNELS whose machine code the cache does not hold as they are now.
+
+    What is always inlined has no machine code of its own.
+    """
+    own = [kernel for kernel in KERNELS if kernel.targetoptions.get("inline") != "always"]
+    return [name_of(kernel) for kernel in own if not kernel._cache.holds_any()]  # noqa: SLF001
+
+
+def name_of(kernel: Dispatcher) -> str:
+    """Return a kernel's module and function."""
+    return f"{kernel.py_func.__module__}.{kernel.py_func.__qualname__}"
 
 
 class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
@@ -29,6 +48,11 @@ class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
 
     def _index_key(self, signature: Any, codegen: Any) -> tuple[object, ...]:  # noqa: ANN401
         return (*super()._index_key(signature, codegen), digest_of(self._py_func))
+
+    def holds_any(self) -> bool:
+        """Return whether the cache holds code for any signature of the function as it is now."""
+        digest = digest_of(self._py_func)
+        return any(key[-1] == digest for key in self._cache_file._load_index())  # noqa: SLF001  numba shows it nowhere else
 
 
 def digest_of(function: FunctionType) -> str:

@@ -7,10 +7,10 @@ n log n for the sort and n for the sweep; a dense comparison costs n^2.
 
 from collections.abc import Callable
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_model.interaction.model import Reach
 from q2q_model.signals import Array
 
@@ -63,5 +63,5 @@ def _sweep(pos: Array, horizontal: float, vertical: float) -> Rows:
     return np.sort(keys[:count])
 
 
-compiled_sweep: Callable[[Array, float, float], Rows] = numba.njit(cache=True)(_sweep)
+compiled_sweep: Callable[[Array, float, float], Rows] = compiled(_sweep)
 """Return n i + j of every pair, rising, for compiled loops: (pos (n, 3), horizontal, vertical reach [m])."""

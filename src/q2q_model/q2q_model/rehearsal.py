@@ -1,5 +1,7 @@
 """Make signals to rehearse a block with before its first tick, so that its code is loaded by then."""
 
+from collections.abc import Callable, Iterable
+
 import numpy as np
 
 from q2q_model.layout import LAYOUTS, Column, Signal
@@ -16,6 +18,16 @@ TICKS = ((0.0, False), (0.01, False), (0.02, False), (0.03, True), (0.04, False)
 """When [s], and whether a vehicle is not seen: a track is begun, believed, followed, and bridged."""
 LOST_S = 0.5
 """How long the lost vehicle has not been seen [s]."""
+
+
+def rehearse(
+    update: Callable[..., object], reset: Callable[[], None], kinds: Iterable[type], names: Names = ()
+) -> None:
+    """Run a block on made-up ticks and reset it: the first real one, and first absence, are not slow."""
+    wanted = tuple(kinds)
+    for t, unseen in TICKS:
+        update(*(rehearsal(kind, t, names, unseen=unseen) for kind in wanted))
+    reset()
 
 
 def rehearsal(kind: type, t: float, names: Names = (), *, unseen: bool = False) -> Signal:

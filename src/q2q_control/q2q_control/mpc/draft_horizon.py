@@ -81,7 +81,8 @@ class SlopeRule:
 
 def predict_drafts(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -> DraftHorizon:
     """Return drafts and slopes along the horizon."""
-    pairs = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]))
+    near = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]))
+    pairs = np.ascontiguousarray(near[0]), np.ascontiguousarray(near[1])  # one layout, one kernel
     if pairs[0].size == 0:
         return no_drafts(tracks)
     n, stages = tracks.axis.shape[:2]

@@ -215,7 +215,7 @@ class Mpc:
         return np.asarray(start + self._ahead, dtype=np.float64)
 
     def _reference(self, tick: Aligned, setpoint: SwarmSetpoint, times: Array) -> Array:
-        whole = shifted_preview(setpoint, self.preview, times)
+        whole = np.ascontiguousarray(shifted_preview(setpoint, self.preview, times))
         if setpoint.names == tick.names and tick.usable.all():
             return whole
         rows = index_of(tick.names, setpoint.names)

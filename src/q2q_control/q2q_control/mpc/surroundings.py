@@ -62,7 +62,7 @@ class Surroundings:
         start = max(times[0], tick.t + LATER)
         when = np.concatenate([self._when, times])
         when[len(self._when)] = start
-        pos = np.concatenate([np.stack(self._where), path.transpose(1, 0, 2)])
+        pos = np.ascontiguousarray(np.concatenate([np.stack(self._where), path.transpose(1, 0, 2)]))
         lift = inputs + np.array([0.0, 0.0, GRAVITY])
         thrust = np.sqrt((lift * lift).sum(axis=-1, keepdims=True))  # over mass, (n, N, 1)
         strength = 1.0 + self.loading * (thrust[..., 0] / GRAVITY - 1.0) if self.loading > 0.0 else None

@@ -13,13 +13,14 @@ from q2q_control.legacy import LegacyScale
 from q2q_control.mpc.params import MpcParams
 from q2q_control.mpc.receding import Mpc
 from q2q_control.plan_samples import sampled_preview
-from q2q_control.preview import SampledPreview
+from q2q_control.preview import SampledPreview, made_up_preview
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_control.ros.legacy_topics import LegacyTopics
 from q2q_control.ros.plan_curves import curves_of
 from q2q_control.time_budget import TimeBudget
 from q2q_model.layout import Signal
 from q2q_model.parameters import check_bounds, tunable
+from q2q_model.rehearsal import STAND_IN
 from q2q_model.ros.parameters import declare, on_change
 from q2q_model.ros.qos import LATCHED
 from q2q_model.ros.ready import expect_latched
@@ -93,7 +94,9 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         return command
 
     plan_came = expect_latched(node, node.create_subscription(Plan, "plan", take_plan, LATCHED))
+    block.preview = made_up_preview(own.vehicles or STAND_IN)
     wiring.rehearse(answer, guarded.reset, own.vehicles)
+    block.preview = None
     wiring.start(_within(budget, answer))
     return wiring
 

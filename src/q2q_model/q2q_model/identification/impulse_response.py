@@ -19,10 +19,10 @@ eta that is 1 at one sample and falls on lines to 0 at its neighbours: exact for
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from scipy.linalg import expm
 
+from q2q_model.compiled import compiled
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.signals import Array
 
@@ -97,7 +97,7 @@ def _march_plain(phi: Array, push: Array, state: Array) -> Array:
     return first
 
 
-_march: Callable[[Array, Array, Array], Array] = numba.njit(cache=True)(_march_plain)
+_march: Callable[[Array, Array, Array], Array] = compiled(_march_plain)
 
 
 def _continuous(loop: AltitudeLoop) -> tuple[Array, Array]:

@@ -7,9 +7,9 @@ push = (R f_body)_z - lagged(U1) b_z / m         f_body: accelerometer, U1: comm
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.flight_log import FlightLog
 from q2q_model.flights import Flight
 from q2q_model.identification.along_flight import Motion
@@ -119,7 +119,7 @@ def _first_order_plain(values: Array, keep: float) -> Array:
     return out
 
 
-_first_order: Callable[[Array, float], Array] = numba.njit(cache=True)(_first_order_plain)
+_first_order: Callable[[Array, float], Array] = compiled(_first_order_plain)
 
 
 def _filled(t: Array, values: Array) -> Array:

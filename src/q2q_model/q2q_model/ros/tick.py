@@ -13,7 +13,7 @@ from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.local_bus import LocalBus
 from q2q_model.parameters import check_bounds, tunable
-from q2q_model.rehearsal import TICKS, rehearsal
+from q2q_model.rehearsal import rehearse
 from q2q_model.ros.bus_node import BusNode
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.listening import listener
@@ -69,10 +69,8 @@ class TickWiring(Generic[Made]):
         publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
-        """Run a block on made-up ticks and reset it: the first real one, and first absence, are not slow."""
-        for t, unseen in TICKS:
-            update(*(rehearsal(kind, t, names, unseen=unseen) for kind in self._inputs.values()))
-        reset()
+        """Run the block on made-up ticks and reset it, so that nothing is compiled or loaded in flight."""
+        rehearse(update, reset, self._inputs.values(), names)
 
     def start(self, update: Callable[..., Made]) -> None:
         """Subscribe to the inputs; every complete tick calls `update` with their signals, in their order."""

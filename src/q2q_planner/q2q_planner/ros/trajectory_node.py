@@ -72,6 +72,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         return setpoint
 
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
+    wiring.rehearse(lambda frame: setpoint_at(plan, frame.t), lambda: None)
     wiring.start(update)
     return wiring
 

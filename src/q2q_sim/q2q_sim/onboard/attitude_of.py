@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 from q2q_sim.onboard.setpoint import Three
 
@@ -35,6 +34,6 @@ def _yaw_of(x: float, y: float, z: float, w: float) -> float:
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
-yaw_of = njit(cache=True)(_yaw_of)
-axes = njit(cache=True)(_axes)
-legacy_degrees = njit(cache=True)(_legacy_degrees)
+yaw_of = compiled(_yaw_of)
+axes = compiled(_axes)
+legacy_degrees = compiled(_legacy_degrees)

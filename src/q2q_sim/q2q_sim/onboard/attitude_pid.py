@@ -10,8 +10,7 @@ The wanted yaw moves on with a wanted yaw rate. Everything starts anew when a mo
 at thrust 0.
 """
 
-from numba import njit
-
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 from q2q_sim.onboard.attitude_of import DEG, legacy_degrees, yaw_of
 from q2q_sim.onboard.columns import (
@@ -137,9 +136,9 @@ def _cascade(tick: tuple[Array, Array, Array], gains: Array, memory: Array, posi
         memory[ATTITUDE_WANTED + 2] = attitude[2]
 
 
-wrapped, restart = njit(cache=True)(_wrapped), njit(cache=True)(_restart)
-mode_changed, move_yaw = njit(cache=True)(_mode_changed), njit(cache=True)(_move_yaw)
-attitude_loop, rate_loop = njit(cache=True)(_attitude_loop), njit(cache=True)(_rate_loop)
-cascade = njit(cache=True)(_cascade)
+wrapped, restart = compiled(_wrapped), compiled(_restart)
+mode_changed, move_yaw = compiled(_mode_changed), compiled(_move_yaw)
+attitude_loop, rate_loop = compiled(_attitude_loop), compiled(_rate_loop)
+cascade = compiled(_cascade)
 """Control one vehicle for one step: ((state row, drift, wanted), gains, memory, whether the position loop is
 due); writes memory's outputs."""

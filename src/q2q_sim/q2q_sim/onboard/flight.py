@@ -8,8 +8,8 @@ differs: here it is the firmware's controller and mixer, there the house's attit
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 from q2q_model.vehicle import GRAVITY
 from q2q_sim.onboard.attitude_pid import cascade
@@ -77,8 +77,8 @@ def _fly_tick(state: Array, air: tuple[int, Array, Rows], brain: Brain, drive: A
         remember(state, ring, rows[n] % ring.shape[0], body[5, 0] * GRAVITY)
 
 
-think, move = njit(cache=True)(_think), njit(cache=True)(_move)
-_fly_tick_compiled = njit(cache=True, nogil=True)(_fly_tick)
+think, move = compiled(_think), compiled(_move)
+_fly_tick_compiled = compiled(_fly_tick, nogil=True)
 
 
 def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:

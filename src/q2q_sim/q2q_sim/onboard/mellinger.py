@@ -23,8 +23,7 @@ left; control yaw is -M_z, since motors 1 and 3 turn left and drag the body righ
 
 import math
 
-from numba import njit
-
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 from q2q_model.vehicle import GRAVITY
 from q2q_sim.onboard.attitude_of import Nine, axes, legacy_degrees, yaw_of
@@ -206,9 +205,9 @@ def _mellinger(row: Array, drift: Array, wanted: Array, gains: Array, memory: Ar
     memory[I_POS : I_MOMENT + 3] = 0.0
 
 
-clamp, dot = njit(cache=True)(_clamp), njit(cache=True)(_dot)
-force_of, wanted_yaw = njit(cache=True)(_force), njit(cache=True)(_wanted_yaw)
-frame_along, frame_of_angles = njit(cache=True)(_frame_along), njit(cache=True)(_frame_of_angles)
-moments = njit(cache=True)(_moments)
-mellinger = njit(cache=True)(_mellinger)
+clamp, dot = compiled(_clamp), compiled(_dot)
+force_of, wanted_yaw = compiled(_force), compiled(_wanted_yaw)
+frame_along, frame_of_angles = compiled(_frame_along), compiled(_frame_of_angles)
+moments = compiled(_moments)
+mellinger = compiled(_mellinger)
 """Control one vehicle for one step: (state row, drift, wanted, gains, memory); writes memory's outputs."""

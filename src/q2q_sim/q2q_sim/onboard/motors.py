@@ -12,8 +12,7 @@ of the airframe scale r, p and y. What a motor gives follows from its duty and t
 true voltage, up to the most that the airframe allows.
 """
 
-from numba import njit
-
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 from q2q_sim.onboard.columns import (
     ASKED,
@@ -63,5 +62,4 @@ def _drive_motors(wanted: Array, memory: Array, frame: Array, forces: Array) -> 
         forces[k] = min(frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], wanted[BATTERY]), frame[FORCE_MAX])
 
 
-mix, cap = njit(cache=True)(_mix), njit(cache=True)(_cap)
-drive_motors = njit(cache=True)(_drive_motors)
+mix, cap, drive_motors = compiled(_mix), compiled(_cap), compiled(_drive_motors)

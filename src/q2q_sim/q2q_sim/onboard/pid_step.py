@@ -10,8 +10,7 @@ firmware does so: position and velocity (20 Hz), not attitude and rates. A u_max
 
 import math
 
-from numba import njit
-
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 
 INTEGRAL_LIMIT = 5000.0
@@ -54,5 +53,5 @@ def _pid_reset(memory: Array, at: int, measured: float) -> None:
     memory[at + 2], memory[at + 3] = 0.0, 0.0
 
 
-slope_of, filtered = njit(cache=True)(_slope), njit(cache=True)(_filtered)
-pid, pid_reset = njit(cache=True)(_pid), njit(cache=True)(_pid_reset)
+slope_of, filtered = compiled(_slope), compiled(_filtered)
+pid, pid_reset = compiled(_pid), compiled(_pid_reset)

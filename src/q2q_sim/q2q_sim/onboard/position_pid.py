@@ -12,8 +12,7 @@ acceleration: `acc` of a full state does nothing under this controller.
 
 import math
 
-from numba import njit
-
+from q2q_model.compiled import compiled
 from q2q_model.signals import Array
 from q2q_model.thrust_map import PWM_FULL
 from q2q_sim.onboard.attitude_of import yaw_of
@@ -110,6 +109,6 @@ def _position_pid(row: Array, drift: Array, wanted: Array, gains: Array, memory:
     memory[THRUST_WANTED] = min(thrust, PWM_TOP)
 
 
-axis, wanted_velocity = njit(cache=True)(_axis), njit(cache=True)(_wanted_velocity)
-position_pid = njit(cache=True)(_position_pid)
+axis, wanted_velocity = compiled(_axis), compiled(_wanted_velocity)
+position_pid = compiled(_position_pid)
 """Write attitude and thrust wanted into memory: (state row, drift, wanted, gains, memory)."""

@@ -16,7 +16,7 @@ drains", 2025. With the share of full thrust T = pwm / 65535:
 
 import math
 
-from numba import njit
+from q2q_model.compiled import compiled
 
 from q2q_model.thrust_map import BRUSHED_MOTOR, PWM_FULL
 
@@ -51,4 +51,4 @@ def _thrust_pwm(duty: float, volt: float) -> float:
     return max(thrust, 0.0) * PWM_TOP / BRUSHED_MOTOR
 
 
-compensated, thrust_pwm = njit(cache=True)(_compensated), njit(cache=True)(_thrust_pwm)
+compensated, thrust_pwm = compiled(_compensated), compiled(_thrust_pwm)

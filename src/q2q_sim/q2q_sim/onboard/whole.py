@@ -6,7 +6,7 @@ number.
 
 import math
 
-from numba import njit
+from q2q_model.compiled import compiled
 
 INT16_MAX, INT32_MAX = 32767.0, 2147483647.0
 
@@ -18,4 +18,4 @@ def _whole(number: float, limit: float) -> float:
     return float(math.trunc(min(max(number, -limit), limit)))
 
 
-whole = njit(cache=True)(_whole)
+whole = compiled(_whole)
