@@ -9,6 +9,7 @@ kernel with arrays of one layout only: each layout is a compilation of its own, 
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from hashlib import sha256
 from types import CodeType, FunctionType
 from typing import Any
@@ -17,30 +18,34 @@ from numba import njit
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
-KERNELS: list[Dispatcher] = []
-"""Every compiled function of the modules imported so far."""
+
+@dataclass(frozen=True, slots=True)
+class Kernel:
+    """Compiled function of the house."""
+
+    name: str
+    """Module and function."""
+    inlined: bool
+    """Part of its callers' machine code; it has none of its own."""
+    cache: "_CompleteCache"
+
+
+KERNELS: list[Kernel] = []
+"""Every kernel of the modules imported so far."""
 
 
 def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN401  numba's dispatcher
     """Return the compiled function, entered in KERNELS; `options` are those of numba.njit but `cache`."""
     made = njit(**options)(function)
     made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
-    KERNELS.append(made)
+    name = f"{function.__module__}.{function.__qualname__}"
+    KERNELS.append(Kernel(name, options.get("inline") == "always", made._cache))  # noqa: SLF001
     return made
 
 
 def uncached() -> list[str]:
-    """Return the kernels in KERNELS whose machine code the cache does not hold as they are now.
-
-    What is always inlined has no machine code of its own.
-    """
-    own = [kernel for kernel in KERNELS if kernel.targetoptions.get("inline") != "always"]
-    return [name_of(kernel) for kernel in own if not kernel._cache.holds_any()]  # noqa: SLF001
-
-
-def name_of(kernel: Dispatcher) -> str:
-    """Return a kernel's module and function."""
-    return f"{kernel.py_func.__module__}.{kernel.py_func.__qualname__}"
+    """Return the kernels in KERNELS whose machine code the cache does not hold as they are now."""
+    return [kernel.name for kernel in KERNELS if not (kernel.inlined or kernel.cache.holds_any())]
 
 
 class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types

@@ -17,7 +17,6 @@ drains", 2025. With the share of full thrust T = pwm / 65535:
 import math
 
 from q2q_model.compiled import compiled
-
 from q2q_model.thrust_map import BRUSHED_MOTOR, PWM_FULL
 
 PWM_TOP = float(PWM_FULL)

@@ -1,0 +1,66 @@
+"""Compile every kernel into the cache, on two cores, where the cache lacks one: a step of scripts/setup.
+
+A flight that compiles stands still for seconds, and its vehicles fall.
+"""
+
+import importlib
+import pkgutil
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from time import monotonic
+
+from q2q_model.compiled import KERNELS, uncached
+
+PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
+NOT_PURE = (".ros", ".tools", ".commands", ".training")
+"""Parts of the packages without kernels, but with ROS or torch."""
+SHARES = 2
+
+
+def main() -> int:
+    """Fill the cache; return the exit status, 1 where nobody calls a kernel."""
+    import_kernels()
+    missing = uncached()
+    if not missing:
+        return 0
+    began = monotonic()
+    print(f"compiling {len(missing)} of {len(KERNELS)} kernels for this processor", flush=True)
+    with ProcessPoolExecutor(SHARES, mp_context=get_context("spawn")) as pool:
+        list(pool.map(call_share, range(SHARES)))
+    left = uncached()
+    if left:
+        print(
+            f"compile_kernels: nobody calls {', '.join(left)}: do so in q2q_sim.tools.kernel_calls",
+            file=sys.stderr,
+        )
+        return 1
+    print(f"compiled in {monotonic() - began:.0f} s", flush=True)
+    return 0
+
+
+def import_kernels() -> None:
+    """Import every module that may hold a kernel, so that KERNELS has all of them."""
+    for name in _modules():
+        importlib.import_module(name)
+
+
+def call_share(share: int) -> None:
+    """Call every kernel of a share."""
+    from q2q_sim.tools.kernel_calls import calls
+
+    for call in calls()[share]:
+        call()
+
+
+def _modules() -> Iterator[str]:
+    for package in PACKAGES:
+        folders = importlib.import_module(package).__path__
+        for found in pkgutil.walk_packages(folders, f"{package}."):
+            if not any(f"{part}." in f"{found.name}." for part in NOT_PURE):
+                yield found.name
+
+
+if __name__ == "__main__":
+    sys.exit(main())

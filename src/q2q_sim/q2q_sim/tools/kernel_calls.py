@@ -1,0 +1,98 @@
+"""Call every compiled function of the house, so that set-up can fill the cache with all of them.
+
+Compiling takes minutes and calling nothing: flights last a few ticks. The two lists are for two processes;
+they share few kernels. What neither calls, `q2q_model.compiled.uncached` names afterwards.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy import sparse
+
+from q2q_control.explicit.distillation import Syllabus, distil
+from q2q_control.explicit.situations import random_situations
+from q2q_control.explicit.solver import explicit_controller
+from q2q_control.explicit.teacher import Teacher, answers
+from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.receding import Mpc
+from q2q_control.preview import made_up_preview
+from q2q_model.identification.altitude_loop import PAPER_LOOP
+from q2q_model.identification.impulse_response import impulse_response
+from q2q_model.identification.recorded_push import lagged
+from q2q_model.rehearsal import rehearse
+from q2q_model.signals import Interference, SwarmSetpoint, SwarmState
+from q2q_model.tools.models import find_model
+from q2q_model.vehicle import TEXTBOOK_065
+from q2q_planner.planes import coordinate_descent
+from q2q_sim import scenarios
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
+from q2q_sim.room import Room
+
+Call = Callable[[], object]
+TICKS = 0.06
+"""Long enough for a track to be believed [s]."""
+MANY = tuple(f"cf{k}" for k in range(1, 11))
+"""More vehicles than all pairs are looked at of."""
+CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
+
+
+def calls() -> tuple[Sequence[Call], Sequence[Call]]:
+    """Return what calls every kernel, in two shares of about equal time."""
+    flights = (_room, _replanned, _many, _firmware)
+    solvers = (_mpc, _explicit, _identification, _planes)
+    return flights, solvers
+
+
+def _flown(scenario: str, controller: str = "pid", replan: str = "none") -> None:
+    short = replace(scenarios.load(scenario), duration=TICKS)
+    known = find_model(short.model).interaction
+    fly(short, FlightOptions(controller=controller, replan=replan, model=known))
+
+
+def _room() -> None:
+    _flown("table6_room")
+    _flown("stack3", replan="paper")
+
+
+def _replanned() -> None:
+    _flown("stack3", replan="safe")
+
+
+def _many() -> None:
+    _flown("swarm40", replan="safe")
+
+
+def _firmware() -> None:
+    scenario = scenarios.load("table6")
+    room = Room(scenario, seed=0)
+    room.fly(fleet_in(room, scenario, CrtpRoomParams()).fly)
+
+
+def _mpc() -> None:
+    for model in ("measured_law", "paper_law"):
+        block = Mpc(MpcParams(), TEXTBOOK_065, find_model(model).interaction)
+        for names in (MANY[:2], MANY):
+            block.preview = made_up_preview(names)
+            rehearse(block.update, block.reset, CONTROLLED, names)
+
+
+def _explicit() -> None:
+    rng = np.random.default_rng(0)
+    teacher = Teacher(MpcParams(), TEXTBOOK_065, find_model("paper_law").interaction, TEXTBOOK_065.thrust_max)
+    asked = random_situations(2, teacher.params.step, rng)
+    answers(asked, teacher)
+    law = distil(teacher, Syllabus(situations=2, encounters=1, length=2, iterations=1), rng)
+    block = explicit_controller(law, teacher.params, teacher.vehicle, teacher.model)
+    rehearse(block.update, block.reset, CONTROLLED)
+
+
+def _identification() -> None:
+    impulse_response(PAPER_LOOP, 0.01, 3)
+    lagged(np.zeros((3, 2)), np.array([0.0, 0.01, 0.02]), 0.07)
+
+
+def _planes() -> None:
+    gram = sparse.csr_array(np.eye(2))
+    coordinate_descent(gram, np.ones(2), np.zeros(2))
