@@ -15,6 +15,7 @@ from types import CodeType, FunctionType
 from typing import Any
 
 from numba import njit
+from numba.core import event
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
@@ -32,6 +33,10 @@ class Kernel:
 
 KERNELS: list[Kernel] = []
 """Every kernel of the modules imported so far."""
+
+
+COMPILED: list[str] = []
+"""Names of the kernels that this process has compiled, not loaded: none in flight."""
 
 
 def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN401  numba's dispatcher
@@ -58,6 +63,21 @@ class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         """Return whether the cache holds code for any signature of the function as it is now."""
         digest = digest_of(self._py_func)
         return any(key[-1] == digest for key in self._cache_file._load_index())  # noqa: SLF001  numba shows it nowhere else
+
+
+class _CompilationListener(event.Listener):  # type: ignore[misc]  # numba has no types
+    """Entry in COMPILED for every compilation."""
+
+    def on_start(self, event: event.Event) -> None:
+        """Enter the kernel."""
+        function = event.data["dispatcher"].py_func
+        COMPILED.append(f"{function.__module__}.{function.__qualname__}")
+
+    def on_end(self, event: event.Event) -> None:
+        """Do nothing."""
+
+
+event.register("numba:compile", _CompilationListener())
 
 
 def digest_of(function: FunctionType) -> str:

@@ -9,6 +9,7 @@ from typing import Generic, TypeVar
 from rclpy.node import Node
 
 from q2q_model.cdr import encode
+from q2q_model.compiled import COMPILED
 from q2q_model.health import Health
 from q2q_model.layout import Signal
 from q2q_model.local_bus import LocalBus
@@ -64,6 +65,7 @@ class TickWiring(Generic[Made]):
         self._topic = topic
         self._bus = node.bus if isinstance(node, BusNode) else LocalBus(())
         self._last: Made | None = None
+        self._compiled = 0
         self._watch = Stopwatch(perf_counter)
         self._more: list[Callable[[], Mapping[str, str]]] = []
         publish_health(node, self.health, self._facts)
@@ -107,6 +109,13 @@ class TickWiring(Generic[Made]):
             told |= more()
         return told
 
+    def _tell_compilations(self) -> None:
+        """Warn of code that was compiled since the first tick: the rehearsals and set-up missed it."""
+        if len(COMPILED) > self._compiled:
+            late = ", ".join(COMPILED[self._compiled :])
+            self._node.get_logger().warning(f"compiled in flight: {late}; run scripts/setup")
+            self._compiled = len(COMPILED)
+
     def _tell_world(self, stamp_ns: int, signal: Made) -> None:
         self._publisher.publish(encode(signal, stamp_ns))
 
@@ -132,9 +141,12 @@ class TickWiring(Generic[Made]):
         self.health.missed = self._join.missed
         if values is None:
             return
+        if self._last is None:
+            self._compiled = len(COMPILED)
         self._watch.restart()
         made = update(*values)
         self._watch.lap()
+        self._tell_compilations()
         self._last = made
         self.health.ticks += 1
         self._bus.post(self._topic, stamp_ns, made, partial(self._conclude, stamp_ns, made))
