@@ -28,6 +28,7 @@ from q2q_planner import plan_file
 from q2q_planner.glide import GlideParams
 from q2q_planner.plan_player import PlanPlayer, Played
 from q2q_planner.ros.plan_message import encode_plan
+from q2q_planner.trajectory import setpoint_at
 
 
 @dataclass(frozen=True, slots=True)
