@@ -151,7 +151,7 @@ class RoomNode(StandInNode):
             self.takers[topic] = receive
         return super().create_subscription(kind, topic, receive, qos)
 
-    def create_timer(self, period: float, act: Callable[[], None]) -> None:
+    def create_timer(self, period: float, act: Callable[[], None], **_: object) -> None:
         """Keep a timer for the room to call."""
         self.timers.append((period, act))
 

@@ -10,12 +10,13 @@ import pytest
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from geometry_msgs.msg import Point
-from std_srvs.srv import Trigger
 
+from q2q_control.crazyflies import crazyflies_from_document
 from q2q_control.crazyswarm import NamedPose, frame_of, legacy_twists, poses_of
 from q2q_control.legacy import LegacyScale
 from q2q_control.ros.crazyswarm_node import POSES_OUT, Crazyswarm, CrazyswarmParams
 from q2q_control.ros.crazyswarm_types import find_pose_types
+from q2q_control.ros.procedure_desk import ProcedureDesk
 from q2q_model.cdr import decode, encode
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.messages import MESSAGES, header_at
@@ -62,7 +63,6 @@ class _Node(StandInNode):
     def __init__(self, **given: object) -> None:
         super().__init__("crazyswarm", {"vehicles": NAMES, **given})
         self.out: dict[str, _Sent] = {}
-        self.served: dict[str, object] = {}
         self.said: list[str] = []
 
     def create_publisher(self, kind: type, topic: str, qos: object) -> _Sent:
@@ -73,14 +73,13 @@ class _Node(StandInNode):
         super().create_client(kind, name)
         return self.out.setdefault(name, _Sent())
 
-    def create_service(self, kind: type, name: str, answer: object) -> None:
-        super().create_service(kind, name, answer)
-        self.served[name] = answer
-
     def get_logger(self) -> "_Node":
         return self
 
     def warning(self, line: str) -> None:
+        self.said.append(line)
+
+    def info(self, line: str) -> None:
         self.said.append(line)
 
     def reader(self, kind: type) -> object:
@@ -139,9 +138,12 @@ def test_the_writer_of_poses_offers_the_deadline_that_the_servers_ask_for() -> N
 
 
 @pytest.mark.usefixtures("packages")
-def test_full_states_carry_setpoint_and_draft() -> None:
+def test_full_states_carry_setpoint_and_draft_once_the_procedure_lets_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     node = _Node(poses_in="", aware=True)
     Crazyswarm(node)
+    monkeypatch.setattr(ProcedureDesk, "follows", lambda *_: True)
     setpoint, draft = (rehearsal(kind, 0.0, NAMES) for kind in (SwarmSetpoint, Interference))
     setpoint = replace(
         setpoint, pos=np.arange(6.0).reshape(2, 3), acc=np.ones((2, 3)), yaw_rate=np.array([0.1, 0.2])
@@ -174,17 +176,27 @@ def test_both_servers_put_the_same_stick_on_the_wire(backend: str, turned: float
     )
 
 
-def test_sticks_need_no_package_of_crazyswarm2() -> None:
+@pytest.mark.usefixtures("packages")
+def test_sticks_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.MonkeyPatch) -> None:
     node = _Node(mode="command", backend="cflib")
     Crazyswarm(node)
+    node.give(one_command())
+    assert node.out["cf1/cmd_vel_legacy"].messages == []
+    monkeypatch.setattr(ProcedureDesk, "follows", lambda *_: True)
+    node.give(rehearsal(SwarmSetpoint, 0.0, NAMES))
     node.give(one_command())
     (twist,) = node.out["cf1/cmd_vel_legacy"].messages
     assert twist.linear.x == pytest.approx(-math.degrees(0.2))
 
 
-def test_absent_packages_are_named_once_each_and_the_rest_works() -> None:
+def test_absent_packages_are_named_once_each_and_nothing_is_streamed(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in interface_packages():
+        monkeypatch.setitem(sys.modules, name, None)  # absent, also where Crazyswarm2 is installed
     node = _Node(mode="command")
     Crazyswarm(node)
+    node.give(rehearsal(SwarmSetpoint, 0.0, NAMES))
+    node.give(one_command())
+    assert node.out["cf1/cmd_vel_legacy"].messages == []
     assert [line.split()[0] for line in node.said] == [
         "motion_capture_tracking_interfaces",
         "crazyflie_interfaces",
@@ -192,19 +204,16 @@ def test_absent_packages_are_named_once_each_and_the_rest_works() -> None:
     assert all("sudo apt install ros-jazzy-" in line for line in node.said)
 
 
-@pytest.mark.usefixtures("packages")
-def test_services_are_passed_on_and_a_silent_server_is_named() -> None:
-    node = _Node(take_off_height=0.7)
-    Crazyswarm(node)
-    answer = node.served["~/take_off"](Trigger.Request(), Trigger.Response())
-    assert answer.success
-    (request,) = node.out["all/takeoff"].messages
-    assert (request.height, request.duration.sec) == (0.7, 2)
-    node.served["~/disarm"](Trigger.Request(), Trigger.Response())
-    assert node.out["all/arm"].messages[0].arm is False
-    node.out["all/land"].ready = False
-    answer = node.served["~/land"](Trigger.Request(), Trigger.Response())
-    assert (answer.success, answer.message) == (False, "all/land does not answer: start Crazyswarm2's server")
+def test_robots_without_connection_are_left_alone_themselves_or_by_their_type() -> None:
+    uri = "radio://0/80/2M/E7E7E7E70"
+    robots = {
+        "cf1": {"enabled": True, "uri": f"{uri}1", "type": "cf21"},
+        "wand": {"enabled": True, "type": "marker", "initial_position": [0.0, 0.0, 0.0]},
+        "box": {"enabled": True, "type": "cf21", "connection": "none"},
+    }
+    types = {"cf21": {"connection": "crazyflie"}, "marker": {"connection": "none"}}
+    found = crazyflies_from_document({"robots": robots, "robot_types": types})
+    assert [one.name for one in found] == ["cf1"]
 
 
 def test_poses_that_would_go_round_and_missing_vehicles_are_refused() -> None:

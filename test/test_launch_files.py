@@ -1,17 +1,25 @@
 """Launch files start nodes that exist, with parameters they declare; where launch is, the files load."""
 
 import importlib.util
+from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 from fresh_checkout import ROOT
 
 from q2q_planner import plan_file
+from q2q_sim import assembly, scenarios
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.tools.launching import (
+    COMMON_ARGUMENTS,
+    CRAZYSWARM_ARGUMENTS,
+    ENDS_ALL,
     ROOM_ARGUMENTS,
     SCENARIO_ARGUMENTS,
+    crazyswarm_nodes,
     defaults,
+    folder_of,
     room_nodes,
     scenario_nodes,
 )
@@ -52,29 +60,69 @@ def test_a_launched_simulator_starts_by_itself_and_at_the_pace_asked_for(tmp_pat
     assert simulator.parameters["seed"] == 7
 
 
-@pytest.mark.parametrize(("mode", "has_pid"), [("command", True), ("setpoint", False)])
-def test_a_real_room_starts_nodes_that_exist_with_parameters_they_declare(
-    nodes: list[NodeInterface], mode: str, *, has_pid: bool
+@pytest.fixture
+def room(tmp_path: Path) -> dict[str, str]:
+    """Return the files of a real room, and a folder for its bag."""
+    plan_file.save(tmp_path / "plan.json", assembly.plan_of(scenarios.load("table6")))
+    (tmp_path / "crazyflies.yaml").write_text("robots: {}\n")
+    given = {"plan": "plan.json", "crazyflies": "crazyflies.yaml", "folder": "flight"}
+    return {name: str(tmp_path / file) for name, file in given.items()}
+
+
+MADE = {"radio": (ROOM_ARGUMENTS, room_nodes), "crazyswarm": (CRAZYSWARM_ARGUMENTS, crazyswarm_nodes)}
+ROOMS = [
+    ("radio", {"mode": "command"}, {"pid", "radio"}),
+    ("radio", {"mode": "setpoint"}, {"radio"}),
+    ("crazyswarm", {}, {"crazyswarm"}),
+    ("crazyswarm", {"twin": "true"}, {"crazyswarm", "simulator"}),
+]
+
+
+@pytest.mark.parametrize(("by", "asked", "flown"), ROOMS)
+def test_a_real_room_starts_nodes_that_exist_and_a_trajectory_that_waits(
+    nodes: list[NodeInterface],
+    room: dict[str, str],
+    by: str,
+    asked: dict[str, str],
+    flown: set[str],
 ):
-    given = defaults(ROOM_ARGUMENTS) | {"plan": "p.json", "crazyflies": "c.yaml", "mode": mode}
-    specs = room_nodes(given)
+    arguments, made = MADE[by]
+    specs = made(defaults(arguments) | room | asked)
     for spec in specs:
         assert find_executable(spec.package, spec.executable)
         assert spec.parameters.keys() <= declared_by(nodes, spec), spec.executable
-    started = {spec.executable for spec in specs}
-    assert ("pid" in started) == has_pid
-    assert "simulator" not in started
+    started = {spec.executable: spec for spec in specs}
+    assert started.keys() & {"pid", "radio", "crazyswarm", "simulator"} == flown
+    assert started["trajectory"].parameters["wait"] is True
+    assert ENDS_ALL & started.keys() == {"bag_record", "trajectory", *flown - {"pid"}}
 
 
-@pytest.mark.parametrize("missing", ["plan", "crazyflies"])
-def test_a_real_room_without_plan_or_vehicles_says_what_to_give(missing: str):
-    given = defaults(ROOM_ARGUMENTS) | {"plan": "p.json", "crazyflies": "c.yaml", missing: ""}
-    with pytest.raises(ValueError, match=f"give {missing}:=FILE"):
-        room_nodes(given)
+@pytest.mark.parametrize("made", [room_nodes, crazyswarm_nodes])
+def test_files_and_bag_are_looked_at_before_any_node_starts(
+    room: dict[str, str], made: Callable[[dict[str, str]], list[NodeSpec]]
+):
+    given = defaults(ROOM_ARGUMENTS) | defaults(CRAZYSWARM_ARGUMENTS) | room
+    for name in ("plan", "crazyflies"):
+        with pytest.raises(ValueError, match=f"give {name}:=FILE"):
+            made(given | {name: ""})
+        with pytest.raises(ValueError, match=f"{name}:=absent: there is no such file"):
+            made(given | {name: "absent"})
+    with pytest.raises(ValueError, match="is no plan"):
+        made(given | {"plan": room["crazyflies"]})
+    (Path(room["folder"]) / "bag").mkdir(parents=True)
+    with pytest.raises(ValueError, match="exists: choose another folder"):
+        made(given)
+
+
+def test_the_default_folder_is_dated():
+    assert folder_of("", datetime(2026, 11, 22, 7, 5, 9, tzinfo=UTC)) == Path(
+        "out/launch/2026-11-22_07-05-09"
+    )
+    assert folder_of("out/mine") == Path("out/mine")
 
 
 def test_every_argument_says_what_it_is_and_defaults_to_an_allowed_value():
-    for one in (*SCENARIO_ARGUMENTS, *ROOM_ARGUMENTS):
+    for one in (*SCENARIO_ARGUMENTS, *ROOM_ARGUMENTS, *CRAZYSWARM_ARGUMENTS, *COMMON_ARGUMENTS):
         assert one.words
         assert not one.choices or one.default in one.choices
 
@@ -87,6 +135,11 @@ def test_the_launch_file_loads_and_declares_its_arguments(path: Path):
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    wanted = SCENARIO_ARGUMENTS if path.name.startswith("scenario") else ROOM_ARGUMENTS
+    of_file = {
+        "scenario": SCENARIO_ARGUMENTS,
+        "real_room": ROOM_ARGUMENTS,
+        "crazyswarm": CRAZYSWARM_ARGUMENTS,
+    }
+    wanted = (*of_file[path.name.partition(".")[0]], *COMMON_ARGUMENTS)
     told = {one.name for one in module.generate_launch_description().get_launch_arguments()}
     assert told == {one.name for one in wanted}

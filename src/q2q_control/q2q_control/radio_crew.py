@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import nan
 
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.steps import Order
 from q2q_control.radio_link import VehicleLink
 from q2q_control.radio_pilot import Phase, RadioPilot
+from q2q_model.hover import hover_ratio
 from q2q_model.reply import Reply
+from q2q_model.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +19,8 @@ class RadioCrew:
 
     pilot: RadioPilot
     links: Mapping[str, VehicleLink]
+    vehicle: Vehicle
+    """What newtons are turned into PWM for."""
 
     def begin(self, order: Order, t: float) -> None:
         """Begin to carry out an order at time t [s]."""
@@ -40,4 +45,5 @@ class RadioCrew:
             flies=self.pilot.phases[name] is Phase.FLYING,
             wrong=health.wrong,
             onboard=health.onboard,
+            hover_ratio=nan if health.own_hover is None else hover_ratio(self.vehicle, health.own_hover),
         )

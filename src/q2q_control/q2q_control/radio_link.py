@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from q2q_control.radio_words import FullState, Stick
+from q2q_model.hover import OwnHover
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,8 @@ class LinkHealth:
     """The vehicle has stopped for good and must be restarted."""
     onboard: tuple[float, float, float] | None = None
     """Position that the vehicle estimates [m], world; None while it has not said."""
+    own_hover: OwnHover | None = None
+    """What the vehicle itself takes for hover; None while it has not said."""
     wrong: str = ""
     """What is wrong with the vehicle's parameters; empty where nothing is."""
 

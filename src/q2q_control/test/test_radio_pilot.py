@@ -28,6 +28,7 @@ from q2q_model.signals import (
     SwarmState,
     TrackStatus,
 )
+from q2q_model.vehicle import CRAZYFLIE_2_0
 
 NAMES = ("cf1", "cf2")
 WELL = LinkHealth(connected=True, volt=4.0, armed=True)
@@ -214,7 +215,7 @@ def test_a_pilot_as_crew_reports_what_its_links_and_phases_say() -> None:
     bench = _Bench()
     bench.fly()
     bench.links["cf2"].now = replace(WELL, volt=3.3, onboard=(1.0, 2.0, 3.0), wrong="mass is 0")
-    first, second = RadioCrew(bench.pilot, bench.links).reports()
+    first, second = RadioCrew(bench.pilot, bench.links, CRAZYFLIE_2_0).reports()
     assert (first.name, first.connected, first.armed, first.flies) == ("cf1", True, True, True)
     assert (second.volt, second.onboard, second.wrong) == (3.3, (1.0, 2.0, 3.0), "mass is 0")
 

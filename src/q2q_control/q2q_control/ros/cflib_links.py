@@ -19,6 +19,7 @@ from q2q_control.ping_share import PingShare
 from q2q_control.radio_link import CflibSender, LinkHealth
 from q2q_control.radio_words import FullState, Stick
 from q2q_control.supervisor_info import LOCKED, READY
+from q2q_model.hover import OWN_PARAMETERS, OwnHover
 
 if TYPE_CHECKING:
     from cflib.crazyflie import Crazyflie
@@ -55,6 +56,7 @@ class _Known:
     pose: OnboardPose | None = None
     heard: float = -math.inf
     """When a packet last came [s]."""
+    own_hover: OwnHover | None = None
     words: list[str] = field(default_factory=list)
     """Whole lines."""
     line: str = ""
@@ -171,6 +173,7 @@ class CflibLink:
             armed=one.info & READY == READY,
             locked=bool(one.info & LOCKED),
             onboard=None if one.pose is None else one.pose.pos,
+            own_hover=one.own_hover,
             wrong="has not logged its own estimate yet" if one.pose is None else "",
         )
 
@@ -216,6 +219,8 @@ class CflibLink:
     def _connected(self, _: str) -> None:
         for name, value in self._params.items():
             self._crazyflie.param.set_value(name, value)
+        read = {name: float(self._crazyflie.param.get_value(name)) for name in OWN_PARAMETERS}
+        self._known.own_hover = OwnHover(*(self._params.get(name, value) for name, value in read.items()))
         self._log("health", HEALTH_MS, {"pm.vbat": "float", "supervisor.info": "uint16_t"}, self._on_health)
         places = {f"stateEstimate.{axis}": "float" for axis in ("x", "y", "z")}
         turns = {f"stateEstimate.{part}": "FP16" for part in ("qx", "qy", "qz", "qw")}

@@ -16,6 +16,7 @@ from q2q_control.guard import Guard, on_time
 from q2q_control.tick_watch import TickWatch
 from q2q_control.transit import Transit
 from q2q_model.layout import Signal
+from q2q_model.ros.steady_timer import steady_timer
 from q2q_model.ros.tick import TickWiring
 from q2q_model.signals import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
@@ -53,7 +54,7 @@ class GuardedCommands:
         wiring.then(self._count)
         if self._watch is not None:
             wiring.hear("state", self._hear)
-            node.create_timer(PERIOD_S, self._look)
+            steady_timer(node, PERIOD_S, self._look)
             if self._watch.params.hold_s > 0.0:
                 wiring.on_silence(self._watch.params.hold_s, self._on_silence)
 

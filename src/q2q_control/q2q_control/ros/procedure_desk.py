@@ -24,6 +24,7 @@ from q2q_control.ros.trajectory_client import CALLS, TrajectoryClient
 from q2q_model.reply import Reply
 from q2q_model.ros.late_reply import LateReplyService
 from q2q_model.ros.qos import LATCHED
+from q2q_model.ros.steady_timer import steady_timer
 from q2q_model.signals import Names, SwarmSetpoint, SwarmState
 
 PERIOD_S = 0.02
@@ -49,7 +50,7 @@ class ProcedureDesk:
             call: LateReplyService(node, f"~/{call.value}", partial(self._call, call)) for call in Call
         }
         node.create_subscription(Plan, "next_plan", self._take_plan, LATCHED)
-        node.create_timer(PERIOD_S, self.move_on)
+        steady_timer(node, PERIOD_S, self.move_on)
         self.guard: Callable[[Call], str] = lambda _: ""
         """Returns why the node itself refuses a call; empty where it does not."""
 

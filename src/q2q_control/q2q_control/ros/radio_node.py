@@ -45,6 +45,7 @@ from q2q_model.ros.parameters import declare
 from q2q_model.ros.promises import watch
 from q2q_model.ros.qos import TICK
 from q2q_model.ros.run import run
+from q2q_model.ros.steady_timer import steady_timer
 from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.thrust_map import FIRMWARES, STOCK
 from q2q_model.tick_join import TickJoin
@@ -113,14 +114,14 @@ class Radio:
         self._follows = False
         self._health = Health()
         self._topics = RadioTopics(node, tuple(self._links), asked.pose_hz)
-        crew = RadioCrew(self._pilot, self._links)
+        crew = RadioCrew(self._pilot, self._links, vehicle)
         self._desk = ProcedureDesk(
             node, tuple(self._links), crew, (declare(node, FlightProcedureParams()), landing)
         )
         self._desk.guard = self._other_radios
         self._subscribe()
         node.create_service(Trigger, "~/stop", self._on_stop)
-        node.create_timer(WATCH_S, self._watch)
+        steady_timer(node, WATCH_S, self._watch)
         if asked.mode == "setpoint":
             node.create_service(Empty, EMERGENCY, self._on_emergency)
         publish_health(node, self._health)

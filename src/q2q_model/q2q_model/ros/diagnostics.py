@@ -8,6 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from q2q_model.health import Health, HealthReport, report
+from q2q_model.ros.steady_timer import steady_timer
 
 PERIOD_S = 1.0
 """How often health is reported [s]; the custom of diagnostic_updater."""
@@ -30,7 +31,7 @@ def publish_health(
         publisher.publish(message)
         last[0] = deepcopy(health)
 
-    node.create_timer(PERIOD_S, tell)
+    steady_timer(node, PERIOD_S, tell)
 
 
 def _status(name: str, graded: HealthReport) -> DiagnosticStatus:

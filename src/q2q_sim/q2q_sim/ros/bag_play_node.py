@@ -22,6 +22,7 @@ from q2q_model.ros.messages import header_at
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.ros.run import run
+from q2q_model.ros.steady_timer import steady_timer
 from q2q_sim.lockstep import Patience
 from q2q_sim.playback import Playback
 from q2q_sim.topics import TYPE_NAMES
@@ -79,9 +80,9 @@ class Player:
         if self._params.answer:
             kind = _class_of(TYPE_NAMES[self._params.answer.strip("/")])
             node.create_subscription(kind, self._params.answer, self._on_answer, TICK, raw=True)
-            node.create_timer(LOOK_S, self._on_stall)
+            steady_timer(node, LOOK_S, self._on_stall)
         else:
-            node.create_timer(BEAT_S, self._on_beat)
+            steady_timer(node, BEAT_S, self._on_beat)
         if self._params.autostart:
             self._begin()
 

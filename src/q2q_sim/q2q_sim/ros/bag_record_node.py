@@ -44,8 +44,9 @@ class Recorder:
         self._by_header = params.stamps == "header"
         self._writer = BagWriter(Path(params.bag))
         for topic, kind in (_house(params.topics) | _extra(params.extra)).items():
-            self._writer.add_topic(f"/{topic}", kind)
-            node.create_subscription(_class_of(kind), topic, self._taker(f"/{topic}"), RECORD, raw=True)
+            whole = node.resolve_topic_name(topic)
+            self._writer.add_topic(whole, kind)
+            node.create_subscription(_class_of(kind), topic, self._taker(whole), RECORD, raw=True)
         publish_health(node, self._health)
 
     def close(self) -> None:

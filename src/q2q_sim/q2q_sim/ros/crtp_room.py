@@ -7,6 +7,7 @@ from rclpy.node import Node
 from q2q_model.health import Health
 from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.parameters import declare
+from q2q_model.ros.steady_timer import steady_timer
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.link_model import LinkParams
 from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
@@ -82,7 +83,7 @@ def open_crtp(node: Node, room: Room, scenario: Scenario, health: Health) -> Crt
     endpoint = CrtpEndpoint(fleet, scenario.names, asked.crtp_port, link)
     for name, uri in zip(scenario.names, endpoint.uris, strict=True):
         node.get_logger().info(f"{name} listens at {uri}")
-    node.create_timer(TELL_S, lambda: _tell(fleet, endpoint, health))
+    steady_timer(node, TELL_S, lambda: _tell(fleet, endpoint, health))
     return endpoint
 
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from launch import LaunchContext, LaunchDescription
-from q2q_sim.tools.launching import Argument
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
+from q2q_sim.tools.launching import COMMON_ARGUMENTS, ENDS_ALL, YES, Argument
 from q2q_sim.tools.processes import NodeSpec
 
 
@@ -15,15 +15,24 @@ def describe(
     arguments: Sequence[Argument],
     nodes: Callable[[Mapping[str, str]], list[NodeSpec]],
     renamed: Mapping[str, str] | None = None,
+    others: Callable[[Mapping[str, str]], list[LaunchDescriptionEntity]] = lambda _: [],
 ) -> LaunchDescription:
-    """Return the description; `renamed` maps a topic to the argument that holds its outside name."""
+    """Return the description.
 
-    def start(context: LaunchContext) -> list[Node]:
-        given = {one.name: LaunchConfiguration(one.name).perform(context) for one in arguments}
+    Args:
+        arguments: those of the launch file; `namespace` and `use_sim_time` are added.
+        nodes: returns the nodes, or raises ValueError before any is started.
+        renamed: maps a topic to the argument that holds its outside name.
+        others: returns what else is to be started, as the launch file of another package.
+    """
+
+    def start(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+        given = {one.name: LaunchConfiguration(one.name).perform(context) for one in every}
         names = [(topic, given[argument]) for topic, argument in (renamed or {}).items()]
-        return [_node(spec, names) for spec in nodes(given)]
+        return [*(_node(spec, names, given) for spec in nodes(given)), *others(given)]
 
-    return LaunchDescription([*map(_declared, arguments), OpaqueFunction(function=start)])
+    every = (*arguments, *COMMON_ARGUMENTS)
+    return LaunchDescription([*map(_declared, every), OpaqueFunction(function=start)])
 
 
 def _declared(one: Argument) -> DeclareLaunchArgument:
@@ -32,15 +41,18 @@ def _declared(one: Argument) -> DeclareLaunchArgument:
     )
 
 
-def _node(spec: NodeSpec, names: list[tuple[str, str]]) -> Node:
+def _node(spec: NodeSpec, names: list[tuple[str, str]], given: Mapping[str, str]) -> Node:
     values = {
         key: list(value) if isinstance(value, tuple) else value for key, value in spec.parameters.items()
     }
+    kept = {key: value for key, value in values.items() if value != []}
     return Node(
         package=spec.package,
         executable=spec.executable,
         name=spec.executable,
-        parameters=[{key: value for key, value in values.items() if value != []}],
+        namespace=given["namespace"],
+        parameters=[kept | {"use_sim_time": given["use_sim_time"] == YES}],
         remappings=[(topic, outside) for topic, outside in names if topic != outside],
         output="screen",
+        on_exit=Shutdown(reason=f"{spec.executable} has ended") if spec.executable in ENDS_ALL else None,
     )

@@ -27,6 +27,7 @@ from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.ros.run import run
+from q2q_model.ros.steady_timer import steady_timer
 from q2q_model.signals import Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
 from q2q_model.thrust_map import FIRMWARES
 from q2q_sim import scenarios
@@ -106,7 +107,7 @@ class Simulator:
             node.create_subscription(MESSAGES[SwarmCommand], "command", self._on_command, TICK, raw=True)
         node.create_service(Trigger, "~/start", self._on_start)
         live = self._params.pace == "live" or self._crtp is not None
-        node.create_timer(TICK_S if live else STALL_LOOK_S, self._on_beat if live else self._on_stall)
+        steady_timer(node, TICK_S if live else STALL_LOOK_S, self._on_beat if live else self._on_stall)
         publish_health(node, self._health, self._clock.recent)
         if self._params.autostart:
             self._start()

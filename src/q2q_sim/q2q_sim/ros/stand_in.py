@@ -121,8 +121,12 @@ class StandInNode:
         self.ports.append(Port("calls", name, type_name(kind, "srv"), ""))
         return Deaf()
 
-    def create_timer(self, _: float, __: Callable[[], None]) -> None:
+    def create_timer(self, _: float, __: Callable[[], None], **___: object) -> None:
         """Let no time pass."""
+
+    def resolve_topic_name(self, topic: str) -> str:
+        """Return the name of a topic in the root namespace."""
+        return f"/{topic}"
 
     def declare_parameter(self, name: str, default: object, descriptor: ParameterDescriptor) -> Valued:
         """Write down a parameter; return what the user would have set, else its default."""

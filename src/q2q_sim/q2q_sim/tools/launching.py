@@ -1,17 +1,22 @@
 """Say which nodes a launch file starts, and what its arguments mean; the launch files only pass them on.
 
-Two launch files: `scenario` flies in the simulator, `real_room` flies vehicles over radios by an outside
-motion capture. Arguments are words, as `ros2 launch` gives them.
+Three launch files: `scenario` flies in the simulator, `real_room` flies vehicles over radios by an outside
+motion capture, `crazyswarm` lets Crazyswarm2's server have the radios. Arguments are words, as `ros2 launch`
+gives them.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 from q2q_model.parameters import ParameterValue
+from q2q_model.tools.models import find_model
 from q2q_model.wiring import PROMISE_S
+from q2q_planner import plan_file
 from q2q_sim.tools.flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.tools.processes import NodeSpec
+from q2q_sim.tools.running_nodes import RECORDER
 
 YES, NO = "true", "false"
 
@@ -26,7 +31,7 @@ class Argument:
     choices: tuple[str, ...] = ()
 
 
-FOLDER = Argument("folder", "out/launch", "where parameters, plan and bag go; the bag in it must not exist")
+FOLDER = Argument("folder", "", "where parameters, plan and bag go; empty: out/launch/ and the date")
 VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
 FOXGLOVE = Argument("foxglove", NO, "with view: serve Foxglove on this machine", (YES, NO))
 MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
@@ -55,6 +60,28 @@ ROOM_ARGUMENTS = (
     FOXGLOVE,
 )
 
+COMMON_ARGUMENTS = (
+    Argument("namespace", "", "namespace of all nodes and topics"),
+    Argument("use_sim_time", NO, "stamps by /clock, as beside a simulator", (YES, NO)),
+)
+"""Arguments of every launch file."""
+
+CRAZYSWARM_ARGUMENTS = (
+    Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
+    Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
+    Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
+    Argument("poses_version", "1", "as in motion_capture.yaml: 2 is NamedPoseArrayV2", ("1", "2")),
+    Argument("twin", NO, "the simulator in place of radios and room", (YES, NO)),
+    Argument("scenario", "table6", "with twin: the scenario whose vehicles and air are flown"),
+    Argument("model", "measured_law", MODEL.words),
+    FOLDER,
+    VIEW,
+    FOXGLOVE,
+)
+
+ENDS_ALL = frozenset({RECORDER, "trajectory", "radio", "crazyswarm", "simulator"})
+"""Where one of these ends, all nodes of a launch end."""
+
 
 def scenario_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     """Return the nodes that fly a scenario; write its plan into the folder.
@@ -70,7 +97,7 @@ def scenario_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         seed=_whole(given["seed"], "seed"),
         model=given["model"],
     )
-    folder = Path(given["folder"])
+    folder = folder_of(given["folder"])
     folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(load_scenario(request), request, folder, folder / "bag")
     return [*map(_at_once, specs), *_viewers(given)]
@@ -80,11 +107,9 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     """Return the nodes that fly a plan in a real room.
 
     Raises:
-        ValueError: no plan or no crazyflies.yaml is given.
+        ValueError: a file is not given or absent, the bag exists, the model is unknown.
     """
-    for name in ("plan", "crazyflies"):
-        if not given[name]:
-            raise ValueError(f"give {name}:=FILE")
+    folder = _checked(given)
     by_stick = given["mode"] == "command"
     promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
     flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "aware": True, "live": True}
@@ -95,14 +120,69 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         "vehicle": given["vehicle"],
     }
     return [
-        NodeSpec("q2q_sim", "bag_record", {"bag": str(Path(given["folder"]) / "bag"), "stamps": "receive"}),
-        NodeSpec("q2q_model", "mocap_filter", promised),
-        NodeSpec("q2q_model", "interference", promised | {"model": given["model"]}),
-        NodeSpec("q2q_planner", "trajectory", promised | {"plan": given["plan"]}),
-        NodeSpec("q2q_planner", "replanner", promised),
+        *_road(given, folder),
         *(pid if by_stick else []),
         NodeSpec("q2q_control", "radio", radio),
         *_viewers(given),
+    ]
+
+
+def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
+    """Return our nodes beside Crazyswarm2's server; with `twin`, the simulator is its radios and its room.
+
+    Raises:
+        ValueError: a file is not given or absent, the bag exists, the model is unknown.
+    """
+    folder = _checked(given)
+    twin = given["twin"] == YES
+    bridge: dict[str, ParameterValue] = {
+        "crazyflies": given["crazyflies"],
+        "backend": "cflib" if twin else given["backend"],
+        "poses_in": "" if twin else "/poses",
+        "poses_out": "/poses_filtered",
+        "poses_version": _whole(given["poses_version"], "poses_version"),
+    }
+    room: dict[str, ParameterValue] = {"scenario": given["scenario"], "crtp": True}
+    return [
+        *_road(given, folder),
+        NodeSpec("q2q_control", "crazyswarm", bridge),
+        *([NodeSpec("q2q_sim", "simulator", room)] if twin else []),
+        *_viewers(given),
+    ]
+
+
+def folder_of(asked: str, now: datetime | None = None) -> Path:
+    """Return the folder of a launch: the one asked for, or a new one named by the time `now`."""
+    if asked:
+        return Path(asked)
+    return Path("out", "launch", (now or datetime.now(UTC).astimezone()).strftime("%Y-%m-%d_%H-%M-%S"))
+
+
+def _checked(given: Mapping[str, str]) -> Path:
+    """Return the folder of a launch whose files are there and whose bag is not."""
+    for name in ("plan", "crazyflies"):
+        if not given[name]:
+            raise ValueError(f"give {name}:=FILE")
+        if not Path(given[name]).is_file():
+            raise ValueError(f"{name}:={given[name]}: there is no such file")
+    plan_file.load(Path(given["plan"]))
+    find_model(given["model"])
+    folder = folder_of(given["folder"])
+    if (folder / "bag").exists():
+        raise ValueError(f"bag {folder / 'bag'} exists: choose another folder or delete it")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _road(given: Mapping[str, str], folder: Path) -> list[NodeSpec]:
+    """Return recorder and road of a real room; the trajectory waits until it is called."""
+    promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
+    return [
+        NodeSpec("q2q_sim", RECORDER, {"bag": str(folder / "bag"), "stamps": "receive"}),
+        NodeSpec("q2q_model", "mocap_filter", promised),
+        NodeSpec("q2q_model", "interference", promised | {"model": given["model"]}),
+        NodeSpec("q2q_planner", "trajectory", promised | {"plan": given["plan"], "wait": True}),
+        NodeSpec("q2q_planner", "replanner", promised),
     ]
 
 

@@ -1,0 +1,40 @@
+"""Fly Crazyflies through Crazyswarm2: ros2 launch q2q_sim crazyswarm.launch.py plan:=FILE crazyflies:=FILE.
+
+Starts Crazyswarm2's server (its own launch file, without its GUI), the bridge and our nodes; with twin:=true
+the server talks to the simulator, whose vehicles listen at the udp:// URIs of crazyflies.yaml. Nothing moves
+before `/crazyswarm/take_off` is called.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ament_index_python.packages import get_package_share_directory
+from launch.actions import GroupAction, IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch_ros.actions import SetRemap
+
+from launch import LaunchDescription, LaunchDescriptionEntity
+from q2q_sim.ros.launch_description import describe
+from q2q_sim.tools.launching import CRAZYSWARM_ARGUMENTS, YES, crazyswarm_nodes
+
+
+def server(given: Mapping[str, str]) -> list[LaunchDescriptionEntity]:
+    """Return Crazyswarm2's own launch file; its server hears our filtered poses."""
+    file = Path(get_package_share_directory("crazyflie"), "launch", "launch.py")
+    twin = given["twin"] == YES
+    arguments = {
+        "crazyflies_yaml_file": given["crazyflies"],
+        "backend": "cflib" if twin else given["backend"],
+        "mocap": "False" if twin else "True",
+        "gui": "False",
+        "teleop": "False",
+    }
+    included = IncludeLaunchDescription(
+        PythonLaunchDescriptionSource(str(file)), launch_arguments=list(arguments.items())
+    )
+    return [GroupAction([SetRemap("crazyflie_server:poses", "/poses_filtered"), included])]
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return server, bridge and nodes; `--show-args` tells the arguments."""
+    return describe(CRAZYSWARM_ARGUMENTS, crazyswarm_nodes, others=server)
