@@ -29,6 +29,7 @@ setup(
             "mpc = q2q_control.commands.nodes:mpc",
             "crazyswarm = q2q_control.commands.nodes:crazyswarm",
             "radio = q2q_control.commands.nodes:radio",
+            "call = q2q_control.commands.call:main",
         ],
     },
 )

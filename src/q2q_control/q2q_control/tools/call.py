@@ -1,0 +1,14 @@
+"""Make one call of the flight procedure and print its answer."""
+
+import sys
+from argparse import Namespace
+
+from q2q_control.ros.procedure_call import ask
+
+
+def run(asked: Namespace) -> int:
+    """Make the call; return the exit status."""
+    service = f"{asked.node}/{asked.call}"
+    reply = ask(service)
+    print(f"{service}: {reply.reason}", file=sys.stdout if reply.granted else sys.stderr)
+    return 0 if reply.granted else 1
