@@ -26,14 +26,20 @@ def start(
 
 
 def wait_until_spinning(process: subprocess.Popen[str]) -> None:
-    """Return once the process has set its signal handlers (SIGINT and SIGTERM are caught), or has ended."""
+    """Return once the process catches SIGINT and SIGTERM with its middleware running, or has ended."""
     status = Path(f"/proc/{process.pid}/status")
     wanted = 1 << (signal.SIGINT - 1) | 1 << (signal.SIGTERM - 1)
     while process.poll() is None:
         line = next(line for line in status.read_text().splitlines() if line.startswith("SigCgt"))
-        if int(line.split()[1], 16) & wanted == wanted:
+        if int(line.split()[1], 16) & wanted == wanted and _threads_of_dds(process.pid):
             return
         try:
             process.wait(0.02)
         except subprocess.TimeoutExpired:
             continue
+
+
+def _threads_of_dds(pid: int) -> bool:
+    """Return whether Fast DDS runs threads in a process: then its imports are over."""
+    names = Path(f"/proc/{pid}/task").glob("*/comm")
+    return any(name.read_text().startswith("dds.") for name in names)

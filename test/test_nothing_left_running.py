@@ -24,12 +24,20 @@ def start_flight() -> subprocess.Popen[str]:
     )
 
 
+def children(parent: int) -> list[int]:
+    """Return the process ids of a process's children, the oldest first; none of one that is gone."""
+    try:
+        return [int(word) for word in Path(f"/proc/{parent}/task/{parent}/children").read_text().split()]
+    except OSError:
+        return []
+
+
 def nodes_of(flight: subprocess.Popen[str]) -> list[int]:
-    """Return the process ids of a flight's nodes once all are started."""
-    children = Path(f"/proc/{flight.pid}/task/{flight.pid}/children")
+    """Return the process ids of a flight's nodes, children of its warm parent, once all are started."""
     while flight.poll() is None:
-        found = [int(word) for word in children.read_text().split()]
-        if len(found) >= NODES:
+        families = [children(child) for child in children(flight.pid)]
+        found = next((family for family in families if len(family) >= NODES), None)
+        if found is not None:
             return found
         try:
             flight.wait(0.02)

@@ -19,6 +19,10 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _prepare(_: Namespace) -> Work:
+    from q2q_sim.tools.warm_start import begin
+
+    print("demo: three flights: starting", file=sys.stderr, flush=True)
+    begin()  # it imports beside us
     from q2q_sim.tools.demo import run
 
     return run

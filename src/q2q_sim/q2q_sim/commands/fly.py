@@ -29,6 +29,11 @@ def _prepare(asked: Namespace) -> Work:
         scenario_files.check(asked.scenario)
     if asked.model:
         check_model(asked.model)
+    if not asked.list:
+        from q2q_sim.tools.warm_start import begin
+
+        print(f"fly: {asked.real or asked.scenario}: starting", file=sys.stderr, flush=True)
+        begin()  # it imports beside us
     from q2q_sim.tools.fly import run
 
     return run

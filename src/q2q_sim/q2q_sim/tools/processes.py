@@ -1,23 +1,23 @@
 """Start the nodes of a flight as processes, watch them, and end them: none outlives its starter."""
 
-import ctypes
 import os
 import signal
-import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Self
 
 import yaml
 
 from q2q_model.parameters import ParameterValue
+from q2q_sim.tools.warm_start import NodeStart, fork
 
 END_PATIENCE_S = 10.0
 """How long a node may take to end after SIGINT before it is killed [s]."""
-PR_SET_PDEATHSIG = 1
-"""prctl option: signal to get when the parent dies (Linux)."""
+
+
+KILLED = -signal.SIGKILL
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class Processes:
         """Take the folder for parameter files and logs, and what to add to the nodes' environment."""
         self._folder = folder
         self._environment = environment or {}
-        self._running: dict[str, subprocess.Popen[bytes]] = {}
+        self._running: dict[str, BaseProcess] = {}
         self._excused: set[str] = set()
 
     def __enter__(self) -> Self:
@@ -75,17 +75,21 @@ class Processes:
         """Start a node with its parameters; its output goes to `<executable>.log`."""
         parameters = self._folder / f"{spec.executable}.yaml"
         parameters.write_text(yaml.safe_dump(sections(spec)))
-        program = str(find_executable(spec.package, spec.executable))
-        command = [program, "--ros-args", "--params-file", str(parameters)]
-        with self._log(spec.executable).open("wb") as log:
-            self._running[spec.executable] = subprocess.Popen(
-                command,
-                stdout=log,
-                stderr=log,
-                stdin=subprocess.DEVNULL,
-                env={**os.environ, **self._environment},
-                preexec_fn=partial(_settle, spec.cores),  # noqa: PLW1509 (no threads of ours run before the nodes do)
+        self._running[spec.executable] = fork(
+            NodeStart(
+                package=spec.package,
+                executable=spec.executable,
+                command=(
+                    str(find_executable(spec.package, spec.executable)),
+                    "--ros-args",
+                    "--params-file",
+                    str(parameters),
+                ),
+                environment={**os.environ, **self._environment},
+                log=self._log(spec.executable),
+                cores=spec.cores,
             )
+        )
 
     @property
     def excused(self) -> frozenset[str]:
@@ -102,20 +106,23 @@ class Processes:
 
     def pid(self, executable: str) -> int:
         """Return a node's process id."""
-        return self._running[executable].pid
+        pid = self._running[executable].pid
+        if pid is None:
+            raise ValueError(f"{executable} has not started")
+        return pid
 
     def check(self) -> None:
         """Raise NodeDiedError if a node has ended that is not excused."""
         for name, process in self._running.items():
-            if name not in self._excused and process.poll() is not None:
+            if name not in self._excused and process.exitcode is not None:
                 words = self._last_words(name)
-                raise NodeDiedError(f"{name} ended with status {process.returncode}: {words}")
+                raise NodeDiedError(f"{name} ended with status {process.exitcode}: {words}")
 
     def end(self) -> dict[str, int]:
         """Send SIGINT to every node, wait, kill what stays; return the exit statuses."""
-        for process in self._running.values():
-            if process.poll() is None:
-                process.send_signal(signal.SIGINT)
+        for name, process in self._running.items():
+            if process.exitcode is None:
+                os.kill(self.pid(name), signal.SIGINT)
         statuses = {name: _wait(process) for name, process in self._running.items()}
         self._running.clear()
         return statuses
@@ -154,17 +161,9 @@ def _nested(flat: Mapping[str, object]) -> dict[str, object]:
     return made
 
 
-def _wait(process: subprocess.Popen[bytes]) -> int:
-    try:
-        return process.wait(END_PATIENCE_S)
-    except subprocess.TimeoutExpired:
+def _wait(process: BaseProcess) -> int:
+    process.join(END_PATIENCE_S)
+    if process.exitcode is None:
         process.kill()
-        return process.wait()
-
-
-def _settle(cores: frozenset[int]) -> None:
-    """Make the new process a session of its own that dies with its parent and stays on its cores."""
-    os.setsid()
-    if cores:
-        os.sched_setaffinity(0, cores)
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+        process.join()
+    return KILLED if process.exitcode is None else process.exitcode

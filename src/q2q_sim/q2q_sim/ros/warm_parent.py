@@ -1,0 +1,34 @@
+"""Import and rehearse all that the nodes of a flight need: what q2q_sim.tools.warm_start has its parent do.
+
+Some ticks of a short flight, without ROS, load the compiled code of every block. What stands then is frozen:
+no fork's garbage collector looks at it, so its memory stays shared.
+"""
+
+import gc
+from dataclasses import replace
+
+from q2q_model.tools.models import find_model
+from q2q_sim import scenarios
+from q2q_sim.choices import CONTROLLERS
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.ros import bag_play_node, bag_record_node, simulator_node, stack
+from q2q_sim.tools.warm_start import die_with_parent
+
+__all__ = ["bag_play_node", "bag_record_node", "simulator_node", "stack"]
+
+SCENARIO = "table6"
+REHEARSED_S = 0.05
+"""Length of the flight [s]: every block's first ticks."""
+
+
+def rehearse() -> None:
+    """Fly some ticks with each controller."""
+    short = replace(scenarios.load(SCENARIO), duration=REHEARSED_S)
+    for controller in CONTROLLERS:
+        fly(short, FlightOptions(controller=controller, model=find_model(short.model).interaction))
+
+
+die_with_parent()
+rehearse()
+gc.collect()
+gc.freeze()
