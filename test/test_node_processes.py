@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from fresh_checkout import ROOT
 from started_nodes import PATIENCE_S, start, wait_until_spinning
 
 from q2q_sim.tools.domain import own_domain
@@ -16,6 +17,13 @@ NODES = [
     ("q2q_control", "pid", []),
     ("q2q_sim", "simulator", ["autostart:=false"]),
 ]
+
+MISSPELT = (
+    ("q2q_sim", "simulator", "scenaro", "scenario"),
+    ("q2q_control", "pid", "k_p_zz", "k_p_z"),
+    ("q2q_sim", "stack", "law_", "law"),
+)
+"""The last one is of a node within the process."""
 
 
 @pytest.fixture(autouse=True)
@@ -53,6 +61,19 @@ def test_a_node_ends_with_0_on_a_signal(
 
 def test_an_unknown_scenario_is_answered_with_the_nearest_right_one() -> None:
     assert "table6" in refusal("q2q_sim", "simulator", ["scenario:=tabel6"])
+
+
+@pytest.mark.parametrize(("package", "executable", "wrong", "right"), MISSPELT)
+def test_a_parameter_there_is_not_is_answered_with_the_nearest_right_one(
+    package: str, executable: str, wrong: str, right: str
+) -> None:
+    assert f"did you mean {right}?" in refusal(package, executable, [f"{wrong}:=1"])
+
+
+def test_bag_play_ends_when_the_bag_does() -> None:
+    process = start("q2q_sim", "bag_play", ros_words([f"bag:={ROOT / 'bags/table2_1'}", "rate:=1000.0"]))
+    _, said = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, said) == (0, "playback over\n")
 
 
 def test_a_gain_out_of_range_is_refused_with_its_bounds() -> None:

@@ -97,6 +97,9 @@ def test_no_network_gives_one_line_and_removes_the_half_made_venv(checkout: Chec
     assert "no network" in error_line(done.stderr)
     assert "Check the connection" in error_line(done.stderr)
     assert not (checkout.root / ".venv").exists()
+    steps = [line for line in (checkout.root / "log/setup.log").read_text().splitlines() if line[:3] == "== "]
+    assert "-m venv" in steps[0]
+    assert "pip_install" in steps[-1]
 
 
 def test_env_returns_the_failure_and_leaves_the_callers_options(checkout: Checkout):

@@ -25,8 +25,30 @@ venv_is_whole() { [ -f "$STAMPS/venv" ] && [ "$(origin "$VENV/bin/python")" = "$
 
 # Without compiling: half of pip's time, for modules of which few are ever imported.
 pip_install() {
-  "$VENV/bin/python" -m pip --disable-pip-version-check --no-input install -q --no-compile --retries 2 --timeout 30 \
-    -c "$STAMPS/constraints.txt" -c "$ROOT/requirements/constraints.txt" "$@"
+  "$VENV/bin/python" -m pip --disable-pip-version-check --no-input --no-color install --progress-bar off --no-compile \
+    --retries 2 --timeout 30 -c "$STAMPS/constraints.txt" -c "$ROOT/requirements/constraints.txt" "$@" | tell_downloads
+  return "${PIPESTATUS[0]}"
+}
+
+# Pass pip's words on, and tell whoever started the set-up (file 8) which package is being fetched: each on one
+# line of a terminal, else only large ones.
+tell_downloads() {
+  local line count=0
+  while IFS= read -r line; do
+    printf '%s\n' "$line"
+    case $line in
+      *"Downloading "*.metadata*) ;;
+      *"Downloading "*) count=$((count + 1)) && tell "package $count: ${line##*Downloading }" ;;
+      "Installing collected packages"*) tell "$count packages fetched, unpacking" && [ ! -t 8 ] || echo >&8 ;;
+    esac
+  done
+}
+tell() {
+  if [ -t 8 ]; then
+    printf '\r\033[Ksetup:   %s' "$1" >&8
+  elif [[ $1 == *" MB"* ]]; then
+    printf 'setup:   %s\n' "$1" >&8
+  fi
 }
 
 # Let .venv import a sourced rclpy that is in another environment's site-packages (its .pth files included).
@@ -83,11 +105,11 @@ ensure_dev() {
   say "step 2b of 3: packages of the tests and checks"
   logged "the packages of requirements/dev.txt could not be installed" \
     pip_install -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
-  pip_install -r "$ROOT/requirements/radio.txt" >"$LOG" 2>&1 ||
+  in_log pip_install -r "$ROOT/requirements/radio.txt" ||
     say "cflib does not go with this Python's packages: no real vehicles, and tests of their clients skip"
   say "step 2c of 3: torch, CPU build"
-  pip_install -r "$ROOT/requirements/train.txt" >"$LOG" 2>&1 ||
-    pip_install --extra-index-url https://download.pytorch.org/whl/cpu -r "$ROOT/requirements/train.txt" >"$LOG" 2>&1 ||
+  in_log pip_install -r "$ROOT/requirements/train.txt" ||
+    in_log pip_install --extra-index-url https://download.pytorch.org/whl/cpu -r "$ROOT/requirements/train.txt" ||
     say "no CPU build of torch can be reached: training is off and its tests skip (to try again: rm .venv/q2q/dev)"
   stamp dev "$(dev_hash)"
 }

@@ -1,7 +1,8 @@
 """Make a Params dataclass a node's ROS parameters: description, range, read-only, and live changes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import Field, fields, replace
+from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import (
@@ -33,6 +34,20 @@ def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False)
         entry.name: _declared(node, params, entry, prefix, in_flight=in_flight) for entry in fields(params)
     }
     return with_overrides(params, values)
+
+
+def refuse_undeclared(nodes: Iterable[Node]) -> None:
+    """Raise ValueError for a parameter that a user set and none of a process's nodes has declared.
+
+    Call it once they have declared theirs: ROS itself passes over a misspelt name in silence.
+    """
+    here = list(nodes)
+    known = {name for node in here for name in node.list_parameters([], 0).names}
+    given = {name for node in here for name in node._parameter_overrides}  # noqa: SLF001  (rclpy says it nowhere else)
+    for name in sorted(given - known):
+        near = get_close_matches(name, known, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(sorted(known))}"
+        raise ValueError(f"no parameter {name}; {hint}")
 
 
 def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "") -> None:

@@ -11,13 +11,16 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from types import FrameType
 from typing import TypeVar
+from weakref import WeakSet
 
 import rclpy
+from rclpy.duration import Duration
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
+from q2q_model.ros.parameters import refuse_undeclared
 from q2q_model.ros.ready import offer_drained, offer_ready
 
 WAKE_S = 0.1
@@ -26,9 +29,14 @@ WAKE_S = 0.1
 EventsExecutor.spin() runs nothing here, and a spin_once for each message costs more than the message.
 """
 
+HAND_OVER = Duration(seconds=2.0)
+"""How long a node that has finished waits for the readers of one topic."""
 ENDING = (signal.SIGINT, signal.SIGTERM)
 
 Kept = TypeVar("Kept")
+
+
+_FINISHED: WeakSet[Node] = WeakSet()
 
 
 def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | None = None) -> None:
@@ -54,6 +62,7 @@ def run_together(
     try:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         kept = build()
+        refuse_undeclared(kept)
         for node in kept:
             offer_ready(node)
             offer_drained(node)
@@ -96,6 +105,21 @@ def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
     while rclpy.ok() and not ending.asked:
         never: Future[None] = Future()  # a new one: the executor leaves a callback at it each time
         executor.spin_until_future_complete(never, WAKE_S)
+        if any(node in _FINISHED for node in nodes):
+            _hand_over(nodes)
+            return
+
+
+def finish(node: Node) -> None:
+    """End the process of a node, whose work is done, once readers have acknowledged what it published."""
+    _FINISHED.add(node)
+
+
+def _hand_over(nodes: Iterable[Node]) -> None:
+    """Give every reader the time to acknowledge what the nodes published."""
+    for node in nodes:
+        for writer in node.publishers:
+            writer.wait_for_all_acked(HAND_OVER)
 
 
 def make_executor() -> Executor:

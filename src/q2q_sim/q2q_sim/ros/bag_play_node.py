@@ -1,4 +1,7 @@
-"""Play a bag as a node: its messages on their topics at a rate, or one tick at a time as answers come."""
+"""Play a bag as a node: its messages on their topics at a rate, or one tick at a time as answers come.
+
+The node ends when the bag does.
+"""
 
 import sys
 from collections.abc import Iterator
@@ -21,7 +24,7 @@ from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.messages import header_at
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
-from q2q_model.ros.run import run
+from q2q_model.ros.run import finish, run
 from q2q_model.ros.steady_timer import steady_timer
 from q2q_sim.lockstep import Patience
 from q2q_sim.playback import Playback
@@ -157,6 +160,7 @@ class Player:
         else:
             self._over.publish(String(data=self._params.bag))
             print("playback over", file=sys.stderr)
+            finish(self._node)
 
 
 def _class_of(kind: str) -> type:

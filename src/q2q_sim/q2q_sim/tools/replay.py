@@ -8,6 +8,8 @@ from q2q_model.flights import Flight
 from q2q_sim.tools.processes import NodeSpec
 from q2q_sim.tools.running_nodes import RECORDER, running_nodes
 
+PLAYER = "bag_play"
+
 
 def replay(bag: Path, model: str, folder: Path) -> Flight:
     """Return what the nodes make of a bag's mocap: filtered states and predicted drafts.
@@ -24,7 +26,8 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
     made = folder / "replayed"
     specs = node_specs(bag, model, made, read_flight(bag).names)
     with running_nodes(specs, folder) as running:
-        running.director.start("bag_play")
+        running.processes.excuse(PLAYER)  # it ends with the bag
+        running.director.start(PLAYER)
         running.director.wait_playback()
     return read_flight(made)
 
@@ -37,7 +40,7 @@ def node_specs(bag: Path, model: str, made: Path, names: Sequence[str]) -> list[
         NodeSpec("q2q_model", "interference", {"model": model}),
         NodeSpec(
             "q2q_sim",
-            "bag_play",
+            PLAYER,
             {"bag": str(bag), "topics": ("mocap",), "answer": "interference", "autostart": False},
         ),
     ]
