@@ -13,7 +13,6 @@ A crossing point stands for at most half a grid step of boundary, so distances h
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from q2q_model.interaction.model import InteractionModel, at_rest
 from q2q_model.signals import Array
@@ -68,6 +67,8 @@ def level_set(model: InteractionModel, threshold: float) -> LevelSet:
     Raises:
         ValueError: the draft is nowhere that strong, so the zone would be empty.
     """
+    from scipy.spatial import cKDTree  # half a second that nodes with a zone of their own are spared
+
     excess = _strength(model) - threshold
     if not (excess > 0.0).any():
         peak = float(excess.max()) + threshold

@@ -13,7 +13,6 @@ from functools import singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.distance import pdist
 
 from q2q_model.layout import Signal
 from q2q_model.signals import (
@@ -73,7 +72,17 @@ def _(signal: SwarmCommand) -> Mapping[str, str]:
 
 def smallest_separation(pos: Array) -> float:
     """Return the smallest distance between two vehicles at pos [m], (n, 3); infinite for fewer than two."""
-    return float(np.nan_to_num(pdist(pos), nan=np.inf, posinf=np.inf).min(initial=np.inf))
+    seen = pos[np.isfinite(pos).all(axis=1)]
+    if len(seen) < 2:
+        return float("inf")
+    centred = seen - seen.mean(axis=0)
+    squares = np.sum(centred * centred, axis=1)
+    gaps = (
+        squares[:, None] + squares - 2.0 * centred @ centred.T
+    )  # squared; rounded, so only to find the pair
+    np.fill_diagonal(gaps, np.inf)
+    i, j = np.unravel_index(np.argmin(gaps), gaps.shape)
+    return float(np.linalg.norm(seen[i] - seen[j]))
 
 
 def _count(which: NDArray[np.bool_]) -> str:

@@ -49,6 +49,19 @@ def test_a_vehicle_alone_or_unknown_has_no_pair():
     assert smallest_separation(np.zeros((0, 3))) == np.inf
 
 
+@pytest.mark.parametrize("offset", [0.0, 1e4])
+def test_the_smallest_separation_is_that_of_the_closest_of_all_pairs(offset: float):
+    rng = np.random.default_rng(7)
+    pos = rng.uniform(-5.0, 5.0, (60, 3))
+    pos[41] = pos[3] + [0.0, 0.03, 0.04]
+    pos[11] = np.nan
+    pairs = [(i, j) for i in range(60) for j in range(i)]
+    wanted = min(d for i, j in pairs if (d := float(np.linalg.norm(pos[i] - pos[j]))) == d)
+    assert wanted == pytest.approx(0.05, rel=1e-12)
+    # 1e4 m away a coordinate holds 2e-12 m
+    assert smallest_separation(pos + offset) == pytest.approx(wanted, abs=1e-15 + 1e-15 * offset)
+
+
 def test_a_draft_tells_its_largest_length():
     acc = np.array([[0.0, 0.0, 0.0], [0.0, -3.0, -4.0], [0.0, 0.0, 1.0]])
     status = np.array(

@@ -21,7 +21,6 @@ from collections.abc import Sequence
 from typing import Literal, assert_never
 
 import numpy as np
-from scipy.linalg import solveh_banded
 
 from q2q_model.signals import Array
 from q2q_planner.hermite import piece_energies, pieces_from_nodes, power_gram
@@ -94,6 +93,8 @@ def _free_nodes(values: Array, durations: Array, half: int) -> Array:
         return nodes
     energies = piece_energies(durations / scale, half)  # (pieces, 2k, 2k)
     banded, force = _inner_system(energies, values, half)
+    from scipy.linalg import solveh_banded  # half a second that whoever flies a finished plan is spared
+
     slopes = solveh_banded(banded, force, lower=True)  # (inner (k-1), axes)
     unscale = scale ** -np.arange(1, half, dtype=float)
     nodes[1:-1, :, 1:] = slopes.reshape(inner, half - 1, -1).swapaxes(1, 2) * unscale

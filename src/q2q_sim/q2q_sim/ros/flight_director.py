@@ -42,6 +42,8 @@ class FlightDirector:
         self._ticks = 0
         self._played = False
         self._moved_at = monotonic()
+        self._drains: dict[str, Client] = {}
+        """Made before the flight, so that they have long found their services when it ends."""
         self._node.create_subscription(String, "flight_summary", self._on_summary, LATCHED)
         self._node.create_subscription(String, "playback_over", self._on_playback_over, LATCHED)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
@@ -68,6 +70,7 @@ class FlightDirector:
             TimeoutError: naming what is not wired after timeout_s [s].
         """
         clients = {name: self._node.create_client(Trigger, f"{name}/{SERVICE}") for name in nodes}
+        self._drains = {name: self._drain_client(name) for name in clients}
         deadline = monotonic() + timeout_s
         while waiting := self._waiting(clients):
             if monotonic() > deadline:
@@ -96,7 +99,7 @@ class FlightDirector:
         Give the recorder last: it answers only after it has taken what came before the question.
         """
         for name in nodes:
-            client = self._node.create_client(Trigger, f"{name}/{DRAINED}")
+            client = self._drains.pop(name, None) or self._drain_client(name)
             deadline = monotonic() + DRAIN_S
             while monotonic() < deadline:
                 answer = self._call(client) if client.service_is_ready() else None
@@ -130,11 +133,15 @@ class FlightDirector:
             *(f"{name} waits for {', '.join(topics)}" for name, topics in late),
         ]
 
+    def _drain_client(self, name: str) -> Client:
+        return self._node.create_client(Trigger, f"{name}/{DRAINED}")
+
     def _call(self, client: Client) -> Trigger.Response | None:
         future = client.call_async(Trigger.Request())
         deadline = monotonic() + 1.0
         while not future.done() and monotonic() < deadline:
-            self._spin(0.01)
+            self._check()
+            self._executor.spin_once(timeout_sec=POLL_S)
         response: Trigger.Response | None = future.result() if future.done() else None
         return response
 
