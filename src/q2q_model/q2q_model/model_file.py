@@ -3,7 +3,7 @@
 A `.q2q` file is JSON, readable by eye, and holds data only: its `type` entries choose among the classes named
 here, nothing in it is run. A SHA-256 checksum of the rest finds a file that was cut, edited or damaged.
 
-    {"format": "q2q-model", "version": 1, "checksum": "...",
+    {"format": "q2q-model", "version": 2, "checksum": "...",
      "model": {"type": "jet", "parameters": {...}},
      "zone": {"type": "cylinder", "parameters": {"eps": 0.1, "d": 1.1}},
      "gains": {"k_p": ..., "k_d": ..., ...} | null,
@@ -27,7 +27,9 @@ from q2q_model.model_names import ModelFileError
 from q2q_model.plain_values import Plain, PlainValueError, from_plain, to_plain
 from q2q_model.zone import Cylinder, Ellipsoid, Zone
 
-FORMAT, VERSION = "q2q-model", 1
+FORMAT, VERSION = "q2q-model", 2
+READABLE = (1, VERSION)
+"""Version 1 has no std_floor of a jet: it is the default, 0."""
 
 MODELS: Mapping[str, type[NoInteraction | Jet | EnvelopeNetwork]] = {
     "none": NoInteraction,
@@ -138,9 +140,9 @@ def _checked_body(text: str) -> dict[str, Plain]:
         raise ModelFileError(f"no complete JSON ({error}); make it again with identify") from error
     if not isinstance(body, dict) or body.get("format") != FORMAT:
         raise ModelFileError(f'no q2q model: entry "format" should be "{FORMAT}"')
-    if body.get("version") != VERSION:
+    if body.get("version") not in READABLE:
         raise ModelFileError(
-            f"version {body.get('version')!r} is unknown: this program reads version {VERSION}"
+            f"version {body.get('version')!r} is unknown: this program reads versions 1 to {VERSION}"
         )
     found = body.pop("checksum", None)
     if found != _checksum(body):

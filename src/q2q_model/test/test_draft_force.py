@@ -9,8 +9,15 @@ import pytest
 
 from q2q_model.flight_log import FlightLog
 from q2q_model.identification.along_flight import Motion, eta_along, eta_felt
-from q2q_model.identification.draft_force import ForceRecord, ForceSamples, force_samples, pooled, score
-from q2q_model.identification.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.draft_force import (
+    ForceRecord,
+    ForceSamples,
+    Mask,
+    force_samples,
+    pooled,
+    score,
+)
+from q2q_model.identification.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
 from q2q_model.identification.recorded_push import LOG_MASS, lagged, push_of_log
 from q2q_model.interaction.jet import MEASURED_LAW, Jet
 from q2q_model.interaction.none import NoInteraction
@@ -242,8 +249,18 @@ def test_feed_forward_on_is_predicted_too():
     flights = {name: found for name, found in real_samples(ON).items() if name.startswith("dc21_swap_s")}
     names = list(flights)
     chosen = names[::2]
-    jet = fit_to_pushes([one for name in names if name not in chosen for one in flights[name]], JetForm()).jet
+    taught = [one for name in names if name not in chosen for one in flights[name]]
+    jet = with_held_out_deviation(fit_to_pushes(taught, JetForm()).jet, taught, JetForm())
     found = score(jet, [one for name in chosen for one in flights[name]])
     assert found.r2_exposed is not None
     assert found.r2_exposed >= 0.80
     assert LOG_MASS == 0.032
+    within = [_within_band(jet, one) for name in chosen for one in flights[name] if one.exposed.any()]
+    assert 0.93 <= np.concatenate(within).mean() <= 0.97  # of 95 %: 0.944 over the whole family
+
+
+def _within_band(jet: Jet, one: ForceSamples) -> Mask:
+    """Return which exposed rows lie within 1.96 of the deviations that the model claims."""
+    rows = np.nonzero(one.exposed)[0]
+    eta = eta_felt(jet, one.motion, one.vehicle, rows)[:, 2]
+    return np.abs(one.y[rows] - eta) <= 1.96 * (jet.std_floor + jet.relative_std * np.abs(eta))

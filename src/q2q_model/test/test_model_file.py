@@ -78,11 +78,18 @@ def _resealed(change: dict[str, object]) -> str:
     return json.dumps(body | {"checksum": model_file._checksum(body)})
 
 
+def test_a_jet_of_version_1_is_read_as_one_without_a_floor_of_its_deviation():
+    made = Jet(strength=0.5, relative_std=0.2)
+    old = json.loads(encode(ModelFile(made)))["model"]
+    del old["parameters"]["std_floor"]
+    assert decode(_resealed({"version": 1, "model": old})).interaction == made
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [
         ({"format": "onnx"}, 'should be "q2q-model"'),
-        ({"version": 2}, "version 2 is unknown"),
+        ({"version": 3}, "version 3 is unknown"),
         ({"zone": ...}, "entry 'zone' is missing"),
         (
             {"model": {"type": "os.system", "parameters": {}}},

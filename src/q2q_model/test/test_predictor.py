@@ -137,6 +137,13 @@ def test_variances_of_several_sources_add_up():
     assert answer.std[0, 2] == pytest.approx(np.hypot(near, far))
 
 
+def test_the_deviation_is_affine_in_the_push():
+    law = Jet(relative_std=0.25, std_floor=0.3, upper_ratio=0.0)
+    answer = InteractionPredictor(law).update(state(0.0, [[0, 0, 1.0], [0, 0, 1.5]]))
+    np.testing.assert_allclose(answer.std[:, 2], 0.3 + 0.25 * np.abs(answer.acc[:, 2]))
+    assert np.abs(answer.acc[0, 2]) > 0.1
+
+
 def test_exchanging_the_model_acts_at_the_next_stamp():
     predictor = InteractionPredictor(PAPER_LAW)
     before = predictor.update(state(0.0, STACK))

@@ -13,10 +13,17 @@ import numpy as np
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.evidence import Evidence, shows_draft
 from q2q_model.identification.held_out import Fitter, Score, score_held_out
-from q2q_model.identification.jet_fit import JetFit, JetForm, fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.jet_fit import (
+    JetFit,
+    JetForm,
+    fit_to_altitudes,
+    fit_to_pushes,
+    with_held_out_deviation,
+)
 from q2q_model.identification.network_fit import NetworkParams, fit_networks
 from q2q_model.identification.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, passage
 from q2q_model.interaction.envelope_network import EnvelopeNetwork
+from q2q_model.interaction.jet import Jet
 from q2q_model.interaction.model import InteractionModel
 from q2q_model.interaction.none import NoInteraction
 
@@ -136,6 +143,16 @@ def fit_jet(flights: Sequence[Evidence], loop: AltitudeLoop, form: JetForm) -> J
     if any(one.exposed.any() for one in pushes):
         return fit_to_pushes(pushes, form)
     return fit_to_altitudes([flight.record for flight in flights], loop, form)
+
+
+def with_deviation(
+    found: Candidate, model: InteractionModel, flights: Sequence[Evidence]
+) -> InteractionModel:
+    """Return a candidate's model with its deviation on flights left out, where it is a jet of pushes."""
+    pushes = [one for flight in flights for one in flight.pushes]
+    if found.name in FORMS and isinstance(model, Jet):
+        return with_held_out_deviation(model, pushes, FORMS[found.name])
+    return model
 
 
 def _jets(flights: Sequence[Evidence], loop: AltitudeLoop) -> list[Candidate]:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, minimize
 
 from q2q_model.identification.along_flight import Motion, eta_along, eta_felt
 from q2q_model.identification.altitude_loop import AltitudeLoop
@@ -36,6 +36,10 @@ THINNING = 10
 """Every tenth tick of 100 Hz: 10 Hz for a loop of 0.9 rad/s."""
 BLOCK = 0.5
 """Least length of a cluster of residuals [s]: a jet of 0.1 m at 1 m/s passes five times within it."""
+Z95 = 1.96
+"""Deviations of a normal that hold 95 % of it."""
+MOST_STD = 10.0
+"""Largest floor [m/s^2] and share [-] a jet takes."""
 FASTEST = 500.0
 """Travel speeds above this are no delay at all [m/s]: a tenth of a tick over half a metre."""
 
@@ -84,7 +88,8 @@ def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm) -> JetFit:
         ]
 
     fit = _fit(residuals, form, "soft_l1")
-    return replace(fit, jet=replace(fit.jet, relative_std=_relative_std(fit.jet, samples)))
+    floor, share = _affine(*_misses(fit.jet, samples))
+    return replace(fit, jet=replace(fit.jet, std_floor=floor, relative_std=share))
 
 
 def fit_to_altitudes(records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm) -> JetFit:
@@ -173,16 +178,45 @@ def _jet(form: JetForm, names: Sequence[str], x: Array) -> Jet:
     )
 
 
-def _relative_std(jet: Jet, samples: Sequence[ForceSamples]) -> float:
-    """Return the miss over the push where the push is strong: there turbulence rules, not the sensor."""
-    misses, pushes = [], []
+def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: JetForm) -> Jet:
+    """Return a jet whose deviation is that of misses on flights left out: half predicts the other half.
+
+    With one flight nothing can be left out, and the jet keeps the deviation of its own misses.
+    """
+    flights = list(dict.fromkeys(one.flight for one in samples if one.exposed.any()))
+    halves = [[one for one in samples if one.flight in flights[k::2]] for k in (0, 1)]
+    if len(flights) < 2:
+        return jet
+    parts = [_misses(fit_to_pushes(halves[1 - k], form).jet, halves[k]) for k in (0, 1)]
+    floor, share = _affine(*(np.concatenate(some) for some in zip(*parts, strict=True)))
+    return replace(jet, std_floor=floor, relative_std=share)
+
+
+def _misses(jet: Jet, samples: Sequence[ForceSamples]) -> tuple[Array, Array]:
+    """Return |eta| and |y - eta| on exposed rows, (k,)."""
+    pushes, misses = [np.empty(0)], [np.empty(0)]
     for one in samples:
         rows = np.nonzero(one.exposed)[0]
         eta = eta_felt(jet, one.motion, one.vehicle, rows)[:, 2]
-        misses.append(one.y[rows] - eta)
-        pushes.append(eta)
-    miss, push = np.concatenate(misses), np.concatenate(pushes)
-    strong = np.abs(push) > 0.5 * np.abs(push).max(initial=0.0)
-    if not strong.any():
-        return 0.0
-    return float(np.sqrt(np.mean(miss[strong] ** 2) / np.mean(push[strong] ** 2)))
+        pushes.append(np.abs(eta))
+        misses.append(np.abs(one.y[rows] - eta))
+    return np.concatenate(pushes), np.concatenate(misses)
+
+
+def _affine(push: Array, miss: Array) -> tuple[float, float]:
+    """Return floor [m/s^2] and share of the deviation floor + share |eta| that misses show.
+
+    Both make the misses likeliest as a normal; then they are scaled so that 95 % of the rows lie within 1.96
+    deviations, since the misses' tails are not a normal's.
+    """
+    if push.size == 0:
+        return 0.0, 0.0
+
+    def unlikely(x: Array) -> float:
+        std = np.exp(x[0]) + np.exp(x[1]) * push
+        return float(np.sum(np.log(std) + 0.5 * (miss / std) ** 2))
+
+    first = np.log([max(float(np.sqrt(np.mean(miss**2))), 1e-6), 0.1])
+    floor, share = np.exp(minimize(unlikely, first, method="Nelder-Mead").x)
+    wide = float(np.quantile(miss / (floor + share * push), 0.95)) / Z95
+    return float(min(wide * floor, MOST_STD)), float(min(wide * share, MOST_STD))

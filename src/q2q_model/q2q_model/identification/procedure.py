@@ -19,6 +19,7 @@ from q2q_model.identification.candidates import (
     fit_best,
     remarks_on_networks,
     try_out,
+    with_deviation,
 )
 from q2q_model.identification.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.deviation import DecayFit, fit_decay
@@ -95,6 +96,7 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
     trials, left_out = try_out(candidates(params.model_type, evidence, loop), evidence, loop, tell)
     tell("final fit")
     best, model, refused = fit_best(trials, evidence)
+    model = with_deviation(best.candidate, model, evidence)
     zone, more = _learned_zone(model, params.threshold)
     fit = Fit(
         method=best.candidate.name,

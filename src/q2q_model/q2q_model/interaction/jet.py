@@ -58,7 +58,10 @@ class Jet:
     upper_ratio: float = tunable(0.2, "upper vehicle's share, upwards", low=-1, high=1)
     travel_speed: float = tunable(0.0, "speed of the push; 0 means at once", unit="m/s", low=0, high=1e3)
     carried: float = tunable(0.0, "share of the source's speed and slope that the air keeps", low=0, high=1)
-    relative_std: float = tunable(0.0, "standard deviation over push; 0 means unknown", low=0, high=10)
+    relative_std: float = tunable(0.0, "growth of the standard deviation with the push", low=0, high=10)
+    std_floor: float = tunable(
+        0.0, "standard deviation where nothing pushes; both 0: unknown", unit="m/s^2", low=0, high=10
+    )
     range: float = tunable(3.0, "largest gap that is looked at", unit="m", low=0.1, high=10)
 
     def __post_init__(self) -> None:
@@ -87,10 +90,11 @@ class Jet:
         return self._evaluate(rel_pos, motion)[1]
 
     def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:
-        """Return one standard deviation [m/s^2], (..., 3): known along z only, a share of the push."""
+        """Return one standard deviation [m/s^2], (..., 3): known along z only, affine in the push."""
         std = np.full(rel_pos.shape, np.nan)
-        if self.relative_std > 0.0:
-            std[..., 2] = self.relative_std * np.abs(self.acceleration(rel_pos, motion)[..., 2])
+        if self.relative_std + self.std_floor > 0.0:
+            push = np.abs(self.acceleration(rel_pos, motion)[..., 2])
+            std[..., 2] = self.std_floor + self.relative_std * push
         return std
 
     def push(self, rel_pos: Array, motion: PairMotion) -> Array:
@@ -149,7 +153,8 @@ MOVING_LAW = Jet(
     upper_ratio=0.007,
     travel_speed=2.59,
     carried=1.0,
-    relative_std=0.23,
+    relative_std=0.082,
+    std_floor=0.40,
     range=1.5,
 )
 """The same flights by the jet that moves with its source: R2 0.90, and 0.865 on flights left out."""

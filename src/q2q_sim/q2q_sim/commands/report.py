@@ -20,6 +20,7 @@ def main(words: Sequence[str] | None = None) -> int:
 def _prepare(asked: Namespace) -> Work:
     vehicle_by_name(asked.vehicle)
     must_exist("bag", asked.bag, *asked.compare)
+    must_exist("topic map", *([asked.topics] if asked.topics else []))
     from q2q_sim.tools.report import run
 
     return run
@@ -31,6 +32,7 @@ def parser() -> CommandLine:
     made.add_argument("bag", type=Path, help="bag folder of the flight")
     made.add_argument("--compare", type=Path, nargs="+", default=[], help="more flights to lay over it")
     made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
+    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
     made.add_argument("--out", type=Path, default=Path("out/report"), help="folder of page and pictures")
     made.add_argument("--json", type=Path, help="write the numbers to this file")
     return made

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.bag import read_flight
+from q2q_model.bag import TopicMap, read_flight, read_mapped_flight
 from q2q_model.flights import Flight
 from q2q_model.signals import CommandStatus
+from q2q_model.tools.recordings import topic_map
 from q2q_model.vehicle import Vehicle, vehicle_by_name
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.mocap_quality import MocapQuality, mocap_quality
@@ -43,7 +44,8 @@ class Reported:
 
 def run(asked: Namespace) -> int:
     """Write the report that is asked for; return the exit status."""
-    flights = [reported(bag, vehicle_by_name(asked.vehicle)) for bag in [asked.bag, *asked.compare]]
+    vehicle, topics = vehicle_by_name(asked.vehicle), topic_map(asked.topics)
+    flights = [reported(bag, vehicle, topics) for bag in [asked.bag, *asked.compare]]
     write(flights, asked.out)
     if asked.json:
         asked.json.write_text(json.dumps(as_json(flights), indent=1) + "\n")
@@ -52,9 +54,9 @@ def run(asked: Namespace) -> int:
     return 0
 
 
-def reported(bag: Path, vehicle: Vehicle) -> Reported:
-    """Return a bag's flight, measured."""
-    flight = read_flight(bag)
+def reported(bag: Path, vehicle: Vehicle, topics: TopicMap | None = None) -> Reported:
+    """Return a bag's flight, measured; `topics` says which topics of another's bag are what."""
+    flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
     verdict = verdict_of(flight, Circumstances(vehicle=vehicle))
     return Reported(flight, measure(flight, vehicle), mocap_quality(flight), recorded_lives(bag), verdict)
 
