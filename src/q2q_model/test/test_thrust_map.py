@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_model.hover import OwnHover, hover_pwm, hover_ratio
+from q2q_model.hover import OwnHover, hover_pwm, hover_ratio, mass_thrust_of
 from q2q_model.thrust_map import FIRMWARES, MASS_THRUST, MOTOR_THRUST
 from q2q_model.vehicle import CRAZYFLIE_2_0, TEXTBOOK_065, VEHICLES, on_firmware, vehicle_by_name
 
@@ -44,6 +44,15 @@ def test_a_stick_scaled_for_another_firmware_is_told_by_the_vehicles_own_paramet
     assert ratios["thrust_upgrade"] < 0.85
     assert ratios["stock_2025_02"] < 0.85
     assert hover_ratio(CRAZYFLIE_2_0, OwnHover(0.029, MASS_THRUST)) > 1.15  # guards that it knows nothing of
+
+
+def test_the_right_mass_thrust_makes_both_agree_on_every_vehicle_and_firmware() -> None:
+    for name in VEHICLES:
+        for firmware in MOTOR_THRUST.get(name, ("stock",)):
+            one = vehicle_by_name(name, firmware)
+            assert hover_ratio(one, OwnHover(one.mass, mass_thrust_of(one))) == pytest.approx(1.0)
+    brushless = vehicle_by_name("crazyflie_brushless")
+    assert mass_thrust_of(brushless) == pytest.approx(65535 / 0.8)  # the stock value is 61 % above
 
 
 def test_the_textbook_vehicle_has_a_map_of_its_own() -> None:
