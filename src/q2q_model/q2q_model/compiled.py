@@ -26,6 +26,7 @@ class Kernel:
 
     name: str
     """Module and function."""
+    function: FunctionType
     inlined: bool
     """Part of its callers' machine code; it has none of its own."""
     cache: "_CompleteCache"
@@ -44,13 +45,18 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN4
     made = njit(**options)(function)
     made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
     name = f"{function.__module__}.{function.__qualname__}"
-    KERNELS.append(Kernel(name, options.get("inline") == "always", made._cache))  # noqa: SLF001
+    KERNELS.append(Kernel(name, made.py_func, options.get("inline") == "always", made._cache))  # noqa: SLF001
     return made
 
 
 def uncached() -> list[str]:
-    """Return the kernels in KERNELS whose machine code the cache does not hold as they are now."""
-    return [kernel.name for kernel in KERNELS if not (kernel.inlined or kernel.cache.holds_any())]
+    """Return the kernels in KERNELS whose machine code the cache does not hold as they are now.
+
+    What other kernels call is part of their machine code, and not asked for.
+    """
+    parts = {called for kernel in KERNELS for called in _called_by(kernel.function)}
+    entries = [one for one in KERNELS if not one.inlined and one.function not in parts]
+    return [kernel.name for kernel in entries if not kernel.cache.holds_any()]
 
 
 class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
@@ -96,18 +102,28 @@ def _parts(function: FunctionType, seen: set[FunctionType]) -> Iterator[str]:
         yield repr(cell.cell_contents)
     for code in _codes(function.__code__):
         yield code.co_code.hex()
-        yield repr([const for const in code.co_consts if not isinstance(const, CodeType)])
+        yield repr([_ordered(const) for const in code.co_consts if not isinstance(const, CodeType)])
         for name in code.co_names:
             yield from _parts_of(name, function.__globals__.get(name), seen)
+
+
+def _called_by(function: FunctionType) -> Iterator[FunctionType]:
+    values = (function.__globals__.get(name) for code in _codes(function.__code__) for name in code.co_names)
+    return (value.py_func for value in values if isinstance(value, Dispatcher))
 
 
 def _parts_of(name: str, value: object, seen: set[FunctionType]) -> Iterator[str]:
     yield name
     if isinstance(value, Dispatcher):
-        yield repr(sorted(value.targetoptions.items()))
+        yield repr([(key, _ordered(option)) for key, option in sorted(value.targetoptions.items())])
         yield from _parts(value.py_func, seen)
     elif isinstance(value, bool | int | float | str | tuple):
         yield repr(value)
+
+
+def _ordered(value: object) -> object:
+    """Return a set as a sorted list, whose text is the same in every process; all else as it is."""
+    return sorted(map(repr, value)) if isinstance(value, set | frozenset) else value
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from q2q_model.compiled import digest_of
 
 MAIN = """
@@ -46,6 +48,26 @@ def test_code_is_kept_until_a_function_or_a_constant_of_another_file_changes(tmp
     assert _answer(tmp_path, 3.0, 0.5) == "3.5 0"
     assert _answer(tmp_path, 3.0, 0.7) == "3.7 0"
     assert _answer(tmp_path, 2.0, 0.5) == "2.5 1"
+
+
+@pytest.mark.parametrize("options", ["", ', fastmath={"contract", "reassoc", "nsz"}'])
+def test_the_key_is_the_same_in_every_process(options: str) -> None:
+    """Sets are told in another order by every process: kernels with such options were compiled ever anew."""
+    script = f"""
+from numba import njit
+from q2q_model.compiled import digest_of
+inner = njit(lambda x: x in {{"a", "b", "c"}}{options})
+def outer(x):
+    return inner(x)
+print(digest_of(outer))
+"""
+    digests = set()
+    for seed in ("1", "2", "3", "4"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        command = [sys.executable, "-c", script]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        digests.add(done.stdout)
+    assert len(digests) == 1
 
 
 def test_recursion_does_not_go_on_for_ever() -> None:
