@@ -1,45 +1,48 @@
-"""Change the safety code a little, in every place in turn, and count which changes its tests notice.
+"""Mutation scores of the safety code: change it in one place at a time, and count what its tests notice.
 
-    python test/mutation.py [--share 0.5] [--only q2q_control.guard]
+    python test/mutation.py [--jobs 2] [--share 0.5] [--only q2q_control.guard]
 
-Each mutant runs in a fork of one warm process, against the tests of its room alone, slow ones left out: a
-second or a few each. Loops run uncompiled, so that a mutant is not compiled anew. A mutant is killed when a
-test fails. Mutations: comparisons, and/or, arithmetic, numbers, `not`, and returned values; not the bounds
-that parameters are declared with, nor whether a class is frozen.
+Loops run uncompiled. The tests of a room are collected, and run once while it is noted which functions each
+calls. A mutant then is a fork of this warm process: the changed function gets its new code in place, and the
+tests that call it run, the quickest first, until one fails, which kills the mutant. So does more than
+PATIENCE times the processor time that these tests took before. Mutations: comparisons, and/or, arithmetic,
+numbers, `not`, and returned values; not the bounds that parameters are declared with, nor whether a class is
+frozen.
 """
 
 import argparse
 import ast
+import functools
+import gc
 import os
-import signal
+import resource
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
-from importlib import import_module
+from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
-from types import ModuleType
+from time import process_time
+from types import CodeType, FrameType, FunctionType, ModuleType
 
 import pytest
+from _pytest.runner import runtestprotocol
+from hypothesis import Phase, settings
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # before numba is loaded
 
 ROOT = Path(__file__).parents[1]
-STUCK_S = 180
-"""A mutant that takes longer hangs, and that is noticed [s]."""
+PATIENCE, LEAST_S = 5.0, 10
+"""A mutant is taken to hang after so many times the processor time of its tests, and so many seconds [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """Hold modules that are mutated together with the tests that must notice."""
+    """Modules that are mutated, and the tests that must notice."""
 
     modules: tuple[str, ...]
-    """In the order of their imports."""
-    users: tuple[str, ...]
-    """Modules loaded anew with them, not mutated."""
     tests: tuple[str, ...]
-    left_out: str
+    left_out: str = ""
     """Which tests are not run, in pytest's words: slow ones that others back up."""
 
 
@@ -49,7 +52,6 @@ ROOMS = (
             f"q2q_control.{name}"
             for name in ("fallback", "transit", "blind_braking", "making_way", "guard", "tick_watch")
         ),
-        (),
         tuple(
             f"src/q2q_control/test/test_{name}.py"
             for name in ("guard", "fallback", "blind_braking", "making_way")
@@ -64,12 +66,18 @@ ROOMS = (
                 for name in ("rivals", "swaps", "glide", "absences", "attitudes", "positions")
             ),
         ),
-        ("q2q_model.mocap_filter",),
         tuple(
             f"src/q2q_model/test/test_{name}.py"
             for name in ("old_stamps", "absences", "tracking_gates", "mocap_filter", "mocap_filter_lies")
         ),
         "not no_gate and not no_numbers",
+    ),
+    Room(
+        tuple(
+            f"q2q_planner.{name}"
+            for name in ("safe_replanner", "sightings", "held_motion", "scene", "motion_choice")
+        ),
+        tuple(f"src/q2q_planner/test/test_{name}.py" for name in ("safe_replanner", "encounters")),
     ),
 )
 DECLARING = {"tunable", "dataclass"}
@@ -81,10 +89,22 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Sub: ast.Add,
     ast.Mult: ast.Div, ast.Div: ast.Mult, ast.BitOr: ast.BitAnd, ast.BitAnd: ast.BitOr,
 }  # fmt: skip
+Place = tuple[str, int]
+"""File and first line of a function."""
 
 
-def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
-    """Yield every mutant of a module with the place of its change."""
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """A module changed in one place."""
+
+    change: str
+    function: int
+    """First line of the function that is changed; 0 outside of all."""
+    tree: ast.Module
+
+
+def mutants(tree: ast.Module) -> Iterator[Mutant]:
+    """Yield every mutant of a module."""
     calls = [
         call for call in ast.walk(tree) if isinstance(call, ast.Call) and isinstance(call.func, ast.Name)
     ]
@@ -95,14 +115,25 @@ def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
         for word in call.keywords
         for inner in ast.walk(word)
     }
+    functions = _functions_of(tree)
     for index, node in enumerate(ast.walk(tree)):
         if id(node) in declared:
             continue
         copy = deepcopy(tree)
         here = list(ast.walk(copy))[index]
         if _mutate(here, node):
-            made = ast.fix_missing_locations(copy)
-            yield f"line {getattr(node, 'lineno', 0)}: {ast.unparse(node)} -> {ast.unparse(here)}", made
+            change = f"line {getattr(node, 'lineno', 0)}: {ast.unparse(node)} -> {ast.unparse(here)}"
+            yield Mutant(change, functions.get(id(node), 0), ast.fix_missing_locations(copy))
+
+
+def _functions_of(tree: ast.Module) -> dict[int, int]:
+    """Return the first line of the innermost function around each node, by the node's id."""
+    found = {}
+    for node in ast.walk(tree):  # outer ones first
+        if isinstance(node, ast.FunctionDef):
+            first = min([node.lineno, *(one.lineno for one in node.decorator_list)])
+            found.update({id(inner): first for part in node.body for inner in ast.walk(part)})
+    return found
 
 
 def _mutate(here: ast.AST, node: ast.AST) -> bool:
@@ -126,73 +157,175 @@ def _is_value(node: ast.BoolOp | ast.BinOp) -> bool:
     return not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitOr) and "None" in ast.dump(node))
 
 
-def killed(room: Room, module: ModuleType, tree: ast.Module) -> bool:
-    """Return whether the tests notice a mutant, in a process of its own."""
+def transplant(module: ModuleType, tree: ast.Module) -> None:
+    """Give a loaded module the code and the constants of a changed source, whoever holds its functions."""
+    fresh = {"__name__": module.__name__, "__file__": module.__file__}
+    exec(compile(tree, str(module.__file__), "exec"), fresh)  # noqa: S102  our own source
+    for name, new in fresh.items():
+        old = module.__dict__.get(name)
+        if name.startswith("__") or getattr(old, "__module__", module.__name__) != module.__name__:
+            continue
+        if isinstance(old, type):
+            for inner, value in vars(new).items():
+                _take_code(vars(old).get(inner), value)
+        elif not _take_code(old, new):
+            _rebind(name, old, new)
+
+
+def _take_code(old: object, new: object) -> bool:
+    """Give a function the code of another; return whether it is one."""
+    for attribute in ("fget", "__func__", "__wrapped__"):  # property, static or class method, wrapper
+        old, new = getattr(old, attribute, old), getattr(new, attribute, new)
+    if isinstance(old, FunctionType) and isinstance(new, FunctionType):
+        old.__code__, old.__defaults__ = new.__code__, new.__defaults__
+        old.__kwdefaults__ = new.__kwdefaults__
+        return True
+    return False
+
+
+def _rebind(name: str, old: object, new: object) -> None:
+    """Put a constant in the place of another wherever it was imported."""
+    for holder in list(sys.modules.values()):
+        if vars(holder).get(name) is old:
+            setattr(holder, name, new)
+
+
+def forget_caches() -> None:
+    """Empty every functools.cache: what they hold was made by other code."""
+    for one in gc.get_objects():
+        if isinstance(one, functools._lru_cache_wrapper):
+            one.cache_clear()
+
+
+@dataclass(slots=True)
+class Trial:
+    """The tests of a room as a pytest plugin, and what they do to mutants."""
+
+    modules: Sequence[str]
+    share: float
+    jobs: int
+    draw: Random = field(default_factory=lambda: Random(0))
+    calls: dict[str, set[Place]] = field(default_factory=dict)
+    """Functions that each test calls."""
+    took: dict[str, float] = field(default_factory=dict)
+    """Processor time of each test [s]."""
+    scores: dict[str, tuple[int, int]] = field(default_factory=dict)
+    """Killed and tried, by module."""
+
+    def pytest_configure(self) -> None:
+        """Let hypothesis draw the same examples for every mutant."""
+        generate = [Phase.explicit, Phase.generate]
+        settings.register_profile("mutation", deadline=None, derandomize=True, database=None, phases=generate)
+        settings.load_profile("mutation")
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """Run every test once, then those of each mutant."""
+        for item in session.items:
+            self._learn(item)
+        for name in self.modules:
+            self._try_module(sys.modules[name], session.items)
+        return True
+
+    def _learn(self, item: pytest.Item) -> None:
+        found: set[Place] = set()
+
+        def note(frame: FrameType, _: str, __: object) -> None:
+            code: CodeType = frame.f_code
+            found.add((code.co_filename, code.co_firstlineno))
+
+        forget_caches()
+        began = process_time()
+        sys.settrace(note)
+        try:
+            reports = runtestprotocol(item, log=False, nextitem=None)
+        finally:
+            sys.settrace(None)
+        if any(report.failed for report in reports):
+            raise pytest.UsageError(f"{item.nodeid} fails without any mutation")
+        self.calls[item.nodeid], self.took[item.nodeid] = found, process_time() - began
+
+    def _try_module(self, module: ModuleType, items: Sequence[pytest.Item]) -> None:
+        file = str(module.__file__)
+        quickest = sorted(items, key=lambda item: self.took[item.nodeid])
+        running: dict[int, Mutant] = {}
+        tried = killed = 0
+        chosen = (
+            one for one in mutants(ast.parse(Path(file).read_text())) if self.draw.random() <= self.share
+        )
+
+        def wait() -> int:
+            pid, status = os.wait()
+            mutant = running.pop(pid)
+            if status == 0:
+                print(f"survives: {module.__name__} {mutant.change}", flush=True)
+            return int(status != 0)
+
+        for mutant in chosen:
+            if len(running) >= self.jobs:
+                killed += wait()
+            tests = [item for item in quickest if self._reaches(item, file, mutant)]
+            child = _forked(lambda mutant=mutant, tests=tests: self._survives(module, mutant, tests))
+            running[child] = mutant
+            tried += 1
+        while running:
+            killed += wait()
+        self.scores[module.__name__] = killed, tried
+
+    def _reaches(self, item: pytest.Item, file: str, mutant: Mutant) -> bool:
+        if mutant.function:
+            return (file, mutant.function) in self.calls[item.nodeid]
+        return any(one == file for one, _ in self.calls[item.nodeid])
+
+    def _survives(self, module: ModuleType, mutant: Mutant, tests: Sequence[pytest.Item]) -> bool:
+        forget_caches()
+        limit = LEAST_S + int(PATIENCE * sum(self.took[item.nodeid] for item in tests))
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))  # SIGKILL: noticed
+        transplant(module, mutant.tree)
+        for test in {item.getparent(pytest.Module).obj for item in tests}:
+            test.__spec__.loader.exec_module(test)  # its constants, made by the changed code
+        for item in tests:
+            if any(report.failed for report in runtestprotocol(item, log=False, nextitem=None)):
+                return False
+        return True
+
+
+def _forked(survives: Callable[[], bool]) -> int:
+    """Return the process that ends with 0 where a mutant survives."""
     child = os.fork()
     if child:
-        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) != 0
-    with Path(os.devnull).open("w") as nothing:
-        os.dup2(nothing.fileno(), 1)
-        os.dup2(nothing.fileno(), 2)
-    signal.alarm(STUCK_S)
+        return child
+    status = 1  # a mutant that cannot even be loaded is noticed
     try:
-        load(module, tree)
-        chain = room.modules + room.users
-        for name in chain[chain.index(module.__name__) + 1 :]:
-            later = import_module(name)
-            load(later, source_of(later))
-        tests = {str(ROOT / name) for name in room.tests}
-        for name in [name for name, one in sys.modules.items() if getattr(one, "__file__", None) in tests]:
-            del sys.modules[name]  # they hold what the modules were
-        status = run_tests(room)
-    except BaseException:  # noqa: BLE001  a mutant that cannot even be loaded is noticed
-        status = 1
-    os._exit(status)
-
-
-def source_of(module: ModuleType) -> ast.Module:
-    """Return the source of a module as it stands."""
-    return ast.parse(Path(str(module.__file__)).read_text())
-
-
-def load(module: ModuleType, tree: ast.Module) -> None:
-    """Run a source in place of a module's own."""
-    exec(compile(tree, str(module.__file__), "exec"), module.__dict__)  # noqa: S102  our own source
-
-
-def run_tests(room: Room) -> int:
-    """Return pytest's verdict on a room."""
-    tests = [str(ROOT / name) for name in room.tests]
-    return int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", room.left_out, *tests]))
+        with Path(os.devnull).open("w") as nothing:
+            os.dup2(nothing.fileno(), 1)
+            os.dup2(nothing.fileno(), 2)
+        status = 0 if survives() else 1
+    finally:
+        os._exit(status)
 
 
 def main() -> int:
     """Print what survives, and the share that is killed."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    plain = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=plain)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutants tried at a time")
     parser.add_argument(
         "--share", type=float, default=1.0, help="share of the mutants to try, drawn at random"
     )
     parser.add_argument("--only", default="", help="modules whose names begin so")
     asked = parser.parse_args()
-    tried = dead = 0
-    draw = Random(0)
+    scores: dict[str, tuple[int, int]] = {}
     for room in ROOMS:
-        chosen = [name for name in room.modules if name.startswith(asked.only)]
-        if chosen and run_tests(room) != 0:  # loads what is needed, too
-            raise SystemExit("the tests fail without any mutation")
-        for name in chosen:
-            module = import_module(name)
-            before = (dead, tried)
-            for place, tree in mutants(source_of(module)):
-                if draw.random() > asked.share:
-                    continue
-                tried += 1
-                noticed = killed(room, module, tree)
-                dead += noticed
-                if not noticed:
-                    print(f"survives: {name} {place}", flush=True)
-            print(f"{name}: {dead - before[0]} of {tried - before[1]}", flush=True)
-    print(f"{dead} of {tried} mutants killed: {100.0 * dead / max(tried, 1):.0f} %")
+        trial = Trial([name for name in room.modules if name.startswith(asked.only)], asked.share, asked.jobs)
+        if not trial.modules:
+            continue
+        tests = [str(ROOT / name) for name in room.tests]
+        words = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-k", room.left_out, *tests]
+        if (status := int(pytest.main(words, plugins=[trial]))) != 0:
+            return status
+        scores |= trial.scores
+    for name, (killed, tried) in scores.items():
+        print(f"| {name} | {killed} of {tried} | {100.0 * killed / max(tried, 1):.0f} % |")
     return 0
 
 
