@@ -1,6 +1,7 @@
 """Flights through the real nodes, as processes over DDS, in lockstep."""
 
 from dataclasses import fields
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,13 +19,18 @@ from q2q_sim.tools.processes import NodeDiedError
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 
 
-def flown(folder: Path, seed: int) -> FlightRun:
-    return fly(FlightRequest(SCENARIO, seed=seed), folder / "nodes", folder / "bag", lambda _: None)
-
-
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> FlightRun:
-    return flown(tmp_path_factory.mktemp("with a space"), seed=3)
+    folder = tmp_path_factory.mktemp("with a space")
+    return fly(FlightRequest(SCENARIO, seed=3), folder / "nodes", folder / "bag", lambda _: None)
+
+
+@cache
+def pure(seed: int) -> Flight:
+    """Return the same flight without ROS."""
+    scenario = scenarios.load(SCENARIO)
+    model = find_model(scenario.model).interaction
+    return fly_pure(scenario, FlightOptions(mode="aware", seed=seed, model=model))
 
 
 def arrays_of(flight: Flight) -> dict[str, np.ndarray]:
@@ -35,13 +41,13 @@ def arrays_of(flight: Flight) -> dict[str, np.ndarray]:
     }
 
 
-def test_lockstep_through_dds_flies_the_numbers_of_the_loop_without_ros(run: FlightRun) -> None:
-    scenario = scenarios.load(SCENARIO)
-    model = find_model(scenario.model).interaction
-    pure = arrays_of(fly_pure(scenario, FlightOptions(mode="aware", seed=3, model=model)))
+def test_lockstep_through_dds_flies_the_numbers_of_the_loop_without_ros_by_the_same_seed(
+    run: FlightRun,
+) -> None:
     through_nodes = arrays_of(run.flight)
-    for name, values in pure.items():
+    for name, values in arrays_of(pure(3)).items():
         np.testing.assert_allclose(through_nodes[name], values, rtol=0.0, atol=1e-9, err_msg=name)
+    assert np.abs(pure(4).true_pos - run.flight.true_pos).max() > 1e-4  # a seed makes a flight
 
 
 def test_no_tick_is_missed_and_every_tick_is_in_the_bag(run: FlightRun) -> None:
@@ -51,13 +57,7 @@ def test_no_tick_is_missed_and_every_tick_is_in_the_bag(run: FlightRun) -> None:
     assert np.isfinite(run.flight.thrust).all()
 
 
-def test_the_same_seed_gives_the_same_numbers_to_the_last_digit(run: FlightRun, tmp_path: Path) -> None:
-    again = arrays_of(flown(tmp_path, seed=3).flight)
-    for name, values in arrays_of(run.flight).items():
-        np.testing.assert_array_equal(again[name], values, err_msg=name)
-
-
-def test_one_process_for_the_road_flies_the_same_numbers_and_records_every_topic(
+def test_flown_again_in_one_process_the_same_seed_gives_the_same_numbers_to_the_last_digit(
     run: FlightRun, tmp_path: Path
 ) -> None:
     request = FlightRequest(SCENARIO, seed=3, stack=True)
@@ -65,11 +65,6 @@ def test_one_process_for_the_road_flies_the_same_numbers_and_records_every_topic
     assert stacked.timing.missed_ticks == 0
     for name, values in arrays_of(run.flight).items():
         np.testing.assert_array_equal(arrays_of(stacked.flight)[name], values, err_msg=name)
-
-
-def test_another_seed_gives_another_flight(run: FlightRun, tmp_path: Path) -> None:
-    other = flown(tmp_path, seed=4).flight
-    assert np.abs(other.true_pos - run.flight.true_pos).max() > 1e-4
 
 
 def test_a_bag_is_never_overwritten(run: FlightRun, tmp_path: Path) -> None:

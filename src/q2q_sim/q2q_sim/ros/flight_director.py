@@ -10,13 +10,15 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.ros.qos import LATCHED
+from q2q_model.ros.qos import LATCHED, TICK
 from q2q_model.ros.ready import DRAINED, SERVICE
 from q2q_model.ros.run import make_executor
 from q2q_model.wiring import unmatched, unserved, wiring_from_text
+from q2q_sim.room import TICK_NS
 
 POLL_S = 0.05
 """How often the graph is asked [s]."""
@@ -55,6 +57,10 @@ class FlightDirector:
     def __exit__(self, *_: object) -> None:
         """Leave the graph."""
         rclpy.try_shutdown()
+
+    def follow_clock(self) -> None:
+        """Count a flight's ticks by its clock, as they come: diagnostics tell them once a second."""
+        self._node.create_subscription(Clock, "/clock", self._on_clock, TICK)
 
     @property
     def ticks(self) -> int:
@@ -151,6 +157,9 @@ class FlightDirector:
         self._executor.spin_once(timeout_sec=seconds)
         while (rest := until - monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=rest)
+
+    def _on_clock(self, message: Clock) -> None:
+        self._ticks = (message.clock.sec * 1_000_000_000 + message.clock.nanosec) // TICK_NS
 
     def _on_summary(self, message: String) -> None:
         self._summary = json.loads(message.data)

@@ -1,4 +1,4 @@
-"""Fly a scenario through the nodes and strike one of them: kill it, or stop it; let it come back, or not.
+"""Fly a scenario through the nodes and strike some of them: kill, or stop; let them come back, or not.
 
     kill       SIGKILL: it is gone without a word; come back: started anew, to take its place in flight
     stop       SIGSTOP: it stands still; come back: SIGCONT
@@ -9,6 +9,7 @@ which comes back in time costs no tick; live, nothing waits.
 
 import os
 import signal
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -28,7 +29,7 @@ class Strike:
 
     node: str
     tick: int
-    """Not before this tick: ticks are told once a second."""
+    """Once the flight has come to this tick, and nodes that were struck before are back."""
     how: Literal["kill", "stop"] = "kill"
     comes_back: bool = True
 
@@ -42,12 +43,12 @@ class Waiting:
 
 
 def fly_struck(
-    request: FlightRequest, strike: Strike, folder: Path, waiting: Waiting | None = None
+    request: FlightRequest, strikes: Sequence[Strike], folder: Path, waiting: Waiting | None = None
 ) -> FlightTiming:
-    """Fly a scenario into `folder`/bag, striking one node; return how it went in wall time.
+    """Fly a scenario into `folder`/bag, striking nodes; return how it went in wall time.
 
     Raises:
-        ValueError: an unknown scenario, or no such node in the flight.
+        ValueError: an unknown scenario, no such node in the flight, or no such tick.
         NodeDiedError, TimeoutError: another node ended early, or the flight stood still.
     """
     scenario = load_scenario(request)
@@ -56,22 +57,39 @@ def fly_struck(
         _patient(spec, waiting or Waiting()) for spec in node_specs(scenario, request, folder, folder / "bag")
     ]
     known = {spec.executable: spec for spec in specs}
-    if strike.node not in known:
-        raise ValueError(f"no node {strike.node!r} in this flight; there are {', '.join(known)}")
+    for strike in strikes:
+        if strike.node not in known:
+            raise ValueError(f"no node {strike.node!r} in this flight; there are {', '.join(known)}")
     with running_nodes(specs, folder) as running:
-        hand = _Hand(running.processes, known[strike.node], strike)
+        hands = [_Hand(running.processes, known[strike.node], strike) for strike in strikes]
+        running.director.follow_clock()
         running.director.start()
-        summary = running.director.wait_summary(hand.look)
+        summary = running.director.wait_summary(lambda ticks: _look(hands, ticks))
+    if not all(hand.done for hand in hands):
+        raise ValueError("the flight ended before every node was struck and back: strike earlier")
     return timing_of(summary)
 
 
+def _look(hands: Sequence["_Hand"], ticks: int) -> None:
+    """Let the first of the hands look that is not done."""
+    for hand in hands:
+        if not hand.done:
+            hand.look(ticks)
+            return
+
+
 class _Hand:
-    """Progress of the strike."""
+    """What a strike has come to."""
 
     def __init__(self, processes: Processes, spec: NodeSpec, strike: Strike) -> None:
         self._processes, self._spec, self._strike = processes, spec, strike
         self._looks = -1
         """Since the strike; below 0: it has not fallen."""
+
+    @property
+    def done(self) -> bool:
+        """Return whether the strike has fallen, and the node is back if it comes back."""
+        return self._looks >= (LOOKS if self._strike.comes_back else 0)
 
     def look(self, ticks: int) -> None:
         """Strike once the flight has come to the tick, and let the node come back some looks later."""
@@ -81,7 +99,7 @@ class _Hand:
         if self._looks == 0:
             self._processes.excuse(self._spec.executable)
             self._send(signal.SIGKILL if self._strike.how == "kill" else signal.SIGSTOP)
-        elif self._looks == LOOKS and self._strike.comes_back:
+        elif self._looks == LOOKS:
             self._come_back()
 
     def _come_back(self) -> None:
