@@ -215,7 +215,9 @@ class Trial:
     def pytest_configure(self) -> None:
         """Let hypothesis draw the same examples for every mutant."""
         generate = [Phase.explicit, Phase.generate]
-        settings.register_profile("mutation", deadline=None, derandomize=True, database=None, phases=generate)
+        settings.register_profile(
+            "mutation", deadline=None, derandomize=True, database=None, phases=generate, max_examples=20
+        )
         settings.load_profile("mutation")
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:

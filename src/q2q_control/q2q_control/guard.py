@@ -200,10 +200,10 @@ class Guard:
 
     def _without_nonsense(self, command: SwarmCommand) -> SwarmCommand:
         """Return the command with level hover, and so marked, where a controller did not give numbers."""
-        if _is_finite(command):
-            return command
         values = np.stack([command.thrust, command.roll, command.pitch, command.yaw_rate])  # (4, n)
         bad = ~np.isfinite(values).all(axis=0)
+        if not bad.any():
+            return command
         level = np.array([[self._hover_thrust], [0.0], [0.0], [0.0]])
         thrust, roll, pitch, yaw_rate = np.where(bad, level, values)
         status = np.where(bad, CommandStatus.LEVEL, command.status).astype(np.uint8)
@@ -232,11 +232,6 @@ def _again(last: SwarmCommand, t: float) -> SwarmCommand:
     """Return a command that is given again at a tick t [s], and says so."""
     held = np.where(last.status <= _SOUND, CommandStatus.HOLD, last.status).astype(np.uint8)
     return replace(last, t=t, status=held)
-
-
-def _is_finite(command: SwarmCommand) -> bool:
-    total = command.thrust.sum() + command.roll.sum() + command.pitch.sum() + command.yaw_rate.sum()
-    return isfinite(float(total))
 
 
 def _ages(state: SwarmState, names: Names) -> Array:

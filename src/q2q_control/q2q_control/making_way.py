@@ -29,7 +29,7 @@ REACH = 0.6
 BENEATH = 0.1
 """Who is lower by less is beside the vehicle, not beneath it [m]: eps of the paper's zone."""
 PACE = 3.0
-"""86 % of the way in 1 s, the time from level to landing, by an acceleration of 5.4 m/s^2 at most."""
+"""80 % of the way in 1 s, the time from level to landing, by an acceleration of 5.4 m/s^2 at most."""
 LONGEST_STEP = 0.1
 """A longer time between ticks counts as this [s]."""
 AT_REST = 1e-3

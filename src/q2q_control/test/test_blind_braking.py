@@ -109,3 +109,18 @@ def test_where_who_is_not_seen_comes_to_rest_is_known(yaw: float) -> None:
         vel = vel + GRAVITY * TICK * rotate(quat_from_euler(tilt[0], tilt[1], yaw), UP)[:2]
     assert np.linalg.norm(pos) > 0.5
     np.testing.assert_allclose(block.places["cf1"], pos, atol=1.1 * LAG_S)
+
+
+def test_the_largest_deceleration_costs_two_percent_of_lift_and_no_more() -> None:
+    assert np.cos(np.arctan(BRAKING_MAX / GRAVITY)) == pytest.approx(0.98, abs=0.003)
+
+
+def test_in_a_gap_between_ticks_a_tilt_is_taken_as_flown_for_a_tenth_of_a_second_at_most() -> None:
+    def reckoned(gap: float) -> np.ndarray:
+        block, leaning = BlindBraking(), level_at(0.0, CommandStatus.OK, roll=0.2)
+        block.sighted(state_at(0.0, np.array([1.0, 0.0])), leaning)
+        block.update(state_at(gap, np.zeros(2), age=gap), level_at(gap, CommandStatus.HOLD, roll=0.2))
+        return block.places["cf1"]
+
+    assert reckoned(0.05)[0] == pytest.approx(0.05)
+    np.testing.assert_array_equal(reckoned(0.1), reckoned(2.0))

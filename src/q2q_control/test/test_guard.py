@@ -74,6 +74,22 @@ class Level:
         """Remember nothing."""
 
 
+class Told:
+    """A controller that gives what it is told to, and keeps the setpoints it was given."""
+
+    def __init__(self, *status: int) -> None:
+        self.status, self.given = status, list[SwarmSetpoint]()
+
+    def update(self, _: SwarmState, setpoint: SwarmSetpoint, __: object) -> SwarmCommand:
+        """Return level hover under these statuses."""
+        self.given.append(setpoint)
+        self.made = replace(Level().update(_, setpoint, __), status=np.array(self.status, dtype=np.uint8))
+        return self.made
+
+    def reset(self) -> None:
+        """Keep what was given."""
+
+
 def guarded(controller: Controller | None = None) -> Guard:
     return Guard(controller or pid(), PARAMS, HOVER)
 
@@ -98,6 +114,36 @@ def test_a_guard_lets_every_command_of_fresh_states_through_untouched() -> None:
         )
         for name in ("thrust", "roll", "pitch", "yaw_rate", "status"):
             np.testing.assert_array_equal(getattr(told, name), getattr(given, name))
+
+
+@pytest.mark.parametrize("status", [OK, SATURATED])
+def test_of_a_tick_in_which_all_is_known_of_everybody_the_answer_is_the_controllers_own(status: int) -> None:
+    controller = Told(status, OK)
+    guard = guarded(controller)
+    for k in range(3):
+        told = guard.update(state_at(k * TICK), setpoint_at(k * TICK), None)
+    assert told is controller.made
+
+
+def test_who_is_beneath_an_unseen_vehicle_makes_way_and_a_clock_set_back_moves_it_no_further() -> None:
+    controller = Told(OK, OK)
+    guard = guarded(controller)
+    place = np.array([[0.7, 0.0, 1.0], [1.0, 0.0, 1.5]])
+
+    def moved(t: float, age: float) -> float:
+        """Return by how much cf1 is moved in x [m]; cf2, above it, was measured `age` ago."""
+        controller.status = (OK, LEVEL if age > 0.35 else OK)
+        state = replace(state_at(t, (0.0, age)), pos=place)
+        guard.update(state, replace(setpoint_at(t), pos=place), None)
+        return float(controller.given[-1].pos[0, 0]) - 0.7
+
+    assert [moved(k * TICK, 0.0) for k in range(5)] == [0.0] * 5
+    before = [moved(k * TICK, k * TICK - 0.04) for k in range(5, 100)][-1]
+    answered = len(controller.given)
+    assert before < -0.1
+    after = [moved(k * TICK, 0.95) for k in range(60, 80)][-1]  # old ticks, until they have risen for long
+    assert float(controller.given[answered].pos[0, 0]) - 0.7 == pytest.approx(before)
+    assert after < before  # and on it goes
 
 
 @pytest.mark.parametrize("make", [pid, mpc], ids=["pid", "mpc"])
@@ -309,6 +355,10 @@ def test_lateness_and_the_filters_age_add_up_with_and_without_ticks() -> None:
     for k in range(10):
         told = guard.update(state_at(k * TICK, (0.03, 0.0)), setpoint_at(k * TICK), None)
     assert told.status.tolist() == [DEGRADED, OK]
+    old = Guard(pid(), PARAMS, HOVER, lateness=lambda _: 0.01)
+    for k in range(10):
+        told = old.update(state_at(k * TICK, (0.045, 0.0)), setpoint_at(k * TICK), None)
+    assert told.status.tolist() == [DEGRADED, OK]
     calm = Guard(pid(), PARAMS, HOVER, lateness=lambda _: 0.02)
     for k in range(10):
         calm.update(state_at(k * TICK), setpoint_at(k * TICK), None)
@@ -438,6 +488,25 @@ def test_frames_that_repeat_are_no_news() -> None:
     assert statuses[4] == HOLD
     assert statuses[50] == LEVEL
     assert statuses[-1] == LAND
+
+
+def test_an_old_tick_is_no_news_and_that_of_a_clock_set_back_is() -> None:
+    guard, watch = watched(10)
+    guard.update(state_at(0.07), setpoint_at(0.07), None)
+    watch.answered(setpoint_at(0.07), now=100.10)
+    held = watch.due(state_at(0.07), now=100.09 + PARAMS.hold_s + 0.001)
+    assert held is not None
+    assert held.status.tolist() == [HOLD] * 2
+    now = 100.2
+    for k in range(20):  # longer than old stamps must rise to be the new time
+        guard.update(state_at(-0.5 + k * TICK), setpoint_at(-0.5 + k * TICK), None)
+        watch.answered(setpoint_at(-0.5 + k * TICK), now=now + k * TICK)
+    assert guard.newest == pytest.approx(-0.31)
+    assert watch.due(state_at(-0.31), now=now + 0.20) is None
+
+
+def test_the_largest_lateness_that_is_told_lands_nobody() -> None:
+    assert PARAMS.land_s > MOST_S
 
 
 def test_a_stream_that_is_suddenly_late_shows_by_how_much() -> None:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_control.making_way import BENEATH, PACE, REACH, MakingWay
@@ -89,6 +89,7 @@ def test_two_blind_ones_move_nobody_and_one_that_is_seen_between_makes_way_for_t
     assert not made[:, [0, 2]].any()
 
 
+@settings(max_examples=25)
 @given(
     begin=st.tuples(*[st.floats(-0.4, 0.4)] * 2),
     vel=st.tuples(*[st.floats(-0.5, 0.5)] * 2),
@@ -135,12 +136,49 @@ def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None
 
 
 def test_the_side_without_others_is_taken() -> None:
-    """Straight away from the blind one another vehicle hovers: the way leads to the other side of it."""
+    """Straight away from the blind one another vehicle hovers, 45 degrees aside is too near to it: across."""
     pos = np.array([UPPER, (0.05, 0.0, 1.0), (0.6, 0.0, 1.0)])
     made = shifts(pos, 300, flown(3, 0))
-    gone = pos[1, :2] + made[-1, 1, :2]
-    assert np.linalg.norm(gone - pos[2, :2]) > REACH
-    assert np.linalg.norm(gone - pos[0, :2]) > 0.98 * REACH
+    # what is left of the way after 3 s: (1 + w t) exp(-w t) = 0.12 %
+    np.testing.assert_allclose(pos[1, :2] + made[-1, 1, :2], [0.05, REACH], atol=2e-3)
+
+
+def test_where_in_the_room_it_happens_does_not_matter() -> None:
+    pos = np.array([UPPER, (0.1, 0.2, 1.0), (0.4, 0.5, 0.9)])
+    here, there = (
+        shifts(pos + np.array([x, y, 0.0]), 100, flown(3, 0)) for x, y in ((0.0, 0.0), (3.0, -2.0))
+    )
+    assert here[-1, 1].any()
+    np.testing.assert_allclose(there, here, atol=1e-12)
+
+
+def test_four_fifths_of_the_way_are_flown_from_level_to_landing() -> None:
+    """1 - (1 + w t) exp(-w t) after 1 s, by an acceleration of w^2 times the way at first."""
+    made = shifts(np.array([UPPER, (0.0, 0.0, 1.0)]), 100, flown(2, 0))
+    assert made[-1, 1, 0] == pytest.approx(0.8 * REACH, rel=0.02)
+    assert np.abs(made[:, 1, 6]).max() == pytest.approx(5.4)
+
+
+def test_beneath_two_blind_ones_the_way_leads_from_both() -> None:
+    pos = np.array([UPPER, (0.3, 0.0, 1.6), (0.1, -0.1, 1.0)])
+    vel = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.1, 0.0, 0.0)])
+    way, made = MakingWay(), []
+    for k in range(300):
+        sent = setpoint_of(k * TICK, pos + vel * k * TICK, vel)
+        place = pos if not made else np.array([*pos[:2], made[-1]])
+        made.append(way.update(sent, state_of(place), flown(3, 0, 1), {}).pos[2])
+    away = np.linalg.norm(made[-1][:2] - pos[:2, :2], axis=1)
+    assert away.min() > 0.98 * REACH
+
+
+def test_after_a_gap_between_ticks_a_setpoint_moves_as_in_a_tenth_of_a_second() -> None:
+    pos, moved = np.array([UPPER, (0.1, 0.0, 1.0)]), []
+    for gap in (0.1, 2.0):
+        way = MakingWay()
+        for t in (0.0, gap):
+            told = way.update(setpoint_of(t, pos), state_of(pos), flown(2, 0), {})
+        moved.append(told.pos[1, 0] - 0.1)
+    assert moved[0] == moved[1] > 0.0
 
 
 def test_who_was_never_placed_or_has_left_the_state_moves_nobody() -> None:
