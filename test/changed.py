@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
+TESTS = ("src/*/test", "test")
 STARTER = "q2q_sim.tools.processes"
 """The module that starts the nodes, which it does not import."""
 MINUTE_S = 60.0
@@ -79,8 +80,10 @@ def fitting(files: Sequence[str], seconds: float) -> tuple[list[str], list[str]]
 
 def touched(files: Iterable[str]) -> list[str]:
     """Return the test files that changed files touch, nearest first."""
-    tests = sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("**/test/test_*.py") if _is_ours(path))
-    steps = _steps_from([name for name in map(module_of, files) if name])
+    paths = [path for folder in TESTS for path in ROOT.glob(f"{folder}/test_*.py")]
+    tests = sorted(str(path.relative_to(ROOT)) for path in paths)
+    modules = [name for name in map(module_of, files) if name]
+    steps, namesakes = _steps_from(modules), {f"test_{name.rpartition('.')[2]}" for name in modules}
     words = [word for one in files if not module_of(one) for word in _words_for(Path(one))]
     found = {}
     for test in tests:
@@ -88,7 +91,7 @@ def touched(files: Iterable[str]) -> list[str]:
         names = set().union(*(_modules_named_in(one) for one in sources))
         text = "".join(one.read_text(encoding="utf-8") for one in sources)
         near = min((steps.get(name, inf) for name in names), default=inf)
-        if test in files:
+        if test in files or Path(test).stem in namesakes:
             near = -1.0
         elif any(str(one.relative_to(ROOT)) in files for one in sources) or any(one in text for one in words):
             near = 0.0
@@ -102,10 +105,6 @@ def _words_for(path: Path) -> tuple[str, ...]:
         return (str(path),)
     stem = (f'"{path.stem}"',) if path.parts[0] == "src" else ()
     return (*stem, path.name, f"*{path.suffix}")
-
-
-def _is_ours(path: Path) -> bool:
-    return path.relative_to(ROOT).parts[0] in ("src", "test")
 
 
 def module_of(file: str) -> str | None:

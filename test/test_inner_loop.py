@@ -1,0 +1,66 @@
+"""The way from a change to a verdict: what a change touches, what fits into a minute, what was too slow."""
+
+import pytest
+from budgets import TABLE, budget_of, budgets, overruns
+from changed import ROOT, fitting, module_of, touched
+from fresh_checkout import Checkout
+
+
+def test_help_explains_the_inner_loop_in_five_lines_and_does_no_work(checkout: Checkout):
+    told = checkout.shell("scripts/test --help")
+    assert told.returncode == 0
+    assert sum(line.startswith("scripts/test") for line in told.stdout.splitlines()) == 5
+    assert "--changed" in told.stdout
+    assert not (checkout.root / ".venv").exists()
+
+
+@pytest.mark.parametrize(
+    ("file", "nearest"),
+    [
+        ("src/q2q_planner/q2q_planner/minsnap.py", "src/q2q_planner/test/test_minsnap.py"),
+        ("src/q2q_control/q2q_control/fallback.py", "src/q2q_control/test/test_fallback.py"),
+        ("src/q2q_sim/test/test_room.py", "src/q2q_sim/test/test_room.py"),
+    ],
+)
+def test_the_tests_of_a_file_are_the_nearest_to_its_change(file: str, nearest: str):
+    assert nearest in touched([file])[:1]
+
+
+def test_a_change_touches_what_imports_it_through_others_and_nothing_else():
+    tests = touched(["src/q2q_planner/q2q_planner/minsnap.py"])
+    assert "src/q2q_sim/test/test_closed_loop.py" in tests
+    assert "src/q2q_model/test/test_dynamics.py" not in tests
+
+
+def test_whoever_starts_processes_is_touched_by_every_node():
+    assert "test/test_node_processes.py" in touched(["src/q2q_control/q2q_control/ros/pid_node.py"])
+
+
+def test_a_file_that_is_no_module_touches_the_tests_that_name_it():
+    assert module_of("src/q2q_sim/q2q_sim/scenarios/table6.yaml") is None
+    assert "test/test_killed_nodes.py" in touched(["test/scenarios/low_hover.yaml"])
+    assert "test/test_setup.py" in touched(["scripts/setup"])
+    assert "test/test_documentation.py" in touched(["docs/architecture.md"])
+
+
+def test_a_minute_holds_the_nearest_and_the_first_in_any_case():
+    others, _ = budgets()
+    files = [f"test/no_such_{k}.py" for k in range(4)]
+    assert fitting(files, 2.5 * others) == (files[:2], files[2:])
+    assert fitting(files, 0.5 * others) == (files[:1], files[1:])
+
+
+def test_every_file_that_has_a_budget_exists():
+    assert [file for file in budgets()[1] if not (ROOT / file).exists()] == []
+
+
+def test_a_file_whose_tests_together_take_longer_than_its_budget_is_named():
+    def report(file: str, seconds: float) -> pytest.TestReport:
+        where = (file, 1, "test")
+        return pytest.TestReport(f"{file}::test", where, {}, "passed", None, "call", duration=seconds)
+
+    most = budget_of("test/no_such.py")
+    reports = [report("test/no_such.py", 0.6 * most)] * 2 + [report("test/other.py", 0.9 * most)]
+    assert overruns(reports) == [
+        f"test/no_such.py took {1.2 * most:.0f} s, its budget is {most:g} s (test/{TABLE.name})"
+    ]
