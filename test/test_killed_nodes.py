@@ -60,7 +60,7 @@ def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> No
     fly_struck(FlightRequest(LOW), [strike], tmp_path, Waiting(0.01, 0.5))
     evidence = evidence_in(tmp_path / "bag")
     assert len(evidence.t) == 1400
-    assert violations(evidence, LOW, "return") == []  # they come down
+    assert violations(evidence, LOW, "return", "floor") == []  # they come down
     # 2 s after its last packet the firmware cuts the motors; 0.6 m takes 0.35 s to fall, and rotors lag
     silent = int(np.flatnonzero(np.isfinite(evidence.thrust).all(axis=1))[-1])
     np.testing.assert_allclose(evidence.true_pos[silent + 260, :, 2], 0.0, atol=1e-9)
@@ -75,7 +75,7 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
     )
     fly_struck(FlightRequest(LOW, live=True), [reference, states], tmp_path)
     evidence = evidence_in(tmp_path / "bag")
-    assert violations(evidence, LOW, "return") == []  # they come down
+    assert violations(evidence, LOW, "return", "floor") == []  # they come down
     # states come: it hovers where it was last sent, HOLD where a busy machine gave no state in time
     alone = ((evidence.t > 4.0) & (evidence.t < 6.5))[:, None] & np.isfinite(evidence.command_status)
     assert CommandStatus.DEGRADED in evidence.command_status[alone]
