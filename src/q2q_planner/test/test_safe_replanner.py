@@ -218,3 +218,18 @@ def test_a_vehicle_that_leaves_its_trajectory_or_is_lost_is_announced() -> None:
 def test_a_number_out_of_bounds_is_named() -> None:
     with pytest.raises(ValueError, match=r"SafeReplannerParams.acc_max = 0.0: allowed is 0.1 to 50.0 m/s\^2"):
         SafeReplannerParams(acc_max=0.0)
+
+
+def test_side_by_side_outside_the_zone_the_reference_is_flown_to_the_last_bit() -> None:
+    """They keep 0.1 m more apart than the zone, what they may be off, and the margin ask."""
+    apart = PARAMS.eps + 2.0 * PARAMS.tracking + PARAMS.margin + 0.1
+    plan = minimum_snap_plan(
+        [
+            VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(3, (2, 0, 1)))),
+            VehicleWaypoints("cf2", (Waypoint(0, (0, apart, 1)), Waypoint(3, (2, apart, 1)))),
+        ]
+    )
+    replanner = SafeReplanner(PARAMS)
+    for k in range(300):
+        reference = setpoint_at(plan, k * TICK)
+        assert replanner.update(reference, None) is reference

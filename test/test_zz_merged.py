@@ -1,0 +1,100 @@
+"""Nodes of a flight are killed, and stopped, in turn: the flight ends safely, and goes on where it may."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.bag import BagReader
+from q2q_model.signals import CommandStatus, SwarmCommand
+from q2q_sim import scenarios
+from q2q_sim.policies import POLICIES, Circumstances, Evidence, judge
+from q2q_sim.tools.flight import FlightRequest
+from q2q_sim.tools.policies import evidence_in
+from q2q_sim.tools.strikes import Strike, Waiting, fly_struck
+
+TABLE6 = "table6_room"
+LOW = str(Path(__file__).parent / "scenarios" / "low_hover.yaml")
+ROAD = ("mocap_filter", "interference", "trajectory", "replanner", "pid")
+WALL_TIME = "silence"
+"""The policy that a busy machine may break."""
+
+
+def violations(evidence: Evidence, scenario: str, *but: str) -> list[str]:
+    """Return what a flight broke of all policies but some."""
+    asked = {name: policy for name, policy in POLICIES.items() if name not in (*but, WALL_TIME)}
+    return [str(one) for one in judge(evidence, Circumstances(scenarios.load(scenario).vehicle), asked)]
+
+
+def statuses(bag: Path, after: float) -> list[list[int]]:
+    """Return the statuses of every command in a bag after a time [s]; a fallback's stamp is no tick's."""
+    found = (one.signal for one in BagReader(bag).signals(["/command"]))
+    return [one.status.tolist() for one in found if isinstance(one, SwarmCommand) and one.t > after]
+
+
+def test_nodes_that_are_killed_or_stopped_in_turn_take_their_places_in_flight(tmp_path: Path) -> None:
+    killed = [Strike(node, tick=400 * k) for k, node in enumerate(ROAD, start=1)]
+    stopped = Strike("replanner", tick=2400, how="stop")
+    timing = fly_struck(FlightRequest(TABLE6, seed=3), [*killed, stopped], tmp_path)
+    evidence = evidence_in(tmp_path / "bag")
+    assert timing.missed_ticks == 0
+    assert len(evidence.t) == 5000
+    assert violations(evidence, TABLE6) == []
+    assert np.isfinite(evidence.thrust[-1]).all()
+    assert (evidence.command_status[-1] != CommandStatus.CUT).all()
+
+
+def test_a_recorder_that_is_killed_leaves_a_bag_that_is_readable_up_to_its_end(tmp_path: Path) -> None:
+    strike = Strike("bag_record", tick=300, comes_back=False)
+    timing = fly_struck(FlightRequest(LOW, seed=3), [strike], tmp_path)
+    assert timing.missed_ticks == 0
+    evidence = evidence_in(tmp_path / "bag")
+    # a chunk is a second of bag time: what was in the last one is lost
+    assert 100 <= len(evidence.t) < 1400
+    assert np.isfinite(evidence.true_pos).all()
+    assert violations(evidence, LOW) == []
+
+
+def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> None:
+    strike = Strike("pid", tick=100, comes_back=False)
+    fly_struck(FlightRequest(LOW), [strike], tmp_path, Waiting(0.01, 0.5))
+    evidence = evidence_in(tmp_path / "bag")
+    assert len(evidence.t) == 1400
+    assert violations(evidence, LOW, "return", "floor") == []  # they come down
+    # 2 s after its last packet the firmware cuts the motors; 0.6 m takes 0.35 s to fall, and rotors lag
+    silent = int(np.flatnonzero(np.isfinite(evidence.thrust).all(axis=1))[-1])
+    np.testing.assert_allclose(evidence.true_pos[silent + 260, :, 2], 0.0, atol=1e-9)
+    np.testing.assert_allclose(evidence.true_pos[-1, :, :2], evidence.sent_pos[silent, :, :2], atol=0.05)
+
+
+def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_itself(
+    tmp_path: Path,
+) -> None:
+    reference, states = (
+        Strike(node, tick, comes_back=False) for node, tick in (("trajectory", 200), ("mocap_filter", 700))
+    )
+    fly_struck(FlightRequest(LOW, live=True), [reference, states], tmp_path)
+    evidence = evidence_in(tmp_path / "bag")
+    assert violations(evidence, LOW, "return", "floor") == []  # they come down
+    # states come: it hovers where it was last sent, HOLD where a busy machine gave no state in time
+    alone = ((evidence.t > 4.0) & (evidence.t < 6.5))[:, None] & np.isfinite(evidence.command_status)
+    assert CommandStatus.DEGRADED in evidence.command_status[alone]
+    assert set(evidence.command_status[alone]) <= {
+        CommandStatus.DEGRADED,
+        CommandStatus.HOLD,
+        CommandStatus.LEVEL,
+    }
+    before = int(np.searchsorted(evidence.t, 6.5))
+    np.testing.assert_allclose(evidence.true_pos[before], [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]], atol=0.05)
+    status = statuses(tmp_path / "bag", after=7.0)
+    order = list(dict.fromkeys(one for one, _ in status))
+    falling = (CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
+    assert [one for one in order if one in falling] == list(falling)
+    assert status[-1] == [CommandStatus.CUT] * 2
+    np.testing.assert_allclose(evidence.true_pos[-1, :, 2], 0.0, atol=1e-9)  # on the ground, in its place
+    np.testing.assert_allclose(evidence.true_pos[-1, :, :2], [[0.0, 0.0], [0.0, 1.0]], atol=0.2)
+
+
+def test_a_strike_at_no_node_of_the_flight_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="no node 'filter' in this flight; there are bag_record, mocap_fil"):
+        fly_struck(FlightRequest(LOW), [Strike("filter", 1)], tmp_path)
