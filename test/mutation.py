@@ -18,7 +18,6 @@ import os
 import resource
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
@@ -87,6 +86,7 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Sub: ast.Add,
     ast.Mult: ast.Div, ast.Div: ast.Mult, ast.BitOr: ast.BitAnd, ast.BitAnd: ast.BitOr,
 }  # fmt: skip
+MUTABLE = (ast.Compare, ast.BoolOp, ast.BinOp, ast.Constant, ast.Return, ast.UnaryOp)
 Place = tuple[str, int]
 """File and first line of a function."""
 
@@ -102,7 +102,7 @@ class Mutant:
 
 
 def mutants(tree: ast.Module) -> Iterator[Mutant]:
-    """Yield every mutant of a module."""
+    """Yield every mutant of a module; its tree is as it was again once the next one is asked for."""
     calls = [
         call for call in ast.walk(tree) if isinstance(call, ast.Call) and isinstance(call.func, ast.Name)
     ]
@@ -114,14 +114,13 @@ def mutants(tree: ast.Module) -> Iterator[Mutant]:
         for inner in ast.walk(word)
     }
     functions = _functions_of(tree)
-    for index, node in enumerate(ast.walk(tree)):
-        if id(node) in declared:
-            continue
-        copy = deepcopy(tree)
-        here = list(ast.walk(copy))[index]
-        if _mutate(here, node):
-            change = f"line {getattr(node, 'lineno', 0)}: {ast.unparse(node)} -> {ast.unparse(here)}"
-            yield Mutant(change, functions.get(id(node), 0), ast.fix_missing_locations(copy))
+    for node in [one for one in ast.walk(tree) if isinstance(one, MUTABLE) and id(one) not in declared]:
+        kept = {name: list(part) if isinstance(part, list) else part for name, part in vars(node).items()}
+        said = ast.unparse(node)
+        if _mutate(node):
+            change = f"line {node.lineno}: {said} -> {ast.unparse(node)}"
+            yield Mutant(change, functions.get(id(node), 0), ast.fix_missing_locations(tree))
+        vars(node).update(kept)
 
 
 def _functions_of(tree: ast.Module) -> dict[int, int]:
@@ -134,7 +133,8 @@ def _functions_of(tree: ast.Module) -> dict[int, int]:
     return found
 
 
-def _mutate(here: ast.AST, node: ast.AST) -> bool:
+def _mutate(here: ast.AST) -> bool:
+    """Change a node, if there is a way to; return whether there was."""
     if isinstance(here, ast.Compare) and type(here.ops[0]) in SWAPS:
         here.ops[0] = SWAPS[type(here.ops[0])]()  # type: ignore[assignment]
     elif isinstance(here, ast.BoolOp | ast.BinOp) and type(here.op) in SWAPS and _is_value(here):
@@ -147,7 +147,7 @@ def _mutate(here: ast.AST, node: ast.AST) -> bool:
         here.op = ast.UAdd()
     else:
         return False
-    return ast.dump(here) != ast.dump(node)
+    return True
 
 
 def _is_value(node: ast.BoolOp | ast.BinOp) -> bool:
