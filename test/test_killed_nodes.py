@@ -67,26 +67,18 @@ def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> No
     np.testing.assert_allclose(evidence.true_pos[-1, :, :2], evidence.sent_pos[silent, :, :2], atol=0.05)
 
 
-def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_itself(
-    tmp_path: Path,
-) -> None:
-    reference, states = (
-        Strike(node, tick, comes_back=False) for node, tick in (("trajectory", 200), ("mocap_filter", 700))
-    )
-    fly_struck(FlightRequest(LOW, live=True), [reference, states], tmp_path)
+@pytest.mark.parametrize("node", ["mocap_filter", "trajectory"])
+def test_live_a_controller_without_its_inputs_acts_by_itself(node: str, tmp_path: Path) -> None:
+    fly_struck(FlightRequest(LOW, live=True), [Strike(node, tick=200, comes_back=False)], tmp_path)
     evidence = evidence_in(tmp_path / "bag")
-    assert violations(evidence, LOW, "return", "floor") == []  # they come down
-    # states come: it hovers where it was last sent, HOLD where a busy machine gave no state in time
-    alone = ((evidence.t > 4.0) & (evidence.t < 6.5))[:, None] & np.isfinite(evidence.command_status)
-    assert CommandStatus.DEGRADED in evidence.command_status[alone]
-    assert set(evidence.command_status[alone]) <= {
-        CommandStatus.DEGRADED,
-        CommandStatus.HOLD,
-        CommandStatus.LEVEL,
-    }
-    before = int(np.searchsorted(evidence.t, 6.5))
-    np.testing.assert_allclose(evidence.true_pos[before], [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]], atol=0.05)
-    status = statuses(tmp_path / "bag", after=7.0)
+    assert violations(evidence, LOW, "return", "floor") == []  # they may have come down
+    status = statuses(tmp_path / "bag", after=2.0)
+    if node == "trajectory":  # states come: it hovers where it was last sent
+        late = evidence.command_status[(evidence.t > 8.0)[:, None] & np.isfinite(evidence.command_status)]
+        assert CommandStatus.DEGRADED in late  # HOLD where a busy machine gave no state in time
+        assert set(late) <= {CommandStatus.DEGRADED, CommandStatus.HOLD, CommandStatus.LEVEL}
+        np.testing.assert_allclose(evidence.true_pos[-1], [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]], atol=0.05)
+        return
     order = list(dict.fromkeys(one for one, _ in status))
     falling = (CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
     assert [one for one in order if one in falling] == list(falling)
