@@ -20,7 +20,7 @@ from q2q_model.cdr import encode
 from q2q_model.parameters import ParameterValue
 from q2q_model.rehearsal import rehearsal
 from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.ready import offer_ready
+from q2q_model.ros.ready import offer_drained, offer_ready
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
 from q2q_sim.ros.absent_packages import standing_in
@@ -131,6 +131,7 @@ def _built(module: ModuleType, executable: str, way: Way) -> StandInNode:
         build: Callable[[StandInNode], object] = runner.call_args.args[1]
         kept = build(node)
         offer_ready(node)
+        offer_drained(node)
         with redirect_stderr(StringIO()):
             _feed(node)
         for end in runner.call_args.args[2:]:
