@@ -10,6 +10,22 @@ from pathlib import Path
 import pytest
 
 NODES = 7
+ORPHAN = """
+import os
+from q2q_sim.tools.warm_start import settle
+
+alive, held = os.pipe()
+if os.fork() == 0:  # the warm parent's part: it dies before its fork settles
+    os.fork() and os._exit(0)
+    os.close(held)
+    os.read(alive, 1)
+    settle(frozenset())
+    print("runs on")
+else:
+    os.close(held)
+    os.wait()
+"""
+"""Fork that settles only after its parent has died."""
 PATIENCE_S = 90.0
 
 
@@ -77,3 +93,8 @@ def test_a_node_that_is_killed_in_flight_is_named_and_the_others_end() -> None:
     assert all(ends(node) for node in nodes)
     assert flight.returncode == 1
     assert "mocap_filter ended with status -9" in said
+
+
+def test_a_node_whose_parent_died_before_it_settled_does_not_run_on() -> None:
+    done = subprocess.run([sys.executable, "-c", ORPHAN], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("", "the warm parent is gone\n")

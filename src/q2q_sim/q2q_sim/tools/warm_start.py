@@ -21,6 +21,8 @@ PARENT = "q2q_sim.ros.warm_parent"
 """What the fork server imports."""
 PR_SET_PDEATHSIG = 1
 """prctl option: signal to get when the parent dies (Linux)."""
+IMPORTER = os.getpid()
+"""Process that imported this module: in a node, which is a fork, its warm parent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,11 +65,17 @@ def die_with_parent() -> None:
 
 
 def settle(cores: frozenset[int]) -> None:
-    """Make this process a session of its own that dies with its parent and stays on its cores."""
+    """Make this process a session of its own that dies with its warm parent and stays on its cores.
+
+    Raises:
+        SystemExit: the warm parent died before its death could be signalled.
+    """
     os.setsid()
     if cores:
         os.sched_setaffinity(0, cores)
     die_with_parent()
+    if os.getppid() != IMPORTER:
+        sys.exit("the warm parent is gone")
 
 
 def _become(start: NodeStart) -> None:
