@@ -57,28 +57,38 @@ def test_a_recorder_that_is_killed_leaves_a_bag_that_is_readable_up_to_its_end(t
 
 def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> None:
     strike = Strike("pid", tick=100, comes_back=False)
-    fly_struck(FlightRequest(LOW), [strike], tmp_path, Waiting(0.01, 0.5))
-    evidence = evidence_in(tmp_path / "bag")
-    assert len(evidence.t) == 1400
-    assert violations(evidence, LOW, "return", "floor") == []  # they come down
+    short = tmp_path / "short_hover.yaml"
+    short.write_text(Path(LOW).read_text().replace("14.0", "5.0"))
+    fly_struck(FlightRequest(str(short)), [strike], tmp_path / "flight", Waiting(0.01, 0.5))
+    evidence = evidence_in(tmp_path / "flight" / "bag")
+    assert len(evidence.t) == 500
+    assert violations(evidence, str(short), "return", "floor") == []  # they come down
     # 2 s after its last packet the firmware cuts the motors; 0.6 m takes 0.35 s to fall, and rotors lag
     silent = int(np.flatnonzero(np.isfinite(evidence.thrust).all(axis=1))[-1])
     np.testing.assert_allclose(evidence.true_pos[silent + 260, :, 2], 0.0, atol=1e-9)
     np.testing.assert_allclose(evidence.true_pos[-1, :, :2], evidence.sent_pos[silent, :, :2], atol=0.05)
 
 
-@pytest.mark.parametrize("node", ["mocap_filter", "trajectory"])
-def test_live_a_controller_without_its_inputs_acts_by_itself(node: str, tmp_path: Path) -> None:
-    fly_struck(FlightRequest(LOW, live=True), [Strike(node, tick=200, comes_back=False)], tmp_path)
+def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_itself(
+    tmp_path: Path,
+) -> None:
+    reference, states = (
+        Strike(node, tick, comes_back=False) for node, tick in (("trajectory", 200), ("mocap_filter", 700))
+    )
+    fly_struck(FlightRequest(LOW, live=True), [reference, states], tmp_path)
     evidence = evidence_in(tmp_path / "bag")
-    assert violations(evidence, LOW, "return", "floor") == []  # they may have come down
-    status = statuses(tmp_path / "bag", after=2.0)
-    if node == "trajectory":  # states come: it hovers where it was last sent
-        late = evidence.command_status[(evidence.t > 8.0)[:, None] & np.isfinite(evidence.command_status)]
-        assert CommandStatus.DEGRADED in late  # HOLD where a busy machine gave no state in time
-        assert set(late) <= {CommandStatus.DEGRADED, CommandStatus.HOLD, CommandStatus.LEVEL}
-        np.testing.assert_allclose(evidence.true_pos[-1], [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]], atol=0.05)
-        return
+    assert violations(evidence, LOW, "return", "floor") == []  # they come down
+    # states come: it hovers where it was last sent, HOLD where a busy machine gave no state in time
+    alone = ((evidence.t > 4.0) & (evidence.t < 6.5))[:, None] & np.isfinite(evidence.command_status)
+    assert CommandStatus.DEGRADED in evidence.command_status[alone]
+    assert set(evidence.command_status[alone]) <= {
+        CommandStatus.DEGRADED,
+        CommandStatus.HOLD,
+        CommandStatus.LEVEL,
+    }
+    before = int(np.searchsorted(evidence.t, 6.5))
+    np.testing.assert_allclose(evidence.true_pos[before], [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]], atol=0.05)
+    status = statuses(tmp_path / "bag", after=7.0)
     order = list(dict.fromkeys(one for one, _ in status))
     falling = (CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
     assert [one for one in order if one in falling] == list(falling)

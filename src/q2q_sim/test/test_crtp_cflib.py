@@ -58,7 +58,7 @@ def open_room(scenario: str, *more: str) -> OpenRoom:
 def close_room(room: OpenRoom) -> None:
     room.process.send_signal(signal.SIGINT)
     try:
-        assert room.process.wait(timeout=10.0) == 0
+        assert room.process.wait(timeout=60.0) == 0
     finally:
         room.process.kill()
 
@@ -128,7 +128,7 @@ def set_parameter(cf: Crazyflie, name: str, value: int) -> None:
     group, last = name.split(".")
     cf.param.add_update_callback(group, last, lambda _, now: done.set() if now == str(value) else None)
     cf.param.set_value(name, value)
-    assert done.wait(timeout=20.0), name
+    assert done.wait(timeout=60.0), name
 
 
 def fly(scf: SyncCrazyflie) -> None:
