@@ -207,8 +207,6 @@ class Trial:
     """Functions that each test calls."""
     took: dict[str, float] = field(default_factory=dict)
     """Processor time of each test [s]."""
-    scores: dict[str, tuple[int, int]] = field(default_factory=dict)
-    """Killed and tried, by module."""
 
     def pytest_configure(self) -> None:
         """Let hypothesis draw the same examples for every mutant."""
@@ -269,12 +267,11 @@ class Trial:
             tried += 1
         while running:
             killed += wait()
-        self.scores[module.__name__] = killed, tried
+        share = 100.0 * killed / max(tried, 1)
+        print(f"| {module.__name__} | {killed} of {tried}, {share:.0f} % |", flush=True)
 
     def _reaches(self, item: pytest.Item, file: str, mutant: Mutant) -> bool:
-        if mutant.function:
-            return (file, mutant.function) in self.calls[item.nodeid]
-        return any(one == file for one, _ in self.calls[item.nodeid])
+        return not mutant.function or (file, mutant.function) in self.calls[item.nodeid]
 
     def _survives(self, module: ModuleType, mutant: Mutant, tests: Sequence[pytest.Item]) -> bool:
         forget_caches()
@@ -330,10 +327,7 @@ def _in_a_process_of_its_own(room: Room, asked: argparse.Namespace) -> bool:
     trial = Trial(modules, asked.share, asked.jobs)
     tests = [str(ROOT / name) for name in room.tests]
     words = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-k", room.left_out, *tests]
-    status = int(pytest.main(words, plugins=[trial]))
-    for name, (killed, tried) in trial.scores.items():
-        print(f"| {name} | {killed} of {tried} | {100.0 * killed / max(tried, 1):.0f} % |", flush=True)
-    os._exit(status)
+    os._exit(int(pytest.main(words, plugins=[trial])))
 
 
 if __name__ == "__main__":

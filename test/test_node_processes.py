@@ -8,6 +8,7 @@ import pytest
 from fresh_checkout import ROOT
 from started_nodes import PATIENCE_S, start, wait_until_spinning
 
+from q2q_model.vehicle import VEHICLES
 from q2q_sim.tools.domain import own_domain
 
 NODES = [
@@ -84,7 +85,8 @@ def test_a_gain_out_of_range_is_refused_with_its_bounds() -> None:
 
 
 def test_an_unknown_vehicle_is_refused_with_the_known_ones() -> None:
-    assert "crazyflie_2_0, textbook_065" in refusal("q2q_control", "pid", ["vehicle:=jumbo"])
+    said = refusal("q2q_control", "pid", ["vehicle:=jumbo"])
+    assert f"known are {', '.join(VEHICLES)}" in said
 
 
 def test_a_model_file_cut_in_half_is_refused_by_name(tmp_path: Path) -> None:
