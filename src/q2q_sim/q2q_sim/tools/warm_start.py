@@ -13,7 +13,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from multiprocessing import forkserver, get_context, parent_process
+from multiprocessing import forkserver, get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
@@ -80,9 +80,6 @@ def settle(cores: frozenset[int]) -> None:
 
 def _become(start: NodeStart) -> None:
     settle(start.cores)
-    starter = parent_process()
-    if starter is None or not starter.is_alive():
-        os._exit(1)  # it died before its death would have been told: nobody would end this node
     with start.log.open("wb") as log:
         for stream in (1, 2):
             os.dup2(log.fileno(), stream)
