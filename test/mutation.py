@@ -216,8 +216,10 @@ class Trial:
         )
         settings.load_profile("mutation")
 
-    def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """Run every test once, then those of each mutant."""
+    def pytest_runtestloop(self, session: pytest.Session) -> bool | None:
+        """Run every test once, then those of each mutant; leave what cannot be collected to pytest."""
+        if session.testsfailed:
+            return None
         for item in session.items:
             self._learn(item)
         for name in self.modules:

@@ -43,9 +43,10 @@ COMPILED: list[str] = []
 def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN401  numba's dispatcher
     """Return the compiled function, entered in KERNELS; `options` are those of numba.njit but `cache`."""
     made = njit(**options)(function)
-    made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
+    cache = made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
+    source = getattr(made, "py_func", made)  # with numba switched off, `made` is the function itself
     name = f"{function.__module__}.{function.__qualname__}"
-    KERNELS.append(Kernel(name, made.py_func, options.get("inline") == "always", made._cache))  # noqa: SLF001
+    KERNELS.append(Kernel(name, source, options.get("inline") == "always", cache))
     return made
 
 

@@ -6,8 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba import config
 
-from q2q_model.compiled import digest_of
+from q2q_model.compiled import compiled, digest_of
 
 MAIN = """
 from q2q_model.compiled import compiled
@@ -55,7 +56,7 @@ def test_the_key_is_the_same_in_every_process(options: str) -> None:
     """Sets are told in another order by every process: kernels with such options were compiled ever anew."""
     script = f"""
 from numba import njit
-from q2q_model.compiled import digest_of
+from q2q_model.compiled import compiled, digest_of
 inner = njit(lambda x: x in {{"a", "b", "c"}}{options})
 def outer(x):
     return inner(x)
@@ -75,3 +76,13 @@ def test_recursion_does_not_go_on_for_ever() -> None:
         return 0 if n == 0 else down(n - 1)
 
     assert len(digest_of(down)) == 64
+
+
+def test_where_numba_is_switched_off_a_kernel_is_the_function_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(config, "DISABLE_JIT", True)
+    monkeypatch.setattr("q2q_model.compiled.KERNELS", [])
+    assert compiled(_half)(3.0) == 1.5
+
+
+def _half(x: float) -> float:
+    return 0.5 * x
