@@ -229,6 +229,17 @@ def test_a_take_off_that_does_not_arrive_is_landed_and_says_where_the_vehicle_is
     assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
+def test_vehicles_are_landed_before_they_are_disarmed_where_a_take_off_is_told_to_have_failed() -> None:
+    bench = _Bench(refuses={Act.TAKE_OFF: "no answer from all/takeoff"})
+    bench.call(Call.TAKE_OFF)
+    while Act.TAKE_OFF not in bench.acts:
+        bench.wait(STEP)
+    bench.move(HOME + up(0.5))
+    bench.wait(8.0)
+    assert bench.answer() == Reply(granted=False, reason="no answer from all/takeoff; landing")
+    assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
+
+
 def test_a_landing_is_confirmed_only_on_the_ground() -> None:
     bench = up_to(Step.HOLD, stuck={Act.LAND})
     answer = bench.asked(Call.LAND, 12.0)

@@ -10,6 +10,7 @@ so PWM_c / PWM_o far from 1 tells of a wrong vehicle, a wrong firmware or a mass
 above it on a Brushless and 45 % with the upgrade kit: there it must be set.
 """
 
+import math
 from dataclasses import dataclass
 
 from q2q_model.thrust_map import PWM_FULL
@@ -45,9 +46,5 @@ def mass_thrust_of(vehicle: Vehicle) -> float:
 
 
 def hover_ratio(vehicle: Vehicle, own: OwnHover) -> float:
-    """Return PWM_c / PWM_o; raise ValueError where the vehicle's parameters are no mass or no scale."""
-    if not own.pwm > 0.0:
-        raise ValueError(
-            f"ctrlMel.mass {own.mass}, ctrlMel.massThrust {own.mass_thrust}: both must be above 0"
-        )
-    return hover_pwm(vehicle) / own.pwm
+    """Return PWM_c / PWM_o; infinite where the vehicle's own parameters give no thrust."""
+    return hover_pwm(vehicle) / own.pwm if own.pwm > 0.0 else math.inf

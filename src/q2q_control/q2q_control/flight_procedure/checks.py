@@ -101,7 +101,8 @@ def _thrust(one: VehicleReport, params: FlightProcedureParams) -> str:
     if np.isnan(one.hover_ratio) or abs(one.hover_ratio - 1.0) <= params.hover_mismatch:
         return ""
     told = f"would be sent {100.0 * one.hover_ratio:.0f} % of the thrust at which it hovers"
-    return f"{one.name} {told}: within {100.0 * params.hover_mismatch:.0f} % is allowed; check `vehicle`"
+    allowed = f"within {100.0 * params.hover_mismatch:.0f} % is allowed"
+    return f"{one.name} {told}: {allowed}; check `vehicle`, `firmware`, ctrlMel.mass and ctrlMel.massThrust"
 
 
 def _standing(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:

@@ -251,12 +251,12 @@ class FlightProcedure:
 
     def _fail(self, act: Act, seen: Observation, reason: str, t: float) -> None:
         self._said.append(f"{act.value} failed: {reason}")
-        if act in {Act.WAIT, Act.ARM, Act.TAKE_OFF}:
+        if act in {Act.WAIT, Act.ARM}:
             self.refusal = reason
             self._enter(Step.DISARMING, t)
             self._answer(granted=False, reason=reason)
             self._give(Act.DISARM, seen, t)
-        elif act is Act.STREAM:
+        elif act in {Act.TAKE_OFF, Act.STREAM}:  # vehicles may be in the air, whatever the answer was
             self._answer(granted=False, reason=f"{reason}; landing")
             self._land(seen, t, reason)
         elif act is Act.GLIDE and self._lands_after_glide:
