@@ -7,7 +7,7 @@ import pytest
 from mcap_ros2.reader import read_ros2_messages
 from numpy.typing import NDArray
 
-from q2q_model.bag import BagReader, read_flight
+from q2q_model.bag import BagReader, read_facts, read_flight
 from q2q_model.flights import Flight
 from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.outliers import find_outliers
@@ -16,6 +16,7 @@ from q2q_model.tools.models import find_model
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions, fly
 from q2q_sim.room import TICK_S, Room
+from q2q_sim.tools.flight import FlightRequest, facts_of
 from q2q_sim.vicon import Injected, Vicon
 
 BAGS = sorted((Path(__file__).parents[1] / "bags").glob("table2_*"))
@@ -40,6 +41,12 @@ def test_every_tick_is_on_every_topic(bag: Path) -> None:
     for message in BagReader(bag).raw():
         counts[message.topic] += 1
     assert counts == dict.fromkeys(TOPICS, ticks_of(bag))
+
+
+@pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
+def test_a_bag_says_what_its_command_flew(bag: Path) -> None:
+    request = FlightRequest(bag.name, mode="ignoring", seed=int(bag.name[-1]))
+    assert read_facts(bag) == facts_of(scenarios.load(bag.name), request)
 
 
 @pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)

@@ -14,7 +14,15 @@
 
 from dataclasses import dataclass, replace
 
-from q2q_model.thrust_map import BRUSHED_MOTOR, BRUSHLESS_MOTOR, PWM_FULL, PWM_STICK_MAX, STOCK, motor_thrust
+from q2q_model.thrust_map import (
+    BRUSHED_MOTOR,
+    BRUSHLESS_MOTOR,
+    MOTOR_THRUST,
+    PWM_FULL,
+    PWM_STICK_MAX,
+    STOCK,
+    motor_thrust,
+)
 
 GRAVITY = 9.81
 """Standard gravity as the paper rounds it [m/s^2]."""
@@ -120,6 +128,10 @@ VEHICLES = {
 """On stock firmware; `estimate` above marks what nobody has measured on that vehicle."""
 
 
+DEFAULT_VEHICLE = CRAZYFLIE_2_0.name
+"""Taken by tools where nobody says which vehicle flew: the paper's."""
+
+
 def vehicle_by_name(name: str, firmware: str = STOCK) -> Vehicle:
     """Return the named vehicle on a firmware of `thrust_map`; raise ValueError with the known names."""
     if name not in VEHICLES:
@@ -137,3 +149,9 @@ def on_firmware(vehicle: Vehicle, firmware: str) -> Vehicle:
     if motor is None:
         return vehicle
     return replace(vehicle, thrust_max=4.0 * motor, full_pwm_thrust=4.0 * motor)
+
+
+def firmware_of(vehicle: Vehicle) -> str:
+    """Return the firmware whose thrust a vehicle has; empty where it has that of none."""
+    known = MOTOR_THRUST.get(vehicle.name, ())
+    return next((name for name in known if on_firmware(vehicle, name) == vehicle), "")

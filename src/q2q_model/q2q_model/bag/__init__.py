@@ -5,6 +5,7 @@ zstd and checksummed, every channel with its ros2msg definition, type hash and o
 record` of ROS 2 Jazzy does. Read: that, other rosbag2 bags (MCAP, sqlite3), and ROS 1 bags by a topic map.
 """
 
+from q2q_model.bag.facts import FlightFacts, facts_from_words, read_facts, words_of
 from q2q_model.bag.fault import BagError, BagRepairWarning
 from q2q_model.bag.foreign import read_mapped_flight
 from q2q_model.bag.log_topic import LOG_TOPIC, read_flight_log, write_log_row
@@ -20,14 +21,18 @@ __all__ = [
     "BagReader",
     "BagRepairWarning",
     "BagWriter",
+    "FlightFacts",
     "OfferedQos",
     "RawMessage",
     "TimedSignal",
     "TopicMap",
+    "facts_from_words",
     "is_bag",
     "load_topic_map",
+    "read_facts",
     "read_flight",
     "read_flight_log",
     "read_mapped_flight",
+    "words_of",
     "write_log_row",
 ]

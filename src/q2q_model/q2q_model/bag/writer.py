@@ -23,6 +23,7 @@ from rosbags.interfaces import (
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from q2q_model.bag.definitions import definition_of
+from q2q_model.bag.facts import FlightFacts
 from q2q_model.bag.fault import BagError
 from q2q_model.cdr import encode
 from q2q_model.layout import LAYOUTS, Signal
@@ -47,8 +48,8 @@ class OfferedQos:
 class BagWriter:
     """Open bag; a context manager that closes it in every case."""
 
-    def __init__(self, path: Path | str, chunk_s: float = CHUNK_S) -> None:
-        """Create the bag's folder `path`.
+    def __init__(self, path: Path | str, chunk_s: float = CHUNK_S, facts: FlightFacts | None = None) -> None:
+        """Create the bag's folder `path`; `facts` go into its metadata when it is closed.
 
         Raises BagError where something stands already, or the folder cannot be made.
         """
@@ -61,6 +62,8 @@ class BagWriter:
         self._types: dict[str, str] = {}
         self._writer = Writer(self.path, version=VERSION, storage_plugin=StoragePlugin.MCAP)
         self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+        for name, value in (facts or FlightFacts()).known.items():
+            self._writer.set_custom_data(name, value)
         try:
             self._writer.open()
         except OSError as refused:

@@ -41,7 +41,7 @@ def parser() -> CommandLine:
     made.add_argument("--model", required=True, help="none, a shipped name, or a .q2q file")
     made.add_argument("--json", type=Path, metavar="FILE", help="scores to write")
     made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
-    made.add_argument("--vehicle", default="crazyflie_2_0", choices=tuple(VEHICLES), help="whose mass")
+    made.add_argument("--vehicle", default="", choices=tuple(VEHICLES), help="in place of what bags say")
     return made
 
 

@@ -44,7 +44,7 @@ def parser() -> CommandLine:
         help="auto picks by held-out error",
     )
     made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
-    made.add_argument("--vehicle", default="crazyflie_2_0", choices=tuple(VEHICLES), help="whose mass")
+    made.add_argument("--vehicle", default="", choices=tuple(VEHICLES), help="in place of what bags say")
     made.add_argument("--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]")
     made.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
     made.add_argument("--model", default="paper_law", help="model that --live begins with")

@@ -9,9 +9,10 @@ from dataclasses import asdict
 from q2q_model.identification.draft_force import ForceSamples, ForceScore, force_samples, score
 from q2q_model.identification.procedure import Recording, force_record
 from q2q_model.identification.thrust_lag import thrust_lag
+from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.models import find_model
 from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
-from q2q_model.vehicle import Vehicle, vehicle_by_name
+from q2q_model.vehicle import Vehicle
 
 
 def run(given: Namespace) -> int:
@@ -19,13 +20,14 @@ def run(given: Namespace) -> int:
     law = find_model(given.model).interaction
     bags, left_out = bags_among(given.bags)
     recordings, repairs = read_recordings(bags, topic_map(given.topics))
-    samples = _samples(recordings, vehicle_by_name(given.vehicle))
+    flown = common_vehicle(bags, given.vehicle)
+    samples = _samples(recordings, flown.vehicle)
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
     text = {"flights": {name: asdict(one) for name, one in scores.items()}, "pooled": asdict(pooled)}
     if given.json:
         given.json.write_text(json.dumps(text, indent=1) + "\n")
-    for note in [*left_out, *(f"mended: {repair}" for repair in repairs)]:
+    for note in [*left_out, *filter(None, [flown.note]), *(f"mended: {repair}" for repair in repairs)]:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
         print(_line(name, one))

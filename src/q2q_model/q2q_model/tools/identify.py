@@ -3,7 +3,6 @@
 import json
 import time
 from argparse import Namespace
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,10 +13,11 @@ from threadpoolctl import threadpool_limits
 from q2q_model.identification.procedure import Identification, ProcedureParams, identify
 from q2q_model.model_file import save
 from q2q_model.plain_values import Plain, PlainValueError, to_plain
+from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.identify_report import report, summary
 from q2q_model.tools.models import find_model
 from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
-from q2q_model.vehicle import Vehicle, vehicle_by_name
+from q2q_model.vehicle import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 
 STEPS = 12
 """Steps of a run with all candidates; the bar is a guide, not a promise."""
@@ -26,9 +26,9 @@ STEPS = 12
 def run(given: Namespace) -> int:
     """Identify what is asked for; write and print what was found; return the exit status."""
     if given.live:
-        return _refine_live(given.model, vehicle_by_name(given.vehicle), given.out)
+        return _refine_live(given.model, vehicle_by_name(given.vehicle or DEFAULT_VEHICLE), given.out)
     with threadpool_limits(1, user_api="blas"):  # the matrices are small: more threads only wait
-        found, seconds = _run(given.bags, given.topics, _params(given), Console(stderr=True))
+        found, seconds = _run(given, Console(stderr=True))
     save(given.out, found.file)
     wanted = given.json or given.out.with_suffix(".json")
     wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
@@ -49,13 +49,8 @@ def _refine_live(model: str, vehicle: Vehicle, out: Path) -> int:
     return 0
 
 
-def _params(given: object) -> ProcedureParams:
-    values = vars(given)
-    return ProcedureParams(
-        model_type=values["model_type"],
-        threshold=values["threshold"],
-        vehicle=vehicle_by_name(values["vehicle"]),
-    )
+def _params(given: Namespace, vehicle: Vehicle) -> ProcedureParams:
+    return ProcedureParams(model_type=given.model_type, threshold=given.threshold, vehicle=vehicle)
 
 
 @dataclass(slots=True)
@@ -84,21 +79,20 @@ class _Steps:
         return self.seconds
 
 
-def _run(
-    bags: Sequence[Path], topics: Path | None, params: ProcedureParams, console: Console
-) -> tuple[Identification, dict[str, float]]:
+def _run(given: Namespace, console: Console) -> tuple[Identification, dict[str, float]]:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         progress.add_task("read", total=STEPS)
         steps = _Steps(progress)
         steps.tell("read")
-        kept, left_out = bags_among(bags)
-        for note in left_out:
+        kept, left_out = bags_among(given.bags)
+        flown = common_vehicle(kept, given.vehicle)
+        for note in [*left_out, *filter(None, [flown.note])]:
             progress.console.print(f"identify: {note}", highlight=False)
-        recordings, repairs = read_recordings(kept, topic_map(topics))
+        recordings, repairs = read_recordings(kept, topic_map(given.topics))
         for repair in repairs:
             progress.console.print(f"identify: mended: {repair}", highlight=False)
-        found = identify(recordings, params, steps.tell)
+        found = identify(recordings, _params(given, flown.vehicle), steps.tell)
         return found, steps.finish()
 
 

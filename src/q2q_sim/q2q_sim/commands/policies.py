@@ -34,7 +34,9 @@ def parser() -> CommandLine:
     made = CommandLine("policies", __doc__, EXAMPLE)
     made.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bag folder of a flight")
     made.add_argument("--scenario", default="", help="what was flown: its vehicle and its faults")
-    made.add_argument("--vehicle", default="", help=f"without a scenario: one of {', '.join(VEHICLES)}")
+    made.add_argument(
+        "--vehicle", default="", help=f"in place of what the bag says: one of {', '.join(VEHICLES)}"
+    )
     made.add_argument("--json", action="store_true", help="print the violations as JSON")
     return made
 

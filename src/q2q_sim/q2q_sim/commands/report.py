@@ -18,7 +18,8 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _prepare(asked: Namespace) -> Work:
-    vehicle_by_name(asked.vehicle)
+    if asked.vehicle:
+        vehicle_by_name(asked.vehicle)
     must_exist("bag", asked.bag, *asked.compare)
     must_exist("topic map", *([asked.topics] if asked.topics else []))
     from q2q_sim.tools.report import run
@@ -31,7 +32,9 @@ def parser() -> CommandLine:
     made = CommandLine("report", __doc__, "  ros2 run q2q_sim report out/demo/bags/aware")
     made.add_argument("bag", type=Path, help="bag folder of the flight")
     made.add_argument("--compare", type=Path, nargs="+", default=[], help="more flights to lay over it")
-    made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
+    made.add_argument(
+        "--vehicle", default="", help=f"in place of what the bag says: one of {', '.join(VEHICLES)}"
+    )
     made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
     made.add_argument("--out", type=Path, default=Path("out/report"), help="folder of page and pictures")
     made.add_argument("--json", type=Path, help="write the numbers to this file")

@@ -8,7 +8,7 @@ from time import time_ns
 
 from rclpy.node import Node
 
-from q2q_model.bag import BagWriter
+from q2q_model.bag import BagWriter, facts_from_words
 from q2q_model.cdr import header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.parameters import check_bounds, tunable
@@ -28,6 +28,10 @@ class RecordParams:
     extra: tuple[str, ...] = tunable((), "more topics, each as topic:package/msg/Type", read_only=True)
     stamps: str = tunable("receive", "bag time of a message", choices=("receive", "header"), read_only=True)
 
+    facts: tuple[str, ...] = tunable(
+        (), "what the bag says of the flight, each as name=value, e.g. vehicle=crazyflie_2_1", read_only=True
+    )
+
     def __post_init__(self) -> None:
         """Refuse values out of bounds."""
         check_bounds(self)
@@ -42,7 +46,7 @@ class Recorder:
             raise ValueError("parameter bag is empty: give the folder to write, e.g. -p bag:=out/my_flight")
         self._health = Health()
         self._by_header = params.stamps == "header"
-        self._writer = BagWriter(Path(params.bag))
+        self._writer = BagWriter(Path(params.bag), facts=facts_from_words(params.facts))
         for topic, kind in (_house(params.topics) | _extra(params.extra)).items():
             whole = node.resolve_topic_name(topic)
             self._writer.add_topic(whole, kind)

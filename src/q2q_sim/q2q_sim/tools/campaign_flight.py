@@ -8,9 +8,10 @@ from time import perf_counter
 import numpy as np
 import yaml
 
-from q2q_model.bag import BagWriter
+from q2q_model.bag import BagWriter, FlightFacts
 from q2q_model.layout import Signal
 from q2q_model.tools.models import find_model
+from q2q_model.vehicle import firmware_of
 from q2q_sim.assembly import MODES
 from q2q_sim.campaign.draw import Run, drawn
 from q2q_sim.campaign.outcome import CRASH, Outcome
@@ -109,9 +110,22 @@ def keep(run: Run, heard: tuple[Heard, ...], folder: Path) -> None:
     (folder / f"{run.seed}.options.yaml").write_text(yaml.safe_dump(asdict(run.options)))
     bag = folder / str(run.seed)
     if heard and not bag.exists():
-        with BagWriter(bag) as writer:
+        with BagWriter(bag, facts=_facts(run)) as writer:
             for one in heard:
                 writer.write_signal(f"/{one.topic}", round(one.at * NS), one.signal)
+
+
+def _facts(run: Run) -> FlightFacts:
+    vehicle = run.scenario.vehicle
+    return FlightFacts(
+        vehicle=vehicle.name,
+        firmware=firmware_of(vehicle),
+        scenario=f"{run.seed}.yaml",
+        mode=run.options.mode,
+        controller=run.options.controller,
+        model=run.scenario.model,
+        seed=str(run.seed),
+    )
 
 
 def write_scenario(run: Run, path: Path) -> None:

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from q2q_model.bag import read_flight
+from q2q_model.bag import FlightFacts, read_flight, words_of
 from q2q_model.flights import Flight
 from q2q_model.tools.models import find_model
+from q2q_model.vehicle import firmware_of
 from q2q_model.wiring import PROMISE_S
 from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
@@ -130,6 +131,7 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
                 "bag": str(bag),
                 "stamps": "receive" if request.live else "header",
                 "topics": request.record,
+                "facts": words_of(facts_of(scenario, request)),
             },
         ),
         *(one_process(road) if request.stack else road),
@@ -139,6 +141,19 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
             {"scenario": request.scenario, "seed": request.seed, "pace": pace, "autostart": False},
         ),
     ]
+
+
+def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
+    """Return what the bag of a flight says of it."""
+    return FlightFacts(
+        vehicle=scenario.vehicle.name,
+        firmware=firmware_of(scenario.vehicle),
+        scenario=request.scenario,
+        mode=request.mode,
+        controller=request.controller,
+        model=scenario.model,
+        seed=str(request.seed),
+    )
 
 
 def one_process(road: tuple[NodeSpec, ...]) -> list[NodeSpec]:

@@ -10,10 +10,13 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from q2q_model.bag import FlightFacts, words_of
 from q2q_model.parameters import ParameterValue
 from q2q_model.tools.models import find_model
+from q2q_model.vehicle import firmware_of
 from q2q_model.wiring import PROMISE_S
 from q2q_planner import plan_file
+from q2q_sim import scenarios
 from q2q_sim.tools.flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.tools.processes import NodeSpec
 from q2q_sim.tools.running_nodes import RECORDER
@@ -120,7 +123,7 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         "vehicle": given["vehicle"],
     }
     return [
-        *_road(given, folder),
+        *_road(given, folder, FlightFacts(vehicle=given["vehicle"], model=given["model"])),
         *(pid if by_stick else []),
         NodeSpec("q2q_control", "radio", radio),
         *_viewers(given),
@@ -144,7 +147,7 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     }
     room: dict[str, ParameterValue] = {"scenario": given["scenario"], "crtp": True}
     return [
-        *_road(given, folder),
+        *_road(given, folder, _twin_facts(given)),
         NodeSpec("q2q_control", "crazyswarm", bridge),
         *([NodeSpec("q2q_sim", "simulator", room)] if twin else []),
         *_viewers(given),
@@ -174,11 +177,28 @@ def _checked(given: Mapping[str, str]) -> Path:
     return folder
 
 
-def _road(given: Mapping[str, str], folder: Path) -> list[NodeSpec]:
+def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
+    """Return what is known of a flight beside Crazyswarm2; only a twin's vehicle has a name here."""
+    if given["twin"] != YES:
+        return FlightFacts(model=given["model"])
+    vehicle = scenarios.load(given["scenario"]).vehicle
+    return FlightFacts(
+        vehicle=vehicle.name,
+        firmware=firmware_of(vehicle),
+        scenario=given["scenario"],
+        model=given["model"],
+    )
+
+
+def _road(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[NodeSpec]:
     """Return recorder and road of a real room; the trajectory waits until it is called."""
     promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
     return [
-        NodeSpec("q2q_sim", RECORDER, {"bag": str(folder / "bag"), "stamps": "receive"}),
+        NodeSpec(
+            "q2q_sim",
+            RECORDER,
+            {"bag": str(folder / "bag"), "stamps": "receive", "facts": words_of(facts)},
+        ),
         NodeSpec("q2q_model", "mocap_filter", promised),
         NodeSpec("q2q_model", "interference", promised | {"model": given["model"]}),
         NodeSpec("q2q_planner", "trajectory", promised | {"plan": given["plan"], "wait": True}),

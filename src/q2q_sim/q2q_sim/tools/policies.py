@@ -1,13 +1,14 @@
 """Judge recorded flights by the safety policies."""
 
 import json
+import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from q2q_model.bag import BagReader
-from q2q_model.vehicle import vehicle_by_name
+from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_sim import scenarios
 from q2q_sim.policies import POLICIES, Circumstances, Evidence, Heard, Violation, evidence_of, judge
 from q2q_sim.tools.run_json import Json, finite
@@ -16,8 +17,10 @@ from q2q_sim.topics import TICK_TOPICS
 
 def run(asked: Namespace) -> int:
     """Judge the bags that are named; return 1 where a policy is violated."""
-    circumstances = circumstances_of(asked.scenario, asked.vehicle)
-    found = {str(bag): judge(evidence_in(bag), circumstances) for bag in asked.bags}
+    found = {
+        str(bag): judge(evidence_in(bag), circumstances_of(bag, asked.scenario, asked.vehicle))
+        for bag in asked.bags
+    }
     if asked.json:
         print(json.dumps({bag: as_json(violations) for bag, violations in found.items()}, indent=1))
     else:
@@ -26,12 +29,15 @@ def run(asked: Namespace) -> int:
     return int(any(found.values()))
 
 
-def circumstances_of(scenario: str, vehicle: str) -> Circumstances:
-    """Return what is known of a flight besides its bag; raise ValueError for an unknown name."""
+def circumstances_of(bag: Path, scenario: str, vehicle: str) -> Circumstances:
+    """Return what is known of a flight besides its signals; raise ValueError for an unknown name."""
     if scenario:
         flown = scenarios.load(scenario)
         return Circumstances(vehicle=flown.vehicle, faults=flown.faults)
-    return Circumstances(vehicle=vehicle_by_name(vehicle)) if vehicle else Circumstances()
+    flown_by = flown_vehicle(bag, vehicle)
+    if flown_by.note:
+        print(f"policies: {flown_by.note}", file=sys.stderr)
+    return Circumstances(vehicle=flown_by.vehicle)
 
 
 def evidence_in(bag: Path) -> Evidence:

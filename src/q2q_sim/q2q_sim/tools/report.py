@@ -1,6 +1,7 @@
 """Measure recorded flights and lay them over each other on one HTML page."""
 
 import json
+import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -12,8 +13,8 @@ from numpy.typing import NDArray
 from q2q_model.bag import TopicMap, read_flight, read_mapped_flight
 from q2q_model.flights import Flight
 from q2q_model.signals import CommandStatus
+from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.tools.recordings import topic_map
-from q2q_model.vehicle import Vehicle, vehicle_by_name
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.mocap_quality import MocapQuality, mocap_quality
 from q2q_sim.policies import Circumstances
@@ -40,30 +41,40 @@ class Reported:
     lives: tuple[NodeLife, ...]
     """How its nodes fared, where `/diagnostics` was recorded."""
     verdict: Verdict
+    note: str = ""
+    """Which vehicle was taken, where the bag does not say it."""
 
 
 def run(asked: Namespace) -> int:
     """Write the report that is asked for; return the exit status."""
-    vehicle, topics = vehicle_by_name(asked.vehicle), topic_map(asked.topics)
-    flights = [reported(bag, vehicle, topics) for bag in [asked.bag, *asked.compare]]
+    topics, bags = topic_map(asked.topics), [asked.bag, *asked.compare]
+    flights = [reported(bag, flown_vehicle(bag, asked.vehicle), topics) for bag in bags]
     write(flights, asked.out)
     if asked.json:
         asked.json.write_text(json.dumps(as_json(flights), indent=1) + "\n")
+    for note in notes(flights):
+        print(f"report: {note}", file=sys.stderr)
     print(f"page: {asked.out / 'index.html'}")
     print(verdicts(flights))
     return 0
 
 
-def reported(bag: Path, vehicle: Vehicle, topics: TopicMap | None = None) -> Reported:
+def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None) -> Reported:
     """Return a bag's flight, measured; `topics` says which topics of another's bag are what."""
     flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
-    verdict = verdict_of(flight, Circumstances(vehicle=vehicle))
-    return Reported(flight, measure(flight, vehicle), mocap_quality(flight), recorded_lives(bag), verdict)
+    verdict = verdict_of(flight, Circumstances(vehicle=flown.vehicle))
+    metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)
+    return Reported(flight, metrics, quality, recorded_lives(bag), verdict, flown.note)
 
 
 def verdicts(flights: Sequence[Reported]) -> str:
     """Return how the flights went, in one line."""
     return verdict_line([(one.flight.name, one.verdict) for one in flights])
+
+
+def notes(flights: Sequence[Reported]) -> list[str]:
+    """Return what was assumed about the flights."""
+    return [one.note for one in flights if one.note]
 
 
 def write(flights: Sequence[Reported], out: Path) -> None:
@@ -83,7 +94,7 @@ def write(flights: Sequence[Reported], out: Path) -> None:
     ]
     title = f"Flight {flights[0].flight.name}"
     lead = "Tracking against the plan, on the true positions where the bag has them."
-    (out / "index.html").write_text(page(title, lead, [*grids, verdicts(flights), pictures]))
+    (out / "index.html").write_text(page(title, lead, [*grids, *notes(flights), verdicts(flights), pictures]))
 
 
 def as_json(flights: Sequence[Reported]) -> Json:

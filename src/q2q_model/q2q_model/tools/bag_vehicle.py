@@ -1,0 +1,58 @@
+"""Find which vehicle flew a bag: the one a user names, else the bag's own, else the default, with a note."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from q2q_model.bag import read_facts
+from q2q_model.thrust_map import STOCK
+from q2q_model.vehicle import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
+
+
+@dataclass(frozen=True, slots=True)
+class FlownVehicle:
+    """Vehicle of some flights."""
+
+    vehicle: Vehicle
+    note: str = ""
+    """Where nobody says which it is: which was taken instead."""
+
+
+def flown_vehicle(bag: Path, asked: str = "") -> FlownVehicle:
+    """Return the vehicle of a bag; `asked` takes precedence over what the bag says.
+
+    Raises:
+        ValueError: the asked vehicle, or the one that the bag names, does not exist.
+    """
+    if asked:
+        return FlownVehicle(vehicle_by_name(asked))
+    facts = read_facts(bag)
+    if not facts.vehicle:
+        note = f"{bag} does not say which vehicle flew: {DEFAULT_VEHICLE} is taken; name it by --vehicle"
+        return FlownVehicle(vehicle_by_name(DEFAULT_VEHICLE), note)
+    try:
+        return FlownVehicle(vehicle_by_name(facts.vehicle, facts.firmware or STOCK))
+    except ValueError as unknown:
+        raise ValueError(f"bag {bag}: {unknown}; name the vehicle by --vehicle") from unknown
+
+
+def common_vehicle(bags: Sequence[Path], asked: str = "") -> FlownVehicle:
+    """Return the one vehicle of several bags, for a fit to all of them.
+
+    Bags that name no vehicle are taken to be of the same one as the others.
+
+    Raises:
+        ValueError: as `flown_vehicle`, or bags of different vehicles.
+    """
+    found = [flown_vehicle(bag, asked) for bag in bags]
+    named = {one.vehicle.name: bag for one, bag in zip(found, bags, strict=True) if not one.note}
+    if len(named) > 1:
+        flown = ", ".join(f"{bag} of {name}" for name, bag in named.items())
+        raise ValueError(f"bags of different vehicles, {flown}: take them apart, or name one by --vehicle")
+    silent = [bag for one, bag in zip(found, bags, strict=True) if one.note]
+    vehicle = next((one.vehicle for one in found if not one.note), found[0].vehicle)
+    if not silent:
+        return FlownVehicle(vehicle)
+    which = f"{silent[0]}" + (f" and {len(silent) - 1} more" if len(silent) > 1 else "")
+    note = f"which vehicle flew is not said in {which}: {vehicle.name} is taken; name it by --vehicle"
+    return FlownVehicle(vehicle, note)

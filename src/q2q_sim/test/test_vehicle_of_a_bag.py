@@ -1,0 +1,78 @@
+"""A recorded flight of a 0.65 kg vehicle is measured and judged as such, whoever names the vehicle."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from q2q_model.bag import BagWriter, FlightFacts
+from q2q_model.layout import Signal
+from q2q_model.tools.models import find_model
+from q2q_sim import scenarios
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.commands import policies, report
+from q2q_sim.tools.flight import FlightRequest, facts_of
+
+SCENARIO = replace(scenarios.load("table6"), duration=3.0)
+
+
+def recorded(folder: Path, facts: FlightFacts | None) -> Path:
+    """Return the bag of the first seconds of table6."""
+    with BagWriter(folder, facts=facts) as bag:
+
+        def hear(topic: str, stamp_ns: int, signal: Signal) -> None:
+            bag.write_signal(f"/{topic}", stamp_ns, signal)
+
+        fly(SCENARIO, FlightOptions(model=find_model(SCENARIO.model).interaction, hear=hear))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a bag that says what flew, as `fly` records it."""
+    facts = facts_of(SCENARIO, FlightRequest("table6"))
+    return recorded(tmp_path_factory.mktemp("told") / "flight", facts)
+
+
+@pytest.fixture(scope="module")
+def silent(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the same flight in a bag that says nothing."""
+    return recorded(tmp_path_factory.mktemp("silent") / "flight", None)
+
+
+def numbers(bag: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, *more: str) -> dict[str, object]:
+    """Return what `report` measures of a bag."""
+    monkeypatch.setattr("q2q_sim.tools.figures.KINDS", {})
+    out = folder / "report.json"
+    assert report.main([str(bag), "--out", str(folder / "page"), "--json", str(out), *more]) == 0
+    read: dict[str, object] = json.loads(out.read_text())
+    return read
+
+
+def test_a_report_needs_no_vehicle_where_the_bag_names_it(
+    told: Path,
+    silent: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    by_name = numbers(silent, tmp_path, monkeypatch, "--vehicle", "textbook_065")
+    capsys.readouterr()
+    assert numbers(told, tmp_path, monkeypatch) == by_name
+    assert not capsys.readouterr().err
+    assert numbers(silent, tmp_path, monkeypatch) != by_name
+    assert "does not say which vehicle flew: crazyflie_2_0 is taken" in capsys.readouterr().err
+    assert "crazyflie_2_0 is taken" in (tmp_path / "page" / "index.html").read_text()
+
+
+def test_policies_judge_a_bag_by_the_vehicle_it_names(
+    told: Path, silent: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert policies.main([str(told)]) == 0
+    assert not capsys.readouterr().err
+    assert policies.main([str(silent)]) == 1  # 6.4 N are more than a Crazyflie has
+    assert "policies: " in (said := capsys.readouterr()).err
+    assert "crazyflie_2_0 is taken" in said.err
+    assert "thrust: cf1" in said.out
+    assert policies.main([str(told), "--vehicle", "crazyflie_2_0"]) == 1
