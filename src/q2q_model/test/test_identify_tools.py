@@ -43,6 +43,9 @@ def test_the_report_holds_what_its_contract_names(found: Path):
     assert model["heldout_r2"]["lower"] > 0.9
     assert model["heldout_mse_m2"]["lower"] < 1.13e-3  # the paper's training errors, section 3.2
     assert model["heldout_mse_m2"]["upper"] < 1.87e-3
+    assert {"strength", "width", "upper_ratio"} <= set(model["intervals"])
+    assert all(low <= value <= high for value, low, high in model["intervals"].values())
+    assert report["loading"] == {"interval": None, "used": 0.0}  # two vehicles cannot show it
     assert report["seconds"]["total"] > 0.0
 
 

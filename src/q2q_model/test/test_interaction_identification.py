@@ -207,6 +207,15 @@ def test_the_jet_that_flew_is_found_from_pushes():
     assert eta_error(fit.jet, FLOWN[0]) < 0.02  # the command's tick against its lag
 
 
+def test_a_jet_that_is_known_already_has_the_intervals_of_its_fit():
+    form = JetForm("power", carried=0.0, delayed=False)
+    fit = fit_jet(evidence(), LOOP, form)
+    again = fit_jet(evidence(), LOOP, form, fit.jet)
+    for (name, one), (_, other) in zip(fit.intervals, again.intervals, strict=True):
+        assert other.value == pytest.approx(one.value, abs=1e-3), name  # a step below the solver's tolerance
+        assert other.high - other.low == pytest.approx(one.high - one.low, rel=0.05, abs=1e-3), name
+
+
 def test_a_jets_intervals_hold_the_truth_as_often_as_they_say():
     samples, rng = [one for made in FLOWN for one in pushes(made)], np.random.default_rng(13)
     at_reference = PAPER_LAW.strength * (0.83 / 0.73) ** 2  # 0.4 m below, not 0.5

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.identification.interval import Interval
 from q2q_model.interaction.jet import PAPER_LAW, Jet
 from q2q_model.signals import Array
 from q2q_sim import scenarios
@@ -104,7 +105,8 @@ def test_the_page_has_a_row_for_what_was_flown_and_none_for_the_rest():
 
 def test_results_are_kept_and_read_again(tmp_path: Path):
     file = tmp_path / "numbers.json"
-    results = Results(file, 2, {"paper": Learned(Jet(strength=0.5), 0.25, 0.9)}, cells_of(CASES[0]))
+    learned = Learned(Jet(strength=0.5), 0.25, 0.9, Interval(0.25, 0.125, 0.375))
+    results = Results(file, 2, {"paper": learned, "measured": LEARNED}, cells_of(CASES[0]))
     results.save()
     again = read(file, 2)
     assert again.models == results.models

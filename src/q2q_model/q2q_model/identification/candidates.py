@@ -13,6 +13,7 @@ import numpy as np
 from q2q_model.identification.altitude_loop import AltitudeLoop
 from q2q_model.identification.evidence import Evidence, shows_draft
 from q2q_model.identification.held_out import Fitter, Score, score_held_out
+from q2q_model.identification.interval import Interval
 from q2q_model.identification.jet_fit import (
     JetFit,
     JetForm,
@@ -137,12 +138,17 @@ def best_of(trials: Sequence[Trial]) -> Trial:
     return best
 
 
-def fit_jet(flights: Sequence[Evidence], loop: AltitudeLoop, form: JetForm) -> JetFit:
-    """Return the jet of a form, from pushes where every flight has some, else from altitudes."""
+def fit_jet(
+    flights: Sequence[Evidence], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
+) -> JetFit:
+    """Return the jet of a form, from pushes where every flight has some, else from altitudes.
+
+    `solved` is that jet where it is known already: then only its intervals are made.
+    """
     pushes = [one for flight in flights for one in flight.pushes]
     if any(one.exposed.any() for one in pushes):
-        return fit_to_pushes(pushes, form)
-    return fit_to_altitudes([flight.record for flight in flights], loop, form)
+        return fit_to_pushes(pushes, form, solved)
+    return fit_to_altitudes([flight.record for flight in flights], loop, form, solved)
 
 
 def with_deviation(
@@ -153,6 +159,15 @@ def with_deviation(
     if found.name in FORMS and isinstance(model, Jet):
         return with_held_out_deviation(model, pushes, FORMS[found.name])
     return model
+
+
+def spread_of(
+    found: Candidate, model: InteractionModel, flights: Sequence[Evidence], loop: AltitudeLoop
+) -> tuple[tuple[str, Interval], ...]:
+    """Return the intervals of the parameters of a candidate's model, by name; none but for a jet."""
+    if found.name not in FORMS or not isinstance(model, Jet):
+        return ()
+    return fit_jet(flights, loop, FORMS[found.name], model).intervals
 
 
 def _jets(flights: Sequence[Evidence], loop: AltitudeLoop) -> list[Candidate]:

@@ -72,8 +72,11 @@ class JetFit:
 Residuals = Callable[[Jet], list[Stretch]]
 
 
-def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm) -> JetFit:
-    """Return the jet that explains measured pushes; samples of whole flights."""
+def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | None = None) -> JetFit:
+    """Return the jet that explains measured pushes; samples of whole flights.
+
+    `solved` is that jet where it is known already: then only its intervals are made.
+    """
     flights = list(dict.fromkeys(one.flight for one in samples))
     seen = [(flights.index(one.flight), one, np.nonzero(one.exposed | one.upper)[0]) for one in samples]
 
@@ -87,13 +90,15 @@ def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm) -> JetFit:
             for flight, one, rows in seen
         ]
 
-    fit = _fit(residuals, form, "soft_l1")
+    fit = _fit(residuals, form, solved, "soft_l1")
     floor, share = _affine(*_misses(fit.jet, samples))
     return replace(fit, jet=replace(fit.jet, std_floor=floor, relative_std=share))
 
 
-def fit_to_altitudes(records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm) -> JetFit:
-    """Return the jet that explains measured altitudes under a closed loop."""
+def fit_to_altitudes(
+    records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
+) -> JetFit:
+    """Return the jet that explains measured altitudes under a closed loop; `solved` as in fit_to_pushes."""
     motions = [Motion(one.t, one.pos, one.vel, one.axis) for one in records]
     targets = [one.deviation - free_response(loop, one.dt, one.start, one.jerk) for one in records]
 
@@ -105,12 +110,14 @@ def fit_to_altitudes(records: Sequence[AltitudeRecord], loop: AltitudeLoop, form
             found += [Stretch(k, record.t[::THINNING], one) for one in missed]
         return found
 
-    return _fit(residuals, form)
+    return _fit(residuals, form, solved)
 
 
-def _fit(residuals: Residuals, form: JetForm, loss: str = "linear") -> JetFit:
+def _fit(residuals: Residuals, form: JetForm, solved: Jet | None, loss: str = "linear") -> JetFit:
     names, start = _free_parameters(form)
     low, high = (np.array([_BOUNDS[name][side] for name in names]) for side in (0, 1))
+    if solved is not None:
+        start = np.clip(_values(solved, names), low, high)
     found = least_squares(
         lambda x: np.concatenate([one.residual for one in residuals(_jet(form, names, x))]),
         start,
@@ -119,7 +126,7 @@ def _fit(residuals: Residuals, form: JetForm, loss: str = "linear") -> JetFit:
         diff_step=1e-4,  # the residual has corners where a pair enters the reach
         xtol=1e-5,
         ftol=1e-7,
-        max_nfev=25,
+        max_nfev=25 if solved is None else 1,  # one evaluation, and its Jacobian
         loss=loss,
         f_scale=TURBULENT,
     )
@@ -176,6 +183,12 @@ def _jet(form: JetForm, names: Sequence[str], x: Array) -> Jet:
         range=1.5,
         **({"spread": 0.0} | values),
     )
+
+
+def _values(jet: Jet, names: Sequence[str]) -> Array:
+    """Return a jet's free parameters, (p,): what `_jet` makes a jet of."""
+    slowness = 1.0 / jet.travel_speed if jet.travel_speed > 0.0 else 0.0
+    return np.array([slowness if name == "slowness" else getattr(jet, name) for name in names])
 
 
 def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: JetForm) -> Jet:

@@ -18,6 +18,7 @@ from q2q_model.identification.candidates import (
     candidates,
     fit_best,
     remarks_on_networks,
+    spread_of,
     try_out,
     with_deviation,
 )
@@ -26,6 +27,8 @@ from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.draft_force import ForceRecord, ForceSamples, force_samples
 from q2q_model.identification.evidence import Evidence
 from q2q_model.identification.held_out import Score, score_on
+from q2q_model.identification.interval import Interval
+from q2q_model.identification.loading import loading_of
 from q2q_model.identification.recorded_push import is_force_log, motion_of, push_of_log, push_of_sensors
 from q2q_model.identification.thrust_lag import thrust_lag
 from q2q_model.identification.trajectory_gains import gains_from_trajectories
@@ -70,6 +73,10 @@ class Identification:
     chosen: Candidate
     train: Score
     held_out: Score
+    spread: tuple[tuple[str, Interval], ...]
+    """Intervals of the model's parameters; none but for a jet."""
+    loading: Interval | None
+    """None where nobody flew under a vehicle that was itself under another."""
     zone: LevelSet | None
     file: ModelFile
     remarks: tuple[str, ...]
@@ -113,6 +120,8 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
         chosen=best.candidate,
         train=train,
         held_out=best.held_out,
+        spread=spread_of(best.candidate, model, evidence, loop),
+        loading=loading_of(model, [one for flight in evidence for one in flight.pushes]),
         zone=zone,
         file=ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit),
         remarks=(*remarks, *said, *left_out, *refused, *more),

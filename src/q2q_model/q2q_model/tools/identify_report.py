@@ -5,6 +5,7 @@ from dataclasses import asdict
 from q2q_model.identification.candidates import Trial
 from q2q_model.identification.deviation import DeviationParams
 from q2q_model.identification.interval import Interval
+from q2q_model.identification.loading import believed
 from q2q_model.identification.procedure import Identification
 from q2q_model.model_file import RoleScores
 from q2q_model.plain_values import Plain
@@ -38,6 +39,11 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
             "train_r2": _roles(found.train.r2),
             "heldout_mse_m2": _roles(found.held_out.mse_m2),
             "heldout_r2": _roles(found.held_out.r2),
+            "intervals": {name: one.as_list() for name, one in found.spread},
+        },
+        "loading": {
+            "interval": found.loading.as_list() if found.loading else None,
+            "used": believed(found.loading),
         },
         "candidates": [_candidate(trial) for trial in found.trials],
         "remarks": list(found.remarks),
@@ -64,7 +70,14 @@ def summary(found: Identification) -> str:
     lines.append(f"model: {found.chosen.name} ({found.chosen.parameters} parameters)")
     if held.r2.lower is not None:
         lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's draft")
+    lines += [f"  {name} {_ranged(one)}" for name, one in found.spread]
+    if found.loading is not None:
+        lines.append(f"loading {_ranged(found.loading)}: {believed(found.loading):.2f} is used")
     return "\n".join(lines + [f"note: {remark}" for remark in found.remarks])
+
+
+def _ranged(one: Interval) -> str:
+    return f"{one.value:.3f} [{one.low:.3f}, {one.high:.3f}]"
 
 
 def _gain(name: str, found: Interval) -> str:

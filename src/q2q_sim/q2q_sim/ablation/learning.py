@@ -5,35 +5,23 @@ along other lines and at other speeds than in any case, and the controller ignor
 accelerometers, commands and places the jet is fitted as `identify` does (draft_force, jet_fit); whether the
 air keeps its source's motion is chosen on a flight left out. Thrust is known to lag by the room's latency and
 the rotors' lag. A stack of three then shows whether the draft of a vehicle grows with its thrust, as momentum
-theory says and the paper does not: with the laws f_m, f_t of the middle and the top source on the lowest, and
-e the draft on the middle one,
-
-    y - f_t - f_m = c f_m (-e / g)                  c: loading, by least squares over exposed ticks
-
-| symbol | name | meaning [unit] |
-|---|---|---|
-| y | y | observed vertical push on the lowest [m/s^2] |
-| c | loading | [-] |
+theory says and the paper does not (q2q_model.identification.loading).
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.flights import Flight
-from q2q_model.identification.along_flight import Motion, eta_felt
 from q2q_model.identification.draft_force import ForceSamples, force_samples, score
+from q2q_model.identification.interval import Interval
 from q2q_model.identification.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.loading import believed, loading_of
 from q2q_model.identification.recorded_push import push_of_sensors
 from q2q_model.interaction.model import InteractionModel
-from q2q_model.signals import Array
-from q2q_model.vehicle import GRAVITY
 from q2q_planner.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim import scenarios
 from q2q_sim.closed_loop import FlightOptions, fly
-
-Rows = NDArray[np.intp]
 
 PAIRS = 3
 """Pairs in a training flight."""
@@ -45,8 +33,6 @@ DURATION = 30.0
 """[s]"""
 FIRST_SEED = 1000
 """Seeds of training flights begin here, those of the judged flights at 0."""
-MOST_LOADING = 1.5
-"""Largest loading believed [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +44,8 @@ class Learned:
     """Share of a source's thrust beyond its weight that strengthens its draft [-]."""
     r2: float | None
     """On pushes of the flight left out."""
+    loading_interval: Interval | None = None
+    """Where the stack of three shows it; the loading is 0 where this holds 0."""
 
 
 def learn(wake: str) -> Learned:
@@ -69,7 +57,8 @@ def learn(wake: str) -> Learned:
     r2, form = max(trials, key=lambda trial: -np.inf if trial[0] is None else trial[0])
     model = fit_to_pushes([*taught, *left_out], form).jet
     stack = _flown(stack_of_three(), wake, FIRST_SEED + FLIGHTS)
-    return Learned(model, loading_of(model, stack), r2)
+    loading = loading_of(model, [one for one in _pushes(stack) if one.vehicle == 0])
+    return Learned(model, believed(loading), r2, loading)
 
 
 def pairs_over(number: int) -> tuple[VehicleWaypoints, ...]:
@@ -97,35 +86,11 @@ def stack_of_three() -> tuple[VehicleWaypoints, ...]:
     )
 
 
-def loading_of(model: InteractionModel, stack: Flight) -> float:
-    """Return c of a flight of `stack_of_three`; 0 where the lowest vehicle shows nothing."""
-    lowest = [one for one in _pushes(stack) if one.vehicle == 0]
-    if not lowest or not lowest[0].exposed.any():
-        return 0.0
-    return _least_squares(model, lowest[0])
-
-
 def _pushes(flight: Flight) -> list[ForceSamples]:
     base = scenarios.load("stack3")
     lag = base.vicon.latency + base.radio.latency + base.vehicle.thrust_lag
     found = push_of_sensors(flight, base.vehicle, lag)
     return [] if found is None else force_samples(found)
-
-
-def _least_squares(model: InteractionModel, low: ForceSamples) -> float:
-    rows = np.flatnonzero(low.exposed)
-    by_mid, by_top, on_mid = (_vertical(model, low, pair, rows) for pair in ((0, 1), (0, 2), (1, 2)))
-    more = by_mid * (-on_mid / GRAVITY)
-    power = float(more @ more)
-    best = float(more @ (low.y[rows] - by_mid - by_top)) / power if power > 0.0 else 0.0
-    return min(max(best, 0.0), MOST_LOADING)
-
-
-def _vertical(model: InteractionModel, low: ForceSamples, pair: tuple[int, int], rows: Rows) -> Array:
-    """Return the vertical draft [m/s^2] that pair[1] alone puts on pair[0], (k,)."""
-    motion, both = low.motion, list(pair)
-    two = Motion(motion.t, motion.pos[:, both], motion.vel[:, both], motion.axis[:, both])
-    return eta_felt(model, two, 0, rows)[:, 2]
 
 
 def _flown(vehicles: tuple[VehicleWaypoints, ...], wake: str, seed: int) -> Flight:

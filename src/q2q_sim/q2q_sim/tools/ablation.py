@@ -13,6 +13,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from q2q_model.identification.interval import Interval
 from q2q_model.model_file import ModelFile, decode, encode
 from q2q_model.signals import Array
 from q2q_sim.ablation.cases import CASES, Case
@@ -107,7 +108,7 @@ def read(file: Path, seeds: int) -> Results:
 def notes(results: Results) -> list[str]:
     """Return what a reader of the table must know."""
     models = [
-        f"- {wake} wake: {learned.model!r}, loading {learned.loading:.2f}"
+        f"- {wake} wake: {learned.model!r}, loading {learned.loading:.2f}{_shown(learned.loading_interval)}"
         + (f"; R² {learned.r2:.3f} on a flight left out" if learned.r2 is not None else "")
         for wake, learned in sorted(results.models.items())
     ]
@@ -149,11 +150,22 @@ def _model_for(case: Case, models: Mapping[str, Learned]) -> Learned:
     return models["paper" if case.wake == "paper" else "measured"]
 
 
+def _shown(found: Interval | None) -> str:
+    return "" if found is None else f" (95 % interval {found.low:.2f} to {found.high:.2f})"
+
+
 def _plain(learned: Learned) -> dict[str, object]:
-    return {"file": encode(ModelFile(learned.model)), "loading": learned.loading, "r2": learned.r2}
+    found = learned.loading_interval
+    return {
+        "file": encode(ModelFile(learned.model)),
+        "loading": learned.loading,
+        "loading_interval": None if found is None else found.as_list(),
+        "r2": learned.r2,
+    }
 
 
 def _learned(plain: Mapping[str, object]) -> Learned:
-    r2 = plain["r2"]
+    r2, found = plain["r2"], plain.get("loading_interval")  # runs of before its time have none
     model = decode(str(plain["file"])).interaction
-    return Learned(model, float(str(plain["loading"])), None if r2 is None else float(str(r2)))
+    interval = Interval(*(float(str(end)) for end in found)) if isinstance(found, list) else None
+    return Learned(model, float(str(plain["loading"])), None if r2 is None else float(str(r2)), interval)
