@@ -1,7 +1,7 @@
-"""Fit how the draft of a vehicle grows with its thrust, from a vehicle under two others, one under the other.
+"""Fit how the draft of a vehicle grows with its thrust, from a vehicle under two others above each other.
 
-A source j that is itself pushed by e_j gives the thrust m (g - e_j). Its draft grows in proportion by momentum
-theory, and not at all in the paper. With the law f_ij of source j on vehicle i,
+A source j that is itself pushed by e_j gives the thrust m (g - e_j). By momentum theory its draft grows in
+proportion, in the paper not at all. With the law f_ij of source j on vehicle i,
 
     y_i = a (f + c h),   f = sum over j of f_ij,   h = sum over j of f_ij (-e_j / g)
 
