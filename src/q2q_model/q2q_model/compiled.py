@@ -30,6 +30,8 @@ class Kernel:
     inlined: bool
     """Part of its callers' machine code; it has none of its own."""
     cache: "_CompleteCache"
+    made: Dispatcher | FunctionType
+    """What is called: the function itself where numba is switched off."""
 
 
 KERNELS: list[Kernel] = []
@@ -46,7 +48,7 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN4
     cache = made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
     source = getattr(made, "py_func", made)  # with numba switched off, `made` is the function itself
     name = f"{function.__module__}.{function.__qualname__}"
-    KERNELS.append(Kernel(name, source, options.get("inline") == "always", cache))
+    KERNELS.append(Kernel(name, source, options.get("inline") == "always", cache, made))
     return made
 
 
@@ -58,6 +60,18 @@ def uncached() -> list[str]:
     parts = {called for kernel in KERNELS for called in _called_by(kernel.function)}
     entries = [one for one in KERNELS if not one.inlined and one.function not in parts]
     return [kernel.name for kernel in entries if not kernel.cache.holds_any()]
+
+
+def idle() -> list[str]:
+    """Return the kernels in KERNELS that this process has called neither from Python nor by way of others."""
+    called: set[FunctionType] = set()
+    callers = [one.function for one in KERNELS if isinstance(one.made, Dispatcher) and one.made.overloads]
+    while callers:
+        one = callers.pop()
+        if one not in called:
+            called.add(one)
+            callers.extend(_called_by(one))
+    return [kernel.name for kernel in KERNELS if kernel.function not in called]
 
 
 class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types

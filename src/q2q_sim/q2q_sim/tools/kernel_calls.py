@@ -20,8 +20,10 @@ from q2q_control.preview import made_up_preview
 from q2q_model.identification.altitude_loop import PAPER_LOOP
 from q2q_model.identification.impulse_response import impulse_response
 from q2q_model.identification.recorded_push import lagged
+from q2q_model.interaction.predictor import InteractionPredictor
+from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.rehearsal import rehearse
-from q2q_model.signals import Interference, SwarmSetpoint, SwarmState
+from q2q_model.signals import Interference, MocapFrame, SwarmSetpoint, SwarmState
 from q2q_model.tools.models import find_model
 from q2q_model.vehicle import TEXTBOOK_065
 from q2q_planner.planes import coordinate_descent
@@ -40,7 +42,7 @@ CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
 
 def calls() -> tuple[Sequence[Call], Sequence[Call]]:
     """Return what calls every kernel, in two shares of about equal time."""
-    flights = (_room, _replanned, _many, _firmware)
+    flights = (_estimators, _room, _replanned, _many, _firmware)
     solvers = (_mpc, _explicit, _identification, _planes)
     return flights, solvers
 
@@ -49,6 +51,13 @@ def _flown(scenario: str, controller: str = "pid", replan: str = "none") -> None
     short = replace(scenarios.load(scenario), duration=TICKS)
     known = find_model(short.model).interaction
     fly(short, FlightOptions(controller=controller, replan=replan, model=known))
+
+
+def _estimators() -> None:
+    block = MocapFilter(MocapFilterParams(), MANY[:2])
+    rehearse(block.update, block.reset, (MocapFrame,), MANY[:2])
+    predictor = InteractionPredictor(find_model("measured_law").interaction)
+    rehearse(predictor.update, predictor.reset, (SwarmState,))
 
 
 def _room() -> None:

@@ -17,8 +17,9 @@ from q2q_sim.tools.domain import own_domain
 from q2q_sim.tools.processes import NodeSpec, Processes
 
 RECORDER = "bag_record"
-WIRING_TIMEOUT_S = 90.0
-"""How long all nodes together may take to start and find each other [s]; a busy machine needs 20."""
+WIRING_TIMEOUT_S = 600.0
+"""How long all nodes together may take to start and find each other [s]: from an empty cache of compiled code
+two idle cores need 60, busy ones a multiple. Whether a node has died is asked all the while."""
 
 
 @dataclass(frozen=True, slots=True)

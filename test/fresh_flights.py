@@ -1,0 +1,128 @@
+"""Fly what users fly in one process; print which kernels it compiled and which it never called: for a test.
+
+Closed loop with every controller and replanner through every fault of the room, the passage of table6 with
+its active bounds, the explicit law, the view's scenes, the vehicles' own firmware, and an identification.
+"""
+
+import json
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from fresh_checkout import ROOT
+
+from q2q_control.explicit.distillation import Syllabus, distil, policy_of
+from q2q_control.explicit.encounter_flight import fly as fly_encounters
+from q2q_control.explicit.encounter_flight import teacher_policy
+from q2q_control.explicit.situations import random_encounters
+from q2q_control.explicit.solver import explicit_controller
+from q2q_control.explicit.teacher import Teacher
+from q2q_control.mpc.params import MpcParams
+from q2q_control.preview import made_up_preview
+from q2q_model.compiled import COMPILED, idle
+from q2q_model.identification.procedure import ProcedureParams, identify
+from q2q_model.layout import Signal
+from q2q_model.signals import SwarmSetpoint, SwarmState
+from q2q_model.tools.models import find_model
+from q2q_model.tools.recordings import read_recordings
+from q2q_model.vehicle import TEXTBOOK_065
+from q2q_sim import scenarios
+from q2q_sim.choices import CONTROLLERS, REPLANNERS
+from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
+from q2q_sim.faults import KINDS, Fault
+from q2q_sim.room import Room
+from q2q_sim.scenario import Scenario
+from q2q_sim.scene import Glimpse, SceneBuilder, SceneParams
+from q2q_sim.tools.compile_kernels import import_kernels
+
+SHORT_ROOM = scenarios.load(str(ROOT / "test" / "scenarios" / "short_room.yaml"))
+Heard = list[dict[str, Signal]]
+
+
+def main() -> None:
+    """Fly and identify; print what was compiled, and what is idle."""
+    import_kernels()
+    flights()
+    recordings, _ = read_recordings([ROOT / "bags" / "table2_1"])
+    identify(recordings, ProcedureParams(), lambda _: None)
+    print(json.dumps({"compiled": COMPILED, "idle": idle()}))
+
+
+def flights() -> None:
+    """Fly all there is to fly."""
+    faulty = replace(SHORT_ROOM, faults=tuple(faults_in_turn(SHORT_ROOM)))
+    for controller, replan in product(CONTROLLERS, REPLANNERS):
+        heard = flown(faulty, controller, replan)
+    drawn(heard)
+    controlled_explicitly(heard)
+    flown(replace(scenarios.load("table6"), duration=25.0), "mpc", "none")
+    flown(replace(scenarios.load("stack3"), duration=5.0), "mpc", "safe")
+    flown(replace(scenarios.load("swarm20"), duration=0.5), "mpc", "safe")
+    flown_by_firmware(scenarios.load("table6"))
+
+
+def faults_in_turn(scenario: Scenario) -> list[Fault]:
+    """Return a fault of every kind, one after the other, of a vehicle or the whole frame."""
+    each = scenario.duration / (len(KINDS) + 1)
+    made = []
+    for number, (kind, about) in enumerate(KINDS.items(), start=1):
+        struck = () if about.whole else scenario.names if kind == "swap" else scenario.names[:1]
+        size = min(about.high, max(about.low, 0.2))
+        made.append(Fault(kind, number * each, 0.8 * each, struck, size))
+    return made
+
+
+def flown(scenario: Scenario, controller: str, replan: str) -> Heard:
+    """Fly without ROS; return what was heard at each tick."""
+    heard: Heard = []
+
+    def hear(topic: str, _: int, signal: Signal) -> None:
+        if topic == "truth":
+            heard.append({})
+        heard[-1][topic] = signal
+
+    known = find_model(scenario.model).interaction
+    fly(scenario, FlightOptions(controller=controller, replan=replan, model=known, hear=hear))
+    return heard
+
+
+def drawn(heard: Heard) -> None:
+    """Draw a flight as the view does."""
+    builder = SceneBuilder(SceneParams())
+    for tick in heard:
+        state, reference = tick["state"], tick["reference_safe"]
+        assert isinstance(state, SwarmState)
+        assert isinstance(reference, SwarmSetpoint)
+        builder.update(Glimpse(state, reference_safe=reference))
+
+
+def controlled_explicitly(heard: Heard) -> None:
+    """Distil an explicit law, fly it through encounters, and let it answer a flight."""
+    rng = np.random.default_rng(0)
+    known = find_model("paper_law").interaction
+    teacher = Teacher(MpcParams(), TEXTBOOK_065, known, TEXTBOOK_065.thrust_max)
+    law = distil(teacher, Syllabus(situations=20, encounters=2, length=10, iterations=5), rng)
+    shown = random_encounters(3, 20, teacher.params.step, rng)
+    for policy in (policy_of(law, teacher), teacher_policy(teacher)):
+        fly_encounters(shown, policy, teacher)
+    block = explicit_controller(law, teacher.params, teacher.vehicle, teacher.model)
+    block.preview = made_up_preview(SHORT_ROOM.names)
+    for tick in heard:
+        state, reference = tick["state"], tick["reference_safe"]
+        assert isinstance(state, SwarmState)
+        assert isinstance(reference, SwarmSetpoint)
+        block.update(state, reference, None)
+
+
+def flown_by_firmware(scenario: Scenario) -> None:
+    """Fly a room whose vehicles run their own firmware, from the ground."""
+    room = Room(scenario, seed=0)
+    fleet = fleet_in(room, scenario, CrtpRoomParams())
+    for _ in range(50):
+        room.capture()
+        room.fly(fleet.fly)
+
+
+if __name__ == "__main__":
+    main()
