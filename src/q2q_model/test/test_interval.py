@@ -38,9 +38,9 @@ TRUTH = {
     "upper_ratio": 0.02,
     "slowness": 0.15,
 }
-TAU, TICK = 0.08, 0.02
+TAU, TICK = 0.08, 0.04
 """Correlation time of the noise, and time between samples [s]."""
-FITS = 200
+FITS = 300
 
 
 def wander(rng: np.random.Generator, ticks: int, rms: float) -> Array:
@@ -54,7 +54,7 @@ def wander(rng: np.random.Generator, ticks: int, rms: float) -> Array:
 @cache
 def flight() -> list[tuple[ForceSamples, Array]]:
     """Return a flight in which one passes to and fro over a hovering one, and the push on either."""
-    t = TICK * np.arange(3200)
+    t = TICK * np.arange(1600)
     phase, gap = 2.0 * np.pi * t / 4.0, np.interp(t, [0.0, 32.0, 64.0], [0.25, 0.7, 0.25])
     pos, vel = np.zeros((2, t.size, 2, 3))
     pos[:, 1] = np.stack([0.6 * np.sin(phase), 0.03 * np.sin(0.8 * phase), gap], axis=1)
@@ -124,14 +124,14 @@ def test_a_parameter_that_nothing_or_one_cluster_alone_shows_has_an_endless_inte
 
 def test_the_correlation_time_is_that_of_the_noise_and_stretches_are_ten_times_longer():
     rng = np.random.default_rng(8)
-    t = TICK * np.arange(10_000)
+    t = TICK * np.arange(5000)
     seen = np.ones(t.size, dtype=bool)
-    seen[2500:3500] = False  # a hole
+    seen[1250:1750] = False  # a hole
     one = Stretch(0, t[seen], wander(rng, t.size, 1.0)[seen])
     assert correlation_time([one]) == pytest.approx(0.9 * TAU, rel=0.1)  # cut where a tenth is left
     assert np.unique(clusters([one], 0.1)).size == pytest.approx(180.0 / (9.0 * TAU), rel=0.15)
     nothing = Stretch(1, np.empty(0), np.empty(0))
-    assert np.unique(clusters([one, nothing], 10.0)).size == 16  # of 49.98 s and 129.98 s
+    assert np.unique(clusters([one, nothing], 10.0)).size == 16  # of 49.96 s and 129.96 s
 
 
 def test_hubers_gains_keep_their_claim_with_rows_that_weigh_less():
