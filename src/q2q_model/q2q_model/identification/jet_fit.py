@@ -192,17 +192,34 @@ def _values(jet: Jet, names: Sequence[str]) -> Array:
 
 
 def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: JetForm) -> Jet:
-    """Return a jet whose deviation is that of misses on flights left out: half predicts the other half.
+    """Return a jet whose deviation is that of misses on what is left out: half predicts the other half.
 
-    With one flight nothing can be left out, and the jet keeps the deviation of its own misses.
+    Halves are flights; of a single flight, what is before and after the middle of its exposed rows. Without
+    exposed rows in both, the jet keeps the deviation of its own misses.
     """
-    flights = list(dict.fromkeys(one.flight for one in samples if one.exposed.any()))
-    halves = [[one for one in samples if one.flight in flights[k::2]] for k in (0, 1)]
-    if len(flights) < 2:
+    halves = _halves(samples)
+    if not all(any(one.exposed.any() for one in half) for half in halves):
         return jet
     parts = [_misses(fit_to_pushes(halves[1 - k], form).jet, halves[k]) for k in (0, 1)]
     floor, share = _affine(*(np.concatenate(some) for some in zip(*parts, strict=True)))
     return replace(jet, std_floor=floor, relative_std=share)
+
+
+def _halves(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
+    """Return the samples of either half of the flights, or of the only flight with exposed rows."""
+    flights = list(dict.fromkeys(one.flight for one in samples if one.exposed.any()))
+    if len(flights) > 1:
+        return [[one for one in samples if one.flight in flights[k::2]] for k in (0, 1)]
+    own = [one for one in samples if one.flight in flights]
+    middle = float(np.median(np.concatenate([one.motion.t[one.exposed] for one in own]))) if own else 0.0
+    early = [one.motion.t < middle for one in own]
+    return [
+        [
+            replace(one, exposed=one.exposed & rows, upper=one.upper & rows)
+            for one, rows in zip(own, half, strict=True)
+        ]
+        for half in (early, [~rows for rows in early])
+    ]
 
 
 def _misses(jet: Jet, samples: Sequence[ForceSamples]) -> tuple[Array, Array]:
