@@ -7,13 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.bag import read_facts
 from q2q_model.flights import Flight
 from q2q_model.model_names import ModelFileError
 from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
+from q2q_planner import plan_file
+from q2q_sim import assembly, scenarios
 from q2q_sim.closed_loop import FlightOptions
 from q2q_sim.closed_loop import fly as fly_pure
-from q2q_sim.tools.flight import FlightRequest, FlightRun, fly
+from q2q_sim.tools.flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
 from q2q_sim.tools.processes import NodeDiedError
 
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
@@ -31,6 +33,22 @@ def pure(seed: int) -> Flight:
     scenario = scenarios.load(SCENARIO)
     model = find_model(scenario.model).interaction
     return fly_pure(scenario, FlightOptions(mode="aware", seed=seed, model=model))
+
+
+def test_a_plan_file_flies_through_the_nodes_as_without_ros(tmp_path: Path) -> None:
+    points = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, {t: 2, pos: [0.1, 0, 1.5]}],"
+    points += " cf2: [{t: 0, pos: [0, 0, 1]}, {t: 2, pos: [0, 0.1, 1]}]}"
+    (tmp_path / "points.yaml").write_text(points)
+    plan = tmp_path / "plan.json"
+    plan_file.save(plan, assembly.plan_of(scenarios.load(str(tmp_path / "points.yaml"))))
+    request = FlightRequest(str(plan), vehicle="crazyflie_2_1", wake="paper", model="paper_law", stack=True)
+    through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    model = find_model("paper_law").interaction
+    alone = fly_pure(load_scenario(request), FlightOptions(model=model))
+    np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
+    assert np.abs(alone.true_eta).max() > 0.1  # the air of the command line
+    assert read_facts(tmp_path / "bag") == facts_of(load_scenario(request), request)
+    assert read_facts(tmp_path / "bag").vehicle == "crazyflie_2_1"
 
 
 def arrays_of(flight: Flight) -> dict[str, np.ndarray]:

@@ -77,11 +77,13 @@ class Blocks:
 
 
 def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
-    """Return the scenario's minimum-snap plan; with a zone, one that is proven to keep every pair out of it.
+    """Return the plan that the scenario names, else minimum snap; with a zone, proven to keep every pair out.
 
     Raises:
         InfeasibleError: no such plan was found.
     """
+    if zone is None and scenario.plan is not None:
+        return scenario.plan
     if zone is None:
         return minimum_snap_plan(scenario.waypoints, scenario.reading)
     return avoid(scenario.waypoints, zone, scenario.reading).plan

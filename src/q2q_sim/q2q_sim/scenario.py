@@ -3,14 +3,15 @@
 A document (parsed YAML) becomes a Scenario here, every value checked; `q2q_sim.scenarios` finds the files.
 
     description: one line
-    duration: 50.0            # [s]
+    duration: 50.0            # [s]; default: to the last waypoint
     vehicle: textbook_065     # q2q_model.vehicle
     firmware: stock           # its thrust per PWM: q2q_model.thrust_map
     wake: paper               # the true draft: none, paper, measured
     model: paper_law          # what a controller is given: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.settings; vicon, radio, imu, disturbance below override single values
     reading: stop_and_go      # of eq. (17): stop_and_go or free
-    vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}
+    vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}   # times that `plan` would give where there is no t
+    plan: mine.json           # in place of vehicles: a plan file, beside this file
     overrides: {pid: {thrust_max: 6.6}}
     faults: [{kind: outlier, start: 10, duration: 0.1, vehicles: [cf1], size: 1}, ...]   # q2q_sim.faults
 """
@@ -27,10 +28,13 @@ from q2q_model.mocap_filter import MocapFilterParams
 from q2q_model.parameters import ParameterValue, ParamsClass, with_overrides
 from q2q_model.signals import Names
 from q2q_model.thrust_map import STOCK
-from q2q_model.vehicle import Vehicle, on_firmware, vehicle_by_name
+from q2q_model.vehicle import Vehicle, firmware_of, on_firmware, vehicle_by_name
+from q2q_planner.flight_limits import FlightLimits, timed_document, with_limits_of
 from q2q_planner.minsnap import Reading
+from q2q_planner.plan_waypoints import waypoints_of
 from q2q_planner.potential_field import PotentialFieldParams
 from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.trajectory import SwarmPlan
 from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
 from q2q_sim.disturbance import DisturbanceParams
 from q2q_sim.faults import Fault, check_vehicles, fault_from_document
@@ -54,7 +58,7 @@ LONGEST = 3600.0
 """Longest flight [s]."""
 READINGS: dict[str, Reading] = {"stop_and_go": "stop_and_go", "free": "free"}
 KEYS = (
-    "description", "duration", "vehicle", "firmware", "wake", "model", "room", "reading", "vehicles",
+    "description", "duration", "vehicle", "firmware", "wake", "model", "room", "reading", "vehicles", "plan",
     "overrides", "vicon", "radio", "imu", "disturbance", "faults",
 )  # fmt: skip
 
@@ -70,6 +74,8 @@ class Scenario:
     vehicle: Vehicle
     waypoints: tuple[VehicleWaypoints, ...]
     """One a vehicle."""
+    plan: SwarmPlan | None = None
+    """Flown as it is; None: planned through the waypoints."""
     reading: Reading = "stop_and_go"
     wake: str = "none"
     model: str = "none"
@@ -101,8 +107,10 @@ class Scenario:
         return tuple(vehicle.name for vehicle in self.waypoints)
 
 
-def scenario_from_document(name: str, document: object) -> Scenario:
-    """Return the scenario a parsed YAML document describes.
+def scenario_from_document(name: str, document: object, plan: SwarmPlan | None = None) -> Scenario:
+    """Return the scenario a parsed YAML document describes; `plan` is what its plan file holds.
+
+    All but `vehicles`, or `plan`, has a default: a file of waypoints alone is a scenario.
 
     Raises:
         ValueError: naming the key, the value, and what is allowed there.
@@ -112,15 +120,20 @@ def scenario_from_document(name: str, document: object) -> Scenario:
         if key not in KEYS:
             raise ValueError(f"{name}: unknown key {key!r}; {_nearest(key, KEYS)}")
     room = setting_by_name(str(entries.get("room", "ideal")))
+    vehicle = vehicle_by_name(
+        str(entries.get("vehicle", "crazyflie_2_0")), str(entries.get("firmware", STOCK))
+    )
+    reading = _reading(entries.get("reading", "stop_and_go"))
+    waypoints = _waypoints(entries, with_limits_of(FlightLimits(), vehicle), reading, plan)
+    last = max(float(one.times[-1]) for one in waypoints)
     return Scenario(
         name=name,
         description=str(entries.get("description", "")),
-        duration=_number(entries.get("duration"), f"{name}: duration"),
-        vehicle=vehicle_by_name(
-            str(entries.get("vehicle", "crazyflie_2_0")), str(entries.get("firmware", STOCK))
-        ),
-        waypoints=swarm_from_document({"vehicles": entries.get("vehicles")}),
-        reading=_reading(entries.get("reading", "stop_and_go")),
+        duration=_number(entries.get("duration", last), f"{name}: duration"),
+        vehicle=vehicle,
+        waypoints=waypoints,
+        plan=plan,
+        reading=reading,
         wake=str(entries.get("wake", "none")),
         model=str(entries.get("model", "none")),
         vicon=overridden(room.vicon, entries.get("vicon", {}), "vicon"),
@@ -141,6 +154,28 @@ def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
     if not firmware:
         return scenario
     return replace(scenario, vehicle=on_firmware(scenario.vehicle, firmware))
+
+
+def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
+    """Return the scenario with another vehicle, on its firmware, and another air; empty names keep its own.
+
+    Raises:
+        ValueError: a vehicle or wake there is not, or a firmware that the vehicle does not have.
+    """
+    firmware = firmware_of(scenario.vehicle) or STOCK
+    chosen = vehicle_by_name(vehicle, firmware) if vehicle else scenario.vehicle
+    return replace(scenario, vehicle=chosen, wake=wake or scenario.wake)
+
+
+def _waypoints(
+    entries: Mapping[str, object], limits: FlightLimits, reading: Reading, plan: SwarmPlan | None
+) -> tuple[VehicleWaypoints, ...]:
+    if plan is None:
+        document = timed_document({"vehicles": entries.get("vehicles")}, limits, reading)
+        return swarm_from_document(document)
+    if "vehicles" in entries:
+        raise ValueError("vehicles and plan are both given: a plan names its vehicles; leave one out")
+    return waypoints_of(plan)
 
 
 def block_params(block: str, default: P, overrides: Overrides) -> P:

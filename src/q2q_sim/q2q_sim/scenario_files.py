@@ -9,6 +9,10 @@ FOLDER = Path(__file__).parent / "scenarios"
 SWARM = re.compile(r"swarm([0-9]+)")
 EXAMPLE_SWARM = "swarm10"
 """Stands for all `swarmN` in the list."""
+PLAN = ".json"
+"""Ending of a plan file."""
+OWN = (".yaml", ".yml", PLAN)
+"""Endings of a user's files: a scenario or waypoints, or a plan."""
 MOST = 1000
 """Most vehicles of a swarm; the room is then 100 m wide."""
 
@@ -41,7 +45,7 @@ def path_of(name_or_path: str) -> Path:
         ValueError: no such scenario (with the nearest right name), or no such file.
     """
     shipped, own = FOLDER / f"{name_or_path}.yaml", Path(name_or_path)
-    if own.suffix in {".yaml", ".yml"}:
+    if own.suffix in OWN:
         if not own.exists():
             raise ValueError(f"scenario file {own}: cannot be read (No such file or directory)")
         return own
@@ -50,5 +54,6 @@ def path_of(name_or_path: str) -> Path:
     near = get_close_matches(name_or_path, names(), n=1)
     hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(names())}"
     raise ValueError(
-        f"unknown scenario {name_or_path!r}; {hint} (swarmN: 1 to {MOST} vehicles; or a .yaml file)"
+        f"unknown scenario {name_or_path!r}; {hint} (swarmN: 1 to {MOST} vehicles; "
+        "or a file: .yaml of a scenario or waypoints, .json of a plan)"
     )

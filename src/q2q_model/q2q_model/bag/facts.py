@@ -28,6 +28,8 @@ class FlightFacts:
     controller: str = ""
     model: str = ""
     """Interaction model that the controller was given."""
+    wake: str = ""
+    """Air of the simulator."""
     seed: str = ""
 
     @property

@@ -1,4 +1,4 @@
-"""Command line of one flight: `fly SCENARIO`."""
+"""Fly a scenario, waypoints or a plan through the nodes: `fly SCENARIO`."""
 
 import argparse
 import sys
@@ -8,12 +8,14 @@ from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out
 from q2q_model.commands.model_choice import check_model
+from q2q_model.vehicle import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim import scenario_files
-from q2q_sim.choices import CONTROLLERS, REPLANNERS
+from q2q_sim.choices import CONTROLLERS, REPLANNERS, WAKES
 
 EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
   scripts/fly table6_room --ignoring --seed 3 --bag out/room_3
+  scripts/fly plan.json --vehicle crazyflie_2_1 --wake measured --model measured_law
   scripts/fly --real dc19_swap_ss_02"""
 
 
@@ -42,7 +44,11 @@ def _prepare(asked: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("fly", __doc__, EXAMPLE)
-    made.add_argument("scenario", nargs="?", help="scenario name or YAML file; see --list")
+    made.add_argument(
+        "scenario",
+        nargs="?",
+        help="scenario name (see --list), or a file: scenario or waypoints (.yaml), plan (.json)",
+    )
     made.add_argument("--list", action="store_true", help="name the scenarios, one line each")
     made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="who computes the commands")
     _either(made, "aware", "ignoring", "compensate the draft, or ignore it", default=True)
@@ -69,7 +75,23 @@ def parser() -> CommandLine:
         "--stack", action="store_true", help="run filter, model, planner and controller in one process"
     )
     made.add_argument("--seed", type=int, default=0, help="seed of everything random")
-    made.add_argument("--model", default="", help="interaction model: none, a shipped name, or a .q2q file")
+    made.add_argument(
+        "--model",
+        default="",
+        help="interaction model: none (a file's default), a shipped name, or a .q2q file",
+    )
+    made.add_argument(
+        "--vehicle",
+        default="",
+        choices=tuple(VEHICLES),
+        help=f"in place of the file's (a file that names none: {DEFAULT_VEHICLE})",
+    )
+    made.add_argument(
+        "--wake",
+        default="",
+        choices=WAKES,
+        help="the air, in place of the file's (a file that names none: none)",
+    )
     made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
     made.add_argument(
         "--record",

@@ -30,13 +30,15 @@ from q2q_model.ros.run import run
 from q2q_model.ros.steady_timer import steady_timer
 from q2q_model.signals import Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
 from q2q_model.thrust_map import FIRMWARES
+from q2q_model.vehicle import VEHICLES
 from q2q_sim import scenarios
+from q2q_sim.choices import WAKES
 from q2q_sim.flight_clock import FlightClock, as_fields
 from q2q_sim.lockstep import CommandGate, Patience
 from q2q_sim.room import TICK_S, Room, Tick
 from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
 from q2q_sim.ros.crtp_room import open_crtp, rehearse_crtp
-from q2q_sim.scenario import Scenario, with_firmware
+from q2q_sim.scenario import Scenario, with_choices, with_firmware
 
 STALL_LOOK_S = 0.05
 """How often a stalled lockstep is looked at [s]."""
@@ -53,6 +55,10 @@ class SimulatorParams:
     """Hold the node's parameters."""
 
     scenario: str = tunable("table6", "scenario name or file", read_only=True)
+    vehicle: str = tunable(
+        "", "vehicle constants; empty is the scenario's", choices=("", *VEHICLES), read_only=True
+    )
+    wake: str = tunable("", "the air; empty is the scenario's", choices=("", *WAKES), read_only=True)
     firmware: str = tunable(
         "", "thrust per PWM; empty is the scenario's", choices=("", *FIRMWARES), read_only=True
     )
@@ -77,7 +83,8 @@ class Simulator:
 
     def __init__(self, node: Node) -> None:
         self._params = declare(node, SimulatorParams())
-        self._scenario = with_firmware(scenarios.load(self._params.scenario), self._params.firmware)
+        flown = with_choices(scenarios.load(self._params.scenario), self._params.vehicle, self._params.wake)
+        self._scenario = with_firmware(flown, self._params.firmware)
         rehearse(self._scenario)
         self._room = Room(self._scenario, self._params.seed)
         self._gate = CommandGate(self._scenario.names, exact=self._params.pace == "lockstep")

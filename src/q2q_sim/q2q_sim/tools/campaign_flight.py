@@ -124,6 +124,7 @@ def _facts(run: Run) -> FlightFacts:
         mode=run.options.mode,
         controller=run.options.controller,
         model=run.scenario.model,
+        wake=run.scenario.wake,
         seed=str(run.seed),
     )
 

@@ -18,7 +18,7 @@ from q2q_sim import assembly, scenarios
 from q2q_sim.flight_clock import FlightTiming, timing_of
 from q2q_sim.metrics import FlightMetrics, measure
 from q2q_sim.policies import Circumstances
-from q2q_sim.scenario import Scenario
+from q2q_sim.scenario import Scenario, with_choices
 from q2q_sim.tools.processes import NodeSpec
 from q2q_sim.tools.running_nodes import RECORDER, running_nodes
 from q2q_sim.verdict import Verdict, verdict_of
@@ -47,6 +47,10 @@ class FlightRequest:
     """Run the road from mocap_filter to controller in one process."""
     record: tuple[str, ...] = ()
     """Topics that go into the bag; empty is all."""
+    vehicle: str = ""
+    """Vehicle in place of the scenario's; empty keeps that."""
+    wake: str = ""
+    """Air in place of the scenario's; empty keeps that."""
 
     @property
     def options(self) -> assembly.Options:
@@ -67,8 +71,10 @@ class FlightRun:
 
 
 def load_scenario(request: FlightRequest) -> Scenario:
-    """Return the requested scenario with the requested model; refuse a model that cannot be used."""
-    scenario = scenarios.load(request.scenario)
+    """Return the scenario with the requested vehicle, air and model; refuse what cannot be flown."""
+    scenario = with_choices(scenarios.load(request.scenario), request.vehicle, request.wake)
+    if request.plan == "avoid" and scenario.plan is not None:
+        raise ValueError(f"{request.scenario} is flown by its own plan: leave out --plan avoid")
     flown = replace(scenario, model=request.model) if request.model else scenario
     find_model(flown.model)
     return flown
@@ -138,7 +144,14 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
         NodeSpec(
             "q2q_sim",
             "simulator",
-            {"scenario": request.scenario, "seed": request.seed, "pace": pace, "autostart": False},
+            {
+                "scenario": request.scenario,
+                "vehicle": request.vehicle,
+                "wake": request.wake,
+                "seed": request.seed,
+                "pace": pace,
+                "autostart": False,
+            },
         ),
     ]
 
@@ -152,6 +165,7 @@ def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
         mode=request.mode,
         controller=request.controller,
         model=scenario.model,
+        wake=scenario.wake,
         seed=str(request.seed),
     )
 

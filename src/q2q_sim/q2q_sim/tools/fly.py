@@ -61,6 +61,8 @@ def request_of(asked: Namespace) -> FlightRequest:
         stack=asked.stack,
         seed=asked.seed,
         model=asked.model,
+        vehicle=asked.vehicle,
+        wake=asked.wake,
         record=tuple(asked.record) or (() if asked.bag else MEASURED),
     )
 
