@@ -19,6 +19,7 @@ import yaml
 from documentation import Block, Command, commands, documents, is_dead, links, snippets
 from fresh_checkout import ROOT
 
+from q2q_control.ros.dry_run import FLAG
 from q2q_model.commands.command_line import CommandLine
 from q2q_model.mocap_filter import MocapFilterParams
 from q2q_model.parameters import tunable_of
@@ -29,6 +30,8 @@ from q2q_sim.tools.processes import find_executable
 
 NODES_TOGETHER = "stack"
 """A process of several nodes: like a node it takes parameters only."""
+DRY_RUNNERS = ("radio", "crazyswarm")
+"""Nodes that understand `--dry-run`."""
 IN_BASH = ("scripts/test", "scripts/check", "scripts/setup", "scripts/env.sh")
 """Scripts that read their options themselves: what they know stands in their text."""
 
@@ -200,8 +203,8 @@ def known_words(program: tuple[str, ...]) -> str:
         path = find_executable(program[2], program[3])
         if (
             program[3] == NODES_TOGETHER or (ROOT / OUT / f"{program[3]}.md").exists()
-        ):  # a node: all it takes are parameters
-            return ""
+        ):  # a node: all it takes are parameters, but for one word of two nodes
+            return FLAG if program[3] in DRY_RUNNERS else ""
     else:
         path = ROOT / program[0]
         assert path.is_file()
