@@ -77,6 +77,16 @@ def test_bag_play_ends_when_the_bag_does() -> None:
     assert (process.returncode, said) == (0, "playback over\n")
 
 
+def test_bag_play_plays_a_bag_of_others_by_a_topic_map(tmp_path: Path) -> None:
+    given = [f"bag:={ROOT / 'bags/table2_1'}", "rate:=1000.0", f"topic_map:={tmp_path / 'map.yaml'}"]
+    (tmp_path / "map.yaml").write_text("signals: {mocap: /mocap, reference: /no_such}")
+    assert "no topic /no_such" in refusal("q2q_sim", "bag_play", given)
+    (tmp_path / "map.yaml").write_text("signals: {mocap: /mocap}")
+    process = start("q2q_sim", "bag_play", ros_words([*given, "topics:=[mocap]"]))
+    _, said = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, said) == (0, "playback over\n")
+
+
 def test_a_gain_out_of_range_is_refused_with_its_bounds() -> None:
     said = refusal("q2q_control", "pid", ["k_p_z:=-3.0"])
     assert "k_p_z" in said

@@ -10,9 +10,19 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as SqliteWriter
 from rosbags.typesys import Stores, get_typestore
 
-from q2q_model.bag import BagError, BagRepairWarning, TopicMap, load_topic_map, read_mapped_flight
+from q2q_model.bag import (
+    BagError,
+    BagReader,
+    BagRepairWarning,
+    BagWriter,
+    MappedBag,
+    TopicMap,
+    load_topic_map,
+    read_mapped_flight,
+)
+from q2q_model.cdr import decode, header_stamp_ns
 from q2q_model.rotations import quat_from_euler
-from q2q_model.signals import Array
+from q2q_model.signals import Array, MocapFrame
 
 NAMED_POSES = """std_msgs/Header header
 {extra}NamedPose[] poses
@@ -151,6 +161,36 @@ def test_poses_per_vehicle_are_read_from_a_ros_1_bag(tmp_path: Path):
     with Ros1Writer(tmp_path / "old.bag") as writer:
         _write_ros(writer, store, store.serialize_ros1)
     _check(tmp_path / "old.bag")
+
+
+def test_a_mapped_bag_gives_its_poses_as_frames_of_ours(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with SqliteWriter(tmp_path / "old", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr)
+    bag = MappedBag(tmp_path / "old", TopicMap(vehicles={"cf1": "/a", "cf2": "/b"}))
+    assert bag.topics == {"mocap": "q2q_msgs/msg/MocapFrame"}
+    messages = list(bag.raw({"mocap"}))
+    assert [one.stamp_ns for one in messages] == [tick * 10_000_000 for tick in range(TICKS)]
+    for tick, one in enumerate(messages):
+        frame = decode(one.data, MocapFrame)
+        assert frame.names == ("cf1", "cf2")
+        assert header_stamp_ns(one.data) == one.stamp_ns
+        assert np.array_equal(frame.pos, [_place(tick, k)[0] for k in (0, 1)])
+        assert np.array_equal(frame.quat, [_place(tick, k)[1] for k in (0, 1)])
+
+
+def test_a_mapped_bag_gives_signals_under_our_names_in_the_order_of_their_stamps(tmp_path: Path):
+    frames = [MocapFrame(0.25 * k, ("a",), np.full((1, 3), k), np.array([[0.0, 0, 0, 1]])) for k in range(4)]
+    with BagWriter(tmp_path / "room") as bag:
+        for k in (1, 0, 3, 2):  # as they came
+            bag.write_signal("/room/frames", 10**9 + k, frames[k])
+            bag.write_signal("/other", 10**9 + k, frames[k])
+    mapped = MappedBag(tmp_path / "room", TopicMap(signals={"mocap": "/room/frames"}))
+    written = {header_stamp_ns(one.data): one.data for one in BagReader(tmp_path / "room").raw()}
+    assert [(one.topic, one.stamp_ns, one.data) for one in mapped.raw(mapped.topics)] == [
+        ("mocap", stamp_ns, data) for stamp_ns, data in sorted(written.items())
+    ]
+    assert list(mapped.raw(set())) == []
 
 
 def test_poses_too_far_from_every_tick_are_refused_or_said(tmp_path: Path):

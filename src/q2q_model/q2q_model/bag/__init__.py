@@ -9,6 +9,7 @@ from q2q_model.bag.facts import FlightFacts, facts_from_words, read_facts, words
 from q2q_model.bag.fault import BagError, BagRepairWarning
 from q2q_model.bag.foreign import read_mapped_flight
 from q2q_model.bag.log_topic import LOG_TOPIC, read_flight_log, write_log_row
+from q2q_model.bag.mapped_messages import MappedBag
 from q2q_model.bag.reader import BagReader, RawMessage, TimedSignal
 from q2q_model.bag.recorded_flight import read_flight
 from q2q_model.bag.source import is_bag
@@ -22,6 +23,7 @@ __all__ = [
     "BagRepairWarning",
     "BagWriter",
     "FlightFacts",
+    "MappedBag",
     "OfferedQos",
     "RawMessage",
     "TimedSignal",

@@ -57,18 +57,11 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     Raises:
         BagError: no bag, a mapped topic missing or of a type without poses, damage, clocks that never meet.
     """
-    source = open_source(path)
-    channels = {channel.topic: channel for channel in source.channels}
-    mapped = (topic_map.vehicles, topic_map.references, topic_map.signals)
-    wanted = {topic for some in mapped for topic in some.values()} | set(filter(None, [topic_map.poses]))
-    missing = sorted(wanted - channels.keys())
-    if missing:
-        raise BagError(f"bag {path} has no topic {', '.join(missing)}; it has {', '.join(sorted(channels))}")
+    source, channels = mapped_channels(path, topic_map)
     signals = {name: _signals(source, channels[topic]) for name, topic in topic_map.signals.items()}
     repairs: list[str] = []
     if topic_map.vehicles or topic_map.poses:
-        tracks = _tracks(source, channels, topic_map)
-        signals["mocap"], repairs = _frames(tracks, topic_map.tolerance_s)
+        signals["mocap"], repairs = mapped_frames(source, channels, topic_map)
     try:
         joined = flight_from_signals(Path(path).stem, signals)
     except ValueError as misfit:
@@ -78,9 +71,31 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     return _with_references(source, joined.flight, given)
 
 
+def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict[str, Channel]]:
+    """Return a bag and its channels by topic; raise BagError where a mapped one is missing or no signal."""
+    source = open_source(path)
+    channels = {channel.topic: channel for channel in source.channels}
+    mapped = (topic_map.vehicles, topic_map.references, topic_map.signals)
+    wanted = {topic for some in mapped for topic in some.values()} | set(filter(None, [topic_map.poses]))
+    missing = sorted(wanted - channels.keys())
+    if missing:
+        raise BagError(f"bag {path} has no topic {', '.join(missing)}; it has {', '.join(sorted(channels))}")
+    for channel in (channels[topic] for topic in topic_map.signals.values()):
+        if channel.type_name not in SIGNALS:
+            raise BagError(
+                f"topic {channel.topic} holds {channel.type_name}; signals are {', '.join(SIGNALS)}"
+            )
+    return source, channels
+
+
+def mapped_frames(
+    source: Source, channels: dict[str, Channel], topic_map: TopicMap
+) -> tuple[list[Signal], list[str]]:
+    """Return the mapped poses as one frame a tick, and what was left out."""
+    return _frames(_tracks(source, channels, topic_map), topic_map.tolerance_s)
+
+
 def _signals(source: Source, channel: Channel) -> list[Signal]:
-    if channel.type_name not in SIGNALS:
-        raise BagError(f"topic {channel.topic} holds {channel.type_name}; signals are {', '.join(SIGNALS)}")
     reader: SignalReader[Signal] = SignalReader(SIGNALS[channel.type_name])
     try:
         return [reader.read(message.data) for message in source.read({channel.topic})]

@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.bag import BagReader, RawMessage
+from q2q_model.bag import BagReader, MappedBag, RawMessage, load_topic_map
 from q2q_model.cdr import header_stamp_ns
 from q2q_model.health import Health
 from q2q_model.parameters import check_bounds, tunable
@@ -49,6 +49,9 @@ class PlayParams:
     start: float = tunable(0.0, "seconds of the bag to skip", unit="s", low=0.0, read_only=True)
     loop: bool = tunable(False, "begin again at the end", read_only=True)  # noqa: FBT003
     topics: tuple[str, ...] = tunable((), "topics to play; empty is all", read_only=True)
+    topic_map: str = tunable(
+        "", "file that names the topics of a bag that is not q2q's, as identify --topics", read_only=True
+    )
     clock: bool = tunable(False, "publish /clock with the bag's time", read_only=True)  # noqa: FBT003
     answer: str = tunable(
         "", "play the next tick when this topic has answered the last; empty: by rate", read_only=True
@@ -68,7 +71,7 @@ class Player:
         self._params = declare(node, PlayParams())
         if not self._params.bag:
             raise ValueError("parameter bag is empty: give the folder to play, e.g. -p bag:=bags/table2_1")
-        self._reader = BagReader(Path(self._params.bag))
+        self._reader = _opened(self._params)
         self._writers = {topic: self._writer(topic, kind) for topic, kind in self._wanted().items()}
         self._clock = node.create_publisher(Clock, "/clock", TICK) if self._params.clock else None
         self._over = node.create_publisher(String, "playback_over", LATCHED)
@@ -161,6 +164,13 @@ class Player:
             self._over.publish(String(data=self._params.bag))
             print("playback over", file=sys.stderr)
             finish(self._node)
+
+
+def _opened(params: PlayParams) -> BagReader | MappedBag:
+    """Return the bag to play, under our topics where a map says which are which."""
+    if not params.topic_map:
+        return BagReader(Path(params.bag))
+    return MappedBag(params.bag, load_topic_map(params.topic_map))
 
 
 def _class_of(kind: str) -> type:
