@@ -20,10 +20,9 @@ from q2q_sim.tools.domain import own_domain
 
 PAGES = "docs/nodes/"
 ELSEWHERE: Mapping[str, str] = {
-    "scripts/demo": "flown with the commands of README.md",
-    "scripts/fly table6 --lockstep --json o.json": "flown with the commands of README.md",
-    "scripts/fly table6 --controller mpc --stack --live": "flown with the commands of README.md",
-    "scripts/fly section4_1 --ignoring --replan safe": "flown with the commands of README.md",
+    "scripts/demo": "three flights of a minute; not flown here",
+    "scripts/fly section4_1 --ignoring --replan safe": "not flown here",
+    "scripts/fly table6 --controller mpc --stack --live": "needs a quiet machine for a minute",
     "scripts/test     #": "the tests themselves",
     "scripts/check": "runs before the tests wherever they run (.ci/run)",
     "scripts/setup --dev": "test_setup, in a fresh checkout",
