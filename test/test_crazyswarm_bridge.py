@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+import yaml
+from fresh_checkout import ROOT
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
@@ -214,6 +216,16 @@ def test_robots_without_connection_are_left_alone_themselves_or_by_their_type() 
     types = {"cf21": {"connection": "crazyflie"}, "marker": {"connection": "none"}}
     found = crazyflies_from_document({"robots": robots, "robot_types": types})
     assert [one.name for one in found] == ["cf1"]
+
+
+def test_the_tutorials_file_has_two_vehicles_to_fly_and_a_wand_to_leave_alone() -> None:
+    page = ROOT / "docs/tutorials/real_vehicles_with_crazyswarm2.md"
+    block = page.read_text().split("```yaml\n", 1)[1].split("```", 1)[0]
+    found = crazyflies_from_document(yaml.safe_load(block))
+    assert [(one.name, one.uri, one.start) for one in found] == [
+        ("cf1", "radio://0/80/2M/E7E7E7E701", (0.0, 0.0, 0.0)),
+        ("cf2", "radio://0/80/2M/E7E7E7E702", (1.0, 0.0, 0.0)),
+    ]
 
 
 def test_poses_that_would_go_round_and_missing_vehicles_are_refused() -> None:

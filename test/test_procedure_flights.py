@@ -20,6 +20,7 @@ from cflib.crazyflie.supervisor import Supervisor
 from procedure_room import ProcedureRoom
 
 from q2q_control.crazyswarm import NamedPose
+from q2q_control.firmware_params import difference
 from q2q_control.flight_procedure.steps import Call
 from q2q_control.radio_link import CflibSender, LinkHealth
 from q2q_control.ros import crazyswarm_crew, procedure_desk, radio_node, radio_topics
@@ -56,6 +57,8 @@ class _Link(CflibSender):
     """cflib's encoders on a simulated vehicle, and the vehicle's own word on its health."""
 
     firmware: Firmware
+    params: Mapping[str, float]
+    """What is set once connected."""
     told: dict[str, object] = field(default_factory=dict)
     """What is told in place of the truth."""
 
@@ -72,6 +75,9 @@ class _Link(CflibSender):
             armed=bits & READY == READY,
             locked=bool(bits & Info.LOCKED),
             onboard=self.pose.pos,
+            wrong=difference(
+                self.params, {name: float(self.firmware.parameters[name]) for name in self.params}
+            ),
             own_hover=OwnHover(*(float(self.firmware.parameters[name]) for name in OWN_PARAMETERS)),
         )
         return replace(truth, **self.told)
@@ -105,7 +111,7 @@ def by_radio(monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, **g
         for parameter, value in params.items():
             firmware.parameters.set(parameter, value)
         parts = Commander(wire), HighLevelCommander(wire), Localization(wire), Supervisor(wire)
-        return flown.links.setdefault(name, _Link(*parts, firmware))
+        return flown.links.setdefault(name, _Link(*parts, firmware, params))
 
     monkeypatch.setattr(radio_node, "CflibLink", link)
     monkeypatch.setattr(radio_topics.RadioTopics, "other_radios", lambda _: "")
@@ -214,6 +220,33 @@ def test_table6_by_radio_from_the_ground_to_the_ground(monkeypatch: pytest.Monke
     assert "; disarmed" in land.reason
     assert not any(one.firmware.supervisor.armed for one in room.fleet.vehicles)
     assert room.height[-1].max() < 0.02
+
+
+def test_full_states_by_radio_from_the_ground_to_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:
+    room = by_radio(monkeypatch, SHORT, mode="setpoint").room
+    room.wait(1.5)
+    assert room.call(Call.TAKE_OFF).granted, room.node.lines[-5:]
+    np.testing.assert_allclose(room.height[-1], 0.5, atol=0.15)
+    assert room.call(Call.FLY).granted
+    room.wait(3.0)
+    assert room.height_error(3.0).max() < 0.005  # as by the bridge: the same packets
+    land = room.call(Call.LAND)
+    assert land.granted
+    assert "; disarmed" in land.reason
+    assert not any(one.firmware.supervisor.armed for one in room.fleet.vehicles)
+    assert room.height[-1].max() < 0.02
+
+
+def test_a_parameter_that_a_vehicle_does_not_hold_refuses_the_take_off(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flown = by_radio(monkeypatch, SHORT, mode="setpoint")
+    flown.room.wait(1.5)
+    flown.links["cf2"].firmware.parameters.set("stabilizer.controller", 1)
+    refusal = flown.room.call(Call.TAKE_OFF)
+    assert "cf2: its stabilizer.controller is 1: 2 is wanted" in refusal.reason
+    flown.room.wait(1.0)
+    assert flown.room.highest() < 0.01
 
 
 def test_three_flights_in_a_row_by_radio(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,8 +17,9 @@ import rclpy
 from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
+from q2q_control.firmware_params import difference, firmware_params
 from q2q_control.ros import cflib_links
-from q2q_control.ros.radio_node import RadioNodeParams, firmware_params
+from q2q_control.ros.radio_node import RadioNodeParams
 from q2q_model.cdr import decode
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.run import make_executor
@@ -133,7 +134,12 @@ def specs(folder: Path) -> list[NodeSpec]:
     plan_file.save(plan, assembly.plan_of(scenario))
     uris = tuple(f"udp://127.0.0.1:{port + k}" for k in range(2))
     room = {"scenario": SCENARIO, "autostart": False, "crtp": True, "crtp_port": port, "crtp_start": "air"}
-    radio = {"vehicles": scenario.names, "uris": uris, "vehicle": scenario.vehicle.name}
+    radio = {
+        "vehicles": scenario.names,
+        "uris": uris,
+        "vehicle": scenario.vehicle.name,
+        "firmware_params": ("locSrv.extPosStdDev=0.002",),  # read back before the start
+    }
     return [
         NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
@@ -216,3 +222,13 @@ def test_parameters_of_the_node_are_checked() -> None:
     }  # fmt: skip
     with pytest.raises(ValueError, match=r"'nonsense': group\.name=value"):
         firmware_params(("nonsense",), "command")
+
+
+def test_a_parameter_that_a_vehicle_does_not_hold_is_named_with_both_values() -> None:
+    wanted = firmware_params(("locSrv.extPosStdDev=1e-3",), "setpoint")
+    held = {"stabilizer.controller": 2.0, "locSrv.extPosStdDev": float(np.float32(1e-3))}
+    assert not difference(wanted, held)
+    assert "its stabilizer.controller is 1: 2 is wanted" in difference(
+        wanted, held | {"stabilizer.controller": 1.0}
+    )
+    assert "its locSrv.extPosStdDev is nan: 0.001" in difference(wanted, {"stabilizer.controller": 2.0})

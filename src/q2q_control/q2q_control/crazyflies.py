@@ -7,9 +7,11 @@ Other keys (robot_types, all, firmware_params) are Crazyswarm2's business and ar
 with `connection: none`, itself or by its type: motion capture tracks it, nobody flies it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
+
+from q2q_model.signals import Names
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +22,17 @@ class Crazyflie:
     uri: str
     start: tuple[float, float, float]
     """Initial position [m], world."""
+
+
+def crazyflies_at(names: Names, uris: Sequence[str]) -> tuple[Crazyflie, ...]:
+    """Return vehicles by name and URI, as one who has no file lists them.
+
+    Raises:
+        ValueError: there are none.
+    """
+    if not names:
+        raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles and uris")
+    return tuple(Crazyflie(name, uri, (0.0, 0.0, 0.0)) for name, uri in zip(names, uris, strict=True))
 
 
 def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:

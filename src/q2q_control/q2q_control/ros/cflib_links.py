@@ -15,6 +15,7 @@ from itertools import count
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from q2q_control.firmware_params import difference
 from q2q_control.ping_share import PingShare
 from q2q_control.radio_link import CflibSender, LinkHealth
 from q2q_control.radio_words import FullState, Stick
@@ -57,6 +58,8 @@ class _Known:
     heard: float = -math.inf
     """When a packet last came [s]."""
     own_hover: OwnHover | None = None
+    held: dict[str, float] = field(default_factory=dict)
+    """What it answers of the parameters that were set."""
     words: list[str] = field(default_factory=list)
     """Whole lines."""
     line: str = ""
@@ -133,6 +136,8 @@ class CflibLink:
         one.disconnected.add_callback(self._lost)
         one.packet_received.add_callback(self._heard)
         one.connection_failed.add_callback(lambda _, why: self._known.words.append(str(why).splitlines()[0]))
+        for parameter in self._params:
+            one.param.add_update_callback(*parameter.split(".", 1), self._read_back)
         one.console.receivedChar.add_callback(self._read)
         one.link_statistics.link_quality_updated.add_callback(self._quality)
         if uri.startswith("udp://"):  # its driver tells of no quality
@@ -174,7 +179,7 @@ class CflibLink:
             locked=bool(one.info & LOCKED),
             onboard=None if one.pose is None else one.pose.pos,
             own_hover=one.own_hover,
-            wrong="has not logged its own estimate yet" if one.pose is None else "",
+            wrong=self._wrong(),
         )
 
     def send_stick(self, stick: Stick) -> None:
@@ -212,13 +217,20 @@ class CflibLink:
         """Stop the motors for good, before anything else."""
         self._mailbox.put_first(self._sender.stop)
 
+    def _wrong(self) -> str:
+        if self._known.pose is None:
+            return "has not logged its own estimate yet"
+        return difference(self._params, self._known.held)
+
     def _reopen(self) -> None:
         self._crazyflie.close_link()
         self._crazyflie.open_link(self._uri)
 
     def _connected(self, _: str) -> None:
+        self._known.held.clear()
         for name, value in self._params.items():
             self._crazyflie.param.set_value(name, value)
+            self._crazyflie.param.request_param_update(name)
         read = {name: float(self._crazyflie.param.get_value(name)) for name in OWN_PARAMETERS}
         self._known.own_hover = OwnHover(*(self._params.get(name, value) for name, value in read.items()))
         self._log("health", HEALTH_MS, {"pm.vbat": "float", "supervisor.info": "uint16_t"}, self._on_health)
@@ -229,6 +241,9 @@ class CflibLink:
 
     def _lost(self, _: str) -> None:
         self._open = False
+
+    def _read_back(self, name: str, value: str) -> None:
+        self._known.held[name] = float(value)
 
     def _heard(self, _: object) -> None:
         self._known.heard = monotonic()

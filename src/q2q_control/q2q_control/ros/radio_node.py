@@ -22,7 +22,8 @@ import yaml
 from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
-from q2q_control.crazyflies import Crazyflie, crazyflies_from_document
+from q2q_control.crazyflies import Crazyflie, crazyflies_at, crazyflies_from_document
+from q2q_control.firmware_params import firmware_params
 from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Call
 from q2q_control.legacy import LegacyScale
@@ -218,31 +219,10 @@ def open_links(asked: RadioNodeParams) -> dict[str, CflibLink]:
     return {one.name: CflibLink(one.name, one.uri, params, asked.toc_cache) for one in _crazyflies(asked)}
 
 
-def firmware_params(asked: tuple[str, ...], mode: str) -> dict[str, float]:
-    """Return the parameters to set on a vehicle: Mellinger's controller for full states, then what is asked.
-
-    Raises:
-        ValueError: an entry is not `group.name=value`.
-    """
-    params = {"stabilizer.controller": 2.0} if mode == "setpoint" else {}
-    for entry in asked:
-        name, _, value = entry.partition("=")
-        try:
-            params[name.strip()] = float(value)
-        except ValueError as wrong:
-            raise ValueError(f"firmware_params: {entry!r}: group.name=value is expected") from wrong
-    return params
-
-
 def _crazyflies(asked: RadioNodeParams) -> tuple[Crazyflie, ...]:
     if asked.crazyflies:
         return crazyflies_from_document(yaml.safe_load(Path(asked.crazyflies).read_text(encoding="utf-8")))
-    made = tuple(
-        Crazyflie(name, uri, (0.0, 0.0, 0.0)) for name, uri in zip(asked.vehicles, asked.uris, strict=True)
-    )
-    if not made:
-        raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles and uris")
-    return made
+    return crazyflies_at(asked.vehicles, asked.uris)
 
 
 def main() -> None:
