@@ -31,7 +31,6 @@ ELSEWHERE: Mapping[str, str] = {
     "scripts/campaign --runs": "takes hours; test_campaign flies a short one",
     "ros2 run q2q_control radio --dry-run": "needs a Crazyradio",
     "ros2 run q2q_control call": "test_procedure_flights makes these calls, in simulated time",
-    "ros2 run q2q_sim firmware_check": "reads Q2Q_DATA; test_firmware_fidelity, where it is",
     "ros2 launch": "needs ros2 launch; test_launch_files, where it is installed",
     "ros2 run q2q_sim bag_import FLIGHT.parquet": "the reader's own table; test_bag_import",
     "ros2 run q2q_model identify ROOM_BAG...": "the reader's own bags; test_identify_foreign",
