@@ -73,7 +73,7 @@ def _percentiles_ms(latencies: Sequence[float]) -> tuple[float, float] | tuple[N
     """Return the median and 99th percentile [ms] of latencies [s]; None where there are none."""
     if not latencies:
         return None, None
-    p50, p99 = np.percentile(latencies, (50, 99)) * 1e3
+    p50, p99 = (1e3 * np.percentile(latencies, (50, 99))).tolist()
     return p50, p99
 
 

@@ -81,3 +81,13 @@ def test_the_flight_clock_reports_percentiles_of_the_ticks_that_were_answered() 
     assert timing.latency_p50_ms == pytest.approx(50.0)
     assert timing.latency_p99_ms == pytest.approx(99.0)
     assert (timing.ticks, timing.missed_ticks) == (101, 1)
+
+
+def test_the_line_about_a_flights_time_has_plain_numbers() -> None:
+    clock = FlightClock()
+    clock.start(0.0)
+    clock.frame_out(0.0)
+    clock.command_in(0.002)
+    assert str(clock.timing(0.5, 1.0)) == (
+        "FlightTiming(ticks=1, missed_ticks=0, real_time_factor=2.0, latency_p50_ms=2.0, latency_p99_ms=2.0)"
+    )
