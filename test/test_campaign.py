@@ -10,9 +10,10 @@ from q2q_sim import scenarios
 from q2q_sim.campaign import draw
 from q2q_sim.campaign.draw import CALM_S, CUTS, drawn, shortened
 from q2q_sim.campaign.outcome import CRASH, TWIN, Outcome, as_document, from_document, summary
+from q2q_sim.commands import campaign
 from q2q_sim.policies import POLICIES, Evidence, Violation, evidence_of
 from q2q_sim.scenario import scenario_from_document
-from q2q_sim.tools import campaign, campaign_flight
+from q2q_sim.tools import campaign_flight
 from q2q_sim.tools.campaign_engine import outcomes
 from q2q_sim.tools.campaign_nodes import TOPICS, NodeFlights, twin
 from q2q_sim.tools.flight import FlightRequest, node_specs

@@ -20,9 +20,9 @@ NODES = [
 ]
 
 MISSPELT = (
-    ("q2q_sim", "simulator", "scenaro", "scenario"),
-    ("q2q_control", "pid", "k_p_zz", "k_p_z"),
-    ("q2q_sim", "stack", "law_", "law"),
+    ("q2q_sim", "simulator", ["scenaro:=1"], "scenario"),
+    ("q2q_control", "pid", ["k_p_zz:=1"], "k_p_z"),
+    ("q2q_sim", "stack", ["nodes:=[mocap_filter, replanner]", "law_:=1"], "law"),
 )
 """The last one is of a node within the process."""
 
@@ -66,9 +66,9 @@ def test_an_unknown_scenario_is_answered_with_the_nearest_right_one() -> None:
 
 @pytest.mark.parametrize(("package", "executable", "wrong", "right"), MISSPELT)
 def test_a_parameter_there_is_not_is_answered_with_the_nearest_right_one(
-    package: str, executable: str, wrong: str, right: str
+    package: str, executable: str, wrong: list[str], right: str
 ) -> None:
-    assert f"did you mean {right}?" in refusal(package, executable, [f"{wrong}:=1"])
+    assert f"did you mean {right}?" in refusal(package, executable, wrong)
 
 
 def test_bag_play_ends_when_the_bag_does() -> None:

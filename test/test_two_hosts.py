@@ -130,7 +130,7 @@ def _fly_apart(request: FlightRequest, folder: Path, more: dict[str, str]) -> No
         for process in desk:
             process.terminate()
         for process in desk:
-            process.wait(30.0)
+            process.wait(PATIENCE_S)
 
 
 def _assert_numbers_of_one(request: FlightRequest, folder: Path) -> None:
