@@ -1,0 +1,77 @@
+"""Simulator under use_sim_time and recorder, both in a namespace: frames come, and the bag is read."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from time import monotonic
+
+import numpy as np
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+import rclpy
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+from q2q_model.bag import BagReader, read_flight
+from q2q_model.ros.messages import MESSAGES
+from q2q_model.ros.qos import TICK
+from q2q_model.ros.run import make_executor
+from q2q_model.signals import MocapFrame
+from q2q_sim.room import TICK_S
+from q2q_sim.ros.bag_record_node import Recorder
+from q2q_sim.ros.simulator_node import Simulator
+from q2q_sim.tools.domain import own_domain
+
+PATIENCE_S = 60.0
+"""Three nodes of one process on a busy machine [s]."""
+FRAMES = 20
+
+
+@pytest.fixture
+def executor() -> Iterator[Executor]:
+    with own_domain():
+        rclpy.init()
+        try:
+            yield make_executor()
+        finally:
+            rclpy.try_shutdown()
+
+
+def until(executor: Executor, reached: Callable[[], bool]) -> None:
+    deadline = monotonic() + PATIENCE_S
+    while not reached():
+        assert monotonic() < deadline
+        executor.spin_once(timeout_sec=0.05)
+
+
+def made(executor: Executor, name: str, **given: object) -> Node:
+    overrides = [Parameter(key, value=value) for key, value in given.items()]
+    node = Node(name, namespace="room", parameter_overrides=overrides)
+    executor.add_node(node)
+    return node
+
+
+def test_a_simulator_under_sim_time_speaks_and_a_namespaced_recorder_keeps_it(
+    executor: Executor, tmp_path: Path
+) -> None:
+    """The simulator makes the time that it is told to wait for."""
+    simulator = Simulator(made(executor, "simulator", use_sim_time=True, pace="live", autostart=False))
+    bag = tmp_path / "bag"
+    recorder = Recorder(made(executor, "bag_record", bag=str(bag), topics=["mocap"]))
+    watcher, seen = made(executor, "watcher"), []
+    watcher.create_subscription(MESSAGES[MocapFrame], "mocap", seen.append, TICK, raw=True)
+    client = watcher.create_client(Trigger, "simulator/start")
+    until(executor, lambda: client.service_is_ready() and watcher.count_subscribers("/room/mocap") == 2)
+    client.call_async(Trigger.Request())
+    until(executor, lambda: len(seen) >= FRAMES)
+    simulator.close()
+    recorder.close()
+    assert list(BagReader(bag).topics) == ["/room/mocap"]
+    flight = read_flight(bag)
+    steps = np.diff(flight.t) / TICK_S
+    assert steps.size > 0
+    assert steps.min() > 0.5
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)  # a busy machine may lose a frame
