@@ -18,8 +18,8 @@ from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
 from q2q_control.firmware_params import difference, firmware_params
+from q2q_control.radio_node_params import RadioNodeParams
 from q2q_control.ros import cflib_links
-from q2q_control.ros.radio_node import RadioNodeParams
 from q2q_model.cdr import decode
 from q2q_model.ros.messages import MESSAGES
 from q2q_model.ros.run import make_executor

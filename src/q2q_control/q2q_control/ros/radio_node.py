@@ -14,7 +14,6 @@ run` sends nothing.
 """
 
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -28,6 +27,7 @@ from q2q_control.flight_procedure.params import FlightProcedureParams, LandingPa
 from q2q_control.flight_procedure.steps import Call
 from q2q_control.legacy import LegacyScale
 from q2q_control.radio_crew import RadioCrew
+from q2q_control.radio_node_params import RadioNodeParams
 from q2q_control.radio_params import RadioPilotParams
 from q2q_control.radio_pilot import RadioPilot
 from q2q_control.radio_words import full_states, level_stick, names_cut, sticks
@@ -38,7 +38,6 @@ from q2q_control.ros.procedure_desk import ProcedureDesk
 from q2q_control.ros.radio_topics import RadioTopics
 from q2q_model.health import Health
 from q2q_model.layout import Signal
-from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES
@@ -48,7 +47,6 @@ from q2q_model.ros.qos import TICK
 from q2q_model.ros.run import run
 from q2q_model.ros.steady_timer import steady_timer
 from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
-from q2q_model.thrust_map import FIRMWARES, STOCK
 from q2q_model.tick_join import TickJoin
 from q2q_model.vehicle import vehicle_by_name
 
@@ -57,40 +55,6 @@ WATCH_S = 0.02
 
 SETTLE_S = 0.5
 """From the end of a landing's polynomial to standing on the ground [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class RadioNodeParams:
-    """Hold the node's own parameters."""
-
-    crazyflies: str = tunable("", "crazyflies.yaml; else `vehicles` and `uris`", read_only=True)
-    vehicles: tuple[str, ...] = tunable((), "names of the vehicles", read_only=True)
-    uris: tuple[str, ...] = tunable((), "their URIs, in the same order", read_only=True)
-    mode: str = tunable("command", "what is sent", choices=("command", "setpoint"), read_only=True)
-    aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
-    places: bool = tunable(True, "send external poses from `state`", read_only=True)  # noqa: FBT003
-    vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
-    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
-    firmware_params: tuple[str, ...] = tunable(
-        (), "parameters to set once connected, each `group.name=value`", read_only=True
-    )
-    toc_cache: str = tunable(
-        "", "folder for the vehicles' tables: connects faster the next time", read_only=True
-    )
-    pose_hz: float = tunable(
-        10.0,
-        "largest rate of <name>/onboard_pose and its like",
-        unit="Hz",
-        low=0.0,
-        high=10.0,
-        read_only=True,
-    )
-
-    def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
-        check_bounds(self)
-        if len(self.vehicles) != len(self.uris):
-            raise ValueError(f"{len(self.vehicles)} vehicles and {len(self.uris)} uris: each needs its own")
 
 
 class Radio:
