@@ -87,12 +87,11 @@ def _run(given: Namespace, console: Console) -> tuple[Identification, dict[str, 
         steps.tell("read")
         kept, left_out = bags_among(given.bags)
         flown = common_vehicle(kept, given.vehicle)
-        for note in [*left_out, *filter(None, [flown.note])]:
-            progress.console.print(f"identify: {note}", highlight=False)
         recordings, repairs = read_recordings(kept, topic_map(given.topics))
-        for repair in repairs:
-            progress.console.print(f"identify: mended: {repair}", highlight=False)
         found = identify(recordings, _params(given, flown.vehicle), steps.tell)
+        mended = [f"mended: {repair}" for repair in repairs]
+        for note in [*left_out, *filter(None, [flown.note]), *mended]:
+            progress.console.print(f"identify: {note}", highlight=False)
         return found, steps.finish()
 
 
