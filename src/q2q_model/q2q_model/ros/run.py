@@ -23,6 +23,8 @@ from rclpy.task import Future
 from q2q_model.ros.parameters import refuse_undeclared
 from q2q_model.ros.ready import offer_drained, offer_ready
 
+LEAVE_S = 20
+"""Longest time to leave ROS [s]: Fast DDS 2.14 can lock up where others leave at the same moment."""
 WAKE_S = 0.1
 """How often the spin loop looks whether it should end [s].
 
@@ -78,7 +80,14 @@ def run_together(
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        rclpy.try_shutdown()
+        _leave()
+
+
+def _leave() -> None:
+    """Shut ROS down; end this process by SIGALRM where its middleware does not let it go within LEAVE_S."""
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(LEAVE_S)
+    rclpy.try_shutdown()
 
 
 class _Ending:
