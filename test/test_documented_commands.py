@@ -20,9 +20,8 @@ from q2q_sim.tools.domain import own_domain
 
 PAGES = "docs/nodes/"
 ELSEWHERE: Mapping[str, str] = {
-    "scripts/demo": "three flights of a minute; not flown here",
-    "scripts/fly section4_1 --ignoring --replan safe": "not flown here",
-    "scripts/fly table6 --controller mpc --stack --live": "needs a quiet machine for a minute",
+    "scripts/demo     #": "flown with docs/tutorials/first_flight.md",
+    "scripts/fly table6 --controller mpc --stack --live": "needs a quiet machine; see test_kernels",
     "scripts/test": "the tests themselves; test_inner_loop asks how they are chosen",
     "python test/mutation.py": "takes half an hour",
     "scripts/check": "runs before the tests wherever they run (.ci/run)",
@@ -36,6 +35,8 @@ ELSEWHERE: Mapping[str, str] = {
     "ros2 run q2q_sim bag_import FLIGHT.parquet": "the reader's own table; test_bag_import",
     "ros2 run q2q_model identify ROOM_BAG...": "the reader's own bags; test_identify_foreign",
     "ros2 run q2q_model evaluate --model model.q2q ROOM": "the reader's own bags; test_identify_foreign",
+    "ros2 run q2q_sim report ROOM_BAG": "the reader's own bags; test_report_topics",
+    "ros2 run q2q_sim bag_play --ros-args -p bag:=ROOM_BAG": "the reader's own bags; test_foreign_bags",
     "ros2 run q2q_sim policies BAG...": "the reader's own bags; test_policies",
     "export ROS_DOMAIN_ID=77": "two hosts: test_two_hosts, where namespaces can be made",
     "export ROS_DISCOVERY_SERVER": "two hosts: test_two_hosts",

@@ -15,6 +15,7 @@ from q2q_model.identification.command_gains import gains_from_commands
 from q2q_model.identification.draft_force import ForceSamples
 from q2q_model.identification.jet_fit import JetFit, JetForm, fit_to_pushes
 from q2q_model.identification.procedure import ProcedureParams, Recording, identify, recorded_altitudes
+from q2q_model.interaction.jet import Jet
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle import CRAZYFLIE_2_0
 from q2q_sim.commands import bag_import
@@ -77,17 +78,17 @@ def test_pairs_of_real_flights_go_through_identify(
             assert found.chosen.kind == "jet", pair
 
 
-Fit = Callable[[Sequence[ForceSamples], JetForm], JetFit]
+Fit = Callable[[Sequence[ForceSamples], JetForm, Jet | None], JetFit]
 
 
 def _once_each(fit: Fit) -> Fit:
     """Return a fit that remembers; the pushes of these flights come from their logs alone."""
-    known: dict[tuple[tuple[str, ...], JetForm], JetFit] = {}
+    known: dict[tuple[tuple[str, ...], JetForm, Jet | None], JetFit] = {}
 
-    def remembered(samples: Sequence[ForceSamples], form: JetForm) -> JetFit:
-        key = tuple(dict.fromkeys(one.flight for one in samples)), form
+    def remembered(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | None = None) -> JetFit:
+        key = tuple(dict.fromkeys(one.flight for one in samples)), form, solved
         if key not in known:
-            known[key] = fit(samples, form)
+            known[key] = fit(samples, form, solved)
         return known[key]
 
     return remembered
