@@ -21,7 +21,7 @@ from procedure_room import ProcedureRoom
 
 from q2q_control.crazyswarm import NamedPose
 from q2q_control.firmware_params import difference
-from q2q_control.flight_procedure.steps import Call
+from q2q_control.flight_procedure.steps import Call, Step
 from q2q_control.radio_link import CflibSender, LinkHealth
 from q2q_control.ros import crazyswarm_crew, procedure_desk, radio_node, radio_topics
 from q2q_control.ros.cflib_links import OnboardPose
@@ -50,6 +50,13 @@ SHORT = minimum_snap_plan(
     ]
 )
 """A plan of 3 s."""
+WRONG = {
+    Step.CHECKED: (Call.FLY, Call.HOLD, Call.LAND),
+    Step.HOVER: (Call.TAKE_OFF, Call.START, Call.HOLD),
+    Step.FLIGHT: (Call.TAKE_OFF, Call.START, Call.FLY),
+    Step.HOLD: (Call.TAKE_OFF, Call.START, Call.HOLD),
+}
+"""Calls at the wrong time: what each step in which vehicles wait or follow the plan refuses."""
 
 
 @dataclass(frozen=True)
@@ -205,21 +212,46 @@ def by_bridge(
     return room, server
 
 
-def test_table6_by_radio_from_the_ground_to_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:
-    room = by_radio(monkeypatch).room
-    room.wait(1.5)
-    assert room.call(Call.TAKE_OFF).granted
+def refused(room: ProcedureRoom, step: Step) -> None:
+    """Make every call at the wrong time of a step; each is refused at once, with the step's name."""
+    for call in WRONG[step]:
+        reply = room.call(call, patience=0.0)
+        assert not reply.granted
+        assert f"the step is {step.value}" in reply.reason
+
+
+def fly_table6(room: ProcedureRoom) -> None:
+    """Fly table6 from the ground to the ground, with every call at the wrong time on the way."""
+    refused(room, Step.CHECKED)
+    assert room.call(Call.TAKE_OFF).granted, room.node.lines[-5:]
     np.testing.assert_allclose(room.height[-1], 0.5, atol=0.15)
+    refused(room, Step.HOVER)
     fly = room.call(Call.FLY)
     assert (fly.granted, fly.reason) == (True, "the plan has started and takes 50.0 s")
-    room.wait(51.0)
-    assert room.height_error(50.0).max() < 0.08  # the paper's soft loop (K_p 0.81), aware: 27 mm direct
+    room.wait(25.0)
+    refused(room, Step.FLIGHT)
+    room.wait(26.0)
+    refused(room, Step.HOLD)
     np.testing.assert_allclose(room.height[-1], [1.5, 2.0], atol=0.1)
-    land = room.call(Call.LAND)
-    assert land.granted
-    assert "; disarmed" in land.reason
+
+
+def land(room: ProcedureRoom) -> None:
+    """Land, and see vehicles on the ground, disarmed and checked again."""
+    reply = room.call(Call.LAND)
+    assert reply.granted
+    assert "; disarmed" in reply.reason
     assert not any(one.firmware.supervisor.armed for one in room.fleet.vehicles)
     assert room.height[-1].max() < 0.02
+    assert room.node.lines[-1] == "step checked" or room.wait(1.1) is None
+
+
+def test_table6_by_radio_from_the_ground_to_the_ground_three_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    room = by_radio(monkeypatch).room
+    room.wait(1.5)
+    for _ in range(3):
+        fly_table6(room)
+        assert room.height_error(50.0).max() < 0.08  # the paper's soft loop (K_p 0.81), aware: 27 mm direct
+        land(room)
 
 
 def test_full_states_by_radio_from_the_ground_to_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -230,11 +262,7 @@ def test_full_states_by_radio_from_the_ground_to_the_ground(monkeypatch: pytest.
     assert room.call(Call.FLY).granted
     room.wait(3.0)
     assert room.height_error(3.0).max() < 0.005  # as by the bridge: the same packets
-    land = room.call(Call.LAND)
-    assert land.granted
-    assert "; disarmed" in land.reason
-    assert not any(one.firmware.supervisor.armed for one in room.fleet.vehicles)
-    assert room.height[-1].max() < 0.02
+    land(room)
 
 
 def test_a_parameter_that_a_vehicle_does_not_hold_refuses_the_take_off(
@@ -249,34 +277,24 @@ def test_a_parameter_that_a_vehicle_does_not_hold_refuses_the_take_off(
     assert flown.room.highest() < 0.01
 
 
-def test_three_flights_in_a_row_by_radio(monkeypatch: pytest.MonkeyPatch) -> None:
-    room = by_radio(monkeypatch, SHORT).room
-    room.wait(1.5)
-    for _ in range(3):
-        for call in (Call.TAKE_OFF, Call.FLY):
-            assert room.call(call).granted, room.node.lines[-5:]
-        room.wait(4.0)
-        assert room.call(Call.LAND).granted
-        assert room.height[-1].max() < 0.02
-        assert room.node.lines[-1] == "step checked" or room.wait(1.1) is None
-
-
 def test_calls_at_the_wrong_time_move_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     room = by_radio(monkeypatch, SHORT).room
     room.wait(1.5)
-    for call in (Call.FLY, Call.HOLD, Call.LAND):
-        assert "the step is checked" in room.call(call).reason
+    refused(room, Step.CHECKED)
     room.wait(1.0)
     assert room.highest() < 0.01
     assert room.call(Call.TAKE_OFF).granted
-    for call in (Call.TAKE_OFF, Call.START, Call.HOLD):
-        assert "the step is hover" in room.call(call).reason
-    assert room.call(Call.FLY).granted
-    for call in (Call.TAKE_OFF, Call.START, Call.FLY):
-        assert "the step is flight" in room.call(call).reason
-    assert room.call(Call.HOLD).granted  # aborted
-    assert room.call(Call.FLY).granted  # and flown again from there
-    assert room.call(Call.LAND).granted
+    hovering = room.fleet.vehicles[0].firmware.pos.copy()
+    refused(room, Step.HOVER)
+    room.wait(1.0)
+    np.testing.assert_allclose(room.fleet.vehicles[0].firmware.pos, hovering, atol=0.02)
+
+
+def test_a_flight_that_is_held_is_flown_again_from_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    room = by_radio(monkeypatch, SHORT).room
+    room.wait(1.5)
+    for call in (Call.TAKE_OFF, Call.FLY, Call.HOLD, Call.FLY, Call.LAND):
+        assert room.call(call).granted, room.node.lines[-5:]
 
 
 def test_a_start_in_the_middle_of_a_plan_is_refused_with_the_distance(
@@ -351,36 +369,40 @@ def test_nothing_climbs_before_take_off_is_called_and_nothing_is_streamed_before
     np.testing.assert_allclose(room.height[-1], 0.5, atol=0.15)
 
 
-@pytest.mark.parametrize("version", [1, 2])
-def test_the_bridge_flies_lands_and_disarms_in_the_servers_order_three_times(
-    monkeypatch: pytest.MonkeyPatch, version: int
+SERVERS_ORDER = [
+    "trajectory/wait", "arm", "takeoff",
+    "trajectory/glide", "cmd_full_state", "trajectory/start", "cmd_full_state",
+    "trajectory/glide", "cmd_full_state", "notify_setpoints_stop", "land", "arm",
+]  # fmt: skip
+
+
+def said_in_order(room: ProcedureRoom) -> list[str]:
+    """Return, and forget, what servers were asked and sent; repetitions count once."""
+    order = [one for k, one in enumerate(room.log) if k == 0 or room.log[k - 1] != one]
+    room.log.clear()
+    return order
+
+
+def test_table6_by_the_bridge_flies_lands_and_disarms_in_the_servers_order_three_times(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    room, _ = by_bridge(monkeypatch, SHORT, version=version)
-    room.wait(1.5)
-    for _ in range(3 if version == 1 else 1):
-        for call in (Call.TAKE_OFF, Call.FLY):
-            assert room.call(call).granted, room.node.lines[-5:]
-        room.wait(4.0)
-        assert room.call(Call.LAND).granted
-        assert room.height[-1].max() < 0.02
-        order = [one for k, one in enumerate(room.log) if k == 0 or room.log[k - 1] != one]
-        assert order == [
-            "trajectory/wait", "arm", "takeoff",
-            "trajectory/glide", "cmd_full_state", "trajectory/start", "cmd_full_state",
-            "trajectory/glide", "cmd_full_state", "notify_setpoints_stop", "land", "arm",
-        ]  # fmt: skip
-        room.log.clear()
-        room.wait(1.1)
-
-
-def test_table6_by_the_bridge_stays_on_its_heights(monkeypatch: pytest.MonkeyPatch) -> None:
     room, _ = by_bridge(monkeypatch)
     room.wait(1.5)
-    assert room.call(Call.TAKE_OFF).granted
-    assert room.call(Call.FLY).granted
-    room.wait(50.5)
-    assert room.height_error(50.0).max() < 0.005
-    assert room.call(Call.LAND).granted
+    for _ in range(3):
+        fly_table6(room)
+        assert room.height_error(50.0).max() < 0.005
+        land(room)
+        assert said_in_order(room) == SERVERS_ORDER
+
+
+def test_the_bridge_flies_with_poses_of_the_second_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, _ = by_bridge(monkeypatch, SHORT, version=2)
+    room.wait(1.5)
+    for call in (Call.TAKE_OFF, Call.FLY):
+        assert room.call(call).granted, room.node.lines[-5:]
+    room.wait(4.0)
+    land(room)
+    assert said_in_order(room) == SERVERS_ORDER
 
 
 def test_a_landing_that_does_not_happen_is_not_a_success(monkeypatch: pytest.MonkeyPatch) -> None:
