@@ -73,7 +73,7 @@ ROOMS = (
     ),
     Room(
         tuple(f"q2q_planner.{name}" for name in ("safe_replanner", "sightings", "held_motion", "scene")),
-        tuple(f"src/q2q_planner/test/test_{name}.py" for name in ("safe_replanner", "encounters")),
+        tuple(f"src/q2q_planner/test/test_{name}.py" for name in ("scene", "safe_replanner", "encounters")),
         compiled=True,
     ),
 )

@@ -116,10 +116,13 @@ def test_a_guard_lets_every_command_of_fresh_states_through_untouched() -> None:
             np.testing.assert_array_equal(getattr(told, name), getattr(given, name))
 
 
+@pytest.mark.parametrize("late", [0.0, TICK])
 @pytest.mark.parametrize("status", [OK, SATURATED])
-def test_of_a_tick_in_which_all_is_known_of_everybody_the_answer_is_the_controllers_own(status: int) -> None:
+def test_of_a_tick_in_which_all_is_known_of_everybody_the_answer_is_the_controllers_own(
+    status: int, late: float
+) -> None:
     controller = Told(status, OK)
-    guard = guarded(controller)
+    guard = Guard(controller, PARAMS, HOVER, lateness=lambda _: late)
     for k in range(3):
         told = guard.update(state_at(k * TICK), setpoint_at(k * TICK), None)
     assert told is controller.made
@@ -562,15 +565,14 @@ def test_signals_of_nobody_leave_every_vehicle_without_a_state(make: type) -> No
 
 
 def test_a_vehicle_that_was_fast_in_calm_flight_brakes_once_nobody_sees_it() -> None:
-    guard = guarded()
-    for k in range(60):
-        t = k * TICK
-        age = max(t - 0.2, 0.0)
-        state = state_at(t, (age, 0.0), coast=0.04)
-        wanted = setpoint_at(t, x=0.0)
-        if k > 0 and age <= 0.04:  # a filter that coasts keeps the speed, one that lost a vehicle says zero
-            state.vel[0] = wanted.vel[0] = [1.0, 0.0, 0.0]
-        told = guard.update(state, wanted, None)
-    assert told.status[0] == LEVEL
-    assert told.pitch[0] < -0.01  # nose up, against +x (q2q_control.blind_braking)
-    assert told.pitch[1] == 0.0
+    controller = Told(OK, OK)
+    guard = guarded(controller)
+    for k in range(5):
+        state = state_at(k * TICK)
+        state.vel[0] = [min(k, 1), 0.0, 0.0]  # at rest in the first tick, which is not yet a calm one
+        guard.update(state, setpoint_at(k * TICK), None)
+    controller.status = (LEVEL, OK)
+    told = guard.update(state_at(0.05, (TICK, 0.0)), setpoint_at(0.05), None)
+    assert told.status.tolist() == [LEVEL, OK]
+    braking = min(1.0 / BRAKING_S, BRAKING_MAX)
+    assert told.pitch.tolist() == [pytest.approx(-np.arctan(braking / GRAVITY)), 0.0]  # nose up, against +x

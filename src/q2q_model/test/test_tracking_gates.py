@@ -9,7 +9,7 @@ from q2q_model.outliers import REPEAT_STEP, Mask, OutlierThresholds
 from q2q_model.signals import Array
 from q2q_model.tracking.attitudes import AttitudeParams, AttitudeTracks
 from q2q_model.tracking.glide import UNIT_TOLERANCE, glide_attitudes, usual_move
-from q2q_model.tracking.rivals import CONFIRM_SAMPLES, Rivals
+from q2q_model.tracking.rivals import CONFIRM_SAMPLES, Lacking, Rivals
 from q2q_model.tracking.swaps import swapped_sources
 
 LIMITS = OutlierThresholds(speed_max=2.0, jump_max=0.25)
@@ -55,6 +55,28 @@ def test_a_forgotten_rival_begins_again_and_only_refused_samples_count() -> None
     assert not rivals.offer(4.375, place, ~ONE, at_once)[0]
     assert not rivals.offer(4.5, place, ONE, at_once)[0]
     assert rivals.offer(4.625, place, ONE, at_once)[0]
+
+
+@pytest.mark.parametrize(("place", "doubtful"), [(1.5, True), (1.4999, False), (0.75, False), (2.25, True)])
+def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_may_have_come(
+    place: float, *, doubtful: bool
+) -> None:
+    """The other was last at x = 2, 1/8 s ago, so within 1/2 m; the sample's own vehicle at 0."""
+    last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([4.0, 4.125])
+    pos = np.array([[place, 0.0, 0.0], [np.nan] * 3])
+    absent = Lacking(absent=np.array([False, True]), refused=np.array([True, False]))
+    told = Rivals(2, LIMITS).doubtful(4.25, pos, (last, when), absent)
+    assert told.tolist() == [doubtful, False]
+
+
+@pytest.mark.parametrize(("place", "doubtful"), [(1.25, True), (0.75, False)])
+def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_another_that_is_refused(
+    place: float, *, doubtful: bool
+) -> None:
+    last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.full(2, 4.125)
+    pos = np.array([[place, 0.0, 0.0], [9.0, 0.0, 0.0]])
+    refused = Lacking(absent=np.zeros(2, dtype=bool), refused=np.ones(2, dtype=bool))
+    assert Rivals(2, LIMITS).doubtful(4.25, pos, (last, when), refused).tolist() == [doubtful, False]
 
 
 def test_a_sample_goes_to_the_nearest_needy_track_within_its_gate_and_never_to_its_own() -> None:

@@ -25,8 +25,6 @@ def swapped_sources(
     """
     source = np.full(len(gate), -1, dtype=np.intp)
     rows, tracks = np.flatnonzero(orphans), np.flatnonzero(needy)
-    if not (rows.size and tracks.size):
-        return source
     distance = np.linalg.norm(expected[tracks, None] - measured[None, rows], axis=-1)
     distance[(distance > gate[tracks, None]) | (tracks[:, None] == rows)] = np.inf
     for _ in range(min(len(rows), len(tracks))):

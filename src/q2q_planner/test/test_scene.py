@@ -1,0 +1,260 @@
+"""What the safe law takes for granted of everybody at a tick: closed forms, and both sides of every bound."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.signals import Array, Names, SwarmSetpoint, SwarmState
+from q2q_planner.held_motion import LONGEST_GAP, SNAP_POS, SNAP_VEL, HeldMotion, carried_on, near_reference
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.scene import GRACE, Scene, astray, own_doubts, scene_of
+from q2q_planner.sightings import Sightings, Word
+
+PARAMS = SafeReplannerParams(
+    eps=0.25, d=1.0, margin=0.02, acc_max=3.0, hold=0.02, approach=2.0, tracking=0.05, drift=0.2,
+    speed_max=2.0, forget=2.0,
+)  # fmt: skip
+NOBODY = Word((), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+OFF, ON = np.zeros(2, np.bool_), np.ones(2, np.bool_)
+
+
+def state(t: float, names: Names, x: list[float], age: float = 0.0, speed: float = 1.0) -> SwarmState:
+    """Return vehicles at x [m] that fly along y."""
+    n, zero = len(names), np.zeros((len(names), 3))
+    pos, vel = zero.copy(), zero.copy()
+    pos[:, 0], vel[:, 1] = x, speed
+    return SwarmState(t, names, pos, vel, np.zeros((n, 4)), zero, np.full(n, age), np.zeros(n, np.uint8))
+
+
+def setpoint(t: float, names: Names, pos: Array, vel: Array | None = None) -> SwarmSetpoint:
+    n, zero = len(names), np.zeros((len(names), 3))
+    vel = zero if vel is None else vel
+    return SwarmSetpoint(t, names, pos, vel, zero, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
+
+
+def held(pos: Array, vel: Array, hold: float = 0.0, acc: Array | None = None) -> HeldMotion:
+    """Return two vehicles' motion from t = 1 s on, off their references."""
+    acc = np.zeros((2, 3)) if acc is None else acc
+    return HeldMotion(1.0, ("a", "b"), pos, vel, acc, np.full(2, hold), OFF, OFF)
+
+
+def test_the_newest_word_on_a_vehicle_counts_by_the_time_it_was_measured() -> None:
+    seen = Sightings()
+    seen.hear(state(1.0, ("a", "b"), [1.0, 2.0], age=0.25))
+    seen.hear(state(1.125, ("a",), [9.0], age=0.5))  # heard later, measured before
+    seen.hear(state(1.125, ("a",), [8.0], age=0.375))  # measured at the same time: no news
+    word = seen.of(("b", "a", "c"), 2.0)
+    assert word.pos[:2, 0].tolist() == [2.0, 1.0]
+    assert word.vel[:2].tolist() == [[0.0, 1.0, 0.0]] * 2
+    assert word.age.tolist() == [1.25, 1.25, np.inf]
+    assert np.isnan(word.pos[2]).all()
+    assert np.isnan(word.vel[2]).all()
+    seen.hear(state(1.25, ("a",), [3.0]))
+    word = seen.of(("a",), 1.0)  # by a clock that is behind: not younger than now
+    assert (word.pos[0, 0], word.age[0]) == (3.0, 0.0)
+    seen.reset()
+    assert seen.strangers((), 1.25, 9.0).names == ()
+
+
+@pytest.mark.parametrize("part", ["pos", "vel", "age"])
+def test_a_row_that_is_no_number_says_nothing(part: str) -> None:
+    seen = Sightings()
+    broken = state(1.0, ("a", "b"), [1.0, 2.0])
+    getattr(broken, part)[0] = np.nan
+    seen.hear(broken)
+    assert seen.strangers((), 1.0, 1.0).names == ("b",)
+    assert seen.of(("a",), 1.0).age.tolist() == [np.inf]
+
+
+def test_strangers_are_those_of_no_swarm_until_they_are_forgotten_for_good() -> None:
+    seen = Sightings()
+    seen.hear(state(1.0, ("a", "b"), [1.0, 2.0]))
+    assert seen.strangers(("a",), 3.0, 2.0).names == ("b",)
+    assert seen.strangers(("a",), 3.0, 1.999).names == ()
+    assert seen.strangers((), 1.0, 2.0).names == ()
+
+
+def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
+    pos, vel, acc = np.array([[1.0, 2.0, 3.0]] * 2), np.array([[0.0, 1.0, 0.0]] * 2), np.eye(3)[:2] * 2.0
+    motion = replace(held(pos, vel, 0.5, acc), on_reference=ON, pushed=ON)
+    there = setpoint(1.25, ("a", "b"), np.zeros((2, 3)))
+    early = carried_on(motion, there, 4.0)
+    np.testing.assert_allclose(early.pos[0], [1.0 + 0.0625, 2.25, 3.0], atol=1e-15)
+    np.testing.assert_allclose(early.vel[0], [0.5, 1.0, 0.0], atol=1e-15)
+    assert early.hold.tolist() == [0.25, 0.25]
+    assert (early.t, early.acc.tolist()) == (1.25, acc.tolist())
+    assert early.on_reference.all()
+    assert early.pushed.all()
+    late = carried_on(
+        motion, replace(there, t=1.75), 4.0
+    )  # b along y at 2 m/s after its hold, then a quarter
+    np.testing.assert_allclose(late.pos[1], [1.0, 2.0 + 0.75 + 0.5 - 0.125, 3.0], atol=1e-15)
+    np.testing.assert_allclose(late.vel[1], [0.0, 1.0, 0.0], atol=1e-15)
+    assert late.hold.tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("passed", "carried"), [(0.0, False), (-0.5, False), (LONGEST_GAP, True), (LONGEST_GAP + 0.5, False)]
+)
+def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, carried: bool) -> None:
+    motion = held(np.ones((2, 3)), np.zeros((2, 3)))
+    after = carried_on(motion, setpoint(1.0 + passed, ("a", "b"), np.zeros((2, 3)), np.ones((2, 3))), 3.0)
+    assert after.t == 1.0 + passed
+    assert (after.pos == 1.0).all() == carried
+    assert (after.vel == 0.0).all() == carried
+    assert after.on_reference.tolist() == [not carried] * 2
+    assert not after.pushed.any()
+    assert not after.acc.any()
+    assert not after.hold.any()
+
+
+def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references() -> None:
+    motion = held(np.array([[1.0] * 3, [2.0] * 3]), np.zeros((2, 3)), 0.5, np.eye(3)[:2] * 2.0)
+    motion = replace(motion, pushed=np.array([False, True]))
+    after = carried_on(motion, setpoint(1.25, ("b", "new"), np.zeros((2, 3)), np.ones((2, 3))), 3.0)
+    assert after.names == ("b", "new")
+    assert after.pos.tolist() == [[2.0, 2.0625, 2.0], [0.0, 0.0, 0.0]]
+    assert after.vel.tolist() == [[0.0, 0.5, 0.0], [1.0, 1.0, 1.0]]
+    assert after.acc.tolist() == [[0.0, 2.0, 0.0], [0.0, 0.0, 0.0]]
+    assert after.hold.tolist() == [0.25, 0.0]
+    assert after.on_reference.tolist() == [False, True]
+    assert after.pushed.tolist() == [True, False]
+    mixed = replace(motion, on_reference=np.array([True, False]))
+    more = setpoint(1.25, ("b", "a", "new"), np.zeros((3, 3)))
+    assert carried_on(mixed, more, 3.0).on_reference.tolist() == [False, True, True]
+
+
+def test_who_is_near_its_reference_and_was_not_pushed_may_be_put_onto_it() -> None:
+    zero = np.zeros((2, 3))
+    aside, away = np.array([[0.6, 0.8, 0.0], [0.6, 0.8, 0.0]]), np.array([[0.99], [1.01]])
+    reference = setpoint(1.0, ("a", "b"), zero)
+    assert near_reference(held(SNAP_POS * away * aside, zero), reference).tolist() == [True, False]
+    assert near_reference(held(zero, SNAP_VEL * away * aside), reference).tolist() == [True, False]
+    assert near_reference(held(zero, zero), setpoint(1.0, ("a", "b"), aside)).tolist() == [False, False]
+    assert near_reference(held(zero, zero), setpoint(1.0, ("a", "b"), zero, aside)).tolist() == [False, False]
+    pushed = replace(held(zero, zero), pushed=np.array([True, False]))
+    assert near_reference(pushed, reference).tolist() == [False, True]
+
+
+def word(ages: list[float], x: list[float], speed: float = 1.0) -> Word:
+    """Return the word on vehicles at x [m] that flew along y, so old [s]."""
+    pos, vel = np.zeros((len(ages), 3)), np.zeros((len(ages), 3))
+    pos[:, 0], vel[:, 1] = x, speed
+    return Word(tuple("pqrs"[: len(ages)]), pos, vel, np.array(ages))
+
+
+def test_doubts_of_our_own_grow_with_the_time_that_a_measurement_is_missing() -> None:
+    motion = held(np.zeros((2, 3)), np.zeros((2, 3)))
+    sure = [PARAMS.tracking + SNAP_POS, SNAP_VEL]
+    assert own_doubts(motion, None, PARAMS).tolist() == [sure, sure]
+    assert own_doubts(motion, word([0.0, GRACE], [0.0, 0.0]), PARAMS).tolist() == [sure, sure]
+    some = own_doubts(motion, word([GRACE + 0.5, np.inf], [0.0, 0.0]), PARAMS)
+    drifted = PARAMS.drift * np.array([0.5, PARAMS.forget - GRACE])
+    np.testing.assert_allclose(some[:, 0], PARAMS.tracking + SNAP_POS + drifted, rtol=1e-15)
+    np.testing.assert_allclose(some[:, 1], SNAP_VEL + PARAMS.drift, rtol=1e-15)
+
+
+def test_who_is_further_off_than_its_age_explains_is_astray() -> None:
+    age = 0.5
+    bound = PARAMS.tracking + PARAMS.drift * age + 0.5 * PARAMS.acc_max * age**2
+    off = word([age, age], [0.6 * (bound - 1e-9), 0.6 * (bound + 1e-9)])
+    off.pos[:, 2] = off.pos[:, 0] * 4.0 / 3.0
+    motion = held(np.tile([0.0, 0.5, 0.0], (2, 1)), np.zeros((2, 3)))  # where 1 m/s lead
+    assert astray(motion, off, PARAMS).tolist() == [False, True]
+    assert astray(motion, None, PARAMS).tolist() == [False, False]
+    silent = word([np.inf, np.inf], [0.0, 100.0])
+    assert astray(motion, silent, PARAMS).tolist() == [False, True]  # as old as is remembered, no older
+
+
+def among_strangers(strange: Word) -> Scene:
+    """Return the scene of two vehicles at rest and strangers."""
+    pos = np.array([[0.0, 0.0, 0.0], [0.0, 90.0, 0.0]])
+    growth = np.zeros((2, 2))
+    return scene_of(
+        held(pos, np.zeros((2, 3))), setpoint(1.0, ("a", "b"), pos + 1.0), growth, strange, PARAMS
+    )[1]
+
+
+def test_what_a_stranger_may_have_done_since_it_was_heard_of_grows_its_zone() -> None:
+    scene = among_strangers(word([0.0, 0.3, 2.5], [1.0, 2.0, 3.0]))
+    assert scene.own == 2
+    np.testing.assert_allclose(scene.pos[2:], [[1.0, 0.0, 0.0], [2.0, 0.3, 0.0], [3.0, 2.5, 0.0]], atol=1e-15)
+    assert scene.vel[2:].tolist() == [[0.0, 1.0, 0.0]] * 3
+    turned = np.array([0.5 * 3.0 * 0.02**2, 0.5 * 3.0 * 0.32**2, 3.0 * 2.52])  # the last: 2 m/s against 1
+    np.testing.assert_allclose(scene.growth[2:, 0], turned + SNAP_POS + PARAMS.tracking, rtol=1e-14)
+    np.testing.assert_allclose(scene.growth[2:, 1], np.array([0.06, 0.96, 3.0]) + SNAP_VEL, rtol=1e-14)
+
+
+def test_a_stranger_that_keeps_the_law_surely_brakes_from_its_hold_on() -> None:
+    pos, vel, acc, hold, growth = among_strangers(word([0.0, 0.005, 0.3], [1.0, 2.0, 3.0])).sure
+    np.testing.assert_allclose(pos[:, 1], [0.0, 0.005, 0.02 + 0.28 - 1.5 * 0.28**2], atol=1e-15)
+    np.testing.assert_allclose(vel[:, 1], [1.0, 1.0, 1.0 - 3.0 * 0.28], atol=1e-15)
+    np.testing.assert_allclose(hold, [0.02, 0.015, 0.0], atol=1e-15)
+    assert pos[:, 0].tolist() == [1.0, 2.0, 3.0]
+    assert not acc.any()
+    rest = 1.0 / 3.0  # of 1 m/s
+    slack = PARAMS.tracking - 1.5 * 0.02**2 - 3.0 * 0.02 * rest - SNAP_POS - SNAP_VEL * rest
+    np.testing.assert_allclose(growth, [[slack, 0.0]] * 3, rtol=1e-12)
+
+
+def meet(apart: float, vel: Array, growth: Array | None = None) -> bool:
+    """Return whether two vehicles so far apart in y [m] could matter to each other."""
+    pos = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]])
+    doubt = np.zeros((2, 2)) if growth is None else growth
+    _, scene = scene_of(held(pos, vel), setpoint(1.0, ("a", "b"), pos + 1.0), doubt, NOBODY, PARAMS)
+    assert scene.meets.tolist() == [len(scene.pairs[0]) == 1] * 2
+    return bool(scene.meets[0])
+
+
+def test_vehicles_matter_to_each_other_up_to_where_their_ways_to_rest_overlap() -> None:
+    """At 3 and 2 m/s side by side they do not close in, so that it is their ways that count."""
+    vel = np.array([[3.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    way = {v: (v + 0.06) * (0.02 + 0.5 * (v + 0.06) / 3.0) for v in (3.0, 2.0)}  # 0.06 m/s more in a hold
+    far = PARAMS.eps + way[3.0] + way[2.0]
+    assert meet(far - 1e-9, vel)
+    assert not meet(far + 1e-9, vel)
+    growth = np.array([[0.0, 0.1], [0.0, 0.3]])  # goes on until all rest, the fastest 0.6 m/s late
+    rest = 0.02 + (3.06 + 0.6) / 3.0
+    assert meet(far + 0.4 * rest - 1e-9, vel, growth)
+    assert not meet(far + 0.4 * rest + 1e-9, vel, growth)
+
+
+def test_zones_that_have_grown_count_in_the_ways_and_in_the_distance() -> None:
+    vel, growth = np.tile([3.0, 0.0, 0.0], (2, 1)), np.array([[0.5, 0.0], [0.25, 0.0]])
+    way = 3.06 * (0.02 + 0.5 * 3.06 / 3.0)
+    far = PARAMS.eps + 2.0 * way + 2.0 * 0.75
+    assert meet(far - 1e-9, vel, growth)
+    assert not meet(far + 1e-9, vel, growth)
+
+
+def test_who_stands_matters_where_a_push_of_both_could_be_asked() -> None:
+    """pole^2 h against twice acc_max, with poles of 2/s."""
+    far = PARAMS.eps + 2.0 * 3.0 / 4.0
+    assert meet(far - 1e-9, np.zeros((2, 3)))
+    assert not meet(far + 1e-9, np.zeros((2, 3)))
+
+
+def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) -> HeldMotion:
+    """Return two vehicles so far apart in x [m] once they are put on their references, or not."""
+    pos = np.array([[0.0, 0.0, 0.0], [apart, 0.0, 0.0]])
+    motion = replace(held(pos, np.zeros((2, 3))), on_reference=np.full(2, on), pushed=np.full(2, pushed))
+    there = setpoint(1.0, ("a", "b"), pos + reference, np.full((2, 3), SNAP_VEL / 2.0))
+    return scene_of(motion, there, np.zeros((2, 2)), NOBODY, PARAMS)[0]
+
+
+def test_who_meets_nobody_stays_on_its_reference_however_that_jumps() -> None:
+    jump = np.array([0.0, 0.0, 3.0])
+    for apart, on, stays in ((30.0, True, True), (30.0, False, False), (0.5, True, False)):
+        motion = placed(jump, apart, on=on)
+        assert motion.on_reference.tolist() == [stays] * 2
+        assert motion.pos[:, 2].tolist() == [3.0 if stays else 0.0] * 2
+        assert motion.vel[:, 2].tolist() == [SNAP_VEL / 2.0 if stays else 0.0] * 2
+
+
+def test_who_is_near_its_reference_is_put_onto_it_whomever_it_meets() -> None:
+    step = np.array([0.0, 0.0, SNAP_POS / 2.0])
+    for apart, pushed, put in ((30.0, False, True), (0.5, False, True), (0.5, True, False)):
+        motion = placed(step, apart, on=False, pushed=pushed)
+        assert motion.on_reference.tolist() == [put] * 2
+        assert motion.pos[:, 2].tolist() == [step[2] if put else 0.0] * 2
