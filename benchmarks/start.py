@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import perf_counter, sleep
 
 import rclpy
 from rclpy.node import Node
@@ -109,7 +109,8 @@ def _ready(package: str, name: str, folder: Path) -> float:
     began = perf_counter()
     process = subprocess.Popen(words, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        while not client.wait_for_service(LOOK_S):
+        while not client.service_is_ready():  # wait_for_service looks every 0.25 s only
+            sleep(LOOK_S)
             if process.poll() is not None or perf_counter() - began > PATIENCE_S:
                 raise RuntimeError(f"{name} did not get ready")
         rclpy.spin_until_future_complete(

@@ -15,6 +15,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import NoReturn
 
+from q2q_model.commands.lean_imports import lean_imports
 from q2q_model.commands.quiet_end import ending_at_once
 
 ROS_ARGS = "--ros-args"
@@ -82,7 +83,7 @@ def carry_out(
     asked = line.parse_args(own, Namespace(words=own))
     warnings.formatwarning = lambda message, *_, **__: f"{line.prog}: warning: {message}\n"
     try:
-        with ending_at_once(INTERRUPTED):
+        with ending_at_once(INTERRUPTED), lean_imports():
             work = prepare(asked)
         return work(asked)
     except KeyboardInterrupt:

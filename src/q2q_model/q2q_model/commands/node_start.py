@@ -2,11 +2,12 @@
 
 from importlib import import_module
 
+from q2q_model.commands.lean_imports import lean_imports
 from q2q_model.commands.quiet_end import ending_at_once
 
 
 def start_node(module: str) -> None:
     """Run `main` of a node's module; SIGINT and SIGTERM end its import with status 0, as they end nodes."""
-    with ending_at_once(0):
+    with ending_at_once(0), lean_imports():
         main = import_module(module).main
     main()

@@ -61,6 +61,7 @@ def run_together(
 ) -> None:
     """Run several nodes in one process, as `run` does one; `name` speaks for all."""
     ending = _Ending()
+    gc.disable()  # what is built and loaded stays
     try:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         kept = build()
@@ -111,6 +112,7 @@ def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
         executor.add_node(node)
     ending.interrupts = False
     gc.freeze()  # what stands now stays: the collector need not look at it again in flight
+    gc.enable()
     while rclpy.ok() and not ending.asked:
         never: Future[None] = Future()  # a new one: the executor leaves a callback at it each time
         executor.spin_until_future_complete(never, WAKE_S)

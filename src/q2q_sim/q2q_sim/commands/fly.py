@@ -71,8 +71,13 @@ def parser() -> CommandLine:
         help="plan ahead around the model's draft, or not",
     )
     _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as the commands come", default=False)
-    made.add_argument(
-        "--stack", action="store_true", help="run filter, model, planner and controller in one process"
+    _either(
+        made,
+        "stack",
+        "no-stack",
+        "filter, model, planner and controller in one process (default in lockstep: sooner, and the same"
+        " numbers), or each in its own (default live)",
+        default=None,
     )
     made.add_argument("--seed", type=int, default=0, help="seed of everything random")
     made.add_argument(
@@ -105,7 +110,7 @@ def parser() -> CommandLine:
     return made
 
 
-def _either(made: argparse.ArgumentParser, yes: str, no: str, words: str, *, default: bool) -> None:
+def _either(made: argparse.ArgumentParser, yes: str, no: str, words: str, *, default: bool | None) -> None:
     group = made.add_mutually_exclusive_group()
     name = yes.replace("-", "_")
     group.add_argument(f"--{yes}", dest=name, action="store_true", default=default, help=words)

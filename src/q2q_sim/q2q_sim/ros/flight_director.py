@@ -22,6 +22,8 @@ from q2q_sim.room import TICK_NS
 
 POLL_S = 0.05
 """How often the graph is asked [s]."""
+START_S = 5.0
+"""How long the service that starts a flight may take to be found [s]; rclpy's own wait looks every 0.25 s."""
 DRAIN_S = 10.0
 """How long one node may take to hand over what it published [s]."""
 STILL_S = 60.0
@@ -87,8 +89,11 @@ class FlightDirector:
     def start(self, source: str = "simulator") -> None:
         """Let the simulator fly, or the bag play: whichever node makes the ticks."""
         client = self._node.create_client(Trigger, f"{source}/start")
-        if not client.wait_for_service(timeout_sec=5.0):
-            raise TimeoutError(f"the service {source}/start does not answer")
+        deadline = monotonic() + START_S
+        while not client.service_is_ready():
+            if monotonic() > deadline:
+                raise TimeoutError(f"the service {source}/start does not answer")
+            self._spin(POLL_S)
         self._call(client)
         self._moved_at = monotonic()
 

@@ -12,6 +12,7 @@ until the node is ended; `command` is not read.
 import json
 from dataclasses import dataclass
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
@@ -36,9 +37,10 @@ from q2q_sim.choices import WAKES
 from q2q_sim.flight_clock import FlightClock, as_fields
 from q2q_sim.lockstep import CommandGate, Patience
 from q2q_sim.room import TICK_S, Room, Tick
-from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
-from q2q_sim.ros.crtp_room import open_crtp, rehearse_crtp
 from q2q_sim.scenario import Scenario, with_choices, with_firmware
+
+if TYPE_CHECKING:
+    from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
 
 STALL_LOOK_S = 0.05
 """How often a stalled lockstep is looked at [s]."""
@@ -97,7 +99,9 @@ class Simulator:
         self._tick: Tick | None = None
         self._wire(node)
 
-    def _opened(self, node: Node) -> CrtpEndpoint:
+    def _opened(self, node: Node) -> "CrtpEndpoint":
+        from q2q_sim.ros.crtp_room import open_crtp, rehearse_crtp  # firmware that other rooms are spared
+
         rehearse_crtp(self._scenario)
         return open_crtp(node, self._room, self._scenario, self._health)
 

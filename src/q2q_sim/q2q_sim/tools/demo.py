@@ -35,7 +35,7 @@ def show(out: Path, json_file: Path | None) -> Sequence[FlightRun]:
     interruption = Interruption()
     runs = [
         fly_with_progress(
-            FlightRequest(SCENARIO, mode), out / "nodes" / mode, out / "bags" / mode, interruption
+            FlightRequest(SCENARIO, mode, stack=True), out / "nodes" / mode, out / "bags" / mode, interruption
         )
         for mode in MODE_WORDS
     ]

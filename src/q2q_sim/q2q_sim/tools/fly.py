@@ -58,7 +58,7 @@ def request_of(asked: Namespace) -> FlightRequest:
         replan=asked.replan,
         plan=asked.plan,
         live=asked.live,
-        stack=asked.stack,
+        stack=not asked.live if asked.stack is None else asked.stack,
         seed=asked.seed,
         model=asked.model,
         vehicle=asked.vehicle,

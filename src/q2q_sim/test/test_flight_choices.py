@@ -1,0 +1,25 @@
+"""The command line of `fly` asks for the flight that its words name."""
+
+import pytest
+
+from q2q_sim.commands.fly import parser
+from q2q_sim.tools.fly import request_of
+
+
+@pytest.mark.parametrize(
+    ("words", "together"),
+    [
+        ([], True),
+        (["--lockstep"], True),
+        (["--no-stack"], False),
+        (["--live"], False),
+        (["--live", "--stack"], True),
+        (["--live", "--no-stack"], False),
+    ],
+)
+def test_nodes_share_a_process_in_lockstep_and_have_their_own_live_unless_told_otherwise(
+    words: list[str], together: bool
+):
+    asked = request_of(parser().parse_args(["table6", *words]))
+    assert asked.stack is together
+    assert asked.live is ("--live" in words)
