@@ -1,13 +1,13 @@
 """Mutation scores of the safety code: change it in one place at a time, and count what its tests notice.
 
-    python test/mutation.py [--jobs 2] [--share 0.5] [--only q2q_control.guard]
+    python test/mutation.py [--jobs 2] [--share 0.5 [--after 0.5]] [--only q2q_control.guard]
 
 Loops run uncompiled where they are mutated. The tests of a room are collected, and run once while it is noted
-which functions each calls. A mutant then is a fork of this warm process: the changed function gets its new
-code in place, and the tests that call it run, the quickest first, until one fails, which kills the mutant. So
-does more than PATIENCE times the processor time that these tests took before. Mutations: comparisons, and/or,
-arithmetic, numbers, `not`, and returned values; not the bounds that parameters are declared with, nor whether
-a class is frozen.
+which functions each calls; what runs compiled is not seen, so that all tests are taken to call it. A mutant
+then is a fork of this warm process: the changed function gets its new code in place, and the tests that call
+it run, the quickest first, until one fails, which kills the mutant. So does more than PATIENCE times the
+processor time that these tests took before. Mutations: comparisons, and/or, arithmetic, numbers, `not`, and
+returned values; not the bounds that parameters are declared with, nor whether a class is frozen.
 """
 
 import argparse
@@ -67,13 +67,23 @@ ROOMS = (
         ),
         tuple(
             f"src/q2q_model/test/test_{name}.py"
-            for name in ("old_stamps", "absences", "tracking_gates", "mocap_filter", "mocap_filter_lies")
+            for name in (
+                "old_stamps",
+                "absences",
+                "tracking_gates",
+                "position_tracks",
+                "mocap_filter",
+                "mocap_filter_lies",
+            )
         ),
         "not no_gate and not no_numbers",
     ),
     Room(
         tuple(f"q2q_planner.{name}" for name in ("safe_replanner", "sightings", "held_motion", "scene")),
-        tuple(f"src/q2q_planner/test/test_{name}.py" for name in ("scene", "safe_replanner", "encounters")),
+        tuple(
+            f"src/q2q_planner/test/test_{name}.py"
+            for name in ("scene", "safe_tick", "safe_replanner", "encounters")
+        ),
         compiled=True,
     ),
 )
@@ -200,8 +210,7 @@ class Trial:
     """The tests of a room as a pytest plugin, and what they do to mutants."""
 
     modules: Sequence[str]
-    share: float
-    jobs: int
+    asked: argparse.Namespace
     draw: Random = field(default_factory=lambda: Random(0))
     calls: dict[str, set[Place]] = field(default_factory=dict)
     """Functions that each test calls."""
@@ -245,12 +254,12 @@ class Trial:
         self.calls[item.nodeid], self.took[item.nodeid] = found, process_time() - began
 
     def _try_module(self, module: ModuleType, items: Sequence[pytest.Item]) -> None:
-        file = str(module.__file__)
+        file, first, last = str(module.__file__), self.asked.after, self.asked.after + self.asked.share
         quickest = sorted(items, key=lambda item: self.took[item.nodeid])
         running: dict[int, Mutant] = {}
         tried = killed = 0
         chosen = (
-            one for one in mutants(ast.parse(Path(file).read_text())) if self.draw.random() <= self.share
+            one for one in mutants(ast.parse(Path(file).read_text())) if first <= self.draw.random() < last
         )
 
         def wait() -> int:
@@ -261,9 +270,9 @@ class Trial:
             return int(status != 0)
 
         for mutant in chosen:
-            if len(running) >= self.jobs:
+            if len(running) >= self.asked.jobs:
                 killed += wait()
-            tests = [item for item in quickest if self._reaches(item, file, mutant)]
+            tests = [item for item in quickest if self._reaches(item, file, mutant)] or quickest
             child = _forked(lambda mutant=mutant, tests=tests: self._survives(module, mutant, tests))
             running[child] = mutant
             tried += 1
@@ -311,6 +320,9 @@ def main() -> int:
     parser.add_argument(
         "--share", type=float, default=1.0, help="share of the mutants to try, drawn at random"
     )
+    parser.add_argument(
+        "--after", type=float, default=0.0, help="share of the mutants to leave out before: a run in pieces"
+    )
     parser.add_argument("--only", default="", help="modules whose names begin so")
     asked = parser.parse_args()
     failed = [room for room in ROOMS if not _in_a_process_of_its_own(room, asked)]
@@ -326,7 +338,7 @@ def _in_a_process_of_its_own(room: Room, asked: argparse.Namespace) -> bool:
     if child:
         return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
     os.environ["NUMBA_DISABLE_JIT"] = "0" if room.compiled else "1"  # before numba is loaded
-    trial = Trial(modules, asked.share, asked.jobs)
+    trial = Trial(modules, asked)
     tests = [str(ROOT / name) for name in room.tests]
     words = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-k", room.left_out, *tests]
     os._exit(int(pytest.main(words, plugins=[trial])))

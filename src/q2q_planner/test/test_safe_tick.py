@@ -1,0 +1,149 @@
+"""Single ticks of the safe law in closed form, and its old motions against a stranger that is heard late."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.signals import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState
+from q2q_planner.held_motion import SNAP_POS, SNAP_VEL
+from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.safe_replanner import FLOOR, SafeReplanner
+
+TICK = 0.01
+PARAMS = SafeReplannerParams(eps=0.2, d=1.0, tracking=0.02, acc_max=3.0, hold=0.02, forget=0.6)
+SOFT = replace(PARAMS, approach=1.5)
+"""So that a pole squared is not twice the pole."""
+PAIR: Names = ("cf1", "cf2")
+BROKEN = SetpointStatus.PROMISE_BROKEN
+
+
+def setpoint(t: float, names: Names, pos: Array, vel: Array, acc: Array | None = None) -> SwarmSetpoint:
+    n = len(names)
+    acc = np.zeros((n, 3)) if acc is None else acc
+    return SwarmSetpoint(t, names, pos, vel, acc, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
+
+
+def closing(apart: float, speed: float, acc: Array | None = None) -> SwarmSetpoint:
+    """Return two references that come head on along x, each at a speed [m/s]."""
+    vel = np.array([[speed, 0.0, 0.0], [-speed, 0.0, 0.0]])
+    return setpoint(0.0, PAIR, np.array([[0.0, 0.0, 1.0], [apart, 0.0, 1.0]]), vel, acc)
+
+
+def asked(apart: float, speed: float) -> float:
+    """Return the relative acceleration that the barrier asks of a pair head on [m/s^2]."""
+    wide = PARAMS.eps + PARAMS.margin + FLOOR + 2.0 * (PARAMS.tracking + SNAP_POS)
+    pole = SOFT.approach
+    return 2.0 * pole * (2.0 * speed + 2.0 * SNAP_VEL) - pole**2 * (apart - wide)
+
+
+@pytest.mark.parametrize("speed", [0.5, 0.6])
+def test_a_pair_head_on_shares_what_the_barrier_asks(speed: float) -> None:
+    need = asked(1.0, speed)
+    assert 0.0 < need < 2.0 * PARAMS.acc_max
+    answer = SafeReplanner(SOFT).update(closing(1.0, speed), None)
+    np.testing.assert_allclose(
+        answer.acc, [[-need / 2.0, 0.0, 0.0], [need / 2.0, 0.0, 0.0]], rtol=1e-12, atol=1e-12
+    )
+    assert answer.status.tolist() == [SetpointStatus.NOMINAL] * 2  # not moved yet
+
+
+def test_who_meets_somebody_is_wanted_no_faster_than_it_may_accelerate() -> None:
+    """A reference of 6 m/s^2 sideways is shortened to 3 where there is somebody to mind, in its direction."""
+    hard = np.array([[0.0, 2.0, 0.0], [0.0, 2.0, 0.0]]) * [1.0, 3.0, 1.0] + [[0.0, 0.0, 4.0]] * 2
+    near = SafeReplanner(PARAMS).update(closing(1.0, 0.0, hard), None)
+    np.testing.assert_allclose(near.acc, 3.0 * hard / np.sqrt(52.0), rtol=1e-12)
+    far = closing(50.0, 0.0, hard)
+    assert SafeReplanner(PARAMS).update(far, None) is far
+
+
+@pytest.mark.parametrize("away", [0.0, 0.3])
+def test_who_was_pushed_and_is_alone_again_goes_back_by_the_tracking_law(away: float) -> None:
+    replanner = SafeReplanner(PARAMS)
+    first = replanner.update(closing(1.0, 0.6), None)
+    pos = first.pos[:1] + TICK * first.vel[:1] + 0.5 * TICK**2 * first.acc[:1]
+    vel = first.vel[:1] + TICK * first.acc[:1]
+    reference = setpoint(
+        TICK,
+        ("cf1",),
+        pos + np.array([[0.03, -0.05, 0.07]]) + away,
+        vel + np.array([[0.02, 0.04, -0.06]]),
+        np.array([[0.3, 0.2, 0.1]]),
+    )
+    told = replanner.update(reference, None)
+    np.testing.assert_allclose(told.pos, pos, atol=1e-15)
+    np.testing.assert_allclose(told.vel, vel, atol=1e-15)
+    wanted = reference.acc + PARAMS.k_d * (reference.vel - told.vel) + PARAMS.k_p * (reference.pos - told.pos)
+    size = float(np.linalg.norm(wanted))
+    assert (size > PARAMS.acc_max) == (away > 0.0)
+    np.testing.assert_allclose(told.acc, wanted * min(1.0, PARAMS.acc_max / size), rtol=1e-12)
+    assert told.status.tolist() == [SetpointStatus.SHIFTED]
+
+
+def test_off_it_says_nothing_is_broken_and_moves_nobody() -> None:
+    off = SafeReplanner(replace(PARAMS, enabled=False))
+    near = closing(0.1, 1.0)
+    strayed = SwarmState(
+        0.0, PAIR, near.pos + 1.0, near.vel, np.zeros((2, 4)), near.vel, np.zeros(2), near.status
+    )
+    assert off.update(near, strayed) is near
+
+
+LATE = 0.5
+"""Age of the stranger's messages [s]."""
+FAR = 60.0
+
+
+def late_stranger(t: float, *, company: bool) -> SwarmState:
+    """Return the word on a stranger that comes head on at 0.5 m/s; in company behind one far away."""
+    x = 1.5 - 0.5 * (t - LATE)
+    names: Names = ("far9", "cf9") if company else ("cf9",)
+    pos = np.array([[FAR, 0.0, 1.0], [x, 0.05, 1.0]])[-len(names) :]
+    vel = np.array([[0.0, 0.0, 0.0], [-0.5, 0.0, 0.0]])[-len(names) :]
+    n = len(names)
+    return SwarmState(t, names, pos, vel, np.zeros((n, 4)), vel, np.full(n, LATE), np.zeros(n, np.uint8))
+
+
+def own(t: float, *, company: bool) -> SwarmSetpoint:
+    """Return our vehicle's reference, at 0.5 m/s along x; in company behind one that hovers far away."""
+    names: Names = ("far1", "cf1") if company else ("cf1",)
+    pos = np.array([[0.0, FAR, 1.0], [-1.5 + 0.5 * t, 0.0, 1.0]])[-len(names) :]
+    vel = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]])[-len(names) :]
+    return setpoint(t, names, pos, vel)
+
+
+def flown(*, company: bool) -> list[SwarmSetpoint]:
+    """Return what our vehicle is told on its way towards the stranger; company comes and goes all the time.
+
+    From 4.58 s on it alternates between new motions and old ones, that are proven against this stranger.
+    """
+    replanner, answers = SafeReplanner(PARAMS), []
+    for k in range(520):
+        t, swarm = k * TICK, company and k // 7 % 2 == 0
+        heard = late_stranger(t, company=company and k < 465)  # forgotten 0.1 s later
+        answer = replanner.update(own(t, company=swarm), heard)
+        pos, vel, acc, status = answer.pos[-1:], answer.vel[-1:], answer.acc[-1:], answer.status[-1:]
+        answers.append(replace(answer, names=("cf1",), pos=pos, vel=vel, acc=acc, status=status))
+    return answers
+
+
+@pytest.fixture(scope="module")
+def alone() -> list[SwarmSetpoint]:
+    """Return the flight without company."""
+    return flown(company=False)
+
+
+def test_what_is_proven_against_a_stranger_follows_vehicles_by_name(alone: list[SwarmSetpoint]) -> None:
+    for one, other in zip(alone, flown(company=True), strict=True):
+        np.testing.assert_array_equal(one.pos, other.pos)
+        assert one.status.tolist() == other.status.tolist()
+
+
+def test_a_setpoint_accelerates_as_it_says_also_where_it_brakes_on_an_old_motion(
+    alone: list[SwarmSetpoint],
+) -> None:
+    """Holds are of two ticks, so an answer's acceleration is that of all its tick."""
+    assert all(one.status[0] != BROKEN for one in alone)
+    for one, after in itertools.pairwise(alone):
+        np.testing.assert_allclose(after.vel, one.vel + TICK * one.acc, atol=1e-12)
