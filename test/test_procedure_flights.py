@@ -18,12 +18,14 @@ from cflib.crazyflie.high_level_commander import HighLevelCommander
 from cflib.crazyflie.localization import Localization
 from cflib.crazyflie.supervisor import Supervisor
 from procedure_room import ProcedureRoom
+from rcl_interfaces.msg import ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters
 
 from q2q_control.crazyswarm import NamedPose
 from q2q_control.firmware_params import difference
 from q2q_control.flight_procedure.steps import Call, Step
 from q2q_control.radio_link import CflibSender, LinkHealth
-from q2q_control.ros import crazyswarm_crew, procedure_desk, radio_node, radio_topics
+from q2q_control.ros import procedure_desk, radio_node, radio_topics, server_vehicles
 from q2q_control.ros.cflib_links import OnboardPose
 from q2q_control.ros.crazyswarm_node import Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
@@ -137,6 +139,12 @@ class _Server:
     room: ProcedureRoom
     deaf: set[str] = field(default_factory=set)
     """Services that answer and do nothing."""
+    tells: set[str] = field(default_factory=lambda: {"status", "onboard", "parameters"})
+    """What it was set up to tell."""
+    offset: float = 0.0
+    """Of the estimates from the truth [m]."""
+    held: dict[str, float] = field(default_factory=dict)
+    """Parameters that it tells in place of the vehicles'."""
 
     def __post_init__(self) -> None:
         wires = [self.room.wire(row) for row in range(2)]
@@ -154,7 +162,22 @@ class _Server:
             "notify_setpoints_stop": lambda k, _: self._commanders[k].send_notify_setpoint_stop(),
             "emergency": lambda k, _: self._supervisors[k].send_emergency_stop(),
         }
-        return {f"all/{name}": self._serve(name, act) for name, act in acts.items()}
+        served = {f"all/{name}": self._serve(name, act) for name, act in acts.items()}
+        return served | {"crazyflie_server/get_parameters": self._parameters}
+
+    def _parameters(self, request: GetParameters.Request) -> GetParameters.Response:
+        """Answer as rclcpp does: nothing at all where one of the parameters has no value."""
+        if "parameters" not in self.tells:
+            return GetParameters.Response()
+        return GetParameters.Response(values=[self._value(name) for name in request.names])
+
+    def _value(self, asked: str) -> ParameterValue:
+        vehicle, _, parameter = asked.partition(".params.")
+        firmware = self.room.fleet.vehicles[NAMES.index(vehicle)].firmware
+        value = self.held.get(parameter, float(firmware.parameters[parameter]))
+        if parameter.startswith("stabilizer."):
+            return ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=int(value))
+        return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
 
     def full_state(self, row: int, message: object) -> None:
         where, how, acc = message.pose.position, message.twist.linear, message.acc
@@ -165,14 +188,18 @@ class _Server:
             (turn.x, turn.y, turn.z, turn.w), 0.0, 0.0, message.twist.angular.z,
         )  # fmt: skip
 
-    def status(self) -> None:
+    def publish(self) -> None:
         """Publish what the server logs of its vehicles."""
         assert self.room.node is not None
-        kind = sys.modules["crazyflie_interfaces.msg"].Status
+        kinds = sys.modules["crazyflie_interfaces.msg"]
         for vehicle in self.room.fleet.vehicles:
-            firmware = vehicle.firmware
-            message = kind(supervisor_info=firmware.info, battery_voltage=firmware.battery.volt)
-            self.room.node.takers[f"{vehicle.name}/status"](message)
+            firmware, takers = vehicle.firmware, self.room.node.takers
+            status = kinds.Status(supervisor_info=firmware.info, battery_voltage=firmware.battery.volt)
+            x, y, z = firmware.pos.tolist()
+            onboard = kinds.LogDataGeneric(values=[x, y + self.offset, z])
+            for topic, message in (("status", status), ("onboard", onboard)):
+                if topic in self.tells:
+                    takers[f"{vehicle.name}/{topic}"](message)
 
     def _serve(self, name: str, act: Callable[[int, object], None]) -> Callable[[object], object]:
         def serve(request: object) -> object:
@@ -193,8 +220,14 @@ def by_bridge(
         monkeypatch.setitem(sys.modules, name, module)
     room = ProcedureRoom(scenarios.load(SCENARIO), monkeypatch, plan, auto_arming=False)
     server = _Server(room)
-    room.clock(crazyswarm_crew, procedure_desk)
-    asked = {"vehicles": NAMES, "poses_version": version, "poses_out": "/poses_filtered", **given}
+    room.clock(server_vehicles, procedure_desk)
+    asked = {
+        "vehicles": NAMES,
+        "poses_version": version,
+        "poses_out": "/poses_filtered",
+        "vehicle": room.scenario.vehicle.name,
+        **given,
+    }
     room.start("crazyswarm", asked, Crazyswarm, server.services())
     assert room.node is not None
     for row, name in enumerate(NAMES):
@@ -206,7 +239,7 @@ def by_bridge(
         poses = [NamedPose(name, tuple(pos), tuple(quat)) for name, pos, quat in rows]
         room.node.takers["/poses"](types.write(header_at(stamp_ns), poses))
         if room.room.tick % 50 == 0:
-            server.status()
+            server.publish()
 
     room.mocap = see
     return room, server
@@ -420,9 +453,51 @@ def test_a_landing_that_does_not_happen_is_not_a_success(monkeypatch: pytest.Mon
 
 def test_a_battery_that_the_server_does_not_log_refuses_the_take_off(monkeypatch: pytest.MonkeyPatch) -> None:
     room, server = by_bridge(monkeypatch)
-    monkeypatch.setattr(server, "status", lambda: None)
+    server.tells.remove("status")
     room.wait(1.5)
     assert "cf1 does not tell its battery" in room.call(Call.TAKE_OFF).reason
+
+
+REFUSED_BY_WHAT_THE_SERVER_TELLS = [
+    ({"offset": 0.3}, "cf1 believes to be 0.30 m from where it is seen: 0.10 m is the most"),
+    (
+        {"held": {"ctrlMel.mass": 0.034, "ctrlMel.massThrust": 132000.0}},
+        "cf1 would be sent 68 % of the thrust",
+    ),
+    ({"held": {"stabilizer.controller": 1.0}}, "cf1: its stabilizer.controller is 1: 2 is wanted"),
+]
+
+
+@pytest.mark.parametrize(("told", "why"), REFUSED_BY_WHAT_THE_SERVER_TELLS)
+def test_the_bridge_refuses_the_take_off_by_what_the_server_tells(
+    monkeypatch: pytest.MonkeyPatch, told: dict[str, object], why: str
+) -> None:
+    room, server = by_bridge(monkeypatch, SHORT)
+    for name, value in told.items():
+        setattr(server, name, value)
+    room.wait(1.5)
+    assert why in room.call(Call.TAKE_OFF).reason
+    assert not {"arm", "takeoff"} & set(room.log)
+
+
+def test_an_estimate_that_is_no_longer_told_refuses_the_take_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, server = by_bridge(monkeypatch, SHORT)
+    room.wait(1.5)
+    server.tells.remove("onboard")
+    room.wait(3.1)
+    assert "cf1 has no own estimate x, y, z any more" in room.call(Call.TAKE_OFF).reason
+
+
+def test_what_the_server_does_not_tell_is_said_not_to_be_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, server = by_bridge(monkeypatch, SHORT)
+    server.tells = {"status"}
+    room.wait(1.5)
+    words = "not checked: parameters of cf1, cf2; own estimate of cf1, cf2; thrust scale of cf1, cf2"
+    assert room.node.lines[-1] == f"step checked: {words}"
+    values = {one.key: one.value for one in room.node.published["~/status"][-1].values}
+    assert values == {"take_off_refusal": "", "unchecked": words}
+    assert room.call(Call.TAKE_OFF).granted
+    assert f"step arming: {words}" in room.node.lines
 
 
 def test_an_emergency_by_the_bridge_stops_the_motors(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,8 +3,8 @@
     robots:
       cf1: {enabled: true, uri: radio://0/80/2M/E7E7E7E701, initial_position: [0, 0, 0], type: cf21}
 
-Other keys (robot_types, all, firmware_params) are Crazyswarm2's business and are passed over. So is a robot
-with `connection: none`, itself or by its type: motion capture tracks it, nobody flies it.
+Of other keys, only `firmware_params` is read: what it sets need not be asked of the vehicle. A robot with
+`connection: none`, itself or by its type, is passed over: motion capture tracks it, nobody flies it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -56,6 +56,26 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
         if len(twins) > 1:
             raise ValueError(f"{' and '.join(twins)} have the same uri {one.uri}: each needs its own")
     return enabled
+
+
+def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float]:
+    """Return the firmware parameters that a server sets on a vehicle, `group.name` by `group.name`.
+
+    A robot's own go before those of its type (where `by_type`: the cflib server sets none of a type), and
+    those before the ones of all.
+    """
+    whole = _mapping(document, "crazyflies.yaml")
+    robot = _mapping(_mapping(whole.get("robots"), "robots").get(name), name)
+    kind = _mapping(whole.get("robot_types", {}), "robot_types").get(robot.get("type"), {})
+    levels = (whole.get("all") or {}, kind if by_type else {}, robot)
+    groups = [_mapping(_mapping(level, name).get("firmware_params") or {}, name) for level in levels]
+    return {
+        f"{group}.{parameter}": float(value)
+        for some in groups
+        for group, values in some.items()
+        for parameter, value in _mapping(values or {}, str(group)).items()
+        if isinstance(value, int | float)
+    }
 
 
 def _is_flown(robot: Mapping[object, object], types: Mapping[object, object]) -> bool:

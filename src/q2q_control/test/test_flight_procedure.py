@@ -19,7 +19,9 @@ HOME = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 FIRST = HOME + np.array([0.0, 0.0, 1.0])
 END = FIRST + np.array([1.0, 0.0, 0.0])
 PLAN = PlanOutline(NAMES, FIRST, FIRST, END, duration=4.0)
-WELL = VehicleReport("cf1", connected=True, volt=4.0, armed=True, locked=False, onboard=None)
+WELL = VehicleReport(
+    "cf1", connected=True, volt=4.0, armed=True, locked=False, wrong="", onboard=None, hover_ratio=1.0
+)
 STEP = 0.02
 
 
@@ -127,6 +129,7 @@ def test_nothing_is_ordered_without_a_call() -> None:
     bench = _Bench()
     bench.wait(5.0)
     assert bench.procedure.step is Step.CHECKED
+    assert bench.said[-1] == "step checked: not checked: own estimate of cf1, cf2"
     assert bench.sent == []
 
 
@@ -374,7 +377,8 @@ def test_a_dry_run_sends_nothing_and_says_what_would_be_sent() -> None:
     answer = bench.asked(Call.TAKE_OFF)
     assert answer.granted
     assert (
-        "all checks pass; take_off means: let the reference rest at the vehicles, then arm" in answer.reason
+        "not checked: own estimate of cf1, cf2; take_off means: let the reference rest at the vehicles, then"
+        in answer.reason
     )
     assert answer.reason.endswith("then take off to 0.50 m in 2.0 s")
     assert bench.asked(Call.LAND).reason.startswith("dry run, nothing is sent; the step is checked")

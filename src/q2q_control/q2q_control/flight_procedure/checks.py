@@ -77,6 +77,19 @@ def apart_refusal(names: tuple[str, ...], pos: Array, apart: float) -> str:
     return ""
 
 
+def unchecked(seen: Observation) -> str:
+    """Return what could not be checked because vehicles do not tell it; empty where all could."""
+    silent: dict[str, Callable[[VehicleReport], bool]] = {
+        "battery": lambda one: bool(np.isnan(one.volt)),
+        "parameters": lambda one: one.wrong is None,
+        "own estimate": lambda one: one.onboard is None,
+        "thrust scale": lambda one: bool(np.isnan(one.hover_ratio)),
+    }
+    of = {what: [one.name for one in seen.vehicles if is_silent(one)] for what, is_silent in silent.items()}
+    missing = [f"{what} of {', '.join(names)}" for what, names in of.items() if names]
+    return f"not checked: {'; '.join(missing)}" if missing else ""
+
+
 def _said(one: VehicleReport, params: FlightProcedureParams) -> str:
     if one.locked:
         return f"{one.name} is locked: restart it"
@@ -92,6 +105,8 @@ def _estimates(seen: Observation, params: FlightProcedureParams) -> Iterator[str
         if one.onboard is None:
             continue
         far = float(_norm(np.array(one.onboard) - pos))
+        if np.isnan(one.onboard).any():
+            yield f"{one.name} has no own estimate x, y, z any more: check its link, and what is logged"
         if not far <= params.estimator_error:
             bound = f"{params.estimator_error:.2f} m is the most; check frames, wait for its estimator"
             yield f"{one.name} believes to be {far:.2f} m from where it is seen: {bound}"

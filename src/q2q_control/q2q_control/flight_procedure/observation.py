@@ -23,10 +23,10 @@ class VehicleReport:
     """It has stopped for good and must be restarted."""
     flies: bool = True
     """It is flown by setpoints; False where it lands or has landed by itself."""
-    wrong: str = ""
+    wrong: str | None = None
     """What is wrong with its parameters; empty where nothing is."""
     onboard: tuple[float, float, float] | None = None
-    """Position that it estimates itself [m], world."""
+    """Position that it estimates itself [m], world; NaN where it has told it before."""
     hover_ratio: float = math.nan
     """Thrust that would be sent at hover over the thrust at which it hovers."""
 

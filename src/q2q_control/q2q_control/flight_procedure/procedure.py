@@ -32,6 +32,7 @@ from q2q_control.flight_procedure.checks import (
     setpoint_refusal,
     state_refusal,
     take_off_refusal,
+    unchecked,
 )
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
@@ -73,6 +74,8 @@ class FlightProcedure:
         self.step = Step.OFFLINE
         self.refusal = ""
         """Why vehicles on the ground may not take off, when last looked."""
+        self.unchecked = ""
+        """What could not be checked then, because vehicles do not tell it."""
         self._since = -np.inf
         self._looked = -np.inf
         self._pending: Call | None = None
@@ -93,7 +96,8 @@ class FlightProcedure:
         refusal = self._refusal(call, seen)
         if self._params.dry_run:
             acts = ", then ".join(str(self._order(act, seen)) for act in ORDERS_OF[call])
-            words = f"dry run, nothing is sent; {refusal or 'all checks pass'}; {call.value} means: {acts}"
+            checks = refusal or unchecked(seen) or "all checks pass"
+            words = f"dry run, nothing is sent; {checks}; {call.value} means: {acts}"
             self._said.append(words)
             return Reply(granted=not refusal, reason=words)
         if refusal:
@@ -169,7 +173,7 @@ class FlightProcedure:
             self._give(Act.CUT, seen, t)
         elif call in {Call.TAKE_OFF, Call.START}:
             self._joins = call is Call.START
-            self._enter(Step.ARMING, t, "all checks passed")
+            self._enter(Step.ARMING, t, unchecked(seen) or "all checks passed")
             self._give(Act.ARM if self._joins else Act.WAIT, seen, t)
         elif call is Call.FLY:
             self._give(Act.GLIDE, seen, t)
@@ -352,10 +356,11 @@ class FlightProcedure:
             return
         self._looked = t
         self.refusal = take_off_refusal(seen, self._params, self._landing)
+        before, self.unchecked = self.unchecked, unchecked(seen)
         offline = connection_refusal(seen)
         step = Step.OFFLINE if offline else Step.CONNECTED if self.refusal else Step.CHECKED
-        if step is not self.step:
-            self._enter(step, t, self.refusal)
+        if step is not self.step or (step is Step.CHECKED and self.unchecked != before):
+            self._enter(step, t, self.refusal or self.unchecked)
 
     def _guard(self, seen: Observation, t: float) -> None:
         """Land where setpoints jump or stay away; see where vehicles land by themselves."""

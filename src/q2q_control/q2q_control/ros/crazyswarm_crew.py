@@ -7,16 +7,10 @@
 | stop streaming | `all/notify_setpoints_stop`: setpoints outrank the high-level commander until then |
 | stop the motors | `all/emergency` |
 | stream setpoints | none: what is streamed decides |
-
-What a vehicle says of itself comes from `<name>/status`, where the server logs it (`firmware_logging` in
-crazyflies.yaml: default_topics: status).
 """
 
 import math
 from collections.abc import Callable
-from functools import partial
-from time import monotonic
-from typing import Protocol
 
 from builtin_interfaces.msg import Duration
 from rclpy.client import Client
@@ -27,38 +21,27 @@ from std_srvs.srv import Empty
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
-from q2q_control.supervisor_info import LOCKED, READY
+from q2q_control.ros.server_vehicles import ServerVehicles
+from q2q_control.server_vehicle import ServerVehicle
 from q2q_model.reply import Reply
-from q2q_model.ros.qos import OUTSIDE
-from q2q_model.signals import Names
 
 ARM_S = 1.0
 """Time that arming takes where no vehicle tells [s]."""
-STATUS_S = 3.0
-"""A status older than this is none: the server logs one a second [s]."""
-
-
-class StatusMessage(Protocol):
-    """crazyflie_interfaces/msg/Status."""
-
-    supervisor_info: int
-    battery_voltage: float
 
 
 class CrazyswarmCrew:
-    """Clients of the server's services, and what its vehicles last said."""
+    """Clients of the server's services, and its vehicles."""
 
-    def __init__(self, node: Node, names: Names) -> None:
+    def __init__(self, node: Node, vehicles: tuple[ServerVehicle, ...]) -> None:
         """Make the clients, and listen to the vehicles.
 
         Raises:
             ImportError: crazyflie_interfaces is missing.
         """
-        self._names = names
         takeoff, land, arm, stop = find(
             CRAZYFLIE_PACKAGE, ("Takeoff", "Land", "Arm", "NotifySetpointsStop"), "srv"
         )
-        (status,) = find(CRAZYFLIE_PACKAGE, ("Status",))
+        self._vehicles = ServerVehicles(node, vehicles)
         self._takeoff = node.create_client(takeoff, "all/takeoff")
         self._land = node.create_client(land, "all/land")
         self._arm = node.create_client(arm, "all/arm")
@@ -75,9 +58,6 @@ class CrazyswarmCrew:
         self._act, self._asked = Act.CUT, -math.inf
         self._future: Future[object] | None = None
         self._reply: Reply | None = None
-        self._status: dict[str, tuple[StatusMessage, float]] = {}
-        for name in names:
-            node.create_subscription(status, f"{name}/status", partial(self._take_status, name), OUTSIDE)
 
     def begin(self, order: Order, t: float) -> None:
         """Call the service of an order."""
@@ -109,30 +89,12 @@ class CrazyswarmCrew:
 
     def reports(self) -> tuple[VehicleReport, ...]:
         """Return what every vehicle says of itself; connected is what the server serves."""
-        return tuple(self._report(name, connected=self._arm.service_is_ready()) for name in self._names)
+        return self._vehicles.reports(connected=self._arm.service_is_ready())
 
     def _armed(self, t: float) -> bool:
         """Return whether vehicles have armed since they were asked to, as far as they tell."""
-        told = [self._status.get(name) for name in self._names]
-        if None in told:
-            return t - self._asked > ARM_S
-        fresh = [one[0] for one in told if one is not None and one[1] > self._asked]
-        return len(fresh) == len(told) and all(one.supervisor_info & READY == READY for one in fresh)
-
-    def _report(self, name: str, *, connected: bool) -> VehicleReport:
-        status, since = self._status.get(name, (None, -math.inf))
-        if status is None or monotonic() - since > STATUS_S:
-            return VehicleReport(name, connected=connected)
-        return VehicleReport(
-            name,
-            connected=connected,
-            volt=status.battery_voltage,
-            armed=status.supervisor_info & READY == READY,
-            locked=bool(status.supervisor_info & LOCKED),
-        )
-
-    def _take_status(self, name: str, status: StatusMessage) -> None:
-        self._status[name] = (status, monotonic())
+        told = self._vehicles.all_armed_since(self._asked)
+        return t - self._asked > ARM_S if told is None else told
 
 
 def _timed(kind: type, order: Order) -> object:

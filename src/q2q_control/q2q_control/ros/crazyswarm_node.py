@@ -7,13 +7,14 @@
 | `<name>/cmd_full_state` (FullState) | out | `reference_safe`, less `interference`'s acceleration if aware |
 | `<name>/cmd_vel_legacy` (Twist) | out, where mode is command | `command`; signs by `backend` |
 | `all/arm`, `takeoff`, `land`, `notify_setpoints_stop`, `emergency` | out, as a client | the procedure |
+| `<name>/status`, `<name>/onboard`, the server's parameters | in | checks before a take-off |
 
 Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
 `~/land`, `~/emergency`, each answered when it has happened, or with why it has not; `~/status` tells the
-step. Setpoints leave only from the hand-over after `~/fly` to the landing. `~/arm`, `~/disarm` and
-`~/notify_setpoints_stop` pass a request on to the server, on the ground only. A package that is absent
-switches off what needs it, with one line. Set `legacy_hz:=0` on the controller where this node sends
-`cmd_vel_legacy`. `--dry-run` sends nothing.
+step, and what cannot be checked because the server does not tell it. Setpoints leave only from the hand-over
+after `~/fly` to the landing. `~/arm`, `~/disarm` and `~/notify_setpoints_stop` pass a request on to the
+server, on the ground only. A package that is absent switches off what needs it, with one line. Set
+`legacy_hz:=0` on the controller where this node sends `cmd_vel_legacy`. `--dry-run` sends nothing.
 """
 
 import sys
@@ -26,8 +27,9 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from q2q_control.crazyflies import crazyflies_from_document
+from q2q_control.crazyflies import crazyflies_from_document, params_set
 from q2q_control.crazyswarm import BACKENDS, frame_of, poses_of
+from q2q_control.firmware_params import firmware_params
 from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
 from q2q_control.legacy import LegacyScale
@@ -36,6 +38,7 @@ from q2q_control.ros.crazyswarm_crew import CrazyswarmCrew
 from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
 from q2q_control.ros.dry_run import dry_run_as_parameter
 from q2q_control.ros.procedure_desk import ProcedureDesk
+from q2q_control.server_vehicle import ServerVehicle
 from q2q_model.cdr import encode
 from q2q_model.health import Health
 from q2q_model.layout import Signal
@@ -137,7 +140,7 @@ class Crazyswarm:
             self._listen(topic, _SIGNALS[topic])
 
     def _wire_procedure(self) -> None:
-        crew = CrazyswarmCrew(self._node, self._names)
+        crew = CrazyswarmCrew(self._node, _vehicles(self._asked))
         self._desk = ProcedureDesk(self._node, self._names, crew, self._params)
         for name, act in (
             ("arm", Act.ARM),
@@ -210,8 +213,26 @@ def _names(asked: CrazyswarmParams) -> Names:
         if not asked.vehicles:
             raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles")
         return asked.vehicles
-    document = yaml.safe_load(Path(asked.crazyflies).read_text(encoding="utf-8"))
-    return tuple(one.name for one in crazyflies_from_document(document))
+    return tuple(one.name for one in crazyflies_from_document(_document(asked)))
+
+
+def _vehicles(asked: CrazyswarmParams) -> tuple[ServerVehicle, ...]:
+    vehicle, wanted = vehicle_by_name(asked.vehicle, asked.firmware), firmware_params((), asked.mode)
+    by_type = asked.backend == "cpp"
+    document = _document(asked)
+    return tuple(
+        ServerVehicle(
+            name, vehicle, wanted, {} if document is None else params_set(document, name, by_type=by_type)
+        )
+        for name in _names(asked)
+    )
+
+
+def _document(asked: CrazyswarmParams) -> object:
+    """Return the content of crazyflies.yaml; None where there is none."""
+    if not asked.crazyflies:
+        return None
+    return yaml.safe_load(Path(asked.crazyflies).read_text(encoding="utf-8"))
 
 
 def main() -> None:

@@ -1,8 +1,8 @@
 """Offer the flight procedure as services of a node: `~/take_off`, `~/fly`, `~/hold`, `~/land`, `~/emergency`.
 
-Each answers when what it asks for has happened, or why it has not. `~/status` (latched) tells the step, and
-what refuses a take-off; every step is one line of log. Orders go to a crew, those of the plan to the node
-`trajectory`.
+Each answers when what it asks for has happened, or why it has not. `~/status` (latched) tells the step, what
+refuses a take-off, and what cannot be checked; every step is one line of log. Orders go to a crew, those of
+the plan to the node `trajectory`.
 """
 
 from collections.abc import Callable
@@ -43,7 +43,7 @@ class ProcedureDesk:
         self._view = FlightView(names)
         self._trajectory = TrajectoryClient(node)
         self._status = node.create_publisher(DiagnosticStatus, "~/status", LATCHED)
-        self._told: tuple[Step, str] | None = None
+        self._told: tuple[Step, str, str] | None = None
         self._single: LateReplyService | None = None
         """The service of a single act that is under way."""
         self._services = {
@@ -114,11 +114,11 @@ class ProcedureDesk:
         self._tell()
 
     def _tell(self) -> None:
-        now = (self._procedure.step, self._procedure.refusal)
+        now = (self._procedure.step, self._procedure.refusal, self._procedure.unchecked)
         if now == self._told:
             return
         self._told = now
-        step, refusal = now
+        step, refusal, unchecked = now
         level = DiagnosticStatus.ERROR if step is Step.STOPPED else DiagnosticStatus.OK
         self._status.publish(
             DiagnosticStatus(
@@ -126,7 +126,10 @@ class ProcedureDesk:
                 name=f"{self._node.get_fully_qualified_name()}: flight procedure",
                 message=step.value,
                 hardware_id="q2q",
-                values=[KeyValue(key="take_off_refusal", value=refusal)],
+                values=[
+                    KeyValue(key="take_off_refusal", value=refusal),
+                    KeyValue(key="unchecked", value=unchecked),
+                ],
             )
         )
 

@@ -13,6 +13,7 @@ FIELDS: dict[str, dict[str, tuple[str, ...]]] = {
     "crazyflie_interfaces.msg": {
         "FullState": ("header", "pose", "twist", "acc"),
         "Status": ("header", "supervisor_info", "battery_voltage", "pm_state", "rssi"),
+        "LogDataGeneric": ("header", "timestamp", "values"),
     },
     "crazyflie_interfaces.srv": {
         "Takeoff": ("group_mask", "height", "duration"),
@@ -38,12 +39,12 @@ class Fields:
         strangers = values.keys() - set(self.names)
         if strangers:
             raise AttributeError(f"{type(self).__name__} has no field {', '.join(sorted(strangers))}")
-        self.values = values
+        self._given = values
 
     def __getattr__(self, name: str) -> object:
         """Return a field."""
-        if name in self.__dict__.get("values", {}):
-            return self.values[name]
+        if name in self.__dict__.get("_given", {}):
+            return self._given[name]
         raise AttributeError(f"{type(self).__name__} has no field {name}, or it was not set")
 
     @classmethod

@@ -1,0 +1,103 @@
+"""Listen to what Crazyswarm2's server tells of its vehicles, as far as it was set up to tell.
+
+| what | from | told where |
+|---|---|---|
+| battery, arming | `<name>/status` | crazyflies.yaml has `default_topics: status` |
+| own estimate | `<name>/onboard` (LogDataGeneric) | it has a custom topic `onboard`: stateEstimate.x, y, z |
+| controller, thrust scale | parameters `<name>.params.*` | server.yaml: query_all_values_on_connect |
+
+The parameters that crazyflies.yaml sets are known without the server.
+"""
+
+from collections.abc import Sequence
+from functools import partial
+from time import monotonic
+from typing import Protocol
+
+from rcl_interfaces.msg import ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters
+from rclpy.node import Node
+from rclpy.task import Future
+
+from q2q_control.flight_procedure.observation import VehicleReport
+from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
+from q2q_control.server_vehicle import ServerVehicle
+from q2q_model.ros.qos import OUTSIDE
+
+SERVER = "crazyflie_server"
+ONBOARD = "onboard"
+"""Custom topic with a vehicle's own estimate; `pose` and `odom` are the mocap filter's, too."""
+ASK_S = 1.0
+"""How often parameters are asked for [s]."""
+
+
+class StatusMessage(Protocol):
+    """crazyflie_interfaces/msg/Status."""
+
+    supervisor_info: int
+    battery_voltage: float
+
+
+class LogMessage(Protocol):
+    """crazyflie_interfaces/msg/LogDataGeneric."""
+
+    values: Sequence[float]
+
+
+class ServerVehicles:
+    """Vehicles of the server, and its answers on their parameters."""
+
+    def __init__(self, node: Node, vehicles: tuple[ServerVehicle, ...]) -> None:
+        """Listen to the vehicles.
+
+        Raises:
+            ImportError: crazyflie_interfaces is missing.
+        """
+        self._vehicles = vehicles
+        status, log = find(CRAZYFLIE_PACKAGE, ("Status", "LogDataGeneric"))
+        self._parameters = node.create_client(GetParameters, f"{SERVER}/get_parameters")
+        self._asked = -ASK_S
+        self._answers: list[tuple[ServerVehicle, Future[GetParameters.Response]]] = []
+        for one in vehicles:
+            node.create_subscription(status, f"{one.name}/status", partial(_take_status, one), OUTSIDE)
+            node.create_subscription(log, f"{one.name}/{ONBOARD}", partial(_take_estimate, one), OUTSIDE)
+
+    def reports(self, *, connected: bool) -> tuple[VehicleReport, ...]:
+        """Return what every vehicle says of itself; ask the server for parameters now and then."""
+        now = monotonic()
+        for one, future in self._answers:
+            if future.done() and future.exception() is None:
+                one.take_parameters(_known(one, future.result().values))
+        self._answers = [answer for answer in self._answers if not answer[1].done()]
+        if now - self._asked >= ASK_S and self._parameters.service_is_ready():
+            self._asked = now
+            self._answers = [(one, self._parameters.call_async(_question(one))) for one in self._vehicles]
+        return tuple(one.report(now, connected=connected) for one in self._vehicles)
+
+    def all_armed_since(self, t: float) -> bool | None:
+        """Return whether all have told to be armed since time t [s]; None where one has never told."""
+        told = [one.armed_since(t) for one in self._vehicles]
+        return None if None in told else all(told)
+
+
+def _question(one: ServerVehicle) -> GetParameters.Request:
+    return GetParameters.Request(names=[f"{one.name}.params.{name}" for name in one.read])
+
+
+def _known(one: ServerVehicle, values: Sequence[ParameterValue]) -> dict[str, float]:
+    """Return the parameters that an answer tells; it is empty where the server does not know one of them."""
+    told: dict[str, float] = {}
+    for name, value in zip(one.read, values, strict=False):
+        if value.type == ParameterType.PARAMETER_DOUBLE:
+            told[name] = value.double_value
+        elif value.type == ParameterType.PARAMETER_INTEGER:
+            told[name] = float(value.integer_value)
+    return told
+
+
+def _take_status(one: ServerVehicle, status: StatusMessage) -> None:
+    one.take_status(status.battery_voltage, status.supervisor_info, monotonic())
+
+
+def _take_estimate(one: ServerVehicle, log: LogMessage) -> None:
+    one.take_estimate(log.values, monotonic())

@@ -1,0 +1,84 @@
+"""What Crazyswarm2's server tells of a vehicle, and what crazyflies.yaml sets: known, old, never told."""
+
+import math
+
+import pytest
+
+from q2q_control.crazyflies import params_set
+from q2q_control.server_vehicle import ServerVehicle
+from q2q_control.supervisor_info import READY
+from q2q_model.hover import OwnHover, hover_ratio
+from q2q_model.vehicle import vehicle_by_name
+
+VEHICLE = vehicle_by_name("crazyflie_2_0", "stock")
+WANTED = {"stabilizer.controller": 2.0}
+TOLD = {"stabilizer.controller": 2.0, "ctrlMel.mass": 0.027, "ctrlMel.massThrust": 132000.0}
+DOCUMENT = {
+    "robots": {
+        "cf1": {"type": "cf21", "firmware_params": {"ctrlMel": {"mass": 0.041}}},
+        "cf2": {"type": "cf21"},
+    },
+    "robot_types": {"cf21": {"firmware_params": {"ctrlMel": {"mass": 0.035, "massThrust": 130000}}}},
+    "all": {"firmware_params": {"stabilizer": {"controller": 2}, "ctrlMel": {"mass": 0.03}}},
+}
+
+
+def vehicle(**file: float) -> ServerVehicle:
+    return ServerVehicle("cf1", VEHICLE, WANTED, {name.replace("__", "."): v for name, v in file.items()})
+
+
+def test_nothing_told_is_known_of_nothing() -> None:
+    report = vehicle().report(0.0, connected=True)
+    assert (report.wrong, report.onboard, report.armed) == (None, None, None)
+    assert math.isnan(report.volt)
+    assert math.isnan(report.hover_ratio)
+
+
+def test_parameters_of_the_file_count_more_than_those_that_the_server_read_before_it_set_them() -> None:
+    one = vehicle(ctrlMel__mass=0.041)
+    one.take_parameters(TOLD)
+    expected = hover_ratio(VEHICLE, OwnHover(mass=0.041, mass_thrust=132000.0))
+    assert one.report(0.0, connected=True).hover_ratio == expected
+
+
+def test_an_answer_without_values_forgets_the_last() -> None:
+    one = vehicle()
+    one.take_parameters({**TOLD, "stabilizer.controller": 1.0})
+    assert one.report(0.0, connected=True).wrong == (
+        "its stabilizer.controller is 1: 2 is wanted (firmware_params)"
+    )
+    one.take_parameters({})
+    report = one.report(0.0, connected=True)
+    assert report.wrong is None
+    assert math.isnan(report.hover_ratio)
+
+
+def test_an_estimate_of_another_shape_or_age_is_none() -> None:
+    one = vehicle()
+    one.take_estimate([1.0, 2.0, 3.0], 0.0)
+    assert one.report(2.9, connected=True).onboard == (1.0, 2.0, 3.0)
+    assert all(math.isnan(part) for part in one.report(3.1, connected=True).onboard)
+    one.take_estimate([1.0, 2.0], 3.2)
+    assert all(math.isnan(part) for part in one.report(3.2, connected=True).onboard)
+
+
+def test_armed_is_only_what_was_told_after_it_was_asked() -> None:
+    one = vehicle()
+    assert one.armed_since(0.0) is None
+    one.take_status(4.0, READY, 1.0)
+    assert one.armed_since(0.5) is True
+    assert one.armed_since(1.0) is False
+    one.take_status(4.0, 0, 2.0)
+    assert one.armed_since(1.0) is False
+
+
+@pytest.mark.parametrize(
+    ("name", "by_type", "mass", "mass_thrust"),
+    [("cf1", True, 0.041, 130000.0), ("cf2", True, 0.035, 130000.0), ("cf2", False, 0.03, None)],
+)
+def test_a_robots_parameters_go_before_its_types_and_those_before_the_ones_of_all(
+    name: str, by_type: bool, mass: float, mass_thrust: float | None
+) -> None:
+    found = params_set(DOCUMENT, name, by_type=by_type)
+    assert found["stabilizer.controller"] == 2.0
+    assert (found["ctrlMel.mass"], found.get("ctrlMel.massThrust")) == (mass, mass_thrust)
