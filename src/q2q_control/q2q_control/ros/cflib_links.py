@@ -15,7 +15,7 @@ from itertools import count
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from q2q_control.firmware_params import difference
+from q2q_control.firmware_params import TableEntry, difference, unsettable
 from q2q_control.ping_share import PingShare
 from q2q_control.radio_link import CflibSender, LinkHealth
 from q2q_control.radio_words import FullState, Stick
@@ -60,6 +60,8 @@ class _Known:
     own_hover: OwnHover | None = None
     held: dict[str, float] = field(default_factory=dict)
     """What it answers of the parameters that were set."""
+    refused: list[str] = field(default_factory=list)
+    """Why it cannot be given parameters, or does not log what is needed."""
     words: list[str] = field(default_factory=list)
     """Whole lines."""
     line: str = ""
@@ -218,6 +220,8 @@ class CflibLink:
         self._mailbox.put_first(self._sender.stop)
 
     def _wrong(self) -> str:
+        if self._known.refused:
+            return self._known.refused[0]
         if self._known.pose is None:
             return "has not logged its own estimate yet"
         return difference(self._params, self._known.held)
@@ -228,16 +232,28 @@ class CflibLink:
 
     def _connected(self, _: str) -> None:
         self._known.held.clear()
-        for name, value in self._params.items():
-            self._crazyflie.param.set_value(name, value)
+        table = self._table()
+        refused = unsettable(self._params, table)
+        self._known.refused = list(refused.values())
+        for name in self._params.keys() - refused.keys():
+            self._crazyflie.param.set_value(name, self._params[name])
             self._crazyflie.param.request_param_update(name)
-        read = {name: float(self._crazyflie.param.get_value(name)) for name in OWN_PARAMETERS}
-        self._known.own_hover = OwnHover(*(self._params.get(name, value) for name, value in read.items()))
+        if table.keys() >= set(OWN_PARAMETERS):
+            read = {name: float(self._crazyflie.param.get_value(name)) for name in OWN_PARAMETERS}
+            self._known.own_hover = OwnHover(*(self._params.get(name, value) for name, value in read.items()))
         self._log("health", HEALTH_MS, {"pm.vbat": "float", "supervisor.info": "uint16_t"}, self._on_health)
         places = {f"stateEstimate.{axis}": "float" for axis in ("x", "y", "z")}
         turns = {f"stateEstimate.{part}": "FP16" for part in ("qx", "qy", "qz", "qw")}
         self._log("pose", POSE_MS, places | turns, self._on_pose)
         self._open = True
+
+    def _table(self) -> dict[str, TableEntry]:
+        """Return the vehicle's table of parameters."""
+        return {
+            f"{group}.{name}": TableEntry(element.pytype, element.get_readable_access() == "RW")
+            for group, elements in self._crazyflie.param.toc.toc.items()
+            for name, element in elements.items()
+        }
 
     def _lost(self, _: str) -> None:
         self._open = False
@@ -256,7 +272,11 @@ class CflibLink:
         config = _log_config(name, period_ms)
         for variable, kind in variables.items():
             config.add_variable(variable, kind)
-        self._crazyflie.log.add_config(config)
+        try:
+            self._crazyflie.log.add_config(config)
+        except KeyError as absent:
+            self._known.refused.append(f"it does not log what {name} needs ({absent.args[0]}): update it")
+            return
         config.data_received_cb.add_callback(lambda _, data, __: take(data))
         config.start()
 

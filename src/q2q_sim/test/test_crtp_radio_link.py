@@ -1,0 +1,84 @@
+"""The link of the node `radio` over cflib and UDP to a vehicle that cannot be given its parameters."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from time import monotonic
+
+import numpy as np
+import pytest
+
+pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
+
+from q2q_control.firmware_params import TableEntry, firmware_params, unsettable
+from q2q_control.ros.cflib_links import CflibLink
+from q2q_sim.crtp.link_model import LinkParams
+from q2q_sim.crtp.pilot import ECHO, Pilot
+from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+
+ANSWER_S = 60.0
+"""A link that has not connected by then does not [s]."""
+TABLE = {
+    "locSrv.extPosStdDev": TableEntry("<f", writable=True),
+    "stabilizer.controller": TableEntry("<B", writable=True),
+    "firmware.revision0": TableEntry("<L", writable=False),
+}
+
+
+@pytest.mark.parametrize(
+    ("asked", "why"),
+    [
+        (
+            "locSrv.extPosStDev=0.1",
+            "it has no parameter locSrv.extPosStDev (firmware_params): the nearest are locSrv.extPosStdDev",
+        ),
+        ("xy.z=1", "it has no parameter xy.z (firmware_params): no name of its table is near"),
+        ("firmware.revision0=1", "its firmware.revision0 can only be read (firmware_params): leave it out"),
+        (
+            "stabilizer.controller=256",
+            "its stabilizer.controller takes no 256 (firmware_params): it has 8 bits",
+        ),
+        (
+            "stabilizer.controller=nan",
+            "its stabilizer.controller takes no nan (firmware_params): it has 8 bits",
+        ),
+    ],
+)
+def test_a_parameter_that_a_vehicle_cannot_be_given_is_named_with_the_reason(asked: str, why: str) -> None:
+    wanted = firmware_params(("locSrv.extPosStdDev=0.001", asked), "command")
+    assert unsettable(wanted, TABLE) == {asked.partition("=")[0]: why}
+
+
+def test_what_a_vehicle_can_be_given_is_not_refused() -> None:
+    assert unsettable({"locSrv.extPosStdDev": 1e-3, "stabilizer.controller": 255.0}, TABLE) == {}
+
+
+def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so(tmp_path: Path) -> None:
+    pilot = Pilot(np.zeros((1, 4)))
+    with CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, LinkParams()) as endpoint:
+        asked = {"locSrv.extPosStDev": 0.002, "locSrv.extQuatStdDev": 0.07}
+        link = CflibLink("cf1", endpoint.uris[0], asked, str(tmp_path))
+        held = pilot.firmware().parameters
+
+        def is_known() -> bool:
+            told = link.health()
+            taken = held["locSrv.extQuatStdDev"] == pytest.approx(0.07)
+            return taken and told.connected and told.own_hover is not None
+
+        try:
+            fly_until(is_known, pilot, endpoint)
+            assert link.health().wrong.startswith("it has no parameter locSrv.extPosStDev (firmware_params)")
+        finally:
+            link.close()
+
+
+def fly_until(reached: Callable[[], bool], pilot: Pilot, endpoint: CrtpEndpoint) -> None:
+    """Let ticks pass, and keep every client known, as a radio's polling does."""
+    give_up = monotonic() + ANSWER_S
+    while not reached():
+        assert monotonic() < give_up, f"not within {ANSWER_S} s: {endpoint.traffic}"
+        for vehicle in pilot.fleet.vehicles:
+            for client in vehicle.clients:
+                vehicle.handle(ECHO, client)
+        endpoint.fly(pilot.drive)
+        os.sched_yield()
