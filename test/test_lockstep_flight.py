@@ -1,6 +1,6 @@
 """Flights through the real nodes, as processes over DDS, in lockstep."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 
@@ -15,8 +15,9 @@ from q2q_planner import plan_file
 from q2q_sim import assembly, scenarios
 from q2q_sim.closed_loop import FlightOptions
 from q2q_sim.closed_loop import fly as fly_pure
+from q2q_sim.tools import flight
 from q2q_sim.tools.flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
-from q2q_sim.tools.processes import NodeDiedError
+from q2q_sim.tools.processes import NodeDiedError, NodeSpec
 
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 
@@ -83,6 +84,28 @@ def test_flown_again_in_one_process_the_same_seed_gives_the_same_numbers_to_the_
     assert stacked.timing.missed_ticks == 0
     for name, values in arrays_of(run.flight).items():
         np.testing.assert_array_equal(arrays_of(stacked.flight)[name], values, err_msg=name)
+
+
+def under_sim_time(spec: NodeSpec) -> NodeSpec:
+    """Return a node, and those in its process, whose clock is /clock."""
+    inside = tuple(under_sim_time(one) for one in spec.inside)
+    return replace(spec, parameters={**spec.parameters, "use_sim_time": True}, inside=inside)
+
+
+def test_a_lockstep_flight_under_sim_time_ends_with_the_same_numbers_to_the_last_digit(
+    run: FlightRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The simulator makes /clock, by the ticks for which all wait: nobody may wait for it in turn."""
+    specs = flight.node_specs
+    monkeypatch.setattr(flight, "node_specs", lambda *given: [under_sim_time(one) for one in specs(*given)])
+    request = FlightRequest(SCENARIO, seed=3, stack=True)
+    timed = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    assert timed.timing.missed_ticks == 0
+    for name, values in arrays_of(run.flight).items():
+        np.testing.assert_array_equal(arrays_of(timed.flight)[name], values, err_msg=name)
+    written = [path.read_text() for path in (tmp_path / "nodes").glob("*.yaml")]
+    assert written
+    assert all("use_sim_time: true" in one for one in written)
 
 
 def test_a_bag_is_never_overwritten(run: FlightRun, tmp_path: Path) -> None:
