@@ -1,5 +1,8 @@
 """The chain of a tick stays on one core, and two flights keep their chains apart."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -7,6 +10,17 @@ import pytest
 from q2q_sim.tools.cores import beside_chain, cores_of
 from q2q_sim.tools.dds_profile import VARIABLES, profile_environment
 
+TELL_TIMERS = """
+import os
+from pathlib import Path
+import rclpy
+rclpy.init()
+node = rclpy.create_node("timers")
+for task in Path("/proc/self/task").iterdir():
+    if (task / "comm").read_text().startswith("dds.ev"):
+        print(*os.sched_getaffinity(int(task.name)))
+rclpy.shutdown()
+"""
 CHAIN = ("simulator", "mocap_filter", "interference", "pid", "mpc")
 
 
@@ -29,6 +43,20 @@ def test_timers_run_beside_the_chain(tmp_path: Path, monkeypatch: pytest.MonkeyP
         monkeypatch.delenv(name, raising=False)
     (told,) = profile_environment(tmp_path, beside_chain(21, {0, 1, 3})).values()
     assert f"<affinity>{0b1010}</affinity>" in Path(told).read_text()
+
+
+def test_the_middleware_reads_the_profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    core = max(os.sched_getaffinity(0))
+    told = subprocess.run(
+        [sys.executable, "-c", TELL_TIMERS],
+        env={**os.environ, **profile_environment(tmp_path, {core})},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert told.stdout.split() == [str(core)]
 
 
 def test_a_profile_of_the_users_own_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
