@@ -1,6 +1,7 @@
 """The mocap filter's gates at their bounds, block by block: rivals, swaps, the compiled tick, attitudes."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -234,3 +235,52 @@ def test_the_nearer_of_two_attitudes_is_the_one_with_less_turn() -> None:
     near, far, none = yawed(0.2)[:, 3:], yawed(0.4)[:, 3:], np.full((1, 4), np.nan)
     for one, other in ((near, far), (far, near), (near, none), (none, near), (-near, far)):
         assert abs(tracks.nearest(one, other)[0, 2]) == pytest.approx(math.sin(0.1))
+
+
+@pytest.mark.parametrize("column", [3, 4, 5, 6])
+def test_a_quaternion_of_which_one_number_is_missing_is_none(column: int) -> None:
+    tracks = AttitudeTracks(PARAMS, 1)
+    tracks.update(4.0, yawed(0.0))
+    damaged = yawed(0.1)
+    damaged[0, column] = np.nan
+    for k in range(1, 4):
+        assert tracks.update(4.0 + k * DT, damaged) == 0
+        assert tracks.ang_vel_body.tolist() == [[0.0, 0.0, 0.0]]
+    tracks.update(4.5, yawed(0.3))
+    assert tracks.ang_vel_body.tolist() == [[0.0, 0.0, 0.0]]  # unseen for longer than it coasts
+    tracks.update(4.625, yawed(0.4))
+    assert tracks.ang_vel_body[0, 2] == pytest.approx(0.1 / DT)
+
+
+def test_vehicles_that_are_added_are_level_and_take_any_first_attitude() -> None:
+    tracks = AttitudeTracks(PARAMS, 1)
+    for k in range(3):
+        tracks.update(4.0 + k * DT, yawed(0.1 * k))
+    tracks.grow(1)
+    np.testing.assert_array_equal(tracks.quat[1], LEVEL)
+    assert tracks.update(4.375, np.concatenate([yawed(0.3), yawed(3.0)])) == 0
+    np.testing.assert_allclose(tracks.quat, np.concatenate([yawed(0.3), yawed(3.0)])[:, 3:], atol=1e-15)
+    np.testing.assert_allclose(tracks.ang_vel_body, [[0.0, 0.0, 0.1 / DT], [0.0, 0.0, 0.0]], atol=1e-12)
+    lone = np.concatenate([np.full((1, 7), np.nan), yawed(3.1)])
+    assert tracks.update(4.5, lone) == 0
+    np.testing.assert_allclose(tracks.ang_vel_body, [[0.0, 0.0, 0.0], [0.0, 0.0, 0.1 / DT]], atol=1e-12)
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.125, 0.375])
+def test_the_rate_follows_behind_its_low_pass(lag: float) -> None:
+    tracks, blend = AttitudeTracks(replace(PARAMS, rate_filter_s=lag), 1), DT / (DT + lag)
+    rate = 0.0
+    for k in range(5):
+        tracks.update(4.0 + k * DT, yawed(0.1 * k))
+        rate += blend * ((0.1 / DT if k else 0.0) - rate)
+        assert tracks.ang_vel_body[0, 2] == pytest.approx(rate)
+
+
+@pytest.mark.parametrize(("gap", "known"), [(0.25, True), (0.25 + 1e-6, False)])
+def test_beside_a_vehicle_that_was_never_seen_gaps_are_judged_the_same(gap: float, *, known: bool) -> None:
+    unseen = np.full((1, 7), np.nan)
+    tracks = AttitudeTracks(PARAMS, 2)
+    tracks.update(4.0, np.concatenate([yawed(0.0), unseen]))
+    assert tracks.update(4.0 + gap, np.concatenate([yawed(0.3, 1.04), unseen])) == 0
+    assert tracks.ang_vel_body[0, 2] == pytest.approx(0.3 / gap if known else 0.0)
+    np.testing.assert_allclose(tracks.quat[0], yawed(0.3)[0, 3:], atol=1e-15)

@@ -82,12 +82,9 @@ class AttitudeTracks:
         """
         if self._glide(t, pose) or self._without_absent(t, pose):
             return 0
-        measured = pose[:, 3:]
-        if not np.abs(measured).max(initial=0.0) <= 1.0 + UNIT_TOLERANCE:  # also NaN
-            measured = np.where(np.abs(measured) <= 1.0 + UNIT_TOLERANCE, measured, np.nan)
+        measured = np.where(np.abs(pose[:, 3:]) <= 1.0 + UNIT_TOLERANCE, pose[:, 3:], np.nan)
         length = np.sqrt((measured * measured).sum(axis=1))
-        if not (np.abs(length - 1.0) <= UNIT_TOLERANCE).all():
-            length = np.where(np.abs(length - 1.0) <= UNIT_TOLERANCE, length, np.nan)
+        length = np.where(np.abs(length - 1.0) <= UNIT_TOLERANCE, length, np.nan)
         quat = measured / length[:, None]
         turn = quat_between(self.quat, quat)
         quat *= np.copysign(1.0, turn[:, 3:])
