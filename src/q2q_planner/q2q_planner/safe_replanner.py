@@ -136,8 +136,8 @@ def _choice(
     """Return what each vehicle of the swarm does, (n,); `proven` is kept up in place."""
     if not (params.enabled and len(scene.pairs[0])):
         return np.full(scene.own, NEW, dtype=np.int8)
-    own, strange = scene.own, len(scene.pos) - scene.own
-    acc = np.concatenate([wanted, np.zeros((strange, 3))])
+    own, acc = scene.own, np.zeros_like(scene.pos)
+    acc[:own] = wanted
     new: Motions = (scene.pos, scene.vel, acc, np.full(len(acc), params.hold), scene.growth)
     certain = scene.growth[:own] * np.array([1.0, 0.0])  # what was proven needs no look ahead
     going = held.pos, held.vel, held.acc, held.hold, certain
@@ -176,7 +176,7 @@ def _answer(setpoint: SwarmSetpoint, held: HeldMotion, broken: Mask, brake: floa
     if held.on_reference.all() and not broken.any():
         return setpoint
     speed = np.sqrt((held.vel**2).sum(-1, keepdims=True))
-    stopping = np.where(speed > 0.0, -brake * held.vel / np.where(speed > 0.0, speed, 1.0), 0.0)
+    stopping = -brake * held.vel / np.where(speed > 0.0, speed, 1.0)
     acc = np.where((held.hold > 0.0)[:, None], held.acc, stopping)
     moved = np.sqrt(((held.pos - setpoint.pos) ** 2).sum(-1)) > SHIFT_TOLERANCE
     status = np.where(moved, np.uint8(SetpointStatus.SHIFTED), setpoint.status)

@@ -81,6 +81,26 @@ def test_who_was_pushed_and_is_alone_again_goes_back_by_the_tracking_law(away: f
     assert told.status.tolist() == [SetpointStatus.SHIFTED]
 
 
+def test_who_was_pushed_is_not_put_onto_its_reference_at_the_next_tick() -> None:
+    replanner = SafeReplanner(PARAMS)
+    first = replanner.update(closing(1.0, 0.6), None)
+    pos, vel = first.pos + TICK * first.vel + 0.5 * TICK**2 * first.acc, first.vel + TICK * first.acc
+    told = replanner.update(setpoint(TICK, PAIR, pos + SNAP_POS / 4.0, vel), None)
+    np.testing.assert_allclose(told.pos, pos, atol=1e-12)
+
+
+def test_a_pair_that_is_pushed_too_late_brakes_as_it_was_proven_to() -> None:
+    """At 1 m/s each, 20/s of approach ask for a push when 3 m/s^2 no longer stop them; then both brake."""
+    replanner = SafeReplanner(replace(PARAMS, approach=20.0))
+    references = (replace(closing(2.0 - 2.0 * k * TICK, 1.0), t=k * TICK) for k in range(90))
+    flown_by = [replanner.update(one, None) for one in references]
+    assert all((one.status != BROKEN).all() for one in flown_by)
+    braking = [one for one in flown_by if np.allclose(one.acc, [[-3.0, 0.0, 0.0], [3.0, 0.0, 0.0]])]
+    assert len(braking) > 5
+    for one, after in itertools.pairwise(flown_by):
+        np.testing.assert_allclose(after.vel, one.vel + TICK * one.acc, atol=1e-12)
+
+
 def test_off_it_says_nothing_is_broken_and_moves_nobody() -> None:
     off = SafeReplanner(replace(PARAMS, enabled=False))
     near = closing(0.1, 1.0)
@@ -120,7 +140,7 @@ def flown(*, company: bool) -> list[SwarmSetpoint]:
     """
     replanner, answers = SafeReplanner(PARAMS), []
     for k in range(520):
-        t, swarm = k * TICK, company and k // 7 % 2 == 0
+        t, swarm = k * TICK, company and k % 2 == 0
         heard = late_stranger(t, company=company and k < 465)  # forgotten 0.1 s later
         answer = replanner.update(own(t, company=swarm), heard)
         pos, vel, acc, status = answer.pos[-1:], answer.vel[-1:], answer.acc[-1:], answer.status[-1:]
