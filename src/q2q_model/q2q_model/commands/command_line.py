@@ -15,8 +15,8 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import NoReturn
 
-from q2q_model.commands.lean_imports import lean_imports
 from q2q_model.commands.quiet_end import ending_at_once
+from q2q_model.lean_imports import lean_imports
 
 ROS_ARGS = "--ros-args"
 """What follows is for ROS: a launch file adds it to whatever it starts."""

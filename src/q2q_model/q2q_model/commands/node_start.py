@@ -2,8 +2,8 @@
 
 from importlib import import_module
 
-from q2q_model.commands.lean_imports import lean_imports
 from q2q_model.commands.quiet_end import ending_at_once
+from q2q_model.lean_imports import lean_imports
 
 
 def start_node(module: str) -> None:

@@ -8,7 +8,7 @@ import gc
 from dataclasses import replace
 from importlib import import_module
 
-from q2q_model.commands.lean_imports import lean_imports
+from q2q_model.lean_imports import lean_imports
 from q2q_sim.choices import CONTROLLERS
 from q2q_sim.tools.warm_start import die_with_parent
 
