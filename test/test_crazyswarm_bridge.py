@@ -15,8 +15,9 @@ from geometry_msgs.msg import Point
 
 from q2q_control.crazyflies import crazyflies_from_document
 from q2q_control.crazyswarm import NamedPose, frame_of, legacy_twists, poses_of
+from q2q_control.crazyswarm_params import CrazyswarmParams
 from q2q_control.legacy import LegacyScale
-from q2q_control.ros.crazyswarm_node import POSES_OUT, Crazyswarm, CrazyswarmParams
+from q2q_control.ros.crazyswarm_node import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
 from q2q_control.ros.procedure_desk import ProcedureDesk
 from q2q_model.cdr import decode, encode

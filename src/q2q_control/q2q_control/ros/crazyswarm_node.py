@@ -19,7 +19,6 @@ server, on the ground only. A package that is absent switches off what needs it,
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
@@ -28,10 +27,12 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from q2q_control.crazyflies import crazyflies_from_document, params_set
-from q2q_control.crazyswarm import BACKENDS, frame_of, poses_of
+from q2q_control.crazyswarm import frame_of, poses_of
+from q2q_control.crazyswarm_params import CrazyswarmParams
 from q2q_control.firmware_params import firmware_params
 from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
+from q2q_control.flown_ticks import FlownTicks
 from q2q_control.legacy import LegacyScale
 from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
 from q2q_control.ros.crazyswarm_crew import CrazyswarmCrew
@@ -42,48 +43,19 @@ from q2q_control.server_vehicle import ServerVehicle
 from q2q_model.cdr import encode
 from q2q_model.health import Health
 from q2q_model.layout import Signal
-from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros.diagnostics import publish_health
 from q2q_model.ros.listening import listener
 from q2q_model.ros.messages import MESSAGES, header_at
 from q2q_model.ros.parameters import declare
 from q2q_model.ros.qos import OUTSIDE, TICK
 from q2q_model.ros.run import run
-from q2q_model.signals import Interference, MocapFrame, Names, SwarmCommand, SwarmSetpoint, SwarmState
-from q2q_model.thrust_map import FIRMWARES, STOCK
-from q2q_model.tick_join import TickJoin
+from q2q_model.signals import MocapFrame, Names, SwarmState
 from q2q_model.vehicle import vehicle_by_name
 
 POSES_OUT = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, deadline=Duration(nanoseconds=10_000_000)
 )
 """Crazyswarm2's servers ask for a deadline of 10 ms: a writer that offers none reaches no one."""
-
-
-@dataclass(frozen=True, slots=True)
-class CrazyswarmParams:
-    """Hold the node's parameters."""
-
-    crazyflies: str = tunable("", "crazyflies.yaml of Crazyswarm2; else `vehicles`", read_only=True)
-    vehicles: tuple[str, ...] = tunable((), "names of the vehicles", read_only=True)
-    poses_in: str = tunable("/poses", "poses of motion capture; empty is none", read_only=True)
-    poses_out: str = tunable("", "filtered poses for Crazyswarm2's server; empty is none", read_only=True)
-    mode: str = tunable("setpoint", "what is sent", choices=("setpoint", "command"), read_only=True)
-    aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
-    backend: str = tunable("cpp", "server that takes cmd_vel_legacy", choices=BACKENDS, read_only=True)
-    vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
-    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
-    poses_version: int = tunable(
-        1, "of poses_in, as in motion_capture.yaml: 2 is NamedPoseArrayV2", low=1, high=2, read_only=True
-    )
-
-    def __post_init__(self) -> None:
-        """Refuse values out of bounds, and a topic that would feed itself."""
-        check_bounds(self)
-        if self.poses_in and self.poses_in == self.poses_out:
-            raise ValueError(
-                f"poses_in and poses_out are both {self.poses_in}: frames would go round for ever"
-            )
 
 
 class Crazyswarm:
@@ -100,10 +72,8 @@ class Crazyswarm:
         self._asked = declare(node, CrazyswarmParams())
         self._names = _names(self._asked)
         self._health = Health()
-        self._join: TickJoin[Signal] = TickJoin(_inputs(self._asked))
+        self._ticks = FlownTicks(self._asked.mode, self._health, aware=self._asked.aware)
         self._poses: PoseTypes | None = None
-        self._desk: ProcedureDesk | None = None
-        self._follows = False
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
         self._try(self._wire_poses)
         self._try(self._wire_commands)
@@ -136,18 +106,18 @@ class Crazyswarm:
         self._commands = CrazyswarmCommands(
             self._node, self._names, (scale, self._asked.backend), full_state=self._asked.mode == "setpoint"
         )
-        for topic in dict.fromkeys((*_inputs(self._asked), "reference_safe", "state")):
-            self._listen(topic, _SIGNALS[topic])
+        for topic, signal in self._ticks.topics.items():
+            self._listen(topic, signal)
 
     def _wire_procedure(self) -> None:
         crew = CrazyswarmCrew(self._node, _vehicles(self._asked))
-        self._desk = ProcedureDesk(self._node, self._names, crew, self._params)
+        self._ticks.procedure = desk = ProcedureDesk(self._node, self._names, crew, self._params)
         for name, act in (
             ("arm", Act.ARM),
             ("disarm", Act.DISARM),
             ("notify_setpoints_stop", Act.STOP_STREAM),
         ):
-            self._desk.offer(name, act)
+            desk.offer(name, act)
 
     def _listen(self, topic: str, signal: type[Signal]) -> None:
         def take(stamp_ns: int, value: Signal) -> None:
@@ -157,29 +127,15 @@ class Crazyswarm:
         self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
-        if isinstance(value, SwarmState):
-            if self._asked.poses_out:
-                self._send_poses(stamp_ns, value)
-            if self._desk is not None:
-                self._desk.see(value)
+        if isinstance(value, SwarmState) and self._asked.poses_out:
+            self._send_poses(stamp_ns, value)
+        tick = self._ticks.take(topic, stamp_ns, value)
+        if tick is None or not tick.flown:
             return
-        if isinstance(value, SwarmSetpoint):
-            self._follows = self._desk is not None and self._desk.follows(value)
-            if self._asked.mode == "command":
-                return
-        tick = self._join.put(topic, stamp_ns, value)
-        self._health.missed = self._join.missed
-        if tick is not None:
-            self._health.ticks += 1
-            if self._follows:
-                self._send(stamp_ns, tick)
-
-    def _send(self, stamp_ns: int, tick: tuple[Signal, ...]) -> None:
-        first, draft = tick[0], tick[1] if len(tick) > 1 else None
-        if isinstance(first, SwarmCommand):
-            self._commands.send_command(first)
-        elif isinstance(first, SwarmSetpoint) and (draft is None or isinstance(draft, Interference)):
-            self._commands.send_setpoint(stamp_ns, first, draft)
+        if tick.command is not None:
+            self._commands.send_command(tick.command)
+        elif tick.setpoint is not None:
+            self._commands.send_setpoint(stamp_ns, tick.setpoint, tick.draft)
 
     def _on_poses(self, message: PosesMessage) -> None:
         if self._poses is None:
@@ -192,20 +148,6 @@ class Crazyswarm:
     def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:
         if self._poses is not None:
             self._out.publish(self._poses.write(header_at(stamp_ns), poses_of(state)))
-
-
-_SIGNALS: dict[str, type[Signal]] = {
-    "reference_safe": SwarmSetpoint,
-    "interference": Interference,
-    "command": SwarmCommand,
-    "state": SwarmState,
-}
-
-
-def _inputs(asked: CrazyswarmParams) -> tuple[str, ...]:
-    if asked.mode == "command":
-        return ("command",)
-    return ("reference_safe", "interference") if asked.aware else ("reference_safe",)
 
 
 def _names(asked: CrazyswarmParams) -> Names:

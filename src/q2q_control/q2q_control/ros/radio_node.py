@@ -25,6 +25,7 @@ from q2q_control.crazyflies import Crazyflie, crazyflies_at, crazyflies_from_doc
 from q2q_control.firmware_params import firmware_params
 from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Call
+from q2q_control.flown_ticks import FlownTicks, tick_topics
 from q2q_control.legacy import LegacyScale
 from q2q_control.radio_crew import RadioCrew
 from q2q_control.radio_node_params import RadioNodeParams
@@ -46,8 +47,7 @@ from q2q_model.ros.promises import watch
 from q2q_model.ros.qos import TICK
 from q2q_model.ros.run import run
 from q2q_model.ros.steady_timer import steady_timer
-from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
-from q2q_model.tick_join import TickJoin
+from q2q_model.signals import SwarmState
 from q2q_model.vehicle import vehicle_by_name
 
 WATCH_S = 0.02
@@ -76,14 +76,15 @@ class Radio:
         hover = level_stick(vehicle.hover_thrust, self._scale)
         self._pilot = RadioPilot(self._links, limits, hover if asked.mode == "command" else None, landing)
         self._silent_s = limits.silent_s
-        self._follows = False
         self._health = Health()
+        self._ticks = FlownTicks(asked.mode, self._health, aware=asked.aware)
         self._topics = RadioTopics(node, tuple(self._links), asked.pose_hz)
         crew = RadioCrew(self._pilot, self._links, vehicle)
         self._desk = ProcedureDesk(
             node, tuple(self._links), crew, (declare(node, FlightProcedureParams()), landing)
         )
         self._desk.guard = self._other_radios
+        self._ticks.procedure = self._desk
         self._subscribe()
         node.create_service(Trigger, "~/stop", self._on_stop)
         steady_timer(node, WATCH_S, self._watch)
@@ -99,15 +100,9 @@ class Radio:
             link.close()
 
     def _subscribe(self) -> None:
-        inputs: dict[str, type[Signal]] = {"command": SwarmCommand}
-        if self._asked.mode == "setpoint":
-            inputs = {"reference_safe": SwarmSetpoint}
-            if self._asked.aware:
-                inputs["interference"] = Interference
-        self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
-        for topic, signal in inputs.items():
+        for topic, signal in tick_topics(self._asked.mode, aware=self._asked.aware).items():
             watch(self._node, topic, signal, self._silent_s, self._on_silence)
-        for topic, signal in (inputs | {"reference_safe": SwarmSetpoint, "state": SwarmState}).items():
+        for topic, signal in self._ticks.topics.items():
             self._listen(topic, signal)
 
     def _listen(self, topic: str, signal: type[Signal]) -> None:
@@ -118,31 +113,15 @@ class Radio:
         self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
+        tick, now = self._ticks.take(topic, stamp_ns, value), monotonic()
         if isinstance(value, SwarmState):
-            self._desk.see(value)
-            self._pilot.places(value, monotonic(), send=self._asked.places)
-            return
-        if isinstance(value, SwarmSetpoint):
-            self._follows = self._desk.follows(value)
-            if self._asked.mode == "command":
-                return
-        tick = self._join.put(topic, stamp_ns, value)
-        self._health.missed = self._join.missed
-        if tick is None:
-            return
-        self._health.ticks += 1
-        self._fly(tick)
-
-    def _fly(self, tick: tuple[Signal, ...]) -> None:
-        first, draft = tick[0], tick[1] if len(tick) > 1 else None
-        if isinstance(first, SwarmCommand):
-            self._pilot.cut(names_cut(first), monotonic())
-        if not self._follows:
-            return
-        if isinstance(first, SwarmCommand):
-            self._pilot.fly_sticks(first.names, sticks(first, self._scale), monotonic())
-        elif isinstance(first, SwarmSetpoint) and (draft is None or isinstance(draft, Interference)):
-            self._pilot.fly_full_states(first.names, full_states(first, draft), monotonic())
+            self._pilot.places(value, now, send=self._asked.places)
+        if tick is not None and tick.command is not None:
+            self._pilot.cut(names_cut(tick.command), now)
+            if tick.flown:
+                self._pilot.fly_sticks(tick.command.names, sticks(tick.command, self._scale), now)
+        elif tick is not None and tick.setpoint is not None and tick.flown:
+            self._pilot.fly_full_states(tick.setpoint.names, full_states(tick.setpoint, tick.draft), now)
 
     def _on_silence(self) -> None:
         self._pilot.watch(monotonic(), WATCH_S)
