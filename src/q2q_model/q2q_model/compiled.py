@@ -16,7 +16,7 @@ from typing import Any
 
 from numba import njit
 from numba.core import event
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
 
 
@@ -74,8 +74,24 @@ def idle() -> list[str]:
     return [kernel.name for kernel in KERNELS if kernel.function not in called]
 
 
+class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
+    """Index of a function's compiled code; empty where it names types of modules that have moved since."""
+
+    def _load_index(self) -> dict[tuple[object, ...], str]:
+        try:
+            found: dict[tuple[object, ...], str] = super()._load_index()
+        except (ImportError, AttributeError):
+            return {}
+        return found
+
+
 class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     """Cache of compiled code whose key changes with everything the code uses."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = _Index(self._cache_path, self._impl.filename_base, stamp)
 
     def _index_key(self, signature: Any, codegen: Any) -> tuple[object, ...]:  # noqa: ANN401
         return (*super()._index_key(signature, codegen), digest_of(self._py_func))

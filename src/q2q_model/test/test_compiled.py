@@ -32,7 +32,15 @@ twice = njit(_twice)
 def _answer(folder: Path, factor: float, offset: float) -> str:
     """Return what a fresh interpreter prints: the result, and what it compiled."""
     (folder / "callee.py").write_text(CALLEE.format(factor=factor, offset=offset))
-    (folder / "main.py").write_text(MAIN) if not (folder / "main.py").exists() else None
+    return _printed(folder, MAIN)
+
+
+def _printed(folder: Path, script: str) -> str:
+    """Return what a fresh interpreter prints that runs a script, whose file keeps its time."""
+    main = folder / "main.py"
+    if not main.exists() or main.read_text() != script:
+        main.write_text(script)
+        os.utime(main, (0, 0))  # numba's cache looks at the time; only the index's types shall differ
     paths = [str(folder), *sys.path]
     environment = {
         **os.environ,
@@ -88,3 +96,17 @@ def test_where_numba_is_switched_off_a_kernel_is_the_function_itself(monkeypatch
 
 def _half(x: float) -> float:
     return 0.5 * x
+
+
+def test_code_of_types_whose_module_has_moved_is_compiled_anew(tmp_path: Path) -> None:
+    pair = "from typing import NamedTuple\nclass Pair(NamedTuple):\n    a: float\n"
+    (tmp_path / "pair.py").write_text(pair)
+    script = """
+from q2q_model.compiled import COMPILED, compiled
+from {module} import Pair
+print(compiled(lambda pair: 2.0 * pair.a)(Pair(1.5)), len(COMPILED))
+"""
+    assert _printed(tmp_path, script.format(module="pair")) == "3.0 1"
+    assert _printed(tmp_path, script.format(module="pair")) == "3.0 0"
+    (tmp_path / "pair.py").rename(tmp_path / "couple.py")
+    assert _printed(tmp_path, script.format(module="couple")) == "3.0 1"
