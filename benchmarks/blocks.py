@@ -12,11 +12,11 @@ from typing import ParamSpec, TypeVar
 
 import numpy as np
 
-from q2q_model.tools.models import find_model
-from q2q_planner.trajectory import setpoint_at
-from q2q_sim import scenarios
-from q2q_sim.assembly import TICK_S, Options, blocks_of
-from q2q_sim.room import Room
+from q2q_model.files.find_model import find_model
+from q2q_model.trajectory.polynomials import setpoint_at
+from q2q_sim.loop.assembly import TICK_S, Options, blocks_of
+from q2q_sim.loop.room import Room
+from q2q_sim.scenarios import library
 from row import Row
 
 P = ParamSpec("P")
@@ -48,7 +48,7 @@ def _row(name: str, seconds: float) -> Row:
 
 def _flown(name: str, ticks: int) -> dict[str, list[float]]:
     """Return the seconds that every block took, tick by tick."""
-    scenario = scenarios.load(name)
+    scenario = library.load(name)
     blocks, room = (
         blocks_of(scenario, Options("aware"), find_model(scenario.model).interaction),
         Room(scenario, 0),

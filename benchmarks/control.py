@@ -13,20 +13,20 @@ from q2q_control.explicit.features import WIDTH
 from q2q_control.explicit.law import ExplicitLaw, evaluate_all, packed, scratch_of
 from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, seen
+from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.chain import ChainWeights, chain
-from q2q_control.mpc.chain_sweep import sweep_gains
-from q2q_control.mpc.draft_horizon import SlopeRule, Tracks, predict_drafts
-from q2q_control.mpc.horizon import Horizon
-from q2q_control.mpc.joint_problem import group_shape, joint_problem
-from q2q_control.mpc.lq_problem import LqProblem, cost, dense_matrices, input_matrix
-from q2q_control.mpc.params import MpcParams
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
 from q2q_control.mpc.receding import Mpc
-from q2q_control.mpc.riccati import solve
-from q2q_control.pid import Pid, PidParams
-from q2q_control.preview import SampledPreview
-from q2q_model.interaction.jet import PAPER_LAW
-from q2q_model.signals import Array, Interference, SwarmSetpoint, SwarmState
-from q2q_model.vehicle import TEXTBOOK_065
+from q2q_control.mpc.solver.chain_sweep import sweep_gains
+from q2q_control.mpc.solver.riccati import solve
+from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState
+from q2q_model.vehicle.constants import TEXTBOOK_065
 from row import Row
 
 DT = 0.01

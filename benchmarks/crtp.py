@@ -9,10 +9,10 @@ from time import process_time
 
 import numpy as np
 
-from q2q_sim.crtp.link_model import LinkParams
+from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.onboard.setpoint import Mode, Setpoint
-from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from row import Row
 
 TICK_MS = 10.0

@@ -10,8 +10,8 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from q2q_model.commands.command_line import CommandLine
-from q2q_planner.encounters import Verdict, fly_encounter, judge, random_encounter
-from q2q_planner.safe_params import SafeReplannerParams
+from q2q_planner.experiments.encounters import EncounterVerdict, fly_encounter, judge, random_encounter
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from row import Row
 
 PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)
@@ -29,14 +29,14 @@ def run() -> list[Row]:
     return rows_of(list(map(verdict_of, range(SHORT))))
 
 
-def verdict_of(seed: int) -> Verdict:
+def verdict_of(seed: int) -> EncounterVerdict:
     """Fly and judge one encounter."""
     generator = np.random.default_rng(seed)
     encounter = random_encounter(generator)
     return judge(fly_encounter(encounter, PARAMS, generator), encounter, PARAMS)
 
 
-def rows_of(verdicts: Sequence[Verdict]) -> list[Row]:
+def rows_of(verdicts: Sequence[EncounterVerdict]) -> list[Row]:
     """Return the table of a campaign."""
     held = [one for one in verdicts if one.conditions_hold]
     failed = [one for one in verdicts if one.broken]
@@ -75,9 +75,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return int(any(map(_fails, verdicts)))
 
 
-def _told(verdicts: Iterable[Verdict], first: int) -> list[Verdict]:
+def _told(verdicts: Iterable[EncounterVerdict], first: int) -> list[EncounterVerdict]:
     """Return the verdicts, naming each that fails as it comes; interrupted, those that there are."""
-    found: list[Verdict] = []
+    found: list[EncounterVerdict] = []
     try:
         for verdict in verdicts:
             if _fails(verdict):
@@ -90,7 +90,7 @@ def _told(verdicts: Iterable[Verdict], first: int) -> list[Verdict]:
     return found
 
 
-def _fails(verdict: Verdict) -> bool:
+def _fails(verdict: EncounterVerdict) -> bool:
     return verdict.silent_time > 0.0 or (verdict.conditions_hold and verdict.broken)
 
 

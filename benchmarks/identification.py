@@ -1,9 +1,10 @@
 """Time the fast training loss beside the paper's, and the fits beside what the paper does.
 
 One run, one core, the same flights: six passes as in Table 2, with a known loop and draft. The paper's way is
-measured by the iteration (q2q_model.training, torch, Dormand-Prince) and reckoned with as many iterations as
-ours takes, for both take the same steps of Adam on the same loss. For the same held-out error it is reckoned
-with the steps that Adam needs to come down to the error of our fit, at most `LONGEST`.
+measured by the iteration (q2q_model.identification.networks.torch_training, torch, Dormand-Prince) and
+reckoned with as many iterations as ours takes, for both take the same steps of Adam on the same loss. For
+the same held-out error it is reckoned with the steps that Adam needs to come down to the error of our fit,
+at most `LONGEST`.
 """
 
 import subprocess
@@ -16,17 +17,17 @@ from time import process_time
 
 import numpy as np
 
-from q2q_model.identification.altitude_loop import AltitudeLoop
-from q2q_model.identification.altitude_record import AltitudeRecord
-from q2q_model.identification.impulse_response import draft_response, free_response
-from q2q_model.identification.network_fit import NetworkParams, adam, random_weights, ridge_start
-from q2q_model.identification.network_gradient import unpack
-from q2q_model.identification.trajectory_gains import gains_by_powell, gains_from_trajectories
-from q2q_model.identification.trajectory_loss import Passage, passage, trajectory_loss
-from q2q_model.interaction.envelope_network import EnvelopeNetwork
-from q2q_model.interaction.jet import PAPER_LAW
-from q2q_model.interaction.model import at_rest
-from q2q_model.signals import Array
+from q2q_model.downwash.envelope_network import EnvelopeNetwork
+from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.gains.trajectory_gains import gains_by_powell, gains_from_trajectories
+from q2q_model.identification.networks.fit import NetworkFitParams, adam, random_weights, ridge_start
+from q2q_model.identification.networks.gradient import unpack
+from q2q_model.identification.networks.trajectory_loss import Passage, passage, trajectory_loss
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from row import Row
 
 LOOP = AltitudeLoop(k_p=0.81073, k_d=0.42952)
@@ -58,7 +59,7 @@ def run() -> list[Row]:
 
 
 def _paper_step(records: list[AltitudeRecord], start: EnvelopeNetwork) -> float:
-    from q2q_model.training import train
+    from q2q_model.identification.networks.torch_training import train
 
     walk = train(records, LOOP, start)
     next(walk)
@@ -78,9 +79,9 @@ def _our_step(flights: list[Passage], start: EnvelopeNetwork) -> float:
 
 def _same_error(flights: list[Passage], start: EnvelopeNetwork, paper_step: float) -> list[Row]:
     """Fit by ridge regression, and count the paper's steps to the same error on the flight left out."""
-    ridge_start(flights[:-1], NetworkParams())  # once for the caches
+    ridge_start(flights[:-1], NetworkFitParams())  # once for the caches
     began = process_time()
-    fitted = ridge_start(flights[:-1], NetworkParams())
+    fitted = ridge_start(flights[:-1], NetworkFitParams())
     ours = process_time() - began
     goal = trajectory_loss(fitted, flights[-1:]).loss
     steps, reached = _steps_to(goal, flights, start)

@@ -26,10 +26,10 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.optimize import minimize
 
-from q2q_model.signals import Array
-from q2q_model.zone import Cylinder
-from q2q_planner.minsnap import POSITION_HALF
-from q2q_planner.waypoints import VehicleWaypoints
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array
+from q2q_planner.offline.minimum_snap.minimum_snap import POSITION_HALF
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 
 UNITS = 30
 """Hidden units; the paper, section 4.1."""

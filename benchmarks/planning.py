@@ -13,16 +13,16 @@ import osqp
 from scipy import sparse
 
 from neural_trajectory import NeuralPlan, plan_neural
-from q2q_model.signals import Array
-from q2q_model.zone import Cylinder
-from q2q_planner.avoidance import AvoidanceParams, AvoidancePlan, InfeasibleError, avoid
-from q2q_planner.minsnap import minimum_snap, minimum_snap_plan, snap_cost
-from q2q_planner.potential_field import PotentialField
-from q2q_planner.replanner import Replanner
-from q2q_planner.safe_params import SafeReplannerParams
-from q2q_planner.safe_replanner import SafeReplanner
-from q2q_planner.trajectory import setpoint_at
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import setpoint_at
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, InfeasibleError, avoid
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_snap_plan, snap_cost
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.online.potential_field import PotentialField
+from q2q_planner.online.replanner import Replanner
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from row import Row
 
 ZONE = Cylinder()

@@ -11,11 +11,11 @@ from time import process_time
 
 import numpy as np
 
-from q2q_model.signals import Array
-from q2q_sim import scenarios
-from q2q_sim.swarm import PHYSICS_RATE, Swarm, still_air
-from q2q_sim.swarm_numpy import run_numpy
-from q2q_sim.wake import Wake
+from q2q_model.signals.values import Array
+from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm, still_air
+from q2q_sim.plant.swarm_numpy import run_numpy
+from q2q_sim.plant.wake import Wake
+from q2q_sim.scenarios import library
 from row import Row
 
 STEPS = 5
@@ -63,7 +63,7 @@ def _rates(count: int, wake: Wake) -> tuple[float, float]:
 
 
 def _flight(count: int, wake: Wake) -> tuple[Swarm, Array, Array]:
-    scenario = scenarios.load(f"swarm{count}")
+    scenario = library.load(f"swarm{count}")
     start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])
     swarm = Swarm(scenario.names, scenario.vehicle, start, wake)
     commands = np.zeros((STEPS, count, 4))

@@ -8,17 +8,17 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.tools.flight import FlightRequest, FlightRun
-from q2q_sim.tools.flight import fly as fly_nodes
+from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun
+from q2q_sim.flight.scenario_flight import fly as fly_nodes
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
 from row import Row
 
 
 def run() -> list[Row]:
     """Return lockstep and live figures of table6."""
     lockstep, live = _nodes(live=False), _nodes(live=True)
-    duration = scenarios.load("table6").duration
+    duration = library.load("table6").duration
     wall = duration / (lockstep.timing.real_time_factor or 1.0)
     pure = _pure_wall()
     return [
@@ -37,7 +37,7 @@ def _nodes(*, live: bool) -> FlightRun:
 
 
 def _pure_wall() -> float:
-    scenario = scenarios.load("table6")
+    scenario = library.load("table6")
     fly(scenario, FlightOptions(mode="aware"))
     before = perf_counter()
     fly(scenario, FlightOptions(mode="aware"))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 TESTS = ("src/*/test", "test")
-STARTER = "q2q_sim.tools.processes"
+STARTER = "q2q_sim.processes.processes"
 """The module that starts the nodes, which it does not import."""
 MINUTE_S = 60.0
 

@@ -18,12 +18,12 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
-from q2q_sim.assembly import Mode
-from q2q_sim.campaign.draw import drawn
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.tools.campaign_flight import flown_pure
+from q2q_model.files.find_model import find_model
+from q2q_sim.experiments.campaign.campaign_flight import flown_pure
+from q2q_sim.experiments.campaign.random_run import drawn
+from q2q_sim.loop.assembly import Mode
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
 
 SCENARIOS = (
     "section4_1",
@@ -52,7 +52,7 @@ CAMPAIGN_SEEDS = range(40)
 def digests() -> Iterator[tuple[str, str]]:
     """Yield name and digest of each flight."""
     for name in SCENARIOS:
-        scenario = scenarios.load(name)
+        scenario = library.load(name)
         short = replace(scenario, duration=min(scenario.duration, LONGEST_S))
         model = find_model(scenario.model).interaction
         for seed, (mode, controller, replan) in enumerate(WAYS):

@@ -14,29 +14,29 @@ from fresh_checkout import ROOT
 from q2q_control.explicit.distillation import Syllabus, distil, policy_of
 from q2q_control.explicit.encounter_flight import fly as fly_encounters
 from q2q_control.explicit.encounter_flight import teacher_policy
+from q2q_control.explicit.explicit_solver import explicit_controller
 from q2q_control.explicit.situations import random_encounters
-from q2q_control.explicit.solver import explicit_controller
 from q2q_control.explicit.teacher import Teacher
-from q2q_control.mpc.params import MpcParams
-from q2q_control.preview import made_up_preview
+from q2q_control.inputs.preview import made_up_preview
+from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.compiled import COMPILED, idle
-from q2q_model.identification.procedure import ProcedureParams, identify
-from q2q_model.layout import Signal
-from q2q_model.signals import SwarmSetpoint, SwarmState
-from q2q_model.tools.models import find_model
+from q2q_model.files.find_model import find_model
+from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.tools.recordings import read_recordings
-from q2q_model.vehicle import TEXTBOOK_065
-from q2q_sim import scenarios
-from q2q_sim.choices import CONTROLLERS, REPLANNERS
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
-from q2q_sim.faults import KINDS, Fault
-from q2q_sim.room import Room
-from q2q_sim.scenario import Scenario
-from q2q_sim.scene import Glimpse, SceneBuilder, SceneParams
+from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
+from q2q_sim.faults.faults import KINDS, Fault
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.room import Room
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
+from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.tools.compile_kernels import import_kernels
+from q2q_sim.view.scene import Glimpse, SceneBuilder, SceneParams
 
-SHORT_ROOM = scenarios.load(str(ROOT / "test" / "scenarios" / "short_room.yaml"))
+SHORT_ROOM = library.load(str(ROOT / "test" / "scenarios" / "short_room.yaml"))
 Heard = list[dict[str, Signal]]
 
 
@@ -56,10 +56,10 @@ def flights() -> None:
         heard = flown(faulty, controller, replan)
     drawn(heard)
     controlled_explicitly(heard)
-    flown(replace(scenarios.load("table6"), duration=25.0), "mpc", "none")
-    flown(replace(scenarios.load("stack3"), duration=5.0), "mpc", "safe")
-    flown(replace(scenarios.load("swarm20"), duration=0.5), "mpc", "safe")
-    flown_by_firmware(scenarios.load("table6"))
+    flown(replace(library.load("table6"), duration=25.0), "mpc", "none")
+    flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
+    flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
+    flown_by_firmware(library.load("table6"))
 
 
 def faults_in_turn(scenario: Scenario) -> list[Fault]:

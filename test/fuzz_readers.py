@@ -22,16 +22,17 @@ import atheris
 import numpy as np
 
 with atheris.instrument_imports(include=["q2q_model", "q2q_planner", "q2q_sim", "yaml", "rosbags"]):
-    from q2q_model import model_file
     from q2q_model.bag import BagError, BagReader, BagWriter
-    from q2q_model.cdr import decode, encode
-    from q2q_model.layout import LAYOUTS
-    from q2q_model.rehearsal import rehearsal
-    from q2q_model.tools.models import find_model
-    from q2q_planner import plan_file
-    from q2q_planner.flight_limits import FlightLimits
+    from q2q_model.files import model_file
+    from q2q_model.files.find_model import find_model
+    from q2q_model.node.rehearsal import rehearsal
+    from q2q_model.signals.cdr import decode, encode
+    from q2q_model.signals.layout import LAYOUTS
+    from q2q_model.trajectory import plan_file
+    from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
     from q2q_planner.tools.waypoint_file import read_waypoints
-    from q2q_sim import assembly, scenarios
+    from q2q_sim.loop import assembly
+    from q2q_sim.scenarios import library
 
 ROOT = Path(__file__).parents[1]
 SCRATCH = Path(mkdtemp(prefix="q2q-fuzz-"))
@@ -76,7 +77,7 @@ def plan(data: bytes) -> None:
 def scenario(data: bytes) -> None:
     """Read a scenario."""
     with suppress(ValueError):
-        scenarios.load(str(written(data, "scenario.yaml")))
+        library.load(str(written(data, "scenario.yaml")))
 
 
 def waypoints(data: bytes) -> None:
@@ -106,7 +107,7 @@ def small_bag() -> bytes:
 
 def good_files() -> dict[str, list[bytes]]:
     """Return what each reader's corpus begins with."""
-    table2 = assembly.plan_of(scenarios.load("table6"))
+    table2 = assembly.plan_of(library.load("table6"))
     rows = SCENARIO[SCENARIO.index("vehicles:") :]
     return {
         "bag": [small_bag()],

@@ -1,6 +1,6 @@
 """Mutation scores of the safety code: change it in one place at a time, and count what its tests notice.
 
-    python test/mutation.py [--jobs 2] [--share 0.5 [--after 0.5]] [--only q2q_control.guard]
+    python test/mutation.py [--jobs 2] [--share 0.5 [--after 0.5]] [--only q2q_control.failsafe.guard]
 
 Loops run uncompiled where they are mutated. The tests of a room are collected, and run once while it is noted
 which functions each calls; what runs compiled is not seen, so that all tests are taken to call it. A mutant
@@ -59,9 +59,9 @@ ROOMS = (
     ),
     Room(
         (
-            "q2q_model.old_stamps",
+            "q2q_model.estimation.clock_resets",
             *(
-                f"q2q_model.tracking.{name}"
+                f"q2q_model.estimation.{name}"
                 for name in ("rivals", "swaps", "glide", "absences", "attitudes", "positions")
             ),
         ),

@@ -6,7 +6,7 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_sim.tools.processes import find_executable
+from q2q_sim.processes.processes import find_executable
 
 PATIENCE_S = 60.0
 

@@ -6,19 +6,25 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim import scenarios
-from q2q_sim.campaign import draw
-from q2q_sim.campaign.draw import CALM_S, CUTS, drawn, shortened
-from q2q_sim.campaign.outcome import CRASH, TWIN, Outcome, as_document, from_document, summary
 from q2q_sim.commands import campaign
-from q2q_sim.policies import POLICIES, Evidence, Violation, evidence_of
-from q2q_sim.scenario import scenario_from_document
-from q2q_sim.tools import campaign_flight
-from q2q_sim.tools.campaign_engine import outcomes
-from q2q_sim.tools.campaign_nodes import TOPICS, NodeFlights, twin
-from q2q_sim.tools.flight import FlightRequest, node_specs
-from q2q_sim.tools.policies import evidence_in
-from q2q_sim.tools.resident import ResidentNodes
+from q2q_sim.experiments.campaign import campaign_flight, random_run
+from q2q_sim.experiments.campaign.engine import outcomes
+from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, drawn, shortened
+from q2q_sim.experiments.campaign.run_outcome import (
+    CRASH,
+    TWIN,
+    RunOutcome,
+    as_document,
+    from_document,
+    summary,
+)
+from q2q_sim.experiments.campaign.through_nodes import TOPICS, NodeFlights, twin
+from q2q_sim.flight.resident import ResidentNodes
+from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
+from q2q_sim.monitors.policies import POLICIES, Evidence, Violation, evidence_of
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import scenario_from_document
+from q2q_sim.tools.judge_bags import evidence_in
 
 KEYS = {"runs", "through_nodes", "violations", "by_policy", "seeds_of_violations", "seconds"}
 ONCE_BROKEN = (
@@ -83,17 +89,17 @@ def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:
     runs = [drawn(seed) for seed in range(60)]
     assert len({str(run.document["description"]) for run in runs}) == len(CUTS)
     assert {run.options.controller for run in runs} == {"pid", "mpc"}
-    assert {str(run.document["room"]) for run in runs} == set(draw.ROOMS)
+    assert {str(run.document["room"]) for run in runs} == set(random_run.ROOMS)
     for run in runs:
         scenario = run.scenario
-        assert 1 <= len(scenario.faults) <= draw.MOST
+        assert 1 <= len(scenario.faults) <= random_run.MOST
         assert all(fault.start <= scenario.duration - CALM_S for fault in scenario.faults)
 
 
 @pytest.mark.parametrize("cut", CUTS, ids=lambda cut: cut.scenario)
-def test_a_cut_begins_and_ends_where_its_scenario_is_then(cut: draw.Cut) -> None:
-    whole = scenarios.load(cut.scenario)
-    document = shortened(scenarios.document(cut.scenario), cut)
+def test_a_cut_begins_and_ends_where_its_scenario_is_then(cut: random_run.Cut) -> None:
+    whole = library.load(cut.scenario)
+    document = shortened(library.document(cut.scenario), cut)
     short = scenario_from_document("cut", document)
     assert short.duration == pytest.approx((cut.end - cut.begin) * cut.pace)
     for long_way, way in zip(whole.waypoints, short.waypoints, strict=True):
@@ -103,8 +109,8 @@ def test_a_cut_begins_and_ends_where_its_scenario_is_then(cut: draw.Cut) -> None
         assert all(a.t < b.t for a, b in zip(way.waypoints, way.waypoints[1:], strict=False))
 
 
-def ended(seed: int, *violations: Violation) -> Outcome:
-    return Outcome(seed, through_nodes=False, what="made up", violations=violations, seconds=2.0)
+def ended(seed: int, *violations: Violation) -> RunOutcome:
+    return RunOutcome(seed, through_nodes=False, what="made up", violations=violations, seconds=2.0)
 
 
 def test_a_campaign_counts_runs_not_violations() -> None:
@@ -126,11 +132,11 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
 ) -> None:
     flown: list[int] = []
 
-    def fly(seed: int, kept: Path) -> Outcome:  # noqa: ARG001
+    def fly(seed: int, kept: Path) -> RunOutcome:  # noqa: ARG001
         flown.append(seed)
         return ended(seed, *([BROKEN] if seed == 12 else []))
 
-    monkeypatch.setattr("q2q_sim.tools.campaign_engine.fly_and_judge", fly)
+    monkeypatch.setattr("q2q_sim.experiments.campaign.engine.fly_and_judge", fly)
     asked = ["--seed", "10", "--out", str(tmp_path)]
     assert campaign.main(["--runs", "2", *asked]) == 0
     with (tmp_path / "runs.jsonl").open("a") as log:
@@ -143,7 +149,7 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
 
 
 def test_processes_that_are_replaced_fly_every_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("q2q_sim.tools.campaign_engine.RECYCLE", 1)
+    monkeypatch.setattr("q2q_sim.experiments.campaign.engine.RECYCLE", 1)
     flown = list(outcomes("local", range(200, 203), 2, tmp_path))
     assert sorted(one.seed for one in flown) == [200, 201, 202]
     assert all(one.what and one.seconds > 0.0 for one in flown)
@@ -159,7 +165,7 @@ def test_a_run_that_raises_is_a_crash_and_leaves_its_bag(
     found = campaign_flight.fly_and_judge(5, tmp_path)
     assert [one.policy for one in found.violations] == [CRASH]
     assert "ZeroDivisionError: made up" in found.violations[0].who
-    assert scenarios.load(str(tmp_path / "5.yaml")).faults == drawn(5).scenario.faults
+    assert library.load(str(tmp_path / "5.yaml")).faults == drawn(5).scenario.faults
     assert (tmp_path / "5" / "metadata.yaml").exists()
 
 

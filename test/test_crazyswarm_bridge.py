@@ -13,17 +13,17 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from geometry_msgs.msg import Point
 
-from q2q_control.crazyflies import crazyflies_from_document
-from q2q_control.crazyswarm import NamedPose, frame_of, legacy_twists, poses_of
-from q2q_control.crazyswarm_params import CrazyswarmParams
-from q2q_control.legacy import LegacyScale
+from q2q_control.crazyswarm.crazyflies import crazyflies_from_document
+from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
+from q2q_control.crazyswarm.message_conversion import NamedPose, frame_of, legacy_twists, poses_of
+from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.crazyswarm_node import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
-from q2q_control.ros.procedure_desk import ProcedureDesk
-from q2q_model.cdr import decode, encode
-from q2q_model.rehearsal import rehearsal
-from q2q_model.ros.messages import MESSAGES, header_at
-from q2q_model.signals import (
+from q2q_control.ros.procedure_services import ProcedureServices
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.topics.messages import MESSAGES, header_at
+from q2q_model.signals.cdr import decode, encode
+from q2q_model.signals.values import (
     Interference,
     MocapFrame,
     SwarmCommand,
@@ -146,7 +146,7 @@ def test_full_states_carry_setpoint_and_draft_once_the_procedure_lets_them(
 ) -> None:
     node = _Node(poses_in="", aware=True)
     Crazyswarm(node)
-    monkeypatch.setattr(ProcedureDesk, "follows", lambda *_: True)
+    monkeypatch.setattr(ProcedureServices, "follows", lambda *_: True)
     setpoint, draft = (rehearsal(kind, 0.0, NAMES) for kind in (SwarmSetpoint, Interference))
     setpoint = replace(
         setpoint, pos=np.arange(6.0).reshape(2, 3), acc=np.ones((2, 3)), yaw_rate=np.array([0.1, 0.2])
@@ -185,7 +185,7 @@ def test_sticks_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.Monkey
     Crazyswarm(node)
     node.give(one_command())
     assert node.out["cf1/cmd_vel_legacy"].messages == []
-    monkeypatch.setattr(ProcedureDesk, "follows", lambda *_: True)
+    monkeypatch.setattr(ProcedureServices, "follows", lambda *_: True)
     node.give(rehearsal(SwarmSetpoint, 0.0, NAMES))
     node.give(one_command())
     (twist,) = node.out["cf1/cmd_vel_legacy"].messages

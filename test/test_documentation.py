@@ -21,12 +21,12 @@ from fresh_checkout import ROOT
 
 from q2q_control.ros.dry_run import FLAG
 from q2q_model.commands.command_line import CommandLine
-from q2q_model.mocap_filter import MocapFilterParams
-from q2q_model.parameters import tunable_of
+from q2q_model.estimation.mocap_filter import MocapFilterParams
+from q2q_model.tunable import tunable_of
 from q2q_sim.commands.docs import OUT
+from q2q_sim.processes.processes import find_executable
 from q2q_sim.ros.node_survey import NodeInterface, survey
-from q2q_sim.tools.docs import out_of_date, pages, table
-from q2q_sim.tools.processes import find_executable
+from q2q_sim.tools.node_pages import out_of_date, pages, table
 
 NODES_TOGETHER = "stack"
 """A process of several nodes: like a node it takes parameters only."""

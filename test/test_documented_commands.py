@@ -16,7 +16,7 @@ from documentation import Block, blocks, command_lines, commands, documents
 from fresh_checkout import ROOT
 from terminal import Answer, Terminal
 
-from q2q_sim.tools.domain import own_domain
+from q2q_sim.processes.domain import own_domain
 
 PAGES = "docs/nodes/"
 ELSEWHERE: Mapping[str, str] = {

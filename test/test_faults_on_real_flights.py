@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.signals import Array, MocapFrame, Names, SwarmState, TrackStatus, index_of
-from q2q_sim.flight_table import flight_table, signals_of
-from q2q_sim.tools.bag_import import read_columns
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.flights.flight_table import flight_table, signals_of
+from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState, TrackStatus, index_of
+from q2q_sim.tools.import_table import read_columns
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[2] / "shared" / "data"))
 FLIGHTS = sorted(DATA.glob("*/*.parquet")) or [Path("none")]

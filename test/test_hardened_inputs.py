@@ -16,26 +16,26 @@ from hypothesis import strategies as st
 from std_msgs.msg import String
 
 from q2q_model.bag import BagError, BagReader
-from q2q_model.cdr import decode, encode
-from q2q_model.layout import LAYOUTS, Signal
-from q2q_model.model_names import ModelFileError
-from q2q_model.rehearsal import rehearsal
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.signals import SwarmCommand
-from q2q_model.tools.models import find_model
-from q2q_planner import plan_file
-from q2q_planner.waypoints import swarm_from_document
-from q2q_sim import scenarios
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_names import ModelFileError
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.signals.cdr import decode, encode
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.values import SwarmCommand
+from q2q_model.trajectory import plan_file
+from q2q_planner.offline.minimum_snap.waypoints import swarm_from_document
 from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.stand_in import Deaf, StandInNode
-from q2q_sim.scenario import scenario_from_document
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import scenario_from_document
 
 VEHICLES = ("cf1", "cf2")
 NODES = (
-    "q2q_model.mocap_filter",
+    "q2q_model.estimation.mocap_filter",
     "q2q_model.interference",
-    "q2q_planner.replanner",
-    "q2q_control.pid",
+    "q2q_planner.online.replanner",
+    "q2q_control.pid.pid",
     "q2q_control.mpc",
 )
 KINDS = {message: kind for kind, message in MESSAGES.items()}
@@ -285,7 +285,7 @@ documents = st.recursive(
 @st.composite
 def spoiled_document(draw: st.DrawFn) -> object:
     """Draw a scenario with one value anywhere replaced by anything."""
-    document = dict(scenarios.document(draw(st.sampled_from(["table6_room", "stack3"]))))
+    document = dict(library.document(draw(st.sampled_from(["table6_room", "stack3"]))))
     key = draw(st.sampled_from([*document, "faults", "vicon", "radio", "imu", "safe", ""]))
     value = document.get(key)
     if isinstance(value, dict) and draw(st.booleans()):
@@ -342,7 +342,7 @@ def test_no_file_of_ours_runs_code(protocol: int, tmp_path: Path) -> None:
         for name, read, error in (
             ("model.q2q", lambda path: find_model(str(path)), ModelFileError),
             ("plan.json", plan_file.load, ValueError),
-            ("scenario.yaml", lambda path: scenarios.load(str(path)), ValueError),
+            ("scenario.yaml", lambda path: library.load(str(path)), ValueError),
             ("bag.mcap", BagReader, BagError),
         ):
             path = tmp_path / name

@@ -18,22 +18,23 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter as Given
 
-from q2q_model.cdr import encode
-from q2q_model.layout import Signal
-from q2q_model.rehearsal import rehearsal
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.signals import SwarmCommand
-from q2q_planner import plan_file
-from q2q_sim import assembly, scenarios
-from q2q_sim.tools.domain import own_domain
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import SwarmCommand
+from q2q_model.trajectory import plan_file
+from q2q_sim.loop import assembly
+from q2q_sim.processes.domain import own_domain
+from q2q_sim.scenarios import library
 
 VEHICLES = ("cf1", "cf2")
 NODES = (
-    "q2q_model.mocap_filter",
+    "q2q_model.estimation.mocap_filter",
     "q2q_model.interference",
-    "q2q_planner.trajectory",
-    "q2q_planner.replanner",
-    "q2q_control.pid",
+    "q2q_model.trajectory.polynomials",
+    "q2q_planner.online.replanner",
+    "q2q_control.pid.pid",
     "q2q_control.mpc",
 )
 KINDS = {message: kind for kind, message in MESSAGES.items()}
@@ -93,7 +94,7 @@ class Real:
         package, executable = name.split(".")
         given = [Given(f"{one}_hz", value=0.0) for one in ("vehicle_topics", "legacy")]
         if executable == "trajectory":
-            plan_file.save(folder / "plan.json", assembly.plan_of(scenarios.load("table6")))
+            plan_file.save(folder / "plan.json", assembly.plan_of(library.load("table6")))
             given.append(Given("plan", value=str(folder / "plan.json")))
         self.node = Node(executable, parameter_overrides=given)
         self._made: list[Signal] = []

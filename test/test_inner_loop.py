@@ -17,8 +17,11 @@ def test_help_explains_the_inner_loop_in_five_lines_and_does_no_work(checkout: C
 @pytest.mark.parametrize(
     ("file", "nearest"),
     [
-        ("src/q2q_planner/q2q_planner/minsnap.py", "src/q2q_planner/test/test_minsnap.py"),
-        ("src/q2q_control/q2q_control/fallback.py", "src/q2q_control/test/test_fallback.py"),
+        (
+            "src/q2q_planner/q2q_planner/offline/minimum_snap/minimum_snap.py",
+            "src/q2q_planner/test/test_minsnap.py",
+        ),
+        ("src/q2q_control/q2q_control/failsafe/ladder.py", "src/q2q_control/test/test_fallback.py"),
         ("src/q2q_sim/test/test_room.py", "src/q2q_sim/test/test_room.py"),
     ],
 )
@@ -27,7 +30,7 @@ def test_the_tests_of_a_file_are_the_nearest_to_its_change(file: str, nearest: s
 
 
 def test_a_change_touches_what_imports_it_through_others_and_nothing_else():
-    tests = touched(["src/q2q_planner/q2q_planner/minsnap.py"])
+    tests = touched(["src/q2q_planner/q2q_planner/offline/minimum_snap/minimum_snap.py"])
     assert "src/q2q_sim/test/test_closed_loop.py" in tests
     assert "src/q2q_model/test/test_dynamics.py" not in tests
 

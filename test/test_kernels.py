@@ -15,7 +15,7 @@ from q2q_sim.tools.compile_kernels import import_kernels
 import_kernels()
 print(len(KERNELS), *uncached(), sep="\\n")
 """
-NOT_IN_FLIGHT = ["q2q_planner.planes._descend"]
+NOT_IN_FLIGHT = ["q2q_planner.offline.avoidance.separating_planes._descend"]
 """Called to plan ahead, for many vehicles."""
 
 

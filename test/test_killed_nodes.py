@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagReader
-from q2q_model.signals import CommandStatus, SwarmCommand
-from q2q_sim import scenarios
-from q2q_sim.policies import POLICIES, Circumstances, Evidence, judge
-from q2q_sim.tools.flight import FlightRequest
-from q2q_sim.tools.policies import evidence_in
-from q2q_sim.tools.strikes import Strike, Waiting, fly_struck
+from q2q_model.signals.values import CommandStatus, SwarmCommand
+from q2q_sim.flight.scenario_flight import FlightRequest
+from q2q_sim.flight.strikes import Strike, Waiting, fly_struck
+from q2q_sim.monitors.policies import POLICIES, Circumstances, Evidence, judge
+from q2q_sim.scenarios import library
+from q2q_sim.tools.judge_bags import evidence_in
 
 TABLE6 = "table6_room"
 LOW = str(Path(__file__).parent / "scenarios" / "low_hover.yaml")
@@ -23,7 +23,7 @@ WALL_TIME = "silence"
 def violations(evidence: Evidence, scenario: str, *but: str) -> list[str]:
     """Return what a flight broke of all policies but some."""
     asked = {name: policy for name, policy in POLICIES.items() if name not in (*but, WALL_TIME)}
-    return [str(one) for one in judge(evidence, Circumstances(scenarios.load(scenario).vehicle), asked)]
+    return [str(one) for one in judge(evidence, Circumstances(library.load(scenario).vehicle), asked)]
 
 
 def statuses(bag: Path, after: float) -> list[list[int]]:

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.commands import identify
-from q2q_model.model_file import load
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_model.files.model_file import load
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
 
 BAGS = Path(__file__).parents[1] / "bags"
 
@@ -16,6 +16,6 @@ def test_the_lower_vehicle_keeps_its_height_with_a_learned_model(tmp_path: Path)
     bags = [str(BAGS / f"table2_{number}") for number in (1, 2, 5)]
     out = tmp_path / "learned.q2q"
     assert identify.main([*bags, "--out", str(out), "--model-type", "jet", "--no-plots"]) == 0
-    flown = fly(scenarios.load("table6"), FlightOptions(mode="aware", model=load(out).interaction))
+    flown = fly(library.load("table6"), FlightOptions(mode="aware", model=load(out).interaction))
     missed = flown.true_pos[..., 2] - flown.ref_pos[..., 2]
     assert np.sqrt(np.mean(missed[:, 0] ** 2)) <= 0.035  # issue 3, with the thrust limit; 0.023 with all six

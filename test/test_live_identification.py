@@ -14,13 +14,13 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from q2q_model.interaction.jet import Jet
-from q2q_model.model_file import decode, load, save
-from q2q_model.ros.qos import LATCHED
-from q2q_model.tools.models import find_model
+from q2q_model.downwash.jet import Jet
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_file import decode, load, save
+from q2q_model.ros.topics.qos import LATCHED
+from q2q_sim.processes.domain import own_domain
+from q2q_sim.processes.processes import find_executable
 from q2q_sim.ros.flight_director import FlightDirector
-from q2q_sim.tools.domain import own_domain
-from q2q_sim.tools.processes import find_executable
 
 BAG = Path(__file__).parents[1] / "bags" / "table2_5"
 PATIENCE_S = 120.0

@@ -8,16 +8,17 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import read_facts
-from q2q_model.flights import Flight
-from q2q_model.model_names import ModelFileError
-from q2q_model.tools.models import find_model
-from q2q_planner import plan_file
-from q2q_sim import assembly, scenarios
-from q2q_sim.closed_loop import FlightOptions
-from q2q_sim.closed_loop import fly as fly_pure
-from q2q_sim.tools import flight
-from q2q_sim.tools.flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
-from q2q_sim.tools.processes import NodeDiedError, NodeSpec
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_names import ModelFileError
+from q2q_model.flights.flight import Flight
+from q2q_model.trajectory import plan_file
+from q2q_sim.flight import scenario_flight
+from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
+from q2q_sim.loop import assembly
+from q2q_sim.loop.closed_loop import FlightOptions
+from q2q_sim.loop.closed_loop import fly as fly_pure
+from q2q_sim.processes.processes import NodeDiedError, NodeSpec
+from q2q_sim.scenarios import library
 
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 
@@ -31,7 +32,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> FlightRun:
 @cache
 def pure(seed: int) -> Flight:
     """Return the same flight without ROS."""
-    scenario = scenarios.load(SCENARIO)
+    scenario = library.load(SCENARIO)
     model = find_model(scenario.model).interaction
     return fly_pure(scenario, FlightOptions(mode="aware", seed=seed, model=model))
 
@@ -41,7 +42,7 @@ def test_a_plan_file_flies_through_the_nodes_as_without_ros(tmp_path: Path) -> N
     points += " cf2: [{t: 0, pos: [0, 0, 1]}, {t: 2, pos: [0, 0.1, 1]}]}"
     (tmp_path / "points.yaml").write_text(points)
     plan = tmp_path / "plan.json"
-    plan_file.save(plan, assembly.plan_of(scenarios.load(str(tmp_path / "points.yaml"))))
+    plan_file.save(plan, assembly.plan_of(library.load(str(tmp_path / "points.yaml"))))
     request = FlightRequest(str(plan), vehicle="crazyflie_2_1", wake="paper", model="paper_law", stack=True)
     through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     model = find_model("paper_law").interaction
@@ -96,8 +97,10 @@ def test_a_lockstep_flight_under_sim_time_ends_with_the_same_numbers_to_the_last
     run: FlightRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The simulator makes /clock, by the ticks for which all wait: nobody may wait for it in turn."""
-    specs = flight.node_specs
-    monkeypatch.setattr(flight, "node_specs", lambda *given: [under_sim_time(one) for one in specs(*given)])
+    specs = scenario_flight.node_specs
+    monkeypatch.setattr(
+        scenario_flight, "node_specs", lambda *given: [under_sim_time(one) for one in specs(*given)]
+    )
     request = FlightRequest(SCENARIO, seed=3, stack=True)
     timed = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     assert timed.timing.missed_ticks == 0

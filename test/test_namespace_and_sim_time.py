@@ -16,14 +16,14 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagReader, read_flight
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.qos import TICK
-from q2q_model.ros.run import make_executor
-from q2q_model.signals import MocapFrame
-from q2q_sim.room import TICK_S
+from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import TICK
+from q2q_model.signals.values import MocapFrame
+from q2q_sim.loop.room import TICK_S
+from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_record_node import Recorder
 from q2q_sim.ros.simulator_node import Simulator
-from q2q_sim.tools.domain import own_domain
 
 PATIENCE_S = 60.0
 """Three nodes of one process on a busy machine [s]."""

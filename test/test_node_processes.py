@@ -8,8 +8,8 @@ import pytest
 from fresh_checkout import ROOT
 from started_nodes import PATIENCE_S, start, wait_until_spinning
 
-from q2q_model.vehicle import VEHICLES
-from q2q_sim.tools.domain import own_domain
+from q2q_model.vehicle.constants import VEHICLES
+from q2q_sim.processes.domain import own_domain
 
 NODES = [
     ("q2q_model", "mocap_filter", []),
@@ -100,7 +100,7 @@ def test_an_unknown_vehicle_is_refused_with_the_known_ones() -> None:
 
 
 def test_a_model_file_cut_in_half_is_refused_by_name(tmp_path: Path) -> None:
-    from q2q_model.commands.model_choice import shipped_models
+    from q2q_model.files.model_choice import shipped_models
 
     whole = (shipped_models() / "paper_law.q2q").read_text()
     cut = tmp_path / "cut.q2q"

@@ -12,7 +12,7 @@ import pytest
 NODES = 7
 ORPHAN = """
 import os
-from q2q_sim.tools.warm_start import settle
+from q2q_sim.processes.warm_start import settle
 
 alive, held = os.pipe()
 if os.fork() == 0:  # the warm parent's part: it dies before its fork settles

@@ -21,27 +21,27 @@ from procedure_room import ProcedureRoom
 from rcl_interfaces.msg import ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters
 
-from q2q_control.crazyswarm import NamedPose
-from q2q_control.firmware_params import difference
+from q2q_control.crazyswarm.message_conversion import NamedPose
 from q2q_control.flight_procedure.steps import Call, Step
-from q2q_control.radio_link import CflibSender, LinkHealth
-from q2q_control.ros import procedure_desk, radio_node, radio_topics, server_vehicles
-from q2q_control.ros.cflib_links import OnboardPose
+from q2q_control.flight_procedure.supervisor_info import READY
+from q2q_control.radio.cflib_link import OnboardPose
+from q2q_control.radio.firmware_params import difference
+from q2q_control.radio.link import CflibSender, LinkHealth
+from q2q_control.ros import radio_node, radio_topics, server_vehicles
 from q2q_control.ros.crazyswarm_node import Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
-from q2q_control.ros.radio_node import Radio
-from q2q_control.supervisor_info import READY
-from q2q_model.hover import OWN_PARAMETERS, OwnHover
-from q2q_model.ros.messages import header_at
-from q2q_model.signals import MocapFrame
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.plan_player import Played
-from q2q_planner.trajectory import SwarmPlan
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
-from q2q_sim import scenarios
-from q2q_sim.onboard.firmware import Firmware
-from q2q_sim.onboard.supervisor_info import Info
+from q2q_control.ros.radio_node import RadioNode
+from q2q_model.ros.topics.messages import header_at
+from q2q_model.signals.values import MocapFrame
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.playing.plan_player import Played
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.supervisor.info import Info
 from q2q_sim.ros.absent_packages import interface_packages
+from q2q_sim.scenarios import library
 
 SCENARIO = "table6"
 NAMES = ("cf1", "cf2")
@@ -111,7 +111,7 @@ class _Flown:
 
 def by_radio(monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, **given: object) -> _Flown:
     """Return a room whose vehicles `radio` flies over cflib's encoders."""
-    room = ProcedureRoom(scenarios.load(SCENARIO), monkeypatch, plan, auto_arming=False)
+    room = ProcedureRoom(library.load(SCENARIO), monkeypatch, plan, auto_arming=False)
     flown = _Flown(room)
 
     def link(name: str, _: str, params: Mapping[str, float], __: str) -> _Link:
@@ -125,10 +125,10 @@ def by_radio(monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, **g
     monkeypatch.setattr(radio_node, "CflibLink", link)
     monkeypatch.setattr(radio_topics.RadioTopics, "other_radios", lambda _: "")
     monkeypatch.setattr(radio_topics.RadioTopics, "publish", lambda *_: None)
-    room.clock(radio_node, procedure_desk)
+    room.clock(radio_node, procedure_services)
     uris = tuple(f"udp://127.0.0.1:{19850 + k}" for k in range(2))
     vehicle = room.scenario.vehicle.name
-    room.start("radio", {"vehicles": NAMES, "uris": uris, "vehicle": vehicle, **given}, Radio, {})
+    room.start("radio", {"vehicles": NAMES, "uris": uris, "vehicle": vehicle, **given}, RadioNode, {})
     return flown
 
 
@@ -218,9 +218,9 @@ def by_bridge(
     """Return a room whose vehicles Crazyswarm2's server flies, and the server."""
     for name, module in interface_packages().items():
         monkeypatch.setitem(sys.modules, name, module)
-    room = ProcedureRoom(scenarios.load(SCENARIO), monkeypatch, plan, auto_arming=False)
+    room = ProcedureRoom(library.load(SCENARIO), monkeypatch, plan, auto_arming=False)
     server = _Server(room)
-    room.clock(server_vehicles, procedure_desk)
+    room.clock(server_vehicles, procedure_services)
     asked = {
         "vehicles": NAMES,
         "poses_version": version,

@@ -17,18 +17,19 @@ import rclpy
 from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
-from q2q_control.firmware_params import difference, firmware_params
-from q2q_control.radio_node_params import RadioNodeParams
-from q2q_control.ros import cflib_links
-from q2q_model.cdr import decode
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.run import make_executor
-from q2q_model.signals import SwarmState
-from q2q_model.wiring import PROMISE_S
-from q2q_planner import plan_file
-from q2q_sim import assembly, scenarios
-from q2q_sim.tools.domain import own_domain
-from q2q_sim.tools.processes import NodeSpec, Processes
+from q2q_control.radio import cflib_link
+from q2q_control.radio.firmware_params import difference, firmware_params
+from q2q_control.radio.node_params import RadioNodeParams
+from q2q_model.node.wiring import PROMISE_S
+from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.signals.cdr import decode
+from q2q_model.signals.values import SwarmState
+from q2q_model.trajectory import plan_file
+from q2q_sim.loop import assembly
+from q2q_sim.processes.domain import own_domain
+from q2q_sim.processes.processes import NodeSpec, Processes
+from q2q_sim.scenarios import library
 
 SCENARIO = "table6"
 LIVE = {"live": True, "promise_s": PROMISE_S}
@@ -128,7 +129,7 @@ class _Watcher:
 
 
 def specs(folder: Path) -> list[NodeSpec]:
-    scenario = scenarios.load(SCENARIO)
+    scenario = library.load(SCENARIO)
     options = assembly.Options()
     plan, port = folder / "plan.json", free_ports(2)
     plan_file.save(plan, assembly.plan_of(scenario))
@@ -211,7 +212,7 @@ def test_an_emergency_stops_the_vehicles_of_a_radio_for_good(watcher: _Watcher) 
 def test_a_node_without_cflib_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "cflib.crtp", None)
     with pytest.raises(ValueError, match="cflib is not installed: `pip install cflib"):
-        cflib_links.CflibLink("cf1", "udp://127.0.0.1:1", {})
+        cflib_link.CflibLink("cf1", "udp://127.0.0.1:1", {})
 
 
 def test_parameters_of_the_node_are_checked() -> None:

@@ -18,27 +18,27 @@ from cflib.crazyflie.localization import Localization
 from cflib.crazyflie.supervisor import Supervisor
 
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.legacy import LegacyScale
-from q2q_control.radio_link import CflibSender, LinkHealth
-from q2q_control.radio_params import RadioPilotParams
-from q2q_control.radio_pilot import Phase, RadioPilot
-from q2q_control.radio_words import full_states, level_stick, sticks
-from q2q_model.signals import Array
-from q2q_model.thrust_map import BRUSHED_MOTOR, PWM_FULL
-from q2q_model.tools.models import find_model
-from q2q_planner.trajectory import setpoint_at
-from q2q_sim import scenarios
-from q2q_sim.assembly import Mode, Options, blocks_of
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.crtp.link_model import DelayLine, LinkParams, Radios
+from q2q_control.radio.link import CflibSender, LinkHealth
+from q2q_control.radio.pilot_params import RadioPilotParams
+from q2q_control.radio.radio_pilot import Phase, RadioPilot
+from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.setpoints import full_states, level_stick, sticks
+from q2q_model.files.find_model import find_model
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import setpoint_at
+from q2q_model.vehicle.thrust_map import BRUSHED_MOTOR, PWM_FULL
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
+from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
 from q2q_sim.crtp.pilot import STILL, Wire
-from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
-from q2q_sim.metrics import measure
-from q2q_sim.onboard.battery import CURVE_CHARGE, CURVE_VOLT, HOVER_TIME
-from q2q_sim.onboard.firmware import Firmware
-from q2q_sim.onboard.thrust_curve import CURVE
-from q2q_sim.room import TICK_S, Room
-from q2q_sim.scenario import Scenario
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.motors.battery import CURVE_CHARGE, CURVE_VOLT, HOVER_TIME
+from q2q_sim.firmware.motors.thrust_curve import CURVE
+from q2q_sim.loop.assembly import Mode, Options, blocks_of
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.room import TICK_S, Room
+from q2q_sim.monitors.metrics import measure
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
 
 MELLINGER = 2
 BOOT_TICKS = 50
@@ -134,7 +134,7 @@ def _rms(errors: Array) -> Array:
 @cache
 def _room() -> Scenario:
     """Return the flight up to 5 s after the passage: what follows is the loop's own swing."""
-    return replace(scenarios.load("table6_room"), duration=30.0)
+    return replace(library.load("table6_room"), duration=30.0)
 
 
 def _direct(mode: Mode, scenario: Scenario | None = None) -> Array:

@@ -10,14 +10,15 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from q2q_model.commands import identify as identify_command
-from q2q_model.identification import candidates, jet_fit
-from q2q_model.identification.command_gains import gains_from_commands
-from q2q_model.identification.draft_force import ForceSamples
-from q2q_model.identification.jet_fit import JetFit, JetForm, fit_to_pushes
-from q2q_model.identification.procedure import ProcedureParams, Recording, identify, recorded_altitudes
-from q2q_model.interaction.jet import Jet
+from q2q_model.downwash.jet import Jet
+from q2q_model.identification.force import jet_fit
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.jet_fit import JetFit, JetForm, fit_to_pushes
+from q2q_model.identification.gains.command_gains import gains_from_commands
+from q2q_model.identification.identification import ProcedureParams, Recording, identify, recorded_altitudes
+from q2q_model.identification.selection import candidates
 from q2q_model.tools.recordings import read_recordings
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands import bag_import
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[2] / "shared" / "data")) / "neural_swarm"

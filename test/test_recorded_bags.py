@@ -8,16 +8,16 @@ from mcap_ros2.reader import read_ros2_messages
 from numpy.typing import NDArray
 
 from q2q_model.bag import BagReader, read_facts, read_flight
-from q2q_model.flights import Flight
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.outliers import find_outliers
-from q2q_model.signals import MocapFrame, TrackStatus
-from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.room import TICK_S, Room
-from q2q_sim.tools.flight import FlightRequest, facts_of
-from q2q_sim.vicon import Injected, Vicon
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.outliers import find_outliers
+from q2q_model.signals.values import MocapFrame, TrackStatus
+from q2q_sim.flight.scenario_flight import FlightRequest, facts_of
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.room import TICK_S, Room
+from q2q_sim.scenarios import library
+from q2q_sim.sensors.vicon import Injected, Vicon
 
 BAGS = sorted((Path(__file__).parents[1] / "bags").glob("table2_*"))
 TOPICS = {"/mocap", "/state", "/truth_interference", "/imu", "/reference", "/command"}
@@ -27,7 +27,7 @@ LARGEST = 15_000_000
 
 
 def ticks_of(bag: Path) -> int:
-    return round(scenarios.load(bag.name).duration * 100)
+    return round(library.load(bag.name).duration * 100)
 
 
 def test_all_six_flights_are_there_and_small() -> None:
@@ -46,7 +46,7 @@ def test_every_tick_is_on_every_topic(bag: Path) -> None:
 @pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
 def test_a_bag_says_what_its_command_flew(bag: Path) -> None:
     request = FlightRequest(bag.name, mode="ignoring", seed=int(bag.name[-1]))
-    assert read_facts(bag) == facts_of(scenarios.load(bag.name), request)
+    assert read_facts(bag) == facts_of(library.load(bag.name), request)
 
 
 @pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
@@ -58,7 +58,7 @@ def test_an_independent_reader_reads_every_message_of_a_bag(bag: Path) -> None:
 @pytest.fixture(scope="module")
 def flown() -> Flight:
     """Return flight 3, flown again."""
-    scenario = scenarios.load("table2_3")
+    scenario = library.load("table2_3")
     model = find_model(scenario.model).interaction
     return fly(scenario, FlightOptions(mode="ignoring", seed=3, model=model))
 
@@ -73,7 +73,7 @@ def test_a_bag_holds_what_its_scenario_and_seed_give_today(flown: Flight) -> Non
 
 def injected(bag: Path) -> Mask:
     """Return which samples of a bag the simulated cameras put elsewhere, by their own word, (T, n)."""
-    scenario, seed = scenarios.load(bag.name), int(bag.name[-1])
+    scenario, seed = library.load(bag.name), int(bag.name[-1])
     truth = Room(scenario, seed).capture().truth  # where vehicles are does not decide what is injected
     cameras = Vicon(scenario.vicon, len(scenario.names), TICK_S, seed)
     flags = []

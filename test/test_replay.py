@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagWriter
-from q2q_model.flights import Flight
-from q2q_model.interaction.predictor import InteractionPredictor
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.signals import MocapFrame
-from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
-from q2q_sim.room import Room
-from q2q_sim.tools.replay import replay
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import MocapFrame
+from q2q_sim.flight.replay import replay
+from q2q_sim.loop.room import Room
+from q2q_sim.scenarios import library
 
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 TICKS = 200
@@ -22,7 +22,7 @@ TICKS = 200
 @pytest.fixture(scope="module")
 def frames() -> list[MocapFrame]:
     """Return what VICON sees of two vehicles that fall to the ground, one above the other."""
-    room = Room(scenarios.load(SCENARIO), seed=1)
+    room = Room(library.load(SCENARIO), seed=1)
     seen = []
     for _ in range(TICKS):
         seen.append(room.capture().frame)

@@ -17,29 +17,29 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import Empty
 
-from q2q_control.fallback import FallbackParams
+from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.ros import guarded_commands, mpc_node, pid_node
-from q2q_model.cdr import decode
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.run import make_executor
-from q2q_model.ros.tick import TickWiring
-from q2q_model.signals import CommandStatus, SwarmCommand
-from q2q_model.wiring import PROMISE_S
-from q2q_sim import scenarios
-from q2q_sim.tools.domain import own_domain
-from q2q_sim.tools.flight import FlightRequest, node_specs
+from q2q_model.node.wiring import PROMISE_S
+from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.signals.cdr import decode
+from q2q_model.signals.values import CommandStatus, SwarmCommand
+from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
+from q2q_sim.processes.domain import own_domain
+from q2q_sim.scenarios import library
 
 PATIENCE_S = 60.0
 """For processes to start and find each other on a busy machine [s]."""
 WRITER = """
 import sys
 from rclpy.node import Node
-from q2q_model.cdr import encode
-from q2q_model.rehearsal import rehearsal
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.promises import promising
-from q2q_model.ros.run import run
-from q2q_model.signals import Interference, SwarmSetpoint, SwarmState
+from q2q_model.signals.cdr import encode
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.deadlines import promising
+from q2q_model.ros.node.run import run
+from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
 kinds = {"state": SwarmState, "reference_safe": SwarmSetpoint, "interference": Interference}
 def build(node):
     quality = promising(float(sys.argv[1]))
@@ -156,7 +156,7 @@ def test_the_emergency_service_cuts_the_motors_of_a_running_controller_for_good(
 
 
 def test_nodes_promise_in_a_live_flight_and_never_in_lockstep(tmp_path: Path) -> None:
-    scenario = scenarios.load("table6")
+    scenario = library.load("table6")
     live, lockstep = (
         {
             spec.executable: spec.parameters.get("promise_s", 0.0)

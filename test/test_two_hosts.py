@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 import yaml
 
-from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions
-from q2q_sim.closed_loop import fly as fly_pure
-from q2q_sim.tools.flight import FlightRequest, node_specs
-from q2q_sim.tools.policies import evidence_in
-from q2q_sim.tools.processes import find_executable
+from q2q_model.files.find_model import find_model
+from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
+from q2q_sim.loop.closed_loop import FlightOptions
+from q2q_sim.loop.closed_loop import fly as fly_pure
+from q2q_sim.processes.processes import find_executable
+from q2q_sim.scenarios import library
+from q2q_sim.tools.judge_bags import evidence_in
 
 SHORT = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 SEED = 3
@@ -32,8 +32,8 @@ IN_THE_ROOM = """
 import sys
 from pathlib import Path
 from q2q_sim.ros.flight_director import FlightDirector
-from q2q_sim.tools.flight import FlightRequest, load_scenario, node_specs
-from q2q_sim.tools.processes import Processes
+from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
+from q2q_sim.processes.processes import Processes
 scenario, mode, seed, folder = sys.argv[1], sys.argv[2], int(sys.argv[3]), Path(sys.argv[4])
 request = FlightRequest(scenario, mode, seed=seed)
 specs = node_specs(load_scenario(request), request, folder, folder / "bag")
@@ -101,7 +101,7 @@ def test_a_discovery_server_stands_in_for_multicast(tmp_path: Path) -> None:
 
 def _fly_apart(request: FlightRequest, folder: Path, more: dict[str, str]) -> None:
     """Fly with the simulator and the recorder on one host, and the road on the other."""
-    scenario = scenarios.load(request.scenario)
+    scenario = library.load(request.scenario)
     env = {name: value for name, value in os.environ.items() if name != "ROS_LOCALHOST_ONLY"}
     env |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_DOMAIN_ID": "77"} | more
     env["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"  # namespaces share memory, hosts do not
@@ -134,7 +134,7 @@ def _fly_apart(request: FlightRequest, folder: Path, more: dict[str, str]) -> No
 
 
 def _assert_numbers_of_one(request: FlightRequest, folder: Path) -> None:
-    scenario = scenarios.load(request.scenario)
+    scenario = library.load(request.scenario)
     options = FlightOptions(
         mode=request.options.mode, seed=request.seed, model=find_model(scenario.model).interaction
     )

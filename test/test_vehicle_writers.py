@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import pytest
 from geometry_msgs.msg import PoseStamped, Twist
 
-from q2q_model.ros.vehicle_writers import VehicleWriters
+from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
 
 TOPICS = {"pose": PoseStamped, "speed": Twist}
 RATE_HZ = 10.0
@@ -40,12 +40,12 @@ def node() -> Node:
 
 
 def test_those_of_known_vehicles_are_there_before_the_first_tick(node: Node) -> None:
-    VehicleWriters(node, TOPICS, RATE_HZ, ("cf1", "cf2"))
+    VehiclePublishers(node, TOPICS, RATE_HZ, ("cf1", "cf2"))
     assert list(node.made) == ["cf1/pose", "cf1/speed", "cf2/pose", "cf2/speed"]
 
 
 def test_those_of_others_are_made_one_vehicle_a_tick(node: Node) -> None:
-    writers, counts = VehicleWriters(node, TOPICS, RATE_HZ, ("cf1",)), []
+    writers, counts = VehiclePublishers(node, TOPICS, RATE_HZ, ("cf1",)), []
     for names in (("cf1",), *(("cf1", "cf2", "cf3"),) * 4, ("cf3", "cf4")):
         writers.meet(names)
         counts.append(len(node.made))
@@ -53,16 +53,16 @@ def test_those_of_others_are_made_one_vehicle_a_tick(node: Node) -> None:
 
 
 def test_only_vehicles_that_somebody_reads_are_published(node: Node) -> None:
-    writers = VehicleWriters(node, TOPICS, RATE_HZ, ("cf1", "cf2"))
+    writers = VehiclePublishers(node, TOPICS, RATE_HZ, ("cf1", "cf2"))
     assert writers.read("cf1") == writers.read("stranger") == ()
     node.made["cf2/speed"].readers = 1
     assert writers.read("cf2") == (node.made["cf2/pose"], node.made["cf2/speed"])
 
 
 def test_vehicles_are_due_at_most_so_often_and_none_at_a_rate_of_zero(node: Node) -> None:
-    writers = VehicleWriters(node, TOPICS, RATE_HZ)
+    writers = VehiclePublishers(node, TOPICS, RATE_HZ)
     assert [writers.due(0.01 * k, ("cf1",)) for k in range(21)] == [k % 10 == 0 for k in range(21)]
     assert list(node.made) == ["cf1/pose", "cf1/speed"]
-    none = VehicleWriters(silent := Node(), TOPICS, 0.0, ("cf1",))
+    none = VehiclePublishers(silent := Node(), TOPICS, 0.0, ("cf1",))
     assert not none.due(0.0, ("cf1", "cf2"))
     assert silent.made == {}

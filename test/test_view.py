@@ -10,20 +10,20 @@ from foxglove_client import FoxgloveClient
 from fresh_checkout import ROOT
 from visualization_msgs.msg import Marker, MarkerArray
 
-from q2q_model.cdr import encode
-from q2q_model.flights import Flight
-from q2q_model.layout import Signal
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.signals import Interference, SwarmState
-from q2q_model.tools.models import find_model
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Interference, SwarmState
 from q2q_planner.ros.plan_message import encode_plan
-from q2q_sim import scenarios
-from q2q_sim.assembly import plan_of
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.ros import foxglove_scene
+from q2q_sim.loop.assembly import plan_of
+from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.ros.stand_in import StandInNode
 from q2q_sim.ros.view_node import View
-from q2q_sim.scene import SceneParams
+from q2q_sim.scenarios import library
+from q2q_sim.view import foxglove_server
+from q2q_sim.view.scene import SceneParams
 
 PATIENCE_S = 60.0
 """A busy machine answers within this; the test itself waits for nothing else."""
@@ -59,7 +59,7 @@ class Viewed(StandInNode):
 @pytest.fixture(scope="module")
 def flight() -> Flight:
     """Return Q2's pass over Q1, flown without ROS."""
-    scenario = scenarios.load("table6")
+    scenario = library.load("table6")
     return fly(scenario, FlightOptions(model=find_model(scenario.model).interaction))
 
 
@@ -115,7 +115,7 @@ def test_the_plan_is_drawn_when_it_comes(flight: Flight):
     node = Viewed(scene_hz=100.0)
     View(node)
     shown(node, flight, 0)
-    plan = plan_of(scenarios.load("table6"))
+    plan = plan_of(library.load("table6"))
     for message, receive in node.readers:
         if message.__name__ == "Plan":
             receive(encode_plan(plan, 0))
@@ -133,7 +133,7 @@ def test_a_headless_foxglove_client_receives_the_scene(flight: Flight):
     assert view.foxglove is not None
     try:
         with FoxgloveClient(view.foxglove.port, PATIENCE_S) as client:
-            assert client.subscribe(foxglove_scene.TOPIC) == "foxglove.SceneUpdate"
+            assert client.subscribe(foxglove_server.TOPIC) == "foxglove.SceneUpdate"
             for tick in range(0, len(flight.t), STEP):  # the flight goes on; the viewer joins when it can
                 shown(node, flight, tick)
                 if (got := client.poll(WAIT_S)) is not None:

@@ -25,10 +25,10 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "pid = q2q_control.commands.nodes:pid",
-            "mpc = q2q_control.commands.nodes:mpc",
-            "crazyswarm = q2q_control.commands.nodes:crazyswarm",
-            "radio = q2q_control.commands.nodes:radio",
+            "pid = q2q_control.commands.control_nodes:pid",
+            "mpc = q2q_control.commands.control_nodes:mpc",
+            "crazyswarm = q2q_control.commands.control_nodes:crazyswarm",
+            "radio = q2q_control.commands.control_nodes:radio",
             "call = q2q_control.commands.call:main",
         ],
     },

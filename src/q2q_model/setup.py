@@ -25,8 +25,8 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "mocap_filter = q2q_model.commands.nodes:mocap_filter",
-            "interference = q2q_model.commands.nodes:interference",
+            "mocap_filter = q2q_model.commands.model_nodes:mocap_filter",
+            "interference = q2q_model.commands.model_nodes:interference",
             "identify = q2q_model.commands.identify:main",
             "evaluate = q2q_model.commands.evaluate:main",
         ],

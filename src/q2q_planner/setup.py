@@ -25,8 +25,8 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "trajectory = q2q_planner.commands.nodes:trajectory",
-            "replanner = q2q_planner.commands.nodes:replanner",
+            "trajectory = q2q_planner.commands.planner_nodes:trajectory",
+            "replanner = q2q_planner.commands.planner_nodes:replanner",
             "plan = q2q_planner.commands.plan:main",
         ],
     },

@@ -10,7 +10,7 @@ setup(
     name=PACKAGE,
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
-    package_data={PACKAGE: ["py.typed", "*.yaml", "scenarios/*.yaml"]},
+    package_data={PACKAGE: ["py.typed", "scenarios/*.yaml", "experiments/paper/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -26,11 +26,11 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "simulator = q2q_sim.commands.nodes:simulator",
-            "bag_record = q2q_sim.commands.nodes:bag_record",
-            "bag_play = q2q_sim.commands.nodes:bag_play",
-            "stack = q2q_sim.commands.nodes:stack",
-            "view = q2q_sim.commands.nodes:view",
+            "simulator = q2q_sim.commands.sim_nodes:simulator",
+            "bag_record = q2q_sim.commands.sim_nodes:bag_record",
+            "bag_play = q2q_sim.commands.sim_nodes:bag_play",
+            "stack = q2q_sim.commands.sim_nodes:stack",
+            "view = q2q_sim.commands.sim_nodes:view",
             "ablation = q2q_sim.commands.ablation:main",
             "bag_import = q2q_sim.commands.bag_import:main",
             "campaign = q2q_sim.commands.campaign:main",

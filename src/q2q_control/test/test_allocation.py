@@ -5,10 +5,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from q2q_control.allocation import rotor_frame, rotors_of, wrench_of
-from q2q_control.allocation_kernel import allocate, packed_frame
-from q2q_model.signals import Array
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_control.attitude.allocation import rotor_frame, rotors_of, wrench_of
+from q2q_control.attitude.allocation_kernel import allocate, packed_frame
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FRAME = rotor_frame(CRAZYFLIE_2_0)
 SIDE = st.floats(-0.01, 0.01)

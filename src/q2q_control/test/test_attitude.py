@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.signal import TransferFunction, step
 
-from q2q_control.attitude import AttitudeParams, attitude_torque, attitude_torques, packed_gains
-from q2q_model.signals import Array
-from q2q_model.vehicle import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
+from q2q_control.attitude.attitude_law import AttitudeParams, attitude_torque, attitude_torques, packed_gains
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
 
 FINITE = st.floats(-3.0, 3.0)
 THREE = arrays(np.float64, 3, elements=FINITE)

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_control.blind_braking import BRAKING_MAX, LAG_S, BlindBraking
-from q2q_model.rotations import quat_from_euler, rotate
-from q2q_model.signals import CommandStatus, SwarmCommand, SwarmState, TrackStatus
-from q2q_model.vehicle import GRAVITY
+from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, LAG_S, DeadReckonedBraking
+from q2q_model.geometry.rotations import quat_from_euler, rotate
+from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.vehicle.constants import GRAVITY
 
 NAMES = ("cf1", "cf2")
 UP = np.array([0.0, 0.0, 1.0])
@@ -42,7 +42,7 @@ def flown_blind(vel: np.ndarray, yaw: float, status: CommandStatus) -> tuple[np.
 
     Its body's z axis follows the command with a first-order lag; nothing else moves it.
     """
-    block, made = BlindBraking(), []
+    block, made = DeadReckonedBraking(), []
     block.sighted(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
     tilt = np.zeros(2)
     for k in range(1, 300):
@@ -67,7 +67,7 @@ def test_who_is_not_seen_comes_to_rest_whatever_its_heading(yaw: float, status: 
 
 
 def test_a_tilt_that_was_on_its_way_when_a_vehicle_was_lost_counts() -> None:
-    block = BlindBraking()
+    block = DeadReckonedBraking()
     block.sighted(state_at(0.0, np.zeros(2)), level_at(0.0, CommandStatus.OK, roll=-0.2))
     told = block.update(state_at(TICK, np.zeros(2), age=TICK), level_at(TICK))
     coming = GRAVITY * np.sin(0.2) * (LAG_S + TICK)  # m/s along y: a roll to the left
@@ -76,7 +76,7 @@ def test_a_tilt_that_was_on_its_way_when_a_vehicle_was_lost_counts() -> None:
 
 
 def test_commands_that_are_computed_or_held_are_left_alone() -> None:
-    block = BlindBraking()
+    block = DeadReckonedBraking()
     fast = np.array([1.0, 0.0])
     block.sighted(state_at(0.0, fast), level_at(0.0, CommandStatus.OK))
     for status in (CommandStatus.DEGRADED, CommandStatus.HOLD, CommandStatus.CUT):
@@ -87,7 +87,7 @@ def test_commands_that_are_computed_or_held_are_left_alone() -> None:
 
 
 def test_a_vehicle_that_was_never_seen_stays_level() -> None:
-    block = BlindBraking()
+    block = DeadReckonedBraking()
     for k in range(3):
         state = replace(state_at(k * TICK, np.zeros(2)), age=np.full(2, np.inf))
         told = block.update(state, level_at(k * TICK))
@@ -98,7 +98,7 @@ def test_a_vehicle_that_was_never_seen_stays_level() -> None:
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
 def test_where_who_is_not_seen_comes_to_rest_is_known(yaw: float) -> None:
     """The plant of `flown_blind`: what the reckoning does not model is the lag of the tilt, LAG_S of way."""
-    block = BlindBraking()
+    block = DeadReckonedBraking()
     pos, vel, tilt = np.zeros(2), np.array([0.8, -0.6]), np.zeros(2)
     block.sighted(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
     for k in range(1, 300):
@@ -117,7 +117,7 @@ def test_the_largest_deceleration_costs_two_percent_of_lift_and_no_more() -> Non
 
 def test_in_a_gap_between_ticks_a_tilt_is_taken_as_flown_for_a_tenth_of_a_second_at_most() -> None:
     def reckoned(gap: float) -> np.ndarray:
-        block, leaning = BlindBraking(), level_at(0.0, CommandStatus.OK, roll=0.2)
+        block, leaning = DeadReckonedBraking(), level_at(0.0, CommandStatus.OK, roll=0.2)
         block.sighted(state_at(0.0, np.array([1.0, 0.0])), leaning)
         block.update(state_at(gap, np.zeros(2), age=gap), level_at(gap, CommandStatus.HOLD, roll=0.2))
         return block.places["cf1"]

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from q2q_control.disturbance.observer import correct
+from q2q_control.inputs.preview import between
 from q2q_control.mpc.chain import ChainWeights, chain
-from q2q_control.mpc.chain_sweep import sweep, sweep_free, sweep_gains
-from q2q_control.mpc.draft_horizon import (
+from q2q_control.mpc.group_solve import solve_group
+from q2q_control.mpc.horizon_solver import groups_of
+from q2q_control.mpc.prediction.downwash_horizon import (
     DELTA,
     FAINT,
     DraftHorizon,
@@ -13,19 +16,16 @@ from q2q_control.mpc.draft_horizon import (
     Tracks,
     predict_drafts,
 )
-from q2q_control.mpc.draft_stages import extent, gather, meeting
-from q2q_control.mpc.group_solve import solve_group
-from q2q_control.mpc.horizon import Horizon
-from q2q_control.mpc.input_bounds import FALL, bounds_of
-from q2q_control.mpc.joint_problem import group_shape, joint_problem
-from q2q_control.mpc.planner import groups_of
-from q2q_control.mpc.riccati import solve
-from q2q_control.observer import correct
-from q2q_control.preview import between
-from q2q_model.interaction.jet import MEASURED_LAW, MOVING_LAW, Jet
-from q2q_model.interaction.model import PairMotion
-from q2q_model.signals import Array
-from q2q_model.vehicle import GRAVITY
+from q2q_control.mpc.prediction.downwash_stages import extent, gather, meeting
+from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.problem.input_bounds import FALL, bounds_of
+from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.solver.chain_sweep import sweep, sweep_free, sweep_gains
+from q2q_control.mpc.solver.riccati import solve
+from q2q_model.downwash.interaction_model import PairMotion
+from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, Jet
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
 
 STAGES = 12
 MODELS = (chain(0.2, 0.05, ChainWeights(2.0, 0.2)),) * 2 + (chain(0.07, 0.05, ChainWeights(5.0, 0.2)),)

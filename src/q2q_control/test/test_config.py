@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import yaml
 
-from q2q_control.pid import PidParams
-from q2q_model.parameters import with_overrides
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_control.pid.pid import PidParams
+from q2q_model.tunable import with_overrides
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FOLDER = Path(__file__).parents[1] / "config"
 FILES = sorted(FOLDER.glob("pid_*.yaml"))

@@ -12,6 +12,7 @@ import pytest
 from q2q_control.explicit.c_export import c_source
 from q2q_control.explicit.distillation import Syllabus, distil, policy_of
 from q2q_control.explicit.encounter_flight import fly, teacher_policy
+from q2q_control.explicit.explicit_solver import explicit_controller
 from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, look
 from q2q_control.explicit.law import (
     ExplicitLaw,
@@ -23,17 +24,16 @@ from q2q_control.explicit.law import (
     to_text,
 )
 from q2q_control.explicit.situations import random_encounters, random_situations
-from q2q_control.explicit.solver import explicit_controller
 from q2q_control.explicit.teacher import Teacher, answers, drafts_between, seen
-from q2q_control.mpc.chain_sweep import sweep_gains
-from q2q_control.mpc.draft_horizon import SlopeRule, Tracks, predict_drafts
-from q2q_control.mpc.horizon import Horizon
-from q2q_control.mpc.joint_problem import group_shape, joint_problem
-from q2q_control.mpc.params import MpcParams
-from q2q_control.mpc.riccati import solve
-from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW
-from q2q_model.signals import Array, Interference, SwarmSetpoint, SwarmState
-from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.solver.chain_sweep import sweep_gains
+from q2q_control.mpc.solver.riccati import solve
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
+from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
 
 PARAMS = MpcParams(latency=0.0, thrust_limited=True)
 TEACHER = Teacher(PARAMS, TEXTBOOK_065, PAPER_LAW, 6.6)

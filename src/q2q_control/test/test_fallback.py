@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from q2q_control.fallback import FallbackParams, descended, fallback_command
-from q2q_control.legacy import LegacyScale, legacy_setpoints
-from q2q_model.signals import CommandStatus, SwarmCommand
+from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
+from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_model.signals.values import CommandStatus, SwarmCommand
 
 LAST = SwarmCommand(
     t=4.0,

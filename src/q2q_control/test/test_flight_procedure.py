@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
-from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.procedure import FlightProcedure
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act, Call, Order, Step
-from q2q_model.reply import Reply
-from q2q_model.signals import Array
+from q2q_model.node.reply import Reply
+from q2q_model.signals.values import Array
 
 NAMES = ("cf1", "cf2")
 HOME = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])

@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from q2q_control.flown_ticks import FlownTicks
-from q2q_model.health import Health
-from q2q_model.rehearsal import rehearsal
-from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_control.flight_procedure.flown_ticks import FlownTicks
+from q2q_model.node.health import Health
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 NAMES = ("cf1", "cf2")
 COMMAND, SETPOINT, DRAFT, STATE = (

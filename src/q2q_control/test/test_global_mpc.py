@@ -5,12 +5,12 @@ import pytest
 
 from q2q_control.global_mpc import networks
 from q2q_control.global_mpc.collocation import solve_collocation
-from q2q_control.global_mpc.networks import NetworkParams, solve_networks
+from q2q_control.global_mpc.networks import NetworkSolutionParams, solve_networks
 from q2q_control.global_mpc.problem import GlobalProblem, drafts, thrust_acceleration, z_rmse
-from q2q_model.interaction.jet import PAPER_LAW
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.rotations import matrix_from_quat, quat_from_euler
-from q2q_model.vehicle import GRAVITY, TEXTBOOK_065
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
+from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 
 def slow_pass(count: int = 81, seconds: float = 8.0) -> GlobalProblem:
@@ -23,7 +23,7 @@ def slow_pass(count: int = 81, seconds: float = 8.0) -> GlobalProblem:
 
 
 def test_the_networks_jacobian_is_the_derivative_of_their_residual():
-    fit = networks._Fit(slow_pass(30), NetworkParams(hidden=4))
+    fit = networks._Fit(slow_pass(30), NetworkSolutionParams(hidden=4))
     rng = np.random.default_rng(0)
     weights = fit.start(rng) + 0.1 * rng.normal(size=fit.start(rng).size)
     direction = rng.normal(size=weights.size)
@@ -35,7 +35,9 @@ def test_the_networks_jacobian_is_the_derivative_of_their_residual():
 def test_networks_and_collocation_reach_the_same_flight():
     problem = slow_pass()
     by_collocation = solve_collocation(problem)
-    by_networks = solve_networks(problem, NetworkParams(hidden=12, iterations=25), np.random.default_rng(1))
+    by_networks = solve_networks(
+        problem, NetworkSolutionParams(hidden=12, iterations=25), np.random.default_rng(1)
+    )
     hover = drafts(PAPER_LAW, problem.reference[..., :3])[0, :, 2].min()
     assert hover < -0.38  # beyond the 0.344 m/s^2 that 6.6 N leave
     for solution in (by_collocation, by_networks):

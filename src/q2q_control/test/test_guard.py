@@ -6,18 +6,25 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from q2q_control.blind_braking import BRAKING_MAX, BRAKING_S
-from q2q_control.controller import Controller
-from q2q_control.fallback import FallbackParams
-from q2q_control.guard import Guard
-from q2q_control.mpc.params import MpcParams
+from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.failsafe.stamp_delay import MOST_S, WINDOW_S, StampDelayMonitor
+from q2q_control.failsafe.tick_watch import TickWatch
+from q2q_control.inputs.controller import Controller
+from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc
-from q2q_control.pid import Pid, PidParams
-from q2q_control.tick_watch import TickWatch
-from q2q_control.transit import MOST_S, WINDOW_S, Transit
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.signals import CommandStatus, Names, SwarmCommand, SwarmSetpoint, SwarmState, TrackStatus
-from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY
+from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.signals.values import (
+    CommandStatus,
+    Names,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+)
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
 HOVER = CRAZYFLIE_2_0.hover_thrust
 TICK = 0.01
@@ -513,7 +520,7 @@ def test_the_largest_lateness_that_is_told_lands_nobody() -> None:
 
 
 def test_a_stream_that_is_suddenly_late_shows_by_how_much() -> None:
-    clock = Transit()
+    clock = StampDelayMonitor()
     for k in range(100):
         assert clock.lateness(k * TICK, 5000.0 + k * TICK + 0.02) == pytest.approx(0.0, abs=1e-9)
     assert clock.lateness(1.0, 5001.0 + 0.02 + 0.2) == pytest.approx(0.2, abs=1e-9)
@@ -521,7 +528,7 @@ def test_a_stream_that_is_suddenly_late_shows_by_how_much() -> None:
 
 
 def test_what_was_usual_is_forgotten_after_two_windows() -> None:
-    clock = Transit()
+    clock = StampDelayMonitor()
     clock.lateness(0.0, 100.0)
     late = [clock.lateness(k * TICK, 100.0 + k * TICK + 0.1) for k in range(1, 450)]
     assert late[0] == pytest.approx(0.1, abs=1e-9)
@@ -530,7 +537,7 @@ def test_what_was_usual_is_forgotten_after_two_windows() -> None:
 
 
 def test_a_window_ends_after_its_length_not_with_it() -> None:
-    clock = Transit()
+    clock = StampDelayMonitor()
     clock.lateness(0.0, 0.0)
     late = [clock.lateness(now - 0.1, now) for now in (WINDOW_S, 2.5, 4.2)]
     assert late == pytest.approx([0.1, 0.1, 0.1], abs=1e-9)

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from q2q_control.alignment import align
-from q2q_control.mpc.draft_horizon import SlopeRule, Tracks, predict_drafts
-from q2q_control.mpc.surroundings import Surroundings
-from q2q_model.interaction.jet import PAPER_LAW
-from q2q_model.signals import SwarmSetpoint, SwarmState
-from q2q_model.vehicle import GRAVITY
+from q2q_control.inputs.alignment import align
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.prediction.surroundings import Surroundings
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.signals.values import SwarmSetpoint, SwarmState
+from q2q_model.vehicle.constants import GRAVITY
 
 PAIR = ("cf1", "cf2")
 STAGES = 4

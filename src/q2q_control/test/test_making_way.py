@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.making_way import BENEATH, PACE, REACH, MakingWay
-from q2q_model.signals import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_control.failsafe.descent_evasion import BENEATH, PACE, REACH, DescentEvasion
+from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
 
 TICK = 0.01
 UPPER = (0.0, 0.0, 1.5)
@@ -45,7 +45,7 @@ def names_of(n: int) -> tuple[str, ...]:
 
 def shifts(pos: np.ndarray, ticks: int, command: SwarmCommand, vel: np.ndarray | None = None) -> np.ndarray:
     """Return by how much every setpoint is moved at every tick, (ticks, n, 9); vehicles are where sent."""
-    way, made = MakingWay(), []
+    way, made = DescentEvasion(), []
     speed = np.zeros_like(pos) if vel is None else vel
     for k in range(ticks):
         sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
@@ -78,7 +78,7 @@ def test_who_is_not_in_the_way_is_left_alone(other: tuple[float, float, float]) 
 @pytest.mark.parametrize("how", [CommandStatus.OK, CommandStatus.HOLD, CommandStatus.CUT])
 def test_who_is_seen_or_held_for_a_moment_or_down_needs_no_way(how: CommandStatus) -> None:
     sent = setpoint_of(0.0, np.array([UPPER, (0.0, 0.0, 1.0)]))
-    assert MakingWay().update(sent, state_of(sent.pos), flown(2, 0, how=how), {}) is sent
+    assert DescentEvasion().update(sent, state_of(sent.pos), flown(2, 0, how=how), {}) is sent
 
 
 def test_two_blind_ones_move_nobody_and_one_that_is_seen_between_makes_way_for_the_upper() -> None:
@@ -99,7 +99,7 @@ def test_a_setpoint_that_passes_beneath_goes_round(
 ) -> None:
     """The blind one stays; after the way there, 3 / w and more, the passing one is REACH away from it."""
     speed = np.array([(0.0, 0.0, 0.0), (*vel, 0.0)])
-    way, pos = MakingWay(), np.array([UPPER, (*begin, 0.8)])
+    way, pos = DescentEvasion(), np.array([UPPER, (*begin, 0.8)])
     place = pos
     for k in range(400):
         sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
@@ -117,7 +117,7 @@ def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
 
 
 def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None:
-    way, pos = MakingWay(), np.array([UPPER, (0.0, 0.0, 1.0)])
+    way, pos = DescentEvasion(), np.array([UPPER, (0.0, 0.0, 1.0)])
     for k in range(200):
         way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {})
     assert way.active
@@ -162,7 +162,7 @@ def test_four_fifths_of_the_way_are_flown_from_level_to_landing() -> None:
 def test_beneath_two_blind_ones_the_way_leads_from_both() -> None:
     pos = np.array([UPPER, (0.3, 0.0, 1.6), (0.1, -0.1, 1.0)])
     vel = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.1, 0.0, 0.0)])
-    way, made = MakingWay(), []
+    way, made = DescentEvasion(), []
     for k in range(300):
         sent = setpoint_of(k * TICK, pos + vel * k * TICK, vel)
         place = pos if not made else np.array([*pos[:2], made[-1]])
@@ -174,7 +174,7 @@ def test_beneath_two_blind_ones_the_way_leads_from_both() -> None:
 def test_after_a_gap_between_ticks_a_setpoint_moves_as_in_a_tenth_of_a_second() -> None:
     pos, moved = np.array([UPPER, (0.1, 0.0, 1.0)]), []
     for gap in (0.1, 2.0):
-        way = MakingWay()
+        way = DescentEvasion()
         for t in (0.0, gap):
             told = way.update(setpoint_of(t, pos), state_of(pos), flown(2, 0), {})
         moved.append(told.pos[1, 0] - 0.1)
@@ -184,7 +184,7 @@ def test_after_a_gap_between_ticks_a_setpoint_moves_as_in_a_tenth_of_a_second() 
 def test_who_was_never_placed_or_has_left_the_state_moves_nobody() -> None:
     pos = np.array([(np.nan, 0.0, 1.5), (0.0, 0.0, 1.0)])
     assert not shifts(pos, 50, flown(2, 0))[:, 1].any()
-    way, pos = MakingWay(), np.array([UPPER, (0.0, 0.0, 1.0)])
+    way, pos = DescentEvasion(), np.array([UPPER, (0.0, 0.0, 1.0)])
     for k in range(50):
         way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {})
     alone = replace(state_of(pos[1:]), names=("cf2",))
@@ -195,7 +195,7 @@ def test_who_was_never_placed_or_has_left_the_state_moves_nobody() -> None:
 
 def test_way_is_made_where_the_blind_one_is_reckoned_to_be_not_where_it_was_seen() -> None:
     pos = np.array([(0.0, -0.8, 1.5), (0.0, 0.0, 1.0)])
-    way, sent = MakingWay(), setpoint_of(0.0, pos)
+    way, sent = DescentEvasion(), setpoint_of(0.0, pos)
     assert way.update(sent, state_of(pos), flown(2, 0), {}) is not None
     assert not way.active
     for k in range(1, 300):

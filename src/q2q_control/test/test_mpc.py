@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from q2q_control.mpc.draft_horizon import SlopeRule, Tracks, predict_drafts
-from q2q_control.mpc.params import MpcParams
-from q2q_control.mpc.predictions import Predictions
+from q2q_control.inputs.preview import SampledPreview
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.prediction.predictions import Predictions
 from q2q_control.mpc.receding import Mpc
-from q2q_control.preview import SampledPreview
-from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
-from q2q_model.interaction.model import InteractionModel, PairMotion, at_rest
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.interaction.predictor import InteractionPredictor
-from q2q_model.signals import (
+from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, at_rest
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW, Jet
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.signals.values import (
     Array,
     CommandStatus,
     Interference,
@@ -24,7 +24,7 @@ from q2q_model.signals import (
     SwarmState,
     TrackStatus,
 )
-from q2q_model.vehicle import GRAVITY, TEXTBOOK_065
+from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 DT = 0.01
 """The house's tick [s]."""

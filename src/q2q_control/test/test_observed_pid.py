@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_control.disturbance_tracker import TrackerParams
-from q2q_control.feedforward import compensated_setpoint
-from q2q_control.observed_pid import ObservedPid
-from q2q_control.pid import Pid, PidParams
-from q2q_model.rotations import matrix_from_quat, quat_from_euler
-from q2q_model.signals import Array, Interference, Names, SwarmSetpoint, SwarmState
-from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
+from q2q_control.disturbance.tracker import TrackerParams
+from q2q_control.pid.feedforward import compensated_setpoint
+from q2q_control.pid.observed_pid import ObservedPid
+from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
+from q2q_model.signals.values import Array, Interference, Names, SwarmSetpoint, SwarmState
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
 
 DT = 0.01
 """[s]"""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.observer import DisturbanceObserver, Estimate, Measurement
+from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, Measurement
 
 DT = 0.01
 """[s]"""

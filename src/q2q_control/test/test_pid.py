@@ -8,12 +8,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.alignment import ETA, POS, QUAT, REF_ACC, REF_POS, REF_VEL, VEL, YAW, YAW_RATE, Aligned
-from q2q_control.pid import Pid, PidParams, pid_gains, pid_limits, wanted_acceleration
-from q2q_control.pid_kernel import packed_numbers, pid_rows
-from q2q_control.thrust_vector import thrust_vector
-from q2q_model.rotations import matrix_from_quat, quat_from_euler
-from q2q_model.signals import (
+from q2q_control.inputs.alignment import (
+    ETA,
+    POS,
+    QUAT,
+    REF_ACC,
+    REF_POS,
+    REF_VEL,
+    VEL,
+    YAW,
+    YAW_RATE,
+    Aligned,
+)
+from q2q_control.pid.pid import Pid, PidParams, pid_gains, pid_limits, wanted_acceleration
+from q2q_control.pid.pid_kernel import packed_numbers, pid_rows
+from q2q_control.pid.thrust_vector import thrust_vector
+from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
+from q2q_model.signals.values import (
     Array,
     CommandStatus,
     Interference,
@@ -22,7 +33,7 @@ from q2q_model.signals import (
     SwarmState,
     TrackStatus,
 )
-from q2q_model.vehicle import GRAVITY, TEXTBOOK_065
+from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 Signal = TypeVar("Signal", SwarmState, SwarmSetpoint, Interference)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.plan_samples import STEP, Curve, sampled_preview
+from q2q_control.inputs.plan_samples import STEP, Curve, sampled_preview
 
 CURVE = Curve(
     durations=np.array([1.0, 2.0]),

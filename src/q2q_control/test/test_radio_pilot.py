@@ -9,18 +9,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from q2q_control.crazyflies import crazyflies_from_document
-from q2q_control.flight_procedure.params import LandingParams
+from q2q_control.crazyswarm.crazyflies import crazyflies_from_document
+from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.legacy import LegacyScale
-from q2q_control.radio_crew import RadioCrew
-from q2q_control.radio_link import LinkHealth
-from q2q_control.radio_params import RadioPilotParams
-from q2q_control.radio_pilot import Phase, RadioPilot
-from q2q_control.radio_words import ZERO_STICK, FullState, Stick, full_states, level_stick, names_cut, sticks
-from q2q_model.reply import Reply
-from q2q_model.rotations import euler_from_quat
-from q2q_model.signals import (
+from q2q_control.radio.link import LinkHealth
+from q2q_control.radio.pilot_params import RadioPilotParams
+from q2q_control.radio.radio_executor import RadioExecutor
+from q2q_control.radio.radio_pilot import Phase, RadioPilot
+from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.setpoints import (
+    ZERO_STICK,
+    FullState,
+    RpytSetpoint,
+    full_states,
+    level_stick,
+    names_cut,
+    sticks,
+)
+from q2q_model.geometry.rotations import euler_from_quat
+from q2q_model.node.reply import Reply
+from q2q_model.signals.values import (
     CommandStatus,
     Interference,
     SwarmCommand,
@@ -28,14 +36,14 @@ from q2q_model.signals import (
     SwarmState,
     TrackStatus,
 )
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 NAMES = ("cf1", "cf2")
 WELL = LinkHealth(connected=True, volt=4.0, armed=True)
 PARAMS = RadioPilotParams()
 LANDING_S = 3.0 / 0.4, 6.0 / 0.4
 """From 3 m and 6 m at 0.4 m/s."""
-HOVER = Stick(0.0, 0.0, 0.0, 30000)
+HOVER = RpytSetpoint(0.0, 0.0, 0.0, 30000)
 
 
 @dataclass
@@ -48,7 +56,7 @@ class _FakeLink:
     def health(self) -> LinkHealth:
         return self.now
 
-    def send_stick(self, stick: Stick) -> None:
+    def send_stick(self, stick: RpytSetpoint) -> None:
         self.sent.append(stick)
 
     def send_full_state(self, wanted: FullState) -> None:
@@ -79,7 +87,7 @@ class _Bench:
 
     links: dict[str, _FakeLink] = field(default_factory=lambda: {name: _FakeLink() for name in NAMES})
     t: float = 100.0
-    hover: Stick | None = HOVER
+    hover: RpytSetpoint | None = HOVER
 
     def __post_init__(self) -> None:
         self.pilot = RadioPilot(self.links, PARAMS, self.hover)
@@ -103,7 +111,7 @@ class _Bench:
         return reply
 
     def sticks(self) -> None:
-        self.pilot.fly_sticks(NAMES, [Stick(1.0, 2.0, 3.0, 30000)] * 2, self.t)
+        self.pilot.fly_sticks(NAMES, [RpytSetpoint(1.0, 2.0, 3.0, 30000)] * 2, self.t)
 
     def silent_until(self, age: float, *, seen: bool) -> list[object]:
         """Look every 20 ms until the last command is `age` old; return what cf1 was sent."""
@@ -186,7 +194,12 @@ def test_arming_unlocks_and_only_streamed_vehicles_are_sent_commands() -> None:
     assert set(bench.pilot.phases.values()) == {Phase.CLIMBING}
     bench.done(Act.STREAM)
     bench.sticks()
-    assert bench.links["cf2"].sent == ["arm", ZERO_STICK, ("take off", 0.5, 2.0), Stick(1.0, 2.0, 3.0, 30000)]
+    assert bench.links["cf2"].sent == [
+        "arm",
+        ZERO_STICK,
+        ("take off", 0.5, 2.0),
+        RpytSetpoint(1.0, 2.0, 3.0, 30000),
+    ]
 
 
 def test_a_vehicle_that_does_not_arm_in_time_is_named() -> None:
@@ -215,7 +228,7 @@ def test_a_pilot_as_crew_reports_what_its_links_and_phases_say() -> None:
     bench = _Bench()
     bench.fly()
     bench.links["cf2"].now = replace(WELL, volt=3.3, onboard=(1.0, 2.0, 3.0), wrong="mass is 0")
-    first, second = RadioCrew(bench.pilot, bench.links, CRAZYFLIE_2_0).reports()
+    first, second = RadioExecutor(bench.pilot, bench.links, CRAZYFLIE_2_0).reports()
     assert (first.name, first.connected, first.armed, first.flies) == ("cf1", True, True, True)
     assert (second.volt, second.onboard, second.wrong) == (3.3, (1.0, 2.0, 3.0), "mass is 0")
 
@@ -233,7 +246,7 @@ def test_a_link_lost_in_flight_is_silent_until_a_new_start_and_the_other_flies_o
     assert len(bench.links["cf1"].sent) == count
     assert bench.pilot.phases == {"cf1": Phase.READY, "cf2": Phase.FLYING}
     assert any("cf1 is lost in flight" in line for line in bench.pilot.said())
-    assert bench.links["cf2"].sent[-1] == Stick(1.0, 2.0, 3.0, 30000)
+    assert bench.links["cf2"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
 
 
 def test_a_low_battery_lands_its_vehicle_after_a_while_whatever_is_commanded() -> None:
@@ -275,7 +288,7 @@ def test_a_word_that_none_will_come_levels_a_look_earlier_and_never_after_a_fres
     bench.fly()
     bench.sticks()
     bench.pilot.watch(bench.t + 0.01, ahead=0.02)
-    assert bench.links["cf1"].sent[-1] == Stick(1.0, 2.0, 3.0, 30000)
+    assert bench.links["cf1"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
     bench.pilot.watch(bench.t + 0.021, ahead=0.02)
     assert bench.links["cf1"].sent[-1] == HOVER
 
@@ -285,7 +298,7 @@ def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_stopp
     bench.fly()
     bench.sticks()
     bench.silent_until(1.02, seen=False)
-    sink = Stick(0.0, 0.0, 0.0, 28200)  # 0.94 of hover: q2q_control.fallback
+    sink = RpytSetpoint(0.0, 0.0, 0.0, 28200)  # 0.94 of hover: q2q_control.failsafe.ladder
     assert set(bench.silent_until(3.9, seen=False)) == {sink}
     assert bench.silent_until(0.2, seen=False)[-1] == "stop"
     assert bench.pilot.phases["cf1"] is Phase.READY
@@ -297,7 +310,7 @@ def test_a_command_that_comes_before_the_landing_flies_on() -> None:
     bench.sticks()
     bench.silent_until(0.9, seen=True)
     bench.sticks()
-    assert bench.links["cf1"].sent[-1] == Stick(1.0, 2.0, 3.0, 30000)
+    assert bench.links["cf1"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
     assert bench.silent_until(0.02, seen=True) == []
 
 
@@ -330,7 +343,7 @@ def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
     bench.pilot.cut((*names, "stranger"), bench.t)
     bench.sticks()
     assert bench.links["cf1"].sent[-1] == "stop"
-    assert bench.links["cf2"].sent[-1] == Stick(1.0, 2.0, 3.0, 30000)
+    assert bench.links["cf2"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
     assert bench.pilot.phases["cf1"] is Phase.READY
 
 
@@ -352,7 +365,7 @@ def test_times_of_silence_out_of_order_are_refused() -> None:
 
 
 def test_the_level_stick_is_the_thrust_on_the_houses_scale() -> None:
-    assert level_stick(0.034 * 9.81, LegacyScale(0.48)) == Stick(0.0, 0.0, 0.0, 45539)
+    assert level_stick(0.034 * 9.81, LegacyScale(0.48)) == RpytSetpoint(0.0, 0.0, 0.0, 45539)
 
 
 def test_a_battery_that_is_unknown_lands_nobody() -> None:

@@ -6,13 +6,13 @@ from scipy.linalg import expm
 from scipy.optimize import lsq_linear, minimize
 
 from q2q_control.mpc.chain import ChainWeights, chain, transition
-from q2q_control.mpc.chain_sweep import sweep, sweep_gains
-from q2q_control.mpc.draft_horizon import DraftHorizon
-from q2q_control.mpc.horizon import Horizon
-from q2q_control.mpc.joint_problem import group_shape, joint_problem
-from q2q_control.mpc.lq_problem import LqProblem, cost, dense_matrices, input_matrix
-from q2q_control.mpc.riccati import solve
-from q2q_model.signals import Array
+from q2q_control.mpc.prediction.downwash_horizon import DraftHorizon
+from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
+from q2q_control.mpc.solver.chain_sweep import sweep, sweep_gains
+from q2q_control.mpc.solver.riccati import solve
+from q2q_model.signals.values import Array
 
 H = 0.05
 """Stage [s]."""

@@ -7,20 +7,20 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from q2q_control.disturbance_tracker import TrackerParams
+from q2q_control.disturbance.tracker import TrackerParams
 from q2q_control.explicit.distillation import Syllabus, distil
+from q2q_control.explicit.explicit_solver import explicit_controller
 from q2q_control.explicit.law import ExplicitLaw
-from q2q_control.explicit.solver import explicit_controller
 from q2q_control.explicit.teacher import Teacher
-from q2q_control.mpc.params import MpcParams
+from q2q_control.inputs.preview import SampledPreview
+from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc
-from q2q_control.observed_pid import ObservedPid
-from q2q_control.pid import Pid, PidParams
-from q2q_control.preview import SampledPreview
-from q2q_model.interaction.jet import Jet
-from q2q_model.interaction.predictor import InteractionPredictor
-from q2q_model.signals import Array, SwarmSetpoint, SwarmState, TrackStatus
-from q2q_model.vehicle import GRAVITY, TEXTBOOK_065
+from q2q_control.pid.observed_pid import ObservedPid
+from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 DT = 0.01
 """[s]"""

@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from q2q_control.crazyflies import params_set
-from q2q_control.server_vehicle import ServerVehicle
-from q2q_control.supervisor_info import READY
-from q2q_model.hover import OwnHover, hover_ratio
-from q2q_model.vehicle import vehicle_by_name
+from q2q_control.crazyswarm.crazyflies import params_set
+from q2q_control.crazyswarm.server_vehicle import ServerVehicle
+from q2q_control.flight_procedure.supervisor_info import READY
+from q2q_model.vehicle.constants import vehicle_by_name
+from q2q_model.vehicle.hover_thrust import OwnHover, hover_ratio
 
 VEHICLE = vehicle_by_name("crazyflie_2_0", "stock")
 WANTED = {"stabilizer.controller": 2.0}

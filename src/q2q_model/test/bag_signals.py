@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from q2q_model.layout import LAYOUTS, Signal
-from q2q_model.signals import Names
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.values import Names
 
 STEP_NS = 10_000_000
 

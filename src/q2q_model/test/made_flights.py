@@ -5,12 +5,12 @@ from functools import cache
 
 import numpy as np
 
-from q2q_model.flights import FLIGHT_FIELDS, Flight
-from q2q_model.identification.altitude_loop import AltitudeLoop
-from q2q_model.interaction.jet import PAPER_LAW
-from q2q_model.interaction.model import InteractionModel, at_rest
-from q2q_model.signals import Array
-from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY
+from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.flights.flight import FLIGHT_FIELDS, Flight
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
 STEP, TICK = 0.002, 0.01
 """Physics and recording [s]."""

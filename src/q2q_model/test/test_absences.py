@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from q2q_model.rotations import identity_quat, quat_from_euler
-from q2q_model.signals import Array
-from q2q_model.tracking import white_jerk
-from q2q_model.tracking.absences import WIDTH, follow_present, turn_present
+from q2q_model.estimation import white_jerk
+from q2q_model.estimation.partial_frame import WIDTH, follow_present, turn_present
+from q2q_model.geometry.rotations import identity_quat, quat_from_euler
+from q2q_model.signals.values import Array
 
 NOISE_VAR, DENSITY, COAST, JUMP, SPEED, SIGMAS, ROOM, ROUNDING = 1e-6, 64.0, 0.35, 0.05, 5.0, 1.0, 10.0, 1e-9
 NUMBERS = np.array([NOISE_VAR, DENSITY, COAST, JUMP, SPEED, SIGMAS, ROOM, ROUNDING])

@@ -7,16 +7,20 @@ import pytest
 from made_flights import LOOP, Pass, made_flight
 from scipy.integrate import solve_ivp
 
-from q2q_model.identification.altitude_loop import AltitudeLoop
-from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
-from q2q_model.identification.command_gains import gains_from_commands
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
-from q2q_model.identification.impulse_response import draft_response, free_response, impulse_response
-from q2q_model.identification.thrust_lag import thrust_lag
-from q2q_model.identification.trajectory_gains import gains_by_powell, gains_from_trajectories, is_better
-from q2q_model.interaction.jet import PAPER_LAW
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.identification.force.thrust_lag import thrust_lag
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.command_gains import gains_from_commands
+from q2q_model.identification.gains.impulse_response import draft_response, free_response, impulse_response
+from q2q_model.identification.gains.trajectory_gains import (
+    gains_by_powell,
+    gains_from_trajectories,
+    is_better,
+)
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 PLAIN = AltitudeLoop(k_p=0.81, k_d=0.43)
 RICH = AltitudeLoop(k_p=0.81, k_d=0.43, k_i=0.1, offset=0.2, lag=0.1)

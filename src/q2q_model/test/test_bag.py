@@ -33,9 +33,9 @@ from q2q_model.bag import (
     read_flight,
     words_of,
 )
-from q2q_model.bag.definitions import definition_of
-from q2q_model.layout import LAYOUTS, Signal
-from q2q_model.signals import MocapFrame, SwarmCommand, SwarmState
+from q2q_model.bag.storage.definitions import definition_of
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.values import MocapFrame, SwarmCommand, SwarmState
 
 sys.path.insert(0, str(Path(__file__).parent))
 from bag_signals import STEP_NS, random_signal, same_signal
@@ -305,7 +305,7 @@ def test_a_bag_of_a_killed_recorder_is_read_up_to_the_last_second(tmp_path: Path
         "import sys; sys.path.insert(0, sys.argv[2]); import numpy as np\n"
         "from bag_signals import random_signal\n"
         "from q2q_model.bag import BagWriter\n"
-        "from q2q_model.signals import MocapFrame\n"
+        "from q2q_model.signals.values import MocapFrame\n"
         "bag, rng = BagWriter(sys.argv[1]), np.random.default_rng(0)\n"
         "for tick in range(350):\n"
         "    bag.write_signal('/mocap', tick * 10_000_000, random_signal(MocapFrame, tick, ('cf1',), rng))\n"
@@ -373,8 +373,8 @@ WHOLE, METADATA = _whole_bag()
 def test_an_sqlite_bag_is_read(tmp_path: Path):
     from rosbags.rosbag2 import StoragePlugin, Writer
 
-    from q2q_model.bag.definitions import jazzy_types
-    from q2q_model.cdr import encode
+    from q2q_model.bag.storage.definitions import jazzy_types
+    from q2q_model.signals.cdr import encode
 
     rng = np.random.default_rng(0)
     frames = [random_signal(MocapFrame, tick, PAIR, rng) for tick in range(20)]

@@ -7,7 +7,7 @@ import pytest
 from q2q_model.bag import BagWriter, FlightFacts
 from q2q_model.commands import evaluate, identify
 from q2q_model.tools.bag_vehicle import common_vehicle, flown_vehicle
-from q2q_model.vehicle import CRAZYFLIE_2_0, CRAZYFLIE_2_1, TEXTBOOK_065, firmware_of, on_firmware
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, TEXTBOOK_065, firmware_of, on_firmware
 
 
 def bag_of(folder: Path, vehicle: str, firmware: str = "") -> Path:

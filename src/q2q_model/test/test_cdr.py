@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from q2q_model.cdr import BadMessageError, decode, encode, encode_stamp, header_stamp_ns
-from q2q_model.layout import LAYOUTS, Signal
-from q2q_model.signals import MocapFrame, SwarmImu, SwarmState
+from q2q_model.signals.cdr import BadMessageError, decode, encode, encode_stamp, header_stamp_ns
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.values import MocapFrame, SwarmImu, SwarmState
 
 SIGNALS = list(LAYOUTS)
 NAMES = st.lists(st.text("abcf123", min_size=1, max_size=9), max_size=5, unique=True).map(tuple)

@@ -7,9 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.flight_log import FlightLog
-from q2q_model.identification.along_flight import Motion, eta_along, eta_felt
-from q2q_model.identification.draft_force import (
+from q2q_model.downwash.jet import MEASURED_LAW, Jet
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.flights.flight_log import FlightLog
+from q2q_model.geometry.rotations import rotate
+from q2q_model.identification.force.along_flight import Motion, eta_along, eta_felt
+from q2q_model.identification.force.downwash_force import (
     ForceRecord,
     ForceSamples,
     Mask,
@@ -17,12 +20,9 @@ from q2q_model.identification.draft_force import (
     pooled,
     score,
 )
-from q2q_model.identification.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
-from q2q_model.identification.recorded_push import LOG_MASS, lagged, push_of_log
-from q2q_model.interaction.jet import MEASURED_LAW, Jet
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.rotations import rotate
-from q2q_model.signals import Array
+from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
+from q2q_model.identification.force.recorded_force import LOG_MASS, lagged, push_of_log
+from q2q_model.signals.values import Array
 
 DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"
 needs_flights = pytest.mark.skipif(not DATA.is_dir(), reason=f"no recorded flights in {DATA}: set Q2Q_DATA")

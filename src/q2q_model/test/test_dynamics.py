@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from q2q_model.dynamics import angular_acceleration, linear_acceleration, thrust_direction
-from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
+from q2q_model.vehicle.dynamics import angular_acceleration, linear_acceleration, thrust_direction
 
 angle = st.floats(-3.0, 3.0)
 ROUNDING = 1e-12  # a few operations on numbers near 1

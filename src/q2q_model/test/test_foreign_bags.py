@@ -20,9 +20,9 @@ from q2q_model.bag import (
     load_topic_map,
     read_mapped_flight,
 )
-from q2q_model.cdr import decode, header_stamp_ns
-from q2q_model.rotations import quat_from_euler
-from q2q_model.signals import Array, MocapFrame
+from q2q_model.geometry.rotations import quat_from_euler
+from q2q_model.signals.cdr import decode, header_stamp_ns
+from q2q_model.signals.values import Array, MocapFrame
 
 NAMED_POSES = """std_msgs/Header header
 {extra}NamedPose[] poses

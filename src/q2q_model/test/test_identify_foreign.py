@@ -11,8 +11,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from q2q_model.bag import BagWriter, read_flight
 from q2q_model.commands import evaluate, identify
-from q2q_model.flights import Flight
-from q2q_model.signals import Array, MocapFrame, SwarmSetpoint, SwarmState
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint, SwarmState
 
 BAGS = Path(__file__).resolve().parents[3] / "bags"
 needs_bags = pytest.mark.skipif(not BAGS.is_dir(), reason=f"no recorded flights in {BAGS}")

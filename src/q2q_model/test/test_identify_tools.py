@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from q2q_model.commands import evaluate, identify
-from q2q_model.identification.along_flight import eta_along
-from q2q_model.identification.recorded_push import motion_of
-from q2q_model.model_file import load
+from q2q_model.files.model_file import load
+from q2q_model.identification.force.along_flight import eta_along
+from q2q_model.identification.force.recorded_force import motion_of
 from q2q_model.tools.recordings import bags_among, read_recordings
 
 BAGS = Path(__file__).resolve().parents[3] / "bags"

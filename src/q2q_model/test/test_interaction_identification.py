@@ -6,10 +6,35 @@ import numpy as np
 import pytest
 from made_flights import LOOP, Pass, made_flight
 
-from q2q_model.identification import trajectory_loss as trajectory_loss_module
-from q2q_model.identification.along_flight import Motion, eta_along
-from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
-from q2q_model.identification.candidates import (
+from q2q_model.downwash.envelope_network import EnvelopeNetwork
+from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
+from q2q_model.identification.force.along_flight import Motion, eta_along
+from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
+from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.force.recorded_force import push_of_sensors
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.identification import ProcedureParams, Recording, identify
+from q2q_model.identification.networks import trajectory_loss as trajectory_loss_module
+from q2q_model.identification.networks.fit import (
+    NetworkFitParams,
+    adam,
+    fit_networks,
+    random_weights,
+    ridge_start,
+)
+from q2q_model.identification.networks.gradient import evaluate, pack, pullback, unpack
+from q2q_model.identification.networks.trajectory_loss import (
+    DivergingModelError,
+    Passage,
+    passage,
+    trajectory_loss,
+)
+from q2q_model.identification.selection.candidates import (
     Candidate,
     Trial,
     best_of,
@@ -18,34 +43,9 @@ from q2q_model.identification.candidates import (
     fit_jet,
     try_out,
 )
-from q2q_model.identification.draft_force import ForceSamples, force_samples
-from q2q_model.identification.evidence import Evidence, is_lower
-from q2q_model.identification.held_out import score_held_out, score_on
-from q2q_model.identification.impulse_response import draft_response, free_response
-from q2q_model.identification.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
-from q2q_model.identification.network_fit import (
-    NetworkParams,
-    adam,
-    fit_networks,
-    random_weights,
-    ridge_start,
-)
-from q2q_model.identification.network_gradient import evaluate, pack, pullback, unpack
-from q2q_model.identification.procedure import ProcedureParams, Recording, identify
-from q2q_model.identification.recorded_push import push_of_sensors
-from q2q_model.identification.trajectory_loss import (
-    DivergingModelError,
-    Passage,
-    passage,
-    trajectory_loss,
-)
-from q2q_model.interaction.envelope_network import EnvelopeNetwork
-from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW
-from q2q_model.interaction.model import at_rest
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.interaction.predictor import InteractionPredictor
-from q2q_model.signals import Array, SwarmState
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.identification.selection.held_out import score_held_out, score_on
+from q2q_model.signals.values import Array, SwarmState
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FLOWN = [
     Pass(name=f"{gap} {speed}", gap=gap, speed=speed, noise=1e-4)
@@ -64,9 +64,9 @@ def passages() -> list[Passage]:
     return [passage(one, LOOP, REACH) for one in records()]
 
 
-def evidence() -> list[Evidence]:
+def evidence() -> list[FlightEvidence]:
     """Return the made flights with the pushes that their sensors show."""
-    return [Evidence(record, tuple(pushes(one))) for record, one in zip(records(), FLOWN, strict=True)]
+    return [FlightEvidence(record, tuple(pushes(one))) for record, one in zip(records(), FLOWN, strict=True)]
 
 
 def pushes(made: Pass) -> list[ForceSamples]:
@@ -185,8 +185,8 @@ def test_a_candidate_that_cannot_be_fitted_is_left_out_with_a_remark():
 def test_ridge_regression_and_l_bfgs_lower_the_loss_and_find_the_draft():
     flights = passages()
     nothing = trajectory_loss(unpack(np.zeros(322), 0.1, 1.1), flights).loss
-    start = ridge_start(flights, NetworkParams())
-    fitted = fit_networks(flights, NetworkParams(iterations=40))
+    start = ridge_start(flights, NetworkFitParams())
+    fitted = fit_networks(flights, NetworkFitParams(iterations=40))
     losses = [trajectory_loss(model, flights).loss for model in (start, fitted)]
     assert losses[1] < 0.1 * nothing
     assert losses[0] < 0.2 * nothing
@@ -243,7 +243,7 @@ def test_a_late_draft_is_found_with_its_speed():
         replace(one, law=MEASURED_LAW, speed=speed) for one, speed in zip(FLOWN, (0.5, 1.0, 0.8), strict=True)
     ]
     shifted = [_delayed(pushes(one)) for one in late]
-    flights = [Evidence(record, tuple(one)) for record, one in zip(records(), shifted, strict=True)]
+    flights = [FlightEvidence(record, tuple(one)) for record, one in zip(records(), shifted, strict=True)]
     fit = fit_jet(flights, LOOP, JetForm("exponential", carried=0.0, delayed=True, spreading=False))
     assert fit.jet.travel_speed == pytest.approx(MEASURED_LAW.travel_speed, rel=0.1)
     assert fit.jet.strength == pytest.approx(2.5, rel=0.05)
@@ -289,7 +289,7 @@ def test_scores_are_one_for_the_law_that_flew_and_zero_for_none():
 def test_held_out_flights_are_scored_by_a_model_that_has_not_seen_them():
     seen: list[set[str]] = []
 
-    def fit(flights: list[Evidence]) -> NoInteraction:
+    def fit(flights: list[FlightEvidence]) -> NoInteraction:
         seen.append({one.name for one in flights})
         return NoInteraction()
 

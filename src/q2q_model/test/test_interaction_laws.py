@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
-from q2q_model.interaction.jet import MEASURED_LAW, PAPER_LAW, Jet
-from q2q_model.interaction.model import InteractionModel, PairMotion, at_rest
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.interaction.roles import lower_share, smooth_gap
+from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
+from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, at_rest
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW, Jet
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.downwash.roles import lower_share, smooth_gap
 
 ABOVE = np.array([0.0, 0.0, 0.5])
 LEVEL = at_rest(ABOVE)

@@ -12,11 +12,13 @@ import pytest
 from scipy.signal import lfilter
 from threadpoolctl import threadpool_limits
 
-from q2q_model.identification.along_flight import Motion, eta_along
-from q2q_model.identification.draft_force import ForceSamples
-from q2q_model.identification.interval import (
+from q2q_model.downwash.jet import Jet
+from q2q_model.identification.force.along_flight import Motion, eta_along
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.intervals import (
     UNKNOWN,
-    Rows,
+    EstimatingRows,
     Stretch,
     clusters,
     correlation_time,
@@ -25,9 +27,7 @@ from q2q_model.identification.interval import (
     least_squares_rows,
     variances,
 )
-from q2q_model.identification.jet_fit import JetForm, fit_to_pushes
-from q2q_model.interaction.jet import Jet
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 
 FORM = JetForm("exponential", carried=0.0, delayed=True)
 TRUTH = {
@@ -140,5 +140,5 @@ def test_hubers_gains_keep_their_claim_with_rows_that_weigh_less():
     r = rng.standard_normal(n)
     psi = np.clip(r, -cut, cut)
     slope = (np.abs(r) < cut).astype(np.float64)
-    wide = half_widths(Rows(np.ones((n, 1)), psi, slope, np.arange(float(n))))
+    wide = half_widths(EstimatingRows(np.ones((n, 1)), psi, slope, np.arange(float(n))))
     assert wide[0] == pytest.approx(1.96 * np.sqrt((psi**2).mean() / n) / slope.mean(), rel=1e-3)

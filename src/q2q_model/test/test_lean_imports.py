@@ -7,7 +7,7 @@ from importlib import import_module
 
 import pytest
 
-from q2q_model.lean_imports import UNUSED, lean_imports
+from q2q_model.node.lean_imports import UNUSED, lean_imports
 
 
 def test_the_collector_rests_while_modules_are_imported_and_works_again_afterwards():
@@ -49,7 +49,7 @@ def test_coverage_that_is_there_already_measures_on(monkeypatch: pytest.MonkeyPa
 
 def test_numba_comes_without_coverage():
     program = (
-        "import sys\nfrom q2q_model.lean_imports import lean_imports\n"
+        "import sys\nfrom q2q_model.node.lean_imports import lean_imports\n"
         "with lean_imports():\n    import numba\nprint('coverage' in sys.modules, numba.njit.__name__)"
     )
     told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

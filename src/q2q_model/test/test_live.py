@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from made_flights import LOOP, Pass, made_flight
 
-from q2q_model.flights import Flight
+from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.jet import PAPER_LAW, Jet
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.flights.flight import Flight
 from q2q_model.identification.live import LiveParams, LiveRefinement, scaled
-from q2q_model.identification.network_gradient import unpack
-from q2q_model.interaction.jet import PAPER_LAW, Jet
-from q2q_model.interaction.model import at_rest
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.signals import SwarmCommand, SwarmImu, SwarmState
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.identification.networks.gradient import unpack
+from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FLOWN = Pass(noise=1e-4, speed=0.3)
 EAGER = LiveParams(prior=0.1)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from q2q_model.identification.along_flight import Motion, eta_along
-from q2q_model.identification.draft_force import ForceRecord, ForceSamples, force_samples
-from q2q_model.identification.interval import Interval
-from q2q_model.identification.loading import MOST, believed, loading_of
-from q2q_model.interaction.jet import Jet
-from q2q_model.signals import Array
-from q2q_model.vehicle import GRAVITY
+from q2q_model.downwash.jet import Jet
+from q2q_model.identification.force.along_flight import Motion, eta_along
+from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
+from q2q_model.identification.force.loading import MOST, believed, loading_of
+from q2q_model.identification.intervals import Interval
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
 
 LAW = Jet(strength=2.5, reference_gap=0.4, decay="exponential", decay_rate=1.0, width=0.05, spread=0.05,
           upper_ratio=0.0, travel_speed=0.0, carried=0.0, range=1.5)  # fmt: skip

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_model.local_bus import LocalBus
-from q2q_model.signals import Interference
+from q2q_model.signals.local_bus import LocalBus
+from q2q_model.signals.values import Interference
 
 
 def signal(t: float) -> Interference:

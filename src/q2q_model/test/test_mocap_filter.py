@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.mocap_filter import IDEAL_SENSING, MocapFilter, MocapFilterParams
-from q2q_model.rotations import identity_quat, quat_from_euler, quat_multiply
-from q2q_model.signals import Array, MocapFrame, Names, SwarmState, TrackStatus
-from q2q_model.tracking import attitudes, positions
+from q2q_model.estimation import attitudes, positions
+from q2q_model.estimation.mocap_filter import IDEAL_SENSING, MocapFilter, MocapFilterParams
+from q2q_model.geometry.rotations import identity_quat, quat_from_euler, quat_multiply
+from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState, TrackStatus
 
 STEP_NS = 10_000_000
 PAIR: Names = ("cf1", "cf2")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.signals import Array, MocapFrame, Names, TrackStatus
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.signals.values import Array, MocapFrame, Names, TrackStatus
 
 PAIR: Names = ("cf1", "cf2")
 TICK = 0.01

@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.commands.model_choice import IN_SOURCE
-from q2q_model.identification.altitude_loop import PAPER_LOOP
-from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
-from q2q_model.interaction.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
-from q2q_model.interaction.model import InteractionModel, at_rest
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.level_set import LevelSet, level_set
-from q2q_model.model_file import Fit, ModelFile, RoleScores, decode, encode, load, save
-from q2q_model.model_names import ModelFileError
-from q2q_model.tools.models import find_model
-from q2q_model.zone import Cylinder, Ellipsoid
+from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
+from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
+from q2q_model.downwash.level_set import LevelSet, level_set
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_choice import IN_SOURCE
+from q2q_model.files.model_file import Fit, ModelFile, RoleScores, decode, encode, load, save
+from q2q_model.files.model_names import ModelFileError
+from q2q_model.geometry.zone import Cylinder, Ellipsoid
+from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 
 
 def _networks() -> EnvelopeNetwork:
@@ -70,7 +70,7 @@ def test_an_edited_number_is_found_by_the_checksum():
 
 def _resealed(change: dict[str, object]) -> str:
     """Return a file with top entries changed and the right checksum for them."""
-    from q2q_model import model_file
+    from q2q_model.files import model_file
 
     body = json.loads(encode(ModelFile(PAPER_LAW))) | change
     body.pop("checksum")

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from q2q_model.interaction.model import Reach
-from q2q_model.neighbours import pairs_in_reach, pairs_in_reach_dense
+from q2q_model.downwash.interaction_model import Reach
+from q2q_model.downwash.pairs_in_reach import pairs_in_reach, pairs_in_reach_dense
 
 coordinate = st.one_of(st.floats(-2.0, 2.0), st.just(np.nan), st.sampled_from([0.0, 0.5]))
 

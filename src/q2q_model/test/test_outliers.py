@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.outliers import OutlierThresholds, find_outliers, repair
-from q2q_model.signals import Array
+from q2q_model.flights.outliers import OutlierThresholds, find_outliers, repair
+from q2q_model.signals.values import Array
 
 RATE = 100.0
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))

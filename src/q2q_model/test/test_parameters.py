@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from q2q_model.parameters import check_bounds, tunable, with_overrides
+from q2q_model.tunable import check_bounds, tunable, with_overrides
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,11 +5,11 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
-from q2q_model.outliers import REPEAT_STEP, OutlierThresholds
-from q2q_model.signals import Array
-from q2q_model.tracking import white_jerk
-from q2q_model.tracking.positions import PositionTracks, TrackParams
-from q2q_model.tracking.verdict import Verdict
+from q2q_model.estimation import white_jerk
+from q2q_model.estimation.positions import PositionTracks, TrackParams
+from q2q_model.estimation.sample_fate import SampleFates
+from q2q_model.flights.outliers import REPEAT_STEP, OutlierThresholds
+from q2q_model.signals.values import Array
 
 DT = 1.0 / 64.0
 NOISE, JERK, COAST, REACQUIRE = 0.01, 8.0, 0.25, 0.125
@@ -80,7 +80,7 @@ def test_swift_ticks_count_as_samples_of_their_own() -> None:
     assert lent == [True] * 150 + [False]
 
 
-def offered(made: PositionTracks, t: float, first: Array, second: Array | None = None) -> Verdict:
+def offered(made: PositionTracks, t: float, first: Array, second: Array | None = None) -> SampleFates:
     """Return what becomes of a tick on the general road; the second vehicle is where it was."""
     return made.update(t, np.stack([first, PLACES[1] if second is None else second]), NOBODY)
 

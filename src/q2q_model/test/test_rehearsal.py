@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.rehearsal import LOST_S, TICKS, rehearsal
-from q2q_model.signals import MocapFrame, SwarmState, TrackStatus
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.node.rehearsal import LOST_S, TICKS, rehearsal
+from q2q_model.signals.values import MocapFrame, SwarmState, TrackStatus
 
 
 @pytest.mark.parametrize("vehicles", [1, 2, 200])

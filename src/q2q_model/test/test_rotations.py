@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from q2q_model import rotations as rot
-from q2q_model.signals import Array
+from q2q_model.geometry import rotations as rot
+from q2q_model.signals.values import Array
 
 ROUNDING = 1e-12  # a few dozen products of numbers near 1 in float64
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_model.signal_facts import facts, smallest_separation
-from q2q_model.signals import (
+from q2q_model.signals.signal_facts import facts, smallest_separation
+from q2q_model.signals.values import (
     CommandStatus,
     Interference,
     InterferenceStatus,

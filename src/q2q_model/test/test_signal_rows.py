@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.cdr import BadMessageError, decode, encode
-from q2q_model.layout import LAYOUTS, Signal
-from q2q_model.signal_rows import MOST_KINDS, SignalRows, rows_of_messages
-from q2q_model.signals import MocapFrame, SwarmState
+from q2q_model.signals.cdr import BadMessageError, decode, encode
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.rows import MOST_KINDS, SignalRows, rows_of_messages
+from q2q_model.signals.values import MocapFrame, SwarmState
 
 sys.path.insert(0, str(Path(__file__).parent))
 from bag_signals import STEP_NS, random_signal

@@ -2,9 +2,9 @@
 
 import pytest
 
-from q2q_model.hover import OwnHover, hover_pwm, hover_ratio, mass_thrust_of
-from q2q_model.thrust_map import FIRMWARES, MASS_THRUST, MOTOR_THRUST
-from q2q_model.vehicle import CRAZYFLIE_2_0, TEXTBOOK_065, VEHICLES, on_firmware, vehicle_by_name
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, VEHICLES, on_firmware, vehicle_by_name
+from q2q_model.vehicle.hover_thrust import OwnHover, hover_pwm, hover_ratio, mass_thrust_of
+from q2q_model.vehicle.thrust_map import FIRMWARES, MASS_THRUST, MOTOR_THRUST
 
 STICK = 60000 / 65535
 

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from q2q_model.tick_join import WAITING_TICKS, TickJoin
+from q2q_model.signals.tick_join import WAITING_TICKS, TickJoin
 
 
 def test_a_tick_is_complete_once_every_topic_has_its_stamp_in_the_order_of_the_topics() -> None:

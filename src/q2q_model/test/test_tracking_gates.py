@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.outliers import REPEAT_STEP, Mask, OutlierThresholds
-from q2q_model.signals import Array
-from q2q_model.tracking.attitudes import AttitudeParams, AttitudeTracks
-from q2q_model.tracking.glide import UNIT_TOLERANCE, glide_attitudes, usual_move
-from q2q_model.tracking.rivals import CONFIRM_SAMPLES, Lacking, Rivals
-from q2q_model.tracking.swaps import swapped_sources
+from q2q_model.estimation.attitudes import AttitudeGateParams, AttitudeTracks
+from q2q_model.estimation.marker_swaps import swapped_sources
+from q2q_model.estimation.reacquisition import CONFIRM_SAMPLES, Lacking, Reacquisition
+from q2q_model.estimation.usual_frame import UNIT_TOLERANCE, glide_attitudes, usual_move
+from q2q_model.flights.outliers import REPEAT_STEP, Mask, OutlierThresholds
+from q2q_model.signals.values import Array
 
 LIMITS = OutlierThresholds(speed_max=2.0, jump_max=0.25)
 """Exact in binary, as the times below, so that a bound is met exactly."""
@@ -20,9 +20,11 @@ ONE: Mask = np.ones(1, dtype=bool)
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
-def offered(places: list[float], patience: float = 0.0, start: float = 4.0) -> tuple[Rivals, list[bool]]:
+def offered(
+    places: list[float], patience: float = 0.0, start: float = 4.0
+) -> tuple[Reacquisition, list[bool]]:
     """Return what became of refused samples at x = places, DT apart."""
-    rivals = Rivals(1, LIMITS)
+    rivals = Reacquisition(1, LIMITS)
     return rivals, [
         bool(
             rivals.offer(
@@ -66,7 +68,7 @@ def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_may_have_come(
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([4.0, 4.125])
     pos = np.array([[place, 0.0, 0.0], [np.nan] * 3])
     absent = Lacking(absent=np.array([False, True]), refused=np.array([True, False]))
-    told = Rivals(2, LIMITS).doubtful(4.25, pos, (last, when), absent)
+    told = Reacquisition(2, LIMITS).doubtful(4.25, pos, (last, when), absent)
     assert told.tolist() == [doubtful, False]
 
 
@@ -77,7 +79,7 @@ def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_another_that_is_refu
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.full(2, 4.125)
     pos = np.array([[place, 0.0, 0.0], [9.0, 0.0, 0.0]])
     refused = Lacking(absent=np.zeros(2, dtype=bool), refused=np.ones(2, dtype=bool))
-    assert Rivals(2, LIMITS).doubtful(4.25, pos, (last, when), refused).tolist() == [doubtful, False]
+    assert Reacquisition(2, LIMITS).doubtful(4.25, pos, (last, when), refused).tolist() == [doubtful, False]
 
 
 def test_a_sample_goes_to_the_nearest_needy_track_within_its_gate_and_never_to_its_own() -> None:
@@ -176,7 +178,7 @@ def test_a_damaged_quaternion_or_too_great_a_turn_is_not_usual(length: float) ->
     assert not turned(-0.51)[0]
 
 
-PARAMS = AttitudeParams(turn_max=0.5, turn_rate_max=2.0, rate_filter_s=0.0, reacquire_s=0.5, coast_s=0.25)
+PARAMS = AttitudeGateParams(turn_max=0.5, turn_rate_max=2.0, rate_filter_s=0.0, reacquire_s=0.5, coast_s=0.25)
 
 
 def yawed(angle: float, length: float = 1.0) -> Array:

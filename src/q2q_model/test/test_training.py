@@ -4,14 +4,17 @@ import numpy as np
 import pytest
 from made_flights import Pass, made_flight
 
-from q2q_model.identification.altitude_loop import AltitudeLoop
-from q2q_model.identification.altitude_record import AltitudeRecord, altitude_record
-from q2q_model.identification.network_fit import adam, random_weights
-from q2q_model.identification.network_gradient import pack, unpack
-from q2q_model.identification.trajectory_loss import passage, trajectory_loss
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.networks.fit import adam, random_weights
+from q2q_model.identification.networks.gradient import pack, unpack
+from q2q_model.identification.networks.trajectory_loss import passage, trajectory_loss
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
-training = pytest.importorskip("q2q_model.training", reason="torch is not installed: requirements/train.txt")
+training = pytest.importorskip(
+    "q2q_model.identification.networks.torch_training",
+    reason="torch is not installed: requirements/train.txt",
+)
 REACH = (0.6, 6.6)
 RNG = np.random.default_rng(1)
 MODEL = unpack(random_weights(RNG) + 0.03 * RNG.standard_normal(322), 0.1, 1.1)

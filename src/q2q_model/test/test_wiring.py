@@ -1,6 +1,6 @@
 """When the nodes of a flight are wired."""
 
-from q2q_model.wiring import Wiring, unmatched, unserved, wiring_from_text
+from q2q_model.node.wiring import Wiring, unmatched, unserved, wiring_from_text
 
 SOURCE = Wiring(reads=("/command",), matched={"/mocap": 2})
 FILTER = Wiring(reads=("/mocap",), matched={"/state": 1})

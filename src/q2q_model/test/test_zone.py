@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.interaction.jet import PAPER_LAW, Jet
-from q2q_model.interaction.model import at_rest
-from q2q_model.level_set import STEP, LevelSet, level_set
-from q2q_model.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.jet import PAPER_LAW, Jet
+from q2q_model.downwash.level_set import STEP, LevelSet, level_set
+from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 
 coordinate = st.floats(-3.0, 3.0)
 LEVEL = level_set(PAPER_LAW, 0.1)

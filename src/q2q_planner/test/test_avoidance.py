@@ -7,15 +7,15 @@ from hypothesis import strategies as st
 from scipy import sparse
 from scipy.optimize import nnls
 
-from q2q_model.zone import Cylinder, Ellipsoid
-from q2q_planner.avoidance import AvoidanceParams, InfeasibleError, avoid
-from q2q_planner.certificate import certify
-from q2q_planner.deviation_space import bent, deviation_space
-from q2q_planner.minsnap import minimum_snap, plan_cost, snap_cost
-from q2q_planner.nonnegative_qp import solve_nonnegative_qp
-from q2q_planner.planes import coordinate_descent, settle_active_set
-from q2q_planner.trajectory import derive
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.geometry.zone import Cylinder, Ellipsoid
+from q2q_model.trajectory.polynomials import derive
+from q2q_planner.offline.avoidance.deviation_space import bent, deviation_space
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, InfeasibleError, avoid
+from q2q_planner.offline.avoidance.nonnegative_qp import solve_nonnegative_qp
+from q2q_planner.offline.avoidance.separating_planes import coordinate_descent, settle_active_set
+from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, plan_cost, snap_cost
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 SECTION_4_1 = (
     VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),

@@ -5,10 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.zone import Cylinder
-from q2q_planner.barrier import push_apart, push_apart_plain
-from q2q_planner.braking import compiled_stays_out, motion_after, motion_after_plain, stays_out_plain
-from q2q_planner.meetings import meetings
+from q2q_model.geometry.zone import Cylinder
+from q2q_planner.online.safe.barrier import push_apart, push_apart_plain
+from q2q_planner.online.safe.braking import (
+    compiled_stays_out,
+    motion_after,
+    motion_after_plain,
+    stays_out_plain,
+)
+from q2q_planner.online.safe.broad_phase import meetings
 
 BRAKE = 3.0
 LAW = (0.2, 1.1, BRAKE)

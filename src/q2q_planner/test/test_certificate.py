@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.zone import Cylinder, Ellipsoid, Zone
-from q2q_planner.bernstein import control_points, halves
-from q2q_planner.certificate import TOLERANCE, certify
-from q2q_planner.convex_zone import Lathe, lathe_around
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.shared_pieces import shared_pieces, split
-from q2q_planner.trajectory import SwarmPlan, Trajectory
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.trajectory.bernstein import control_points, halves
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
+from q2q_planner.offline.certificate import TOLERANCE, certify
+from q2q_planner.offline.convex_zone import Lathe, lathe_around
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.offline.shared_pieces import shared_pieces, split
 
 ZONES = (Cylinder(0.1, 1.1), Cylinder(0.3, 0.2), Ellipsoid(0.4, 0.7))
 

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.signals import SetpointStatus
-from q2q_planner.encounters import Encounter, fly_encounter, judge, random_encounter
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.safe_params import SafeReplannerParams
-from q2q_planner.trajectory import setpoint_at
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.signals.values import SetpointStatus
+from q2q_model.trajectory.polynomials import setpoint_at
+from q2q_planner.experiments.encounters import Encounter, fly_encounter, judge, random_encounter
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)
 TICK = 0.01

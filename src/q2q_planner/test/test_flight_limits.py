@@ -5,9 +5,9 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY
-from q2q_planner.flatness import flat_state
-from q2q_planner.flight_limits import (
+from q2q_model.trajectory.flatness import flat_state
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_planner.offline.minimum_snap.flight_limits import (
     FlightLimits,
     allocate_times,
     check_flyable,
@@ -15,8 +15,8 @@ from q2q_planner.flight_limits import (
     timed_document,
     with_limits_of,
 )
-from q2q_planner.minsnap import minimum_snap, minimum_snap_plan
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint, swarm_from_document
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint, swarm_from_document
 
 LIMITS = FlightLimits(speed=1.5, acceleration=3.0)
 

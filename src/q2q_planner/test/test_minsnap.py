@@ -5,10 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_planner.hermite import hermite_matrix, pieces_from_nodes
-from q2q_planner.minsnap import minimum_snap, minimum_snap_plan, plan_cost, snap_cost
-from q2q_planner.trajectory import Trajectory, derive
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.trajectory.hermite import hermite_matrix, pieces_from_nodes
+from q2q_model.trajectory.polynomials import Trajectory, derive
+from q2q_planner.offline.minimum_snap.minimum_snap import (
+    minimum_snap,
+    minimum_snap_plan,
+    plan_cost,
+    snap_cost,
+)
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 SECTION_4_1 = (
     VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_planner.plan_file import PlanFacts, decode, encode, load, load_with_facts, save
-from q2q_planner.trajectory import SwarmPlan, Trajectory
+from q2q_model.trajectory.plan_file import PlanFacts, decode, encode, load, load_with_facts, save
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 
 
 @settings(deadline=None)

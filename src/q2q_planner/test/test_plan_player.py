@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from q2q_model.signals import Array, MocapFrame, SwarmSetpoint
-from q2q_model.zone import Cylinder
-from q2q_planner.braked_plan import braked
-from q2q_planner.certificate import certify
-from q2q_planner.glide import GlideParams, glide
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.plan_player import PlanPlayer
-from q2q_planner.trajectory import SwarmPlan
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.playing.braked_plan import braked
+from q2q_planner.playing.glide import GlideParams, glide
+from q2q_planner.playing.plan_player import PlanPlayer
 
 NAMES = ("cf1", "cf2")
 PLAN = minimum_snap_plan(

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from q2q_model.trajectory.plan_file import load, load_with_facts
 from q2q_planner.commands.plan import main
-from q2q_planner.plan_file import load, load_with_facts
 
 SECTION_4_1 = """
 vehicles:

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from q2q_model.interaction.jet import PAPER_LAW
-from q2q_model.interaction.none import NoInteraction
-from q2q_model.level_set import level_set
-from q2q_planner.avoidance import avoid
-from q2q_planner.draft_response import PAPER_LOOP, altitude_errors, altitude_rms
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.safe_replanner import SafeReplanner
-from q2q_planner.trajectory import SwarmPlan, setpoint_at
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.downwash.level_set import level_set
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
+from q2q_planner.offline.altitude_response import PAPER_LOOP, altitude_errors, altitude_rms
+from q2q_planner.offline.avoidance.joint_plan import avoid
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
 
 SECTION_4_1 = (
     VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from q2q_model.signals import SetpointStatus, SwarmSetpoint
-from q2q_model.zone import Cylinder
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.potential_field import PotentialField, PotentialFieldParams, push_force, swarm_push
-from q2q_planner.trajectory import SwarmPlan, setpoint_at
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
+from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams, push_force, swarm_push
 
 PAPER = PotentialFieldParams()
 

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.signals import Array, SetpointStatus, SwarmSetpoint, SwarmState
-from q2q_model.zone import Cylinder
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.safe_params import SafeReplannerParams
-from q2q_planner.safe_replanner import SafeReplanner
-from q2q_planner.trajectory import SwarmPlan, setpoint_at
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
+from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 TICK = 0.01
 PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)

@@ -5,11 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.signals import Array, Names, SwarmSetpoint, SwarmState
-from q2q_planner.held_motion import LONGEST_GAP, SNAP_POS, SNAP_VEL, HeldMotion, carried_on, near_reference
-from q2q_planner.safe_params import SafeReplannerParams
-from q2q_planner.scene import GRACE, Scene, astray, own_doubts, scene_of
-from q2q_planner.sightings import Sightings, Word
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
+from q2q_planner.online.safe.committed_motion import (
+    LONGEST_GAP,
+    SNAP_POS,
+    SNAP_VEL,
+    CommittedMotion,
+    carried_on,
+    near_reference,
+)
+from q2q_planner.online.safe.last_known_states import LastKnownStates, Word
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.traffic import GRACE, Traffic, astray, own_doubts, scene_of
 
 PARAMS = SafeReplannerParams(
     eps=0.25, d=1.0, margin=0.02, acc_max=3.0, hold=0.02, approach=2.0, tracking=0.05, drift=0.2,
@@ -33,14 +40,14 @@ def setpoint(t: float, names: Names, pos: Array, vel: Array | None = None) -> Sw
     return SwarmSetpoint(t, names, pos, vel, zero, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
 
 
-def held(pos: Array, vel: Array, hold: float = 0.0, acc: Array | None = None) -> HeldMotion:
+def held(pos: Array, vel: Array, hold: float = 0.0, acc: Array | None = None) -> CommittedMotion:
     """Return two vehicles' motion from t = 1 s on, off their references."""
     acc = np.zeros((2, 3)) if acc is None else acc
-    return HeldMotion(1.0, ("a", "b"), pos, vel, acc, np.full(2, hold), OFF, OFF)
+    return CommittedMotion(1.0, ("a", "b"), pos, vel, acc, np.full(2, hold), OFF, OFF)
 
 
 def test_the_newest_word_on_a_vehicle_counts_by_the_time_it_was_measured() -> None:
-    seen = Sightings()
+    seen = LastKnownStates()
     seen.hear(state(1.0, ("a", "b"), [1.0, 2.0], age=0.25))
     seen.hear(state(1.125, ("a",), [9.0], age=0.5))  # heard later, measured before
     seen.hear(state(1.125, ("a",), [8.0], age=0.375))  # measured at the same time: no news
@@ -59,7 +66,7 @@ def test_the_newest_word_on_a_vehicle_counts_by_the_time_it_was_measured() -> No
 
 @pytest.mark.parametrize("part", ["pos", "vel", "age"])
 def test_a_row_that_is_no_number_says_nothing(part: str) -> None:
-    seen = Sightings()
+    seen = LastKnownStates()
     broken = state(1.0, ("a", "b"), [1.0, 2.0])
     getattr(broken, part)[0] = np.nan
     seen.hear(broken)
@@ -68,7 +75,7 @@ def test_a_row_that_is_no_number_says_nothing(part: str) -> None:
 
 
 def test_strangers_are_those_of_no_swarm_until_they_are_forgotten_for_good() -> None:
-    seen = Sightings()
+    seen = LastKnownStates()
     seen.hear(state(1.0, ("a", "b"), [1.0, 2.0]))
     assert seen.strangers(("a",), 3.0, 2.0).names == ("b",)
     assert seen.strangers(("a",), 3.0, 1.999).names == ()
@@ -167,7 +174,7 @@ def test_who_is_further_off_than_its_age_explains_is_astray() -> None:
     assert astray(motion, silent, PARAMS).tolist() == [False, True]  # as old as is remembered, no older
 
 
-def among_strangers(strange: Word) -> Scene:
+def among_strangers(strange: Word) -> Traffic:
     """Return the scene of two vehicles at rest and strangers."""
     pos = np.array([[0.0, 0.0, 0.0], [0.0, 90.0, 0.0]])
     growth = np.zeros((2, 2))
@@ -235,7 +242,7 @@ def test_who_stands_matters_where_a_push_of_both_could_be_asked() -> None:
     assert not meet(far + 1e-9, np.zeros((2, 3)))
 
 
-def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) -> HeldMotion:
+def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) -> CommittedMotion:
     """Return two vehicles so far apart in x [m] once they are put on their references, or not."""
     pos = np.array([[0.0, 0.0, 0.0], [apart, 0.0, 0.0]])
     motion = replace(held(pos, np.zeros((2, 3))), on_reference=np.full(2, on), pushed=np.full(2, pushed))

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.signals import SetpointStatus
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.trajectory import SwarmPlan, Trajectory, setpoint_at
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
+from q2q_model.signals.values import SetpointStatus
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 
 def swarm(seed: int) -> SwarmPlan:

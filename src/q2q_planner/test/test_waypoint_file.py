@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_planner.commands.plan import main
-from q2q_planner.flight_limits import FlightLimits
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.tools.waypoint_file import read_waypoints
-from q2q_planner.waypoints import VehicleWaypoints
 
 LIMITS = FlightLimits()
 TWO = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1]}], cf2: [{t: 0, pos: [0, 3, 1]}, LAST]}"

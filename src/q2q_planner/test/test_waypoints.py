@@ -2,7 +2,12 @@
 
 import pytest
 
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint, check_swarm, swarm_from_document
+from q2q_planner.offline.minimum_snap.waypoints import (
+    VehicleWaypoints,
+    Waypoint,
+    check_swarm,
+    swarm_from_document,
+)
 
 HERE = (0.0, 0.0, 1.0)
 

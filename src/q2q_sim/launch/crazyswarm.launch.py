@@ -14,8 +14,8 @@ from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch_ros.actions import SetRemap
 
 from launch import LaunchDescription, LaunchDescriptionEntity
-from q2q_sim.ros.launch_description import describe
-from q2q_sim.tools.launching import CRAZYSWARM_ARGUMENTS, YES, crazyswarm_nodes
+from q2q_sim.launching.launch_description import describe
+from q2q_sim.launching.launch_plan import CRAZYSWARM_ARGUMENTS, YES, crazyswarm_nodes
 
 
 def server(given: Mapping[str, str]) -> list[LaunchDescriptionEntity]:

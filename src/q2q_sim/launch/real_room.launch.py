@@ -4,8 +4,8 @@ Motion capture comes from outside on the topic `mocap:=`; the vehicles start whe
 """
 
 from launch import LaunchDescription
-from q2q_sim.ros.launch_description import describe
-from q2q_sim.tools.launching import ROOM_ARGUMENTS, room_nodes
+from q2q_sim.launching.launch_description import describe
+from q2q_sim.launching.launch_plan import ROOM_ARGUMENTS, room_nodes
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -16,7 +16,7 @@ from cflib.crtp.crtpstack import CRTPPacket
 from cflib.crtp.udpdriver import UdpDriver
 
 from q2q_sim.crtp.pilot import ECHO, Pilot
-from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 TICKS_PER_S = 100
 LOOK_S = 0.02

@@ -6,20 +6,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.identification.interval import Interval
-from q2q_model.interaction.jet import PAPER_LAW, Jet
-from q2q_model.signals import Array
-from q2q_sim import scenarios
-from q2q_sim.ablation.cases import CASES, Case, is_random, scenario_of, side_by_side
-from q2q_sim.ablation.contenders import BLIND, CONTENDERS, built
-from q2q_sim.ablation.learning import Learned, pairs_over
-from q2q_sim.ablation.table import key, median_interval, page, ratio_to_clear_air, worst_to_ignoring
-from q2q_sim.ablation.trial import COLUMNS, Trace, exposed, flown, measured
-from q2q_sim.assembly import Options, blocks_of, plan_of
+from q2q_model.downwash.jet import PAPER_LAW, Jet
+from q2q_model.identification.intervals import Interval
+from q2q_model.signals.values import Array
 from q2q_sim.commands.ablation import main
-from q2q_sim.scenario import Scenario
-from q2q_sim.tools.ablation import CAUTION, READING, Results, read
-from q2q_sim.tools.ablation import LEARNED as LEARNED_FROM
+from q2q_sim.experiments.ablation.ablation_cases import CASES, Case, is_random, scenario_of, side_by_side
+from q2q_sim.experiments.ablation.ablation_table import (
+    key,
+    median_interval,
+    page,
+    ratio_to_clear_air,
+    worst_to_ignoring,
+)
+from q2q_sim.experiments.ablation.contenders import BLIND, CONTENDERS, built
+from q2q_sim.experiments.ablation.fill_table import CAUTION, READING, Results, read
+from q2q_sim.experiments.ablation.fill_table import LEARNED as LEARNED_FROM
+from q2q_sim.experiments.ablation.learned_model import Learned, pairs_over
+from q2q_sim.experiments.ablation.trial import COLUMNS, Trace, exposed, flown, measured
+from q2q_sim.loop.assembly import Options, blocks_of, plan_of
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
 
 LEARNED = Learned(PAPER_LAW, 0.0, None)
 SHORT = 0.3
@@ -35,7 +41,7 @@ def traced(scenario: Scenario, name: str) -> Trace:
 
 
 def test_replicas_in_an_ideal_room_fly_like_one_alone():
-    one = replace(scenarios.load("table6"), duration=SHORT)
+    one = replace(library.load("table6"), duration=SHORT)
     alone, four = traced(one, "PD aware"), traced(side_by_side(one, 4), "PD aware")
     # places 10 m off the origin lose two digits of the last bits
     assert np.allclose(four.error, np.tile(alone.error, 4), atol=1e-12)
@@ -43,7 +49,7 @@ def test_replicas_in_an_ideal_room_fly_like_one_alone():
 
 
 def test_replicas_in_a_real_room_differ():
-    scenario = side_by_side(replace(scenarios.load("stack3"), duration=SHORT), 2)
+    scenario = side_by_side(replace(library.load("stack3"), duration=SHORT), 2)
     trace = traced(scenario, "observer")
     assert np.abs(trace.error[-1, :3] - trace.error[-1, 3:]).min() > 1e-7
 
@@ -144,7 +150,7 @@ def test_training_flights_keep_their_vehicles_apart():
 
 
 def test_an_unknown_contender_is_refused():
-    scenario = scenarios.load("table6")
+    scenario = library.load("table6")
     with pytest.raises(ValueError, match="unknown contender 'lqr'"):
         built("lqr", (scenario, plan_of(scenario)), LEARNED, limited=True)
 

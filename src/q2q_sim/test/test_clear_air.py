@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_planner.waypoints import VehicleWaypoints, Waypoint
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
 
 
 def test_clear_air_shows_the_real_flights_altitude_error() -> None:
-    base = scenarios.load("stack3")
+    base = library.load("stack3")
     spots = [
         (3.0 * (i % 6), 3.0 * (i // 6), 1.0) for i in range(24)
     ]  # far apart: no draft, 24 samples at once

@@ -8,21 +8,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.flights import Flight
-from q2q_model.tools.models import find_model
-from q2q_model.vehicle import GRAVITY
-from q2q_sim import scenarios
-from q2q_sim.assembly import Mode
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.metrics import FlightMetrics, measure
-from q2q_sim.scenario import Scenario
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.loop.assembly import Mode
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.monitors.metrics import FlightMetrics, measure
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
 
 TICK = 0.01
 
 
 @cache
 def _table6(mode: Mode) -> tuple[Flight, FlightMetrics]:
-    scenario = scenarios.load("table6")
+    scenario = library.load("table6")
     flight = fly(scenario, FlightOptions(mode=mode, model=find_model(scenario.model).interaction))
     return flight, measure(flight, scenario.vehicle)
 
@@ -97,7 +97,7 @@ def test_the_impulse_bound_holds_for_any_mpc_and_any_height(
 
 def _quick_table6(height: float, overrides: dict[str, dict[str, float]]) -> Scenario:
     """Return table6 in a fifth of the time and the way, the upper vehicle `height` [m] above the lower."""
-    base = scenarios.load("table6")
+    base = library.load("table6")
     upper = base.waypoints[1]
     points = tuple(
         replace(point, t=0.2 * point.t, pos=(0.0, 0.2 * point.pos[1], 1.5 + height))
@@ -120,7 +120,7 @@ def _check_impulse_bound(flight: Flight, scenario: Scenario) -> None:
 
 
 def test_a_flight_repeats_to_the_last_bit() -> None:
-    scenario = replace(scenarios.load("table6_room"), duration=3.0)
+    scenario = replace(library.load("table6_room"), duration=3.0)
     model = find_model(scenario.model).interaction
     first, again, other = (fly(scenario, FlightOptions(seed=seed, model=model)) for seed in (5, 5, 6))
     np.testing.assert_array_equal(first.thrust, again.thrust)
@@ -130,7 +130,7 @@ def test_a_flight_repeats_to_the_last_bit() -> None:
 
 
 def test_unknown_words_are_refused() -> None:
-    scenario = replace(scenarios.load("table6"), duration=0.1)
+    scenario = replace(library.load("table6"), duration=0.1)
     with pytest.raises(
         ValueError, match="unknown mode 'brave': choose one of ignoring, aware, aware_unlimited"
     ):
@@ -141,7 +141,7 @@ def test_unknown_words_are_refused() -> None:
 
 @pytest.mark.parametrize("duration", [0.01, 0.1, 0.105, 0.3, 2.0])
 def test_a_flight_has_a_row_for_every_tick_it_lasts(duration: float) -> None:
-    scenario = replace(scenarios.load("table6"), duration=duration)
+    scenario = replace(library.load("table6"), duration=duration)
     flight = fly(scenario, FlightOptions(mode="ignoring"))
     assert np.isfinite(flight.thrust).all()
     assert len(flight.t) == int(np.ceil(duration / TICK - 1e-9))

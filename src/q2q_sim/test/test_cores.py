@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim.tools.cores import beside_chain, cores_of
-from q2q_sim.tools.dds_profile import VARIABLES, profile_environment
+from q2q_sim.processes.cores import beside_chain, cores_of
+from q2q_sim.processes.dds_profile import VARIABLES, profile_environment
 
 TELL_TIMERS = """
 import os

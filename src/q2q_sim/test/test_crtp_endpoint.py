@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from q2q_sim.crtp.link_model import LinkParams
+from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 VERSION = b"\xdd\x00"
 PATIENCE_S = 0.5

@@ -33,10 +33,10 @@ from cflib.utils.param_file_helper import ParamFileHelper
 from cflib.utils.reset_estimator import reset_estimator
 from room_time import RoomTime, in_room_time
 
-from q2q_sim.crtp.link_model import LinkParams
+from q2q_sim.crtp.fleet_room import CrtpRoomParams
+from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.crtp.room import CrtpRoomParams
-from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 ANSWER_S = 60.0
 """An answer that has not come by then is missing [s]."""

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from q2q_model.rotations import identity_quat
-from q2q_model.signals import Array
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.geometry.rotations import identity_quat
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.onboard.firmware import Build
-from q2q_sim.onboard.supervisor_rules import State
-from q2q_sim.wake import Wake
+from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.supervisor.rules import State
+from q2q_sim.plant.wake import Wake
 
 commander = pytest.importorskip("cflib.crazyflie.commander", reason="cflib is not installed").Commander
 high_level = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander

@@ -10,11 +10,11 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
-from q2q_control.firmware_params import TableEntry, firmware_params, unsettable
-from q2q_control.ros.cflib_links import CflibLink
-from q2q_sim.crtp.link_model import LinkParams
+from q2q_control.radio.cflib_link import CflibLink
+from q2q_control.radio.firmware_params import TableEntry, firmware_params, unsettable
+from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import ECHO, Pilot
-from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 ANSWER_S = 60.0
 """A link that has not connected by then does not [s]."""

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_sim.crtp.link_model import DelayLine, LinkParams, Radios, is_stream
-from q2q_sim.crtp.packet import MAX_DATA, MalformedError, Packet, datagram_of, packet_of
+from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios, is_stream
+from q2q_sim.crtp.packets.packet import MAX_DATA, MalformedError, Packet, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.vehicle import MOST_CLIENTS
-from q2q_sim.onboard.parameter_table import TABLE
-from q2q_sim.onboard.supervisor_rules import State
+from q2q_sim.firmware.parameters.parameter_table import TABLE
+from q2q_sim.firmware.supervisor.rules import State
 
 PORTS = st.sampled_from([0, 2, 3, 4, 5, 6, 7, 8, 9, 13, 15])
 ANY = st.one_of(

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.rotations import quat_from_euler
+from q2q_model.geometry.rotations import quat_from_euler
+from q2q_sim.crtp.packets.quaternion32 import compressed, decompressed
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.crtp.quaternion32 import compressed, decompressed
-from q2q_sim.onboard.setpoint import STOP, Mode, Setpoint
+from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from q2q_sim import scenarios
-from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.spots import SPACING, apart
-from q2q_sim.room import Room
+from q2q_sim.loop.room import Room
+from q2q_sim.scenarios import library
 
 
 def nearest(spots: np.ndarray) -> float:
@@ -18,7 +18,7 @@ def nearest(spots: np.ndarray) -> float:
 
 @pytest.mark.parametrize("name", ["swarm4", "swarm10", "swarm100"])
 def test_a_swarm_whose_paths_begin_above_each_other_starts_apart(name: str) -> None:
-    scenario = scenarios.load(name)
+    scenario = library.load(name)
     room = Room(scenario, seed=0)
     fleet_in(room, scenario, CrtpRoomParams())
     spots = room.swarm.state[:, :2]

@@ -7,17 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.rotations import quat_from_euler, rotate_inverse
-from q2q_sim.crtp import log_table, parameters
-from q2q_sim.crtp.contents import Contents, Entry
-from q2q_sim.crtp.log_table import VARIABLES
+from q2q_model.geometry.rotations import quat_from_euler, rotate_inverse
+from q2q_sim.crtp.fleet_room import CrtpRoomParams
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.crtp.room import CrtpRoomParams
-from q2q_sim.onboard.columns import ATTITUDE_WANTED
-from q2q_sim.onboard.firmware import Build
-from q2q_sim.onboard.parameter_table import TABLE
-from q2q_sim.onboard.setpoint import Mode, Setpoint
-from q2q_sim.quadcopter import QUAT
+from q2q_sim.crtp.ports import parameters
+from q2q_sim.crtp.tables import log_table
+from q2q_sim.crtp.tables.contents import Contents, Entry
+from q2q_sim.crtp.tables.log_table import VARIABLES
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
+from q2q_sim.firmware.controllers.columns import ATTITUDE_WANTED
+from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.parameters.parameter_table import TABLE
+from q2q_sim.plant.quadcopter import QUAT
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from q2q_sim.tools.domain import own_domain
+from q2q_sim.processes.domain import own_domain
 
 
 def test_flights_at_the_same_time_get_different_domains(monkeypatch: pytest.MonkeyPatch) -> None:

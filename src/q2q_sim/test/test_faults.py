@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.rotations import matrix_from_quat
-from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.faults import KINDS, LENGTHS, SIZES, Fault, fault_from_document, random_faults
-from q2q_sim.room import TICK_S, Room, Tick
-from q2q_sim.vicon import Injected
+from q2q_model.files.find_model import find_model
+from q2q_model.geometry.rotations import matrix_from_quat
+from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, fault_from_document, random_faults
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.room import TICK_S, Room, Tick
+from q2q_sim.scenarios import library
+from q2q_sim.sensors.vicon import Injected
 
-CALM = replace(scenarios.load("table6"), duration=1.0)
+CALM = replace(library.load("table6"), duration=1.0)
 
 
 def _ticks(*faults: Fault, count: int = 40) -> list[tuple[Tick, np.ndarray]]:
@@ -177,7 +177,7 @@ def test_a_flight_comes_through_a_fault_of_each_kind(kind: str) -> None:
     fault = Fault(
         kind, start=0.5, duration=min(LENGTHS[kind][1], 0.3), vehicles=vehicles, size=0.5 * (low + high)
     )
-    scenario = replace(scenarios.load("stack3"), duration=3.0, faults=(fault,))
+    scenario = replace(library.load("stack3"), duration=3.0, faults=(fault,))
     flight = fly(scenario, FlightOptions(model=find_model(scenario.model).interaction))
     assert np.isfinite(flight.true_pos).all()
     assert np.isfinite(flight.thrust).all()

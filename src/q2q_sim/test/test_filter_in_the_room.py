@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.outliers import find_outliers
-from q2q_model.rotations import identity_quat
-from q2q_model.signals import Array, Names, SwarmState, TrackStatus
-from q2q_sim.vicon import Injected, Vicon, ViconParams
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.flights.outliers import find_outliers
+from q2q_model.geometry.rotations import identity_quat
+from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
+from q2q_sim.sensors.vicon import Injected, Vicon, ViconParams
 
 NAMES: Names = ("cf1", "cf2", "cf3")
 TICK_S = 0.01

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from q2q_sim.commands.firmware_check import main
-from q2q_sim.fidelity.cases import Row, Table
-from q2q_sim.fidelity.verdict import Tables, Verdict, compare, figures
-from q2q_sim.tools.firmware_check import tables_in
+from q2q_sim.firmware_check.table_rows import Row, Table
+from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, figures
+from q2q_sim.tools.check_firmware import tables_in
 
 FOLDER = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data")) / "firmware"
 pytestmark = pytest.mark.skipif(
@@ -26,7 +26,7 @@ def tables() -> Tables:
 
 
 @pytest.fixture(scope="module")
-def verdict(tables: Tables) -> Verdict:
+def verdict(tables: Tables) -> FirmwareVerdict:
     """Return what differs from them."""
     return compare(tables)
 
@@ -41,7 +41,7 @@ def without(table: list[Row], at: int, **values: str) -> list[Row]:
     return [*table[:at], {**table[at], **values}, *table[at + 1 :]]
 
 
-def test_every_figure_is_within_its_tolerance(verdict: Verdict) -> None:
+def test_every_figure_is_within_its_tolerance(verdict: FirmwareVerdict) -> None:
     assert [one for one in figures(verdict) if not one.within] == []
     assert min(verdict.controllers.cases, verdict.planner.cases, verdict.supervisor.cases) >= 3
 

@@ -3,7 +3,7 @@
 import pytest
 
 from q2q_sim.commands.fly import parser
-from q2q_sim.tools.fly import request_of
+from q2q_sim.tools.fly_scenario import request_of
 
 
 @pytest.mark.parametrize(

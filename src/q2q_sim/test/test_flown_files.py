@@ -5,19 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.vehicle import CRAZYFLIE_2_0, CRAZYFLIE_2_1, on_firmware
-from q2q_planner import plan_file
-from q2q_planner.flight_limits import FlightLimits, with_limits_of
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_planner.plan_waypoints import waypoints_of
+from q2q_model.trajectory import plan_file
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, on_firmware
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_limits_of
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_planner.tools.waypoint_file import read_waypoints
-from q2q_sim import assembly, scenarios
-from q2q_sim.choices import WAKES
-from q2q_sim.closed_loop import FlightOptions, fly
 from q2q_sim.commands.fly import main
-from q2q_sim.scenario import with_choices, with_firmware
-from q2q_sim.tools.flight import FlightRequest, load_scenario
-from q2q_sim.wake import Wake
+from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario
+from q2q_sim.loop import assembly
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.plant.wake import Wake
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.choices import WAKES
+from q2q_sim.scenarios.scenario import with_choices, with_firmware
 
 WAYPOINTS = """vehicles:
   cf1: [{t: 0, pos: [0, 0, 1]}, {t: 1.5, pos: [0.2, 0, 1], yaw: 0.3}, {t: 2, pos: [0.2, 0.1, 1.1]}]
@@ -42,7 +43,7 @@ def plan(waypoints: Path) -> Path:
 
 
 def test_waypoints_and_the_plan_through_them_fly_the_same(waypoints: Path, plan: Path) -> None:
-    by_points, by_plan = scenarios.load(str(waypoints)), scenarios.load(str(plan))
+    by_points, by_plan = library.load(str(waypoints)), library.load(str(plan))
     assert by_points.duration == by_plan.duration == 2.0
     assert (by_plan.vehicle, by_plan.wake, by_plan.model) == (CRAZYFLIE_2_0, "none", "none")
     flown, again = (fly(one, FlightOptions()) for one in (by_points, by_plan))
@@ -64,15 +65,15 @@ def test_waypoints_without_times_get_those_that_plan_gives_them(tmp_path: Path) 
     path.write_text("vehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [1, 0, 1]}, {pos: [1, 1, 2]}]}")
     limits = with_limits_of(FlightLimits(), CRAZYFLIE_2_0)  # as `plan` does
     (expected,) = read_waypoints(path, limits, "stop_and_go")
-    (found,) = scenarios.load(str(path)).waypoints
+    (found,) = library.load(str(path)).waypoints
     assert found == expected
-    assert scenarios.load(str(path)).duration == expected.times[-1] > 0.0
+    assert library.load(str(path)).duration == expected.times[-1] > 0.0
 
 
 def test_a_scenario_may_name_a_plan_beside_it_and_all_the_rest(plan: Path) -> None:
     path = plan.with_name("whole.yaml")
     path.write_text("plan: mine.json\nduration: 5.0\nvehicle: crazyflie_2_1\nwake: paper\nmodel: paper_law\n")
-    found = scenarios.load(str(path))
+    found = library.load(str(path))
     assert (found.duration, found.vehicle, found.wake) == (5.0, CRAZYFLIE_2_1, "paper")
     np.testing.assert_array_equal(
         assembly.plan_of(found).trajectories[0].coefficients,

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from q2q_model.rotations import quat_from_euler
-from q2q_model.signals import SwarmState
-from q2q_sim.disturbance import Disturbance, DisturbanceParams
-from q2q_sim.imu import Imu, ImuParams
+from q2q_model.geometry.rotations import quat_from_euler
+from q2q_model.signals.values import SwarmState
+from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
+from q2q_sim.sensors.imu import Imu, ImuParams
 
 
 def _tilted(roll: float, pitch: float) -> SwarmState:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from q2q_model.signals import SwarmCommand
-from q2q_sim.flight_clock import FlightClock
-from q2q_sim.lockstep import CommandGate, Patience
+from q2q_model.signals.values import SwarmCommand
+from q2q_sim.loop.flight_clock import FlightClock
+from q2q_sim.loop.lockstep import CommandGate, Patience
 
 
 def command(names: tuple[str, ...], thrust: float) -> SwarmCommand:

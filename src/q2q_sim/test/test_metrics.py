@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.flights import Flight
-from q2q_model.zone import Cylinder
-from q2q_sim import scenarios
-from q2q_sim.metrics import held, measure
-from q2q_sim.recording import FlightRecording
+from q2q_model.flights.flight import Flight
+from q2q_model.geometry.zone import Cylinder
+from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.monitors.metrics import held, measure
+from q2q_sim.scenarios import library
 
 T = np.arange(1000) * 0.01
-SCENARIO = scenarios.load("table6")
+SCENARIO = library.load("table6")
 
 
 def _flight(pos: np.ndarray, ref: np.ndarray, thrust: np.ndarray) -> Flight:

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.flights import Flight
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.mocap_quality import mocap_quality
+from q2q_model.flights.flight import Flight
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.monitors.mocap_quality import mocap_quality
+from q2q_sim.scenarios import library
 
 
 @pytest.fixture(scope="module")
 def perfect() -> Flight:
-    scenario = replace(scenarios.load("table6"), duration=2.0)
+    scenario = replace(library.load("table6"), duration=2.0)
     return fly(scenario, FlightOptions(mode="ignoring"))
 
 

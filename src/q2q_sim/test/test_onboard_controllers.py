@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.allocation import rotor_frame, wrench_of
-from q2q_model.rotations import euler_from_quat, matrix_from_quat, quat_from_euler
-from q2q_model.signals import Array
-from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
+from q2q_control.attitude.allocation import rotor_frame, wrench_of
+from q2q_model.geometry.rotations import euler_from_quat, matrix_from_quat, quat_from_euler
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.onboard.airframe import airframe_of
-from q2q_sim.onboard.attitude_of import legacy_degrees
-from q2q_sim.onboard.attitude_pid import cascade
-from q2q_sim.onboard.columns import (
+from q2q_sim.firmware.commander.setpoint import ZERO, Mode, Setpoint
+from q2q_sim.firmware.controllers.attitude_of import legacy_degrees
+from q2q_sim.firmware.controllers.attitude_pid import cascade
+from q2q_sim.firmware.controllers.columns import (
     CONTROL,
     I_POS,
     MEMORY_WIDTH,
@@ -29,16 +29,16 @@ from q2q_sim.onboard.columns import (
     fresh_memory,
     wanted_row,
 )
-from q2q_sim.onboard.flight import Controllers, fly_tick
-from q2q_sim.onboard.mellinger import mellinger
-from q2q_sim.onboard.motors import drive_motors
-from q2q_sim.onboard.parameters import Parameters
-from q2q_sim.onboard.pid_step import filtered, pid, slope_of
-from q2q_sim.onboard.setpoint import ZERO, Mode, Setpoint
-from q2q_sim.onboard.thrust_curve import compensated, thrust_pwm
-from q2q_sim.quadcopter import QUAT, RATE, STATE_WIDTH
-from q2q_sim.swarm import Swarm
-from q2q_sim.wake import Wake
+from q2q_sim.firmware.controllers.mellinger import mellinger
+from q2q_sim.firmware.controllers.mixer import drive_motors
+from q2q_sim.firmware.controllers.pid_step import filtered, pid, slope_of
+from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
+from q2q_sim.firmware.motors.airframe import airframe_of
+from q2q_sim.firmware.motors.thrust_curve import compensated, thrust_pwm
+from q2q_sim.firmware.parameters.parameter_values import Parameters
+from q2q_sim.plant.quadcopter import QUAT, RATE, STATE_WIDTH
+from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.wake import Wake
 
 PID, MELLINGER = 1, 2
 Numbers = tuple[float, ...]

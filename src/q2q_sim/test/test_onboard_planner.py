@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.onboard.piecewise import Piecewise
-from q2q_sim.onboard.planner import Answer, Planner, PlanState, Target, Vertical
-from q2q_sim.onboard.polynomial import Goal, Piece, goal_at, piece_between, resting
-from q2q_sim.onboard.spiral import Spiral, spiral_piece
+from q2q_sim.firmware.commander.piecewise import Piecewise
+from q2q_sim.firmware.commander.planner import Planner, PlannerAnswer, PlanState, Target, Vertical
+from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at, piece_between, resting
+from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
 
 Numbers = tuple[float, ...]
 
@@ -101,12 +101,12 @@ def test_states_follow_the_commands() -> None:
     planner = Planner()
     planner.tell(np.array([1.0, 2.0, 0.0]), np.zeros(3), 0.5)
     assert planner.goal(0.0) is None
-    assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == Answer.OK
-    assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == Answer.WRONG_STATE
+    assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == PlannerAnswer.OK
+    assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == PlannerAnswer.WRONG_STATE
     top = planner.goal(13.0)
     np.testing.assert_allclose(top.pos, [1.0, 2.0, 1.0])
-    assert planner.land(Vertical(0.0, 2.0), 13.0) == Answer.OK
-    assert planner.land(Vertical(0.0, 2.0), 13.0) == Answer.WRONG_STATE
+    assert planner.land(Vertical(0.0, 2.0), 13.0) == PlannerAnswer.OK
+    assert planner.land(Vertical(0.0, 2.0), 13.0) == PlannerAnswer.WRONG_STATE
     assert planner.goal(14.0).pos[2] == pytest.approx(0.5)
     assert planner.goal(15.0) is None
     assert planner.state == PlanState.IDLE
@@ -188,10 +188,10 @@ def test_half_a_turn_is_flown_to_the_right_whichever_way_it_is_asked_for(asked: 
 
 def test_a_goal_that_is_no_number_disables_the_planner_until_the_next_command() -> None:
     planner = Planner()
-    assert planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 0.0, linear=True), 0.0) == Answer.OK
+    assert planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 0.0, linear=True), 0.0) == PlannerAnswer.OK
     assert planner.goal(0.01) is None
     assert planner.state == PlanState.DISABLED
-    assert planner.take_off(Vertical(1.0, 1.0), 0.1) == Answer.WRONG_STATE
+    assert planner.take_off(Vertical(1.0, 1.0), 0.1) == PlannerAnswer.WRONG_STATE
     planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 2.0), 0.1)
     np.testing.assert_allclose(planner.goal(3.0).pos, [1.0, 0.0, 1.0])
 
@@ -260,16 +260,16 @@ def test_an_uploaded_trajectory_is_flown_and_an_unsound_one_is_refused(grounded:
         grounded.fleet.vehicles[0].handle(b"\x4e\x00" + struct.pack("<I", at) + packed[at : at + 24])
     pilot.define_trajectory(3, 0, 1)
     pilot.start_trajectory(3)
-    assert wire.answers[-1][-1] == Answer.OK
+    assert wire.answers[-1][-1] == PlannerAnswer.OK
     goal = grounded.firmware().planner.goal(grounded.firmware().seconds + 1.0)
     np.testing.assert_allclose((goal.pos[2], goal.vel[2]), (0.5, 0.5))
     for number, pieces in ((4, 0), (5, 40)):  # none, beyond the memory
         pilot.define_trajectory(number, 0, pieces)
         pilot.start_trajectory(number)
-        assert wire.answers[-1][-1] == Answer.UNKNOWN
+        assert wire.answers[-1][-1] == PlannerAnswer.UNKNOWN
     pilot.define_trajectory(3, 0, 1, type=1)
     pilot.start_trajectory(3)
-    assert wire.answers[-1][-1] == Answer.UNKNOWN
+    assert wire.answers[-1][-1] == PlannerAnswer.UNKNOWN
 
 
 def test_an_undefined_trajectory_is_answered_and_not_flown_and_31_can_be_defined(grounded: Pilot) -> None:
@@ -277,17 +277,17 @@ def test_an_undefined_trajectory_is_answered_and_not_flown_and_31_can_be_defined
     wire = grounded.wire()
     pilot, planner = commander(wire), grounded.firmware().planner
     pilot.start_trajectory(9)
-    assert (wire.answers[-1][-1], planner.state) == (Answer.OK, PlanState.IDLE)
-    for number, answer in ((30, Answer.OK), (31, Answer.UNKNOWN)):
+    assert (wire.answers[-1][-1], planner.state) == (PlannerAnswer.OK, PlanState.IDLE)
+    for number, answer in ((30, PlannerAnswer.OK), (31, PlannerAnswer.UNKNOWN)):
         pilot.define_trajectory(number, 0, 1)
         assert wire.answers[-1][-1] == answer
     pilot.start_trajectory(31)
-    assert (wire.answers[-1][-1], planner.state) == (Answer.OK, PlanState.IDLE)
+    assert (wire.answers[-1][-1], planner.state) == (PlannerAnswer.OK, PlanState.IDLE)
 
 
 def test_a_command_of_more_than_an_hour_is_taken(grounded: Pilot) -> None:
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
     wire, firmware = grounded.wire(), grounded.firmware()
     commander(wire).takeoff(1.0, 7200.0)
-    assert wire.answers[-1][-1] == Answer.OK
+    assert wire.answers[-1][-1] == PlannerAnswer.OK
     assert firmware.planner.goal(firmware.seconds + 3600.0).pos[2] == pytest.approx(0.5)

@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.vehicle import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.onboard.airframe import airframe_of
-from q2q_sim.onboard.battery import LOW_POWER, Battery
-from q2q_sim.onboard.columns import MOTOR, SET_THRUST
-from q2q_sim.onboard.estimator import Estimator
-from q2q_sim.onboard.firmware import Build
-from q2q_sim.onboard.parameters import Parameters
-from q2q_sim.onboard.planner import Answer, Target, Vertical
-from q2q_sim.onboard.setpoint import Mode, Setpoint
-from q2q_sim.onboard.supervisor import Look, Supervisor
-from q2q_sim.onboard.supervisor_info import Info
-from q2q_sim.onboard.supervisor_rules import Condition, Rule, State, next_state
+from q2q_sim.firmware.commander.planner import PlannerAnswer, Target, Vertical
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
+from q2q_sim.firmware.controllers.columns import MOTOR, SET_THRUST
+from q2q_sim.firmware.estimator import Estimator
+from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.motors.airframe import airframe_of
+from q2q_sim.firmware.motors.battery import LOW_POWER, Battery
+from q2q_sim.firmware.parameters.parameter_values import Parameters
+from q2q_sim.firmware.supervisor.info import Info
+from q2q_sim.firmware.supervisor.rules import Condition, Rule, State, next_state
+from q2q_sim.firmware.supervisor.supervisor import Supervisor, SupervisorInput
 
 HOVER = Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.0, 0.0, 1.0))
 LOOK_S = 0.04
@@ -167,7 +167,8 @@ def test_a_linear_go_to_in_no_time_leaves_the_vehicle_without_setpoints() -> Non
     firmware.planner.go_to(Target((0.0, 0.0, 1.0), 0.0, 1.0), firmware.seconds)
     pilot.fly(1.5)
     assert (
-        firmware.planner.go_to(Target((0.5, 0.0, 1.0), 0.0, 0.0, linear=True), firmware.seconds) == Answer.OK
+        firmware.planner.go_to(Target((0.5, 0.0, 1.0), 0.0, 0.0, linear=True), firmware.seconds)
+        == PlannerAnswer.OK
     )
     pilot.fly(0.5 + 2 * LOOK_S)
     assert state(pilot) == State.LEVEL_OUT
@@ -200,8 +201,8 @@ def test_emergency_stops_stop_the_motors_for_good(how: str) -> None:
     assert pilot.pos()[2] == 0.0
 
 
-def look(now_ms: int, acc_z: float, *, running: bool = True) -> Look:
-    return Look(now_ms=now_ms, acc=(0.0, 0.0, acc_z), setpoint_ms=now_ms, motors_running=running)
+def look(now_ms: int, acc_z: float, *, running: bool = True) -> SupervisorInput:
+    return SupervisorInput(now_ms=now_ms, acc=(0.0, 0.0, acc_z), setpoint_ms=now_ms, motors_running=running)
 
 
 @pytest.mark.parametrize(("acc_z", "after_ms"), [(-1.0, 100), (0.4, 1000)])

@@ -3,7 +3,7 @@
 from base64 import b64decode
 from pathlib import Path
 
-from q2q_sim.tools.page import Grid, Picture, page
+from q2q_sim.report.html_page import Grid, Picture, page
 
 
 def test_a_picture_travels_inside_the_page(tmp_path: Path) -> None:

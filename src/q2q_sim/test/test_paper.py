@@ -10,18 +10,24 @@ import numpy as np
 import pytest
 import yaml
 
-from q2q_model.identification.altitude_loop import AltitudeLoop
-from q2q_model.identification.altitude_record import altitude_record
-from q2q_model.identification.trajectory_loss import WIDE, passage
-from q2q_model.vehicle import CRAZYFLIE_2_0
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_model.identification.gains.altitude_record import altitude_record
+from q2q_model.identification.networks.trajectory_loss import WIDE, passage
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands.paper import main as command_of_paper
-from q2q_sim.tools import paper, paper_control, paper_learning
-from q2q_sim.tools.paper_cache import PaperCache, fingerprint
-from q2q_sim.tools.paper_numbers import chosen, paper_numbers
-from q2q_sim.tools.paper_outcome import Experiment, FigurePicture, Line, Outcome, drawn
-from q2q_sim.tools.paper_page import CITATION, as_json, rows, write_page, write_pdf
+from q2q_sim.experiments.paper import learning_tables, remake, tracking_tables
+from q2q_sim.experiments.paper.experiment_cache import PaperCache, fingerprint
+from q2q_sim.experiments.paper.experiment_outcome import (
+    Experiment,
+    ExperimentOutcome,
+    FigurePicture,
+    Line,
+    drawn,
+)
+from q2q_sim.experiments.paper.paper_numbers import chosen, paper_numbers
+from q2q_sim.experiments.paper.paper_page import CITATION, as_json, rows, write_page, write_pdf
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
 
 NUMBERS = paper_numbers()
 ROOT = Path(__file__).resolve().parents[3]
@@ -54,21 +60,21 @@ def test_reductions_follow_from_the_papers_own_rms():
 
 
 def test_every_group_with_a_number_of_ours_has_an_experiment():
-    made = {group for one in paper.EXPERIMENTS for group in one.groups}
+    made = {group for one in remake.EXPERIMENTS for group in one.groups}
     without = {one.group for one in NUMBERS} - made
     assert without == set()
 
 
 def test_a_hover_lasts_until_the_charge_of_the_low_voltage_and_the_firmwares_patience():
     left = 0.1 * (3.2 - 3.00) / (3.78 - 3.00)  # the curve's first piece
-    assert paper_learning.hover_time() == pytest.approx(420.0 * (1.0 - left) + 5.0, abs=0.3)  # 3 steps
+    assert learning_tables.hover_time() == pytest.approx(420.0 * (1.0 - left) + 5.0, abs=0.3)  # 3 steps
 
 
 def test_adams_first_step_is_its_rate():
-    flight = fly(scenarios.load("table2_3"), FlightOptions(mode="ignoring"))
+    flight = fly(library.load("table2_3"), FlightOptions(mode="ignoring"))
     loop = AltitudeLoop(k_p=0.81, k_d=0.43)
     near = passage(altitude_record(flight, CRAZYFLIE_2_0), loop, (WIDE * 0.1, WIDE * 1.1))
-    step, seconds = paper_learning.timed_adam([near])
+    step, seconds = learning_tables.timed_adam([near])
     assert step == pytest.approx(1e-4, rel=1e-3)  # 1e-8 in Adam's denominator
     assert seconds > 0.0
 
@@ -80,10 +86,10 @@ def test_fig_15_draws_the_mpc_and_the_pd(monkeypatch: pytest.MonkeyPatch, tmp_pa
         labels.append([line.label for line in lines])
         return path.name
 
-    short = replace(scenarios.load("table6"), duration=0.3)
-    monkeypatch.setattr(paper_control.scenarios, "load", lambda _: short)
-    monkeypatch.setattr(paper_control, "drawn", noted)
-    found = paper_control.mpc(tmp_path)
+    short = replace(library.load("table6"), duration=0.3)
+    monkeypatch.setattr(tracking_tables.scenarios, "load", lambda _: short)
+    monkeypatch.setattr(tracking_tables, "drawn", noted)
+    found = tracking_tables.mpc(tmp_path)
     assert labels[0] == ["aware MPC", "aware PD", "reference"]
     assert labels[1] == ["aware MPC", "aware PD"]
     assert {"fig15.q1_dip", "fig15.q1_dip_pd"} <= found.values.keys()
@@ -96,8 +102,8 @@ def test_rows_that_only_repeat_a_constant_say_so():
 
 
 def test_only_runs_what_is_asked_for():
-    assert [one.name for one in paper.needed(chosen(NUMBERS, "table6"))] == ["pid"]
-    assert {one.name for one in paper.needed(chosen(NUMBERS, "table7,fig10"))} == {"pid", "mpc", "planning"}
+    assert [one.name for one in remake.needed(chosen(NUMBERS, "table6"))] == ["pid"]
+    assert {one.name for one in remake.needed(chosen(NUMBERS, "table7,fig10"))} == {"pid", "mpc", "planning"}
 
 
 def test_a_wrong_table_is_answered_with_the_nearest(capsys: pytest.CaptureFixture[str]):
@@ -113,7 +119,8 @@ def test_a_number_without_a_place_is_refused(tmp_path: Path):
 
 def test_rows_keep_the_contract_and_say_null_for_what_is_not_a_number():
     told = as_json(
-        chosen(NUMBERS, "table1"), [Outcome({"table1.takeoff_weight": 34.0, "table1.size": math.nan})]
+        chosen(NUMBERS, "table1"),
+        [ExperimentOutcome({"table1.takeoff_weight": 34.0, "table1.size": math.nan})],
     )
     first = json.loads(json.dumps(told, allow_nan=False))["rows"]
     assert set(first[0]) == {"id", "paper", "ours", "unit", "note"}
@@ -123,7 +130,7 @@ def test_rows_keep_the_contract_and_say_null_for_what_is_not_a_number():
 
 
 def test_the_ratio_is_ours_over_the_papers():
-    cells = rows(chosen(NUMBERS, "table6"), [Outcome({"table6.q1_z_rmse_ignoring": 0.263})])
+    cells = rows(chosen(NUMBERS, "table6"), [ExperimentOutcome({"table6.q1_z_rmse_ignoring": 0.263})])
     row = next(cell for cell in cells if cell[0] == "table6.q1_z_rmse_ignoring")
     assert row[2:5] == ("0.1315", "0.263", "2")
 
@@ -131,12 +138,12 @@ def test_the_ratio_is_ours_over_the_papers():
 def test_a_finished_experiment_is_not_run_again_and_a_broken_one_is(tmp_path: Path):
     ran: list[str] = []
 
-    def good(folder: Path) -> Outcome:
+    def good(folder: Path) -> ExperimentOutcome:
         ran.append("good")
         file = drawn(folder / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))])
-        return Outcome({"fig4.d": 1.0}, (FigurePicture("fig4", file, "t"),))
+        return ExperimentOutcome({"fig4.d": 1.0}, (FigurePicture("fig4", file, "t"),))
 
-    def breaks(_: Path) -> Outcome:
+    def breaks(_: Path) -> ExperimentOutcome:
         ran.append("breaks")
         raise KeyboardInterrupt
 
@@ -144,9 +151,9 @@ def test_a_finished_experiment_is_not_run_again_and_a_broken_one_is(tmp_path: Pa
     cache = PaperCache(tmp_path, "code 1")
     for _ in range(2):
         with pytest.raises(KeyboardInterrupt):
-            paper.run_all(both, cache, again=False)
+            remake.run_all(both, cache, again=False)
     assert ran == ["good", "breaks", "breaks"]
-    paper.run_all(both[:1], PaperCache(tmp_path, "code 2"), again=False)
+    remake.run_all(both[:1], PaperCache(tmp_path, "code 2"), again=False)
     assert ran[-1] == "good"  # other code: run again
 
 
@@ -159,7 +166,7 @@ def test_a_damaged_cache_is_no_result(tmp_path: Path, text: str):
 
 def test_a_cached_outcome_without_its_picture_is_no_result(tmp_path: Path):
     cache = PaperCache(tmp_path, "1")
-    cache.save("one", Outcome({}, (FigurePicture("fig4", "gone.png", "t"),)))
+    cache.save("one", ExperimentOutcome({}, (FigurePicture("fig4", "gone.png", "t"),)))
     assert cache.load("one") is None
 
 
@@ -171,7 +178,7 @@ def test_page_and_pdf_hold_every_row_and_picture(tmp_path: Path):
     file = drawn(
         tmp_path / "learning" / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))]
     )
-    outcome = Outcome({"fig4.d": 2.5}, (FigurePicture("fig4", file, "dev falls"),))
+    outcome = ExperimentOutcome({"fig4.d": 2.5}, (FigurePicture("fig4", file, "dev falls"),))
     asked = chosen(NUMBERS, "fig4,table6")
     write_page(asked, [outcome], tmp_path)
     write_pdf(asked, [outcome], tmp_path)
@@ -183,7 +190,7 @@ def test_page_and_pdf_hold_every_row_and_picture(tmp_path: Path):
 
 
 def test_the_vehicle_rows_are_the_vehicles_own_constants(tmp_path: Path):
-    assert paper.EXPERIMENTS[0].run(tmp_path).values["table1.inertia_zz"] == 7.06e-5
+    assert remake.EXPERIMENTS[0].run(tmp_path).values["table1.inertia_zz"] == 7.06e-5
 
 
 @pytest.mark.parametrize("document", ["README.md", "docs/README.md"])

@@ -8,21 +8,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.flights import Flight
-from q2q_model.identification.procedure import ProcedureParams, identify
-from q2q_model.model_file import ModelFile
-from q2q_model.signals import Array
-from q2q_model.tools.models import find_model
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_file import ModelFile
+from q2q_model.flights.flight import Flight
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.signals.values import Array
 from q2q_model.tools.recordings import read_recordings
-from q2q_model.zone import Cylinder
-from q2q_planner.minsnap import plan_cost
-from q2q_planner.safe_params import SafeReplannerParams
-from q2q_sim import assembly, scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.metrics import measure
+from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_sim.loop import assembly
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.monitors.metrics import measure
+from q2q_sim.scenarios import library
 
 BAGS = Path(__file__).parents[3] / "bags"
-SCENARIO = scenarios.load("section4_1")
+SCENARIO = library.load("section4_1")
 
 
 def height_errors(flight: Flight) -> Array:

@@ -9,17 +9,24 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagWriter
-from q2q_model.signals import CommandStatus, MocapFrame, SwarmCommand, SwarmSetpoint, SwarmState, TrackStatus
-from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_model.files.find_model import find_model
+from q2q_model.signals.values import (
+    CommandStatus,
+    MocapFrame,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+)
 from q2q_sim.commands import policies as tool
-from q2q_sim.faults import Fault
-from q2q_sim.policies import POLICIES, Circumstances, Heard, evidence_of, judge
-from q2q_sim.radio import RadioParams
-from q2q_sim.vicon import ViconParams
+from q2q_sim.faults.faults import Fault
+from q2q_sim.link.radio import RadioParams
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.monitors.policies import POLICIES, Circumstances, Heard, evidence_of, judge
+from q2q_sim.scenarios import library
+from q2q_sim.sensors.vicon import ViconParams
 
-SCENARIO = replace(scenarios.load("stack3"), duration=8.0, vicon=ViconParams(), radio=RadioParams())
+SCENARIO = replace(library.load("stack3"), duration=8.0, vicon=ViconParams(), radio=RadioParams())
 AROUND = Circumstances(vehicle=SCENARIO.vehicle)
 Change = Callable[[Heard], Heard]
 

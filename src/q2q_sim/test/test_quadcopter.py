@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from q2q_control.attitude import AttitudeParams
-from q2q_model.rotations import euler_from_quat, rotate
-from q2q_model.signals import Array
-from q2q_model.vehicle import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, VEHICLES, Vehicle
-from q2q_sim.quadcopter import POS, QUAT, RATE, ROTORS, VEL
-from q2q_sim.swarm import PHYSICS_RATE, Swarm
-from q2q_sim.wake import Wake
+from q2q_control.attitude.attitude_law import AttitudeParams
+from q2q_model.geometry.rotations import euler_from_quat, rotate
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, VEHICLES, Vehicle
+from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL
+from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
+from q2q_sim.plant.wake import Wake
 
 H = 1.0 / PHYSICS_RATE
 VEHICLE = pytest.mark.parametrize("vehicle", VEHICLES.values(), ids=list(VEHICLES))
@@ -61,7 +61,7 @@ def test_thrust_follows_its_command_with_the_vehicles_lag() -> None:
 
 
 def _tilt_after_step(vehicle: Vehicle, seconds: float) -> float:
-    """Return the angle of q2q_control.attitude's loop after a unit step: its linear system, solved exactly.
+    """Return the angle of the attitude law's loop after a unit step: its linear system, solved exactly.
 
     phi'' + 2 zeta w phi' + w^2 phi = w^2 (1 - s): s is what the rotors' lag still lacks, s' = -s / T_lag.
     """
@@ -122,8 +122,8 @@ def test_spin_without_torque_keeps_angular_momentum_and_energy(vehicle: Vehicle)
 
 
 def test_halving_the_step_halves_the_drift_of_angular_momentum() -> None:
-    from q2q_sim.quadcopter import body_of, state_at_rest
-    from q2q_sim.swarm import run, still_air
+    from q2q_sim.plant.quadcopter import body_of, state_at_rest
+    from q2q_sim.plant.swarm import run, still_air
 
     vehicle = TEXTBOOK_065
     drifts = []

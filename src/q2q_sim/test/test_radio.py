@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.signals import SwarmCommand
-from q2q_model.vehicle import CRAZYFLIE_2_0, Vehicle
-from q2q_sim.radio import Radio, RadioParams
+from q2q_model.signals.values import SwarmCommand
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
+from q2q_sim.link.radio import Radio, RadioParams
 
 TICK_NS, STEP_NS, STEPS = 10_000_000, 2_000_000, 5
 HOVER = 0.33

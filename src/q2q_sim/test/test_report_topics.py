@@ -8,8 +8,8 @@ import pytest
 from q2q_model.bag import BagReader, BagWriter
 from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_sim.commands import report
-from q2q_sim.tools.report import as_json, reported
-from q2q_sim.topics import TICK_TOPICS
+from q2q_sim.loop.topics import TICK_TOPICS
+from q2q_sim.tools.report_bags import as_json, reported
 
 BAG = Path(__file__).resolve().parents[3] / "bags" / "table2_1"
 

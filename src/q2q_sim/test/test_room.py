@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.signals import SwarmCommand
-from q2q_sim import scenarios
-from q2q_sim.room import Room, Tick
-from q2q_sim.settings import ROUGH
+from q2q_model.signals.values import SwarmCommand
+from q2q_sim.loop.room import Room, Tick
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.settings import ROUGH
 
 
 def _command(names: tuple[str, ...], thrust: float, t: float = 0.0) -> SwarmCommand:
@@ -25,9 +25,9 @@ def _command(names: tuple[str, ...], thrust: float, t: float = 0.0) -> SwarmComm
     )
 
 
-def _rough() -> scenarios.Scenario:
+def _rough() -> library.Scenario:
     return replace(
-        scenarios.load("stack3"),
+        library.load("stack3"),
         vicon=ROUGH.vicon,
         radio=ROUGH.radio,
         imu=ROUGH.imu,
@@ -88,7 +88,7 @@ def test_a_bad_command_is_refused_by_name_and_nothing_moves(
 
 
 def test_stamps_count_whole_ticks_of_ten_milliseconds() -> None:
-    room = Room(scenarios.load("table6"), seed=0)
+    room = Room(library.load("table6"), seed=0)
     for k in range(5):
         tick = room.capture()
         assert (room.tick, tick.stamp_ns, tick.frame.t) == (k, k * 10_000_000, k * 10_000_000 * 1e-9)
@@ -96,7 +96,7 @@ def test_stamps_count_whole_ticks_of_ten_milliseconds() -> None:
 
 
 def test_camera_and_radio_latency_together_delay_a_commands_effect() -> None:
-    base = scenarios.load("table6")
+    base = library.load("table6")
     moved = {}
     for name, camera, radio in (("none", 0.0, 0.0), ("both", 0.010, 0.016), ("radio", 0.0, 0.026)):
         late = replace(
@@ -115,7 +115,7 @@ def test_camera_and_radio_latency_together_delay_a_commands_effect() -> None:
 
 
 def test_a_room_without_commands_cuts_its_motors_after_two_seconds() -> None:
-    room = Room(scenarios.load("table6"), seed=0)
+    room = Room(library.load("table6"), seed=0)
     for _ in range(201):
         room.advance(None)
     assert room.capture().truth.pos[0, 2] > 1.0  # pushed by nothing but a far draft
@@ -126,4 +126,4 @@ def test_a_room_without_commands_cuts_its_motors_after_two_seconds() -> None:
 
 def test_a_negative_seed_is_refused() -> None:
     with pytest.raises(ValueError, match="seed = -1: 0 or above is allowed"):
-        Room(scenarios.load("table6"), seed=-1)
+        Room(library.load("table6"), seed=-1)

@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.parameters import tunable_of
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_sim import assembly, scenarios
-from q2q_sim.scenario import BLOCKS, scenario_from_document
-from q2q_sim.wake import wake_by_name
+from q2q_model.tunable import tunable_of
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_sim.loop import assembly
+from q2q_sim.plant.wake import wake_by_name
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import BLOCKS, scenario_from_document
 
 GOOD = {
     "description": "two vehicles",
@@ -19,11 +20,11 @@ GOOD = {
 }
 
 
-@pytest.mark.parametrize("name", scenarios.names())
+@pytest.mark.parametrize("name", library.names())
 def test_every_scenario_loads_plans_and_says_what_it_is(name: str) -> None:
-    scenario = scenarios.load(name)
+    scenario = library.load(name)
     assert scenario.name == name
-    assert 10 < len(scenarios.describe(name)) < 110
+    assert 10 < len(library.describe(name)) < 110
     assert assembly.plan_of(scenario).names == scenario.names
     assert wake_by_name(scenario.wake)
     for parameters in (
@@ -48,7 +49,7 @@ def test_every_scenario_loads_plans_and_says_what_it_is(name: str) -> None:
 def test_the_flights_of_table_2_have_its_distance_speed_and_overlap(
     flight: int, distance: float, speed: float, overlap: float
 ) -> None:
-    scenario = scenarios.load(f"table2_{flight}")
+    scenario = library.load(f"table2_{flight}")
     plan = minimum_snap_plan(scenario.waypoints, scenario.reading)
     t = np.arange(0.0, scenario.duration, 0.001)
     lower, upper = (trajectory.at(t) for trajectory in plan.trajectories)
@@ -63,7 +64,7 @@ def test_the_flights_of_table_2_have_its_distance_speed_and_overlap(
 
 
 def test_table6_is_section_5_2() -> None:
-    scenario = scenarios.load("table6")
+    scenario = library.load("table6")
     hover, passing = scenario.waypoints
     assert {point.pos for point in hover.waypoints} == {(0.0, 0.0, 1.5)}
     assert [(point.t, point.pos) for point in passing.waypoints] == [
@@ -77,7 +78,7 @@ def test_table6_is_section_5_2() -> None:
 
 @pytest.mark.parametrize("count", [1, 2, 7, 50])
 def test_swarms_of_any_size_start_apart_and_stay_apart(count: int) -> None:
-    scenario = scenarios.load(f"swarm{count}")
+    scenario = library.load(f"swarm{count}")
     plan = assembly.plan_of(scenario)
     assert len(scenario.names) == count
     t = np.linspace(0.0, scenario.duration, 61)
@@ -97,7 +98,7 @@ def test_swarms_of_any_size_start_apart_and_stay_apart(count: int) -> None:
 )
 def test_unknown_names_are_refused_with_the_nearest_right_one(name: str, word: str) -> None:
     with pytest.raises(ValueError, match=word.replace("?", r"\?")):
-        scenarios.load(name)
+        library.load(name)
 
 
 @pytest.mark.parametrize(
@@ -138,18 +139,18 @@ def test_wrong_values_are_refused_by_name(change: dict[str, object], word: str) 
 def test_a_file_of_the_users_own_is_read_and_a_broken_one_refused(tmp_path: Path) -> None:
     own = tmp_path / "mine.yaml"
     own.write_text("duration: 3\nvehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 3, pos: [1, 0, 1]}]}\n")
-    assert scenarios.load(str(own)).duration == 3.0
+    assert library.load(str(own)).duration == 3.0
     own.write_text("duration: [3\n")
     with pytest.raises(ValueError, match="is no YAML"):
-        scenarios.load(str(own))
+        library.load(str(own))
     own.write_text("just words\n")
     with pytest.raises(ValueError, match="expected names with values"):
-        scenarios.load(str(own))
+        library.load(str(own))
 
 
 def test_every_override_of_a_shipped_scenario_is_a_field_of_its_block() -> None:
-    for name in scenarios.names():
-        for block, values in scenarios.load(name).overrides.items():
+    for name in library.names():
+        for block, values in library.load(name).overrides.items():
             fields = BLOCKS[block].__dataclass_fields__
             for key in values:
                 assert tunable_of(fields[key]).description

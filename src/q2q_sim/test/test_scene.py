@@ -7,13 +7,13 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from q2q_model.rehearsal import rehearsal
-from q2q_model.rotations import quat_from_euler, rotate
-from q2q_model.signals import Array, Interference, SwarmSetpoint, SwarmState, TrackStatus
-from q2q_planner.minsnap import minimum_snap_plan
-from q2q_sim import scenarios
-from q2q_sim.scene import BREACHED, CLEAR, COASTING, LOST, Glimpse, SceneBuilder, SceneParams
-from q2q_sim.shapes import arrow_quat
+from q2q_model.geometry.rotations import quat_from_euler, rotate
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_sim.scenarios import library
+from q2q_sim.view.scene import BREACHED, CLEAR, COASTING, LOST, Glimpse, SceneBuilder, SceneParams
+from q2q_sim.view.shapes import arrow_quat
 
 NAMES = ("cf1", "cf2")
 ROUNDING = 1e-12
@@ -90,7 +90,7 @@ def test_signals_are_matched_by_name_not_by_row():
 
 
 def test_the_plan_is_drawn_whole_and_passes_its_waypoints():
-    scenario = scenarios.load("table6")
+    scenario = library.load("table6")
     builder = SceneBuilder(SceneParams())
     builder.take_plan(minimum_snap_plan(scenario.waypoints, scenario.reading))
     lines = builder.update(Glimpse(state(0.0, apart()))).group("plan")

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from q2q_model.vehicle import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
-from q2q_sim.quadcopter import ETA
-from q2q_sim.swarm import Swarm, still_air
-from q2q_sim.swarm_numpy import run_numpy
-from q2q_sim.wake import Wake
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
+from q2q_sim.plant.quadcopter import ETA
+from q2q_sim.plant.swarm import Swarm, still_air
+from q2q_sim.plant.swarm_numpy import run_numpy
+from q2q_sim.plant.wake import Wake
 
 
 def _busy_swarm(vehicle: Vehicle, wake: Wake, seed: int) -> tuple[Swarm, np.ndarray, np.ndarray]:

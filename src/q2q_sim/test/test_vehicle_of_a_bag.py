@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from q2q_model.bag import BagWriter, FlightFacts
-from q2q_model.layout import Signal
-from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
+from q2q_model.files.find_model import find_model
+from q2q_model.signals.layout import Signal
 from q2q_sim.commands import policies, report
-from q2q_sim.tools.flight import FlightRequest, facts_of
+from q2q_sim.flight.scenario_flight import FlightRequest, facts_of
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
 
-SCENARIO = replace(scenarios.load("table6"), duration=3.0)
+SCENARIO = replace(library.load("table6"), duration=3.0)
 
 
 def recorded(folder: Path, facts: FlightFacts | None) -> Path:
@@ -43,7 +43,7 @@ def silent(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def numbers(bag: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, *more: str) -> dict[str, object]:
     """Return what `report` measures of a bag."""
-    monkeypatch.setattr("q2q_sim.tools.figures.KINDS", {})
+    monkeypatch.setattr("q2q_sim.report.figures.KINDS", {})
     out = folder / "report.json"
     assert report.main([str(bag), "--out", str(folder / "page"), "--json", str(out), *more]) == 0
     read: dict[str, object] = json.loads(out.read_text())

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import yaml
 
-from q2q_model.flights import Flight
-from q2q_model.signals import Array, CommandStatus
-from q2q_model.tools.models import find_model
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.policies import Circumstances
-from q2q_sim.recording import FlightRecording
-from q2q_sim.scenario import scenario_from_document
-from q2q_sim.verdict import Verdict, verdict_line, verdict_of
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import Array, CommandStatus
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line, verdict_of
+from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.scenarios.scenario import scenario_from_document
 
 TICKS = 1000
 T = 0.01 * np.arange(TICKS)
@@ -110,7 +110,7 @@ def test_the_filtered_positions_are_judged_where_nobody_knows_the_truth() -> Non
 
 
 def test_several_flights_are_told_in_one_line_by_their_names() -> None:
-    fine = Verdict(5.0)
+    fine = FlightVerdict(5.0)
     assert verdict_line([("aware", fine)]) == "verdict: ok: 5.0 s flown to the end"
     fallen = verdict_of(flown(moved(5.6, 5.8, 1, (0.0, 1.0, 0.0))), AROUND)
     line = verdict_line([("aware", fine), ("ignoring", fallen)])

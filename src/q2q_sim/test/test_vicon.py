@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.rotations import quat_conjugate, quat_from_euler, quat_multiply, vector_from_quat
-from q2q_model.signals import MocapFrame, SwarmState
-from q2q_sim.settings import ROUGH
-from q2q_sim.vicon import Injected, Vicon, ViconParams
+from q2q_model.geometry.rotations import quat_conjugate, quat_from_euler, quat_multiply, vector_from_quat
+from q2q_model.signals.values import MocapFrame, SwarmState
+from q2q_sim.scenarios.settings import ROUGH
+from q2q_sim.sensors.vicon import Injected, Vicon, ViconParams
 
 TICK = 0.01
 PERFECT = ViconParams()

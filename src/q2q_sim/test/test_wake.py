@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.vehicle import CRAZYFLIE_2_0
-from q2q_sim.swarm import Swarm
-from q2q_sim.wake import Wake, pair_eta, wake_by_name
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.wake import Wake, pair_eta, wake_by_name
 
 DRAFTS = pytest.mark.parametrize("kind", [Wake.PAPER, Wake.MEASURED])
 

@@ -21,7 +21,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _prepare(_: Namespace) -> Work:
-    from q2q_control.tools.call import run
+    from q2q_control.tools.call_procedure import run
 
     return run
 

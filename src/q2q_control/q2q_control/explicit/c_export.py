@@ -20,7 +20,7 @@ from q2q_control.explicit.features import (
     WINDOWS,
 )
 from q2q_control.explicit.law import ExplicitLaw
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 
 _BODY = """
 /* Write the unbounded optimum of one chain, rolled out. */

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from q2q_control.explicit.encounter_flight import Policy, fly, teacher_policy
-from q2q_control.explicit.features import WIDTH, Look, look
+from q2q_control.explicit.features import WIDTH, Features, look
 from q2q_control.explicit.law import ExplicitLaw, evaluate
 from q2q_control.explicit.situations import Situations, random_encounters, random_situations
 from q2q_control.explicit.teacher import Teacher, answers, seen
-from q2q_control.mpc.chain_sweep import sweep_gains
-from q2q_model.signals import Array
+from q2q_control.mpc.solver.chain_sweep import sweep_gains
+from q2q_model.signals.values import Array
 
 Single = NDArray[np.float32]
 
@@ -46,7 +46,7 @@ class Syllabus:
 class Lessons:
     """Features of the law and the accelerations it should give [m/s^2], (K,)."""
 
-    seen: Look
+    seen: Features
     said: Array
 
 
@@ -88,14 +88,14 @@ def lessons(asked: list[Situations], teacher: Teacher) -> Lessons:
         pair, inputs = seen(some, teacher), answers(some, teacher).inputs
         looks += [look(pair, gains, high), look(pair.swapped(), gains, high)]
         said += [inputs[:, 0], inputs[:, 1]]
-    whole = (np.concatenate([getattr(one, name) for one in looks]) for name in Look.__slots__)
-    return Lessons(Look(*whole), np.clip(np.concatenate(said), low, high))
+    whole = (np.concatenate([getattr(one, name) for one in looks]) for name in Features.__slots__)
+    return Lessons(Features(*whole), np.clip(np.concatenate(said), low, high))
 
 
 def fitted(law: ExplicitLaw, taught: Lessons, iterations: int) -> ExplicitLaw:
     """Return the law with weights fitted to lessons, from its own weights on."""
     on = taught.seen.gate > OPEN
-    x, gate, base = (_single(getattr(taught.seen, name)[on]) for name in Look.__slots__)
+    x, gate, base = (_single(getattr(taught.seen, name)[on]) for name in Features.__slots__)
     law = replace(
         law, mean=np.mean(x, axis=0, dtype=np.float64), scale=np.std(x, axis=0, dtype=np.float64) + 1e-6
     )

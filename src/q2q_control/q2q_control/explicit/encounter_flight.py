@@ -15,7 +15,7 @@ import numpy as np
 
 from q2q_control.explicit.situations import Encounters, Situations
 from q2q_control.explicit.teacher import Teacher, answers, drafts_between
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 
 Policy = Callable[[Situations], Array]
 """Answers K situations by commands (K, 2) [m/s^2]."""
@@ -24,7 +24,7 @@ Nudges = Callable[[tuple[int, ...]], Array]
 
 
 @dataclass(frozen=True, slots=True)
-class Flown:
+class EncounterFlight:
     """Outcome of simulated encounters."""
 
     cost: Array
@@ -46,7 +46,9 @@ def teacher_policy(teacher: Teacher) -> Policy:
     return policy
 
 
-def fly(encounters: Encounters, policy: Policy, teacher: Teacher, nudges: Nudges = np.zeros) -> Flown:
+def fly(
+    encounters: Encounters, policy: Policy, teacher: Teacher, nudges: Nudges = np.zeros
+) -> EncounterFlight:
     """Return a flight of all encounters, each from its references but for `nudges`."""
     model, (low, high) = teacher.chain, teacher.bounds
     effort, jerk = model.input_weight
@@ -65,4 +67,4 @@ def fly(encounters: Encounters, policy: Policy, teacher: Teacher, nudges: Nudges
         )
         states = states + nudges(states.shape)
     parts = (np.concatenate([getattr(one, name) for one in visited]) for name in Situations.__slots__)
-    return Flown(np.mean(costs, axis=0), Situations(*parts))
+    return EncounterFlight(np.mean(costs, axis=0), Situations(*parts))

@@ -8,7 +8,7 @@ Where no bound is met on the horizon, the optimum is the linear law of each chai
 explicit MPC (Bemporad, Morari, Dua, Pistikopoulos, Automatica 38, 2002). Rolled out, it says where a bound
 will be met:
 
-    u_k                             unbounded optimum of each chain (q2q_control.mpc.chain_sweep)
+    u_k                             unbounded optimum of each chain (q2q_control.mpc.solver.chain_sweep)
     c_k  = max(u_k - high, 0)       what the bound takes away
     gate = C / (C + SOFT),   C = max of c_k over the horizon and both vehicles
     x    = (e, e', a, mean p, mean c of the first, the same of the second, mean G of both), means over windows
@@ -31,7 +31,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 
 STAGES = 40
 """Of the horizon."""
@@ -65,7 +65,7 @@ class PairHorizon(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class Features:
     """Features that the law sees of pairs."""
 
     x: Array
@@ -76,7 +76,7 @@ class Look:
     """The first vehicle's unbounded optimum now [m/s^2], (...,)."""
 
 
-def look(pair: PairHorizon, gains: Array, high: float) -> Look:
+def look(pair: PairHorizon, gains: Array, high: float) -> Features:
     """Return what the law sees: the plain form; `gains` are those of `sweep_gains`."""
     wanted = _unbounded(pair.states, pair.push, gains)
     cut = np.maximum(wanted - high, 0.0)
@@ -84,7 +84,7 @@ def look(pair: PairHorizon, gains: Array, high: float) -> Look:
     own = np.concatenate([pair.states, _means(pair.push, EDGES), _means(cut, EDGES)], axis=-1)
     slopes = _means(pair.slope, SLOPE_EDGES)
     parts = [own[..., 0, :], own[..., 1, :], slopes[..., 0, :], slopes[..., 1, :]]
-    return Look(np.concatenate(parts, axis=-1), most / (most + SOFT), wanted[..., 0, 0])
+    return Features(np.concatenate(parts, axis=-1), most / (most + SOFT), wanted[..., 0, 0])
 
 
 def _unbounded(states: Array, push: Array, gains: Array) -> Array:

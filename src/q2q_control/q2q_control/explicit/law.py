@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, look, look_one
 from q2q_model.compiled import compiled
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 
 FORMAT = 2
 """Version of the written form."""
@@ -29,7 +29,7 @@ class ExplicitLaw:
     """Linear chain and network weights of the law; h1, h2 are the layers' sizes."""
 
     gains: Array
-    """Of the chain (q2q_control.mpc.chain_sweep.sweep_gains), (13, 3)."""
+    """Of the chain (q2q_control.mpc.solver.chain_sweep.sweep_gains), (13, 3)."""
     bounds: Array
     """low, high [m/s^2], (2,)."""
     mean: Array

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.situations import Situations
 from q2q_control.mpc.chain import Chain, ChainWeights, chain
-from q2q_control.mpc.draft_horizon import DELTA
-from q2q_control.mpc.horizon import Horizon
-from q2q_control.mpc.input_bounds import FALL
-from q2q_control.mpc.joint_problem import GroupShape, group_shape, joint_parts
-from q2q_control.mpc.params import MpcParams
-from q2q_control.mpc.riccati import solve_from
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.downwash_horizon import DELTA
+from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.problem.input_bounds import FALL
+from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_parts
+from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
-from q2q_model.interaction.model import InteractionModel, PairMotion, at_rest
-from q2q_model.signals import Array
-from q2q_model.vehicle import GRAVITY, Vehicle
+from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, at_rest
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 ROUNDS = 2
 """Linearisations of each answer."""

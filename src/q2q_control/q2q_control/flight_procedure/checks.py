@@ -10,8 +10,8 @@ from itertools import combinations
 import numpy as np
 
 from q2q_control.flight_procedure.observation import Observation, VehicleReport
-from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
-from q2q_model.signals import Array
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_model.signals.values import Array
 
 AXES = "xyz"
 

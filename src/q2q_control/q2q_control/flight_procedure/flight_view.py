@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
-from q2q_model.signals import Array, Names, SwarmSetpoint, SwarmState, TrackStatus, index_of
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, TrackStatus, index_of
 
 
 class FlightView:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.plan_samples import Curve, sampled_preview
-from q2q_model.signals import Array, Names
+from q2q_control.inputs.plan_samples import Curve, sampled_preview
+from q2q_model.signals.values import Array, Names
 
 
 @dataclass(frozen=True, slots=True)

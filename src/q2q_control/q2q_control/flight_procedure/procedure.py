@@ -35,11 +35,11 @@ from q2q_control.flight_procedure.checks import (
     unchecked,
 )
 from q2q_control.flight_procedure.observation import Observation
-from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.rest import Rest, at_height, at_points, places
 from q2q_control.flight_procedure.steps import FLYING, ON_GROUND, Act, Call, Order, Step
-from q2q_model.reply import Reply
-from q2q_model.signals import Array
+from q2q_model.node.reply import Reply
+from q2q_model.signals.values import Array
 
 LOOK_S = 1.0
 """How often the checks are made while vehicles wait on the ground [s]."""

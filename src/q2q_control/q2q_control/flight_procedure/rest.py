@@ -4,8 +4,8 @@ import numpy as np
 
 from q2q_control.flight_procedure.checks import state_refusal
 from q2q_control.flight_procedure.observation import Observation
-from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
-from q2q_model.signals import Array
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_model.signals.values import Array
 
 
 class Rest:

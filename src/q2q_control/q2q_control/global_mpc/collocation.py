@@ -12,9 +12,9 @@ import casadi
 import numpy as np
 
 from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, drafts, thrust_acceleration
-from q2q_model.interaction.model import InteractionModel, at_rest
-from q2q_model.signals import Array
-from q2q_model.vehicle import GRAVITY
+from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
 
 ACROSS_MAX, DEPTH_MAX = 1.2, 2.5
 """How far the spline reaches sideways and up or down [m]; beyond, it keeps its edge value."""

@@ -25,8 +25,8 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, drafts, thrust_acceleration
-from q2q_model.signals import Array
-from q2q_model.vehicle import GRAVITY
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
 
 OUTPUTS = 6
 """Of a vehicle: x y z [m], phi theta [rad], U1 [m g]."""
@@ -35,7 +35,7 @@ NUDGE = 1e-5
 
 
 @dataclass(frozen=True, slots=True)
-class NetworkParams:
+class NetworkSolutionParams:
     """Sizes and training parameters of the networks."""
 
     hidden: int = 30
@@ -47,7 +47,9 @@ class NetworkParams:
     """Relative fall of the loss below which it ends."""
 
 
-def solve_networks(problem: GlobalProblem, params: NetworkParams, rng: np.random.Generator) -> GlobalSolution:
+def solve_networks(
+    problem: GlobalProblem, params: NetworkSolutionParams, rng: np.random.Generator
+) -> GlobalSolution:
     """Return the solution that the networks reach from random weights."""
     fit = _Fit(problem, params)
     weights = fit.start(rng)
@@ -74,7 +76,7 @@ def solve_networks(problem: GlobalProblem, params: NetworkParams, rng: np.random
 class _Fit:
     """Samples of the problem; maps weights to residuals and their derivatives."""
 
-    def __init__(self, problem: GlobalProblem, params: NetworkParams) -> None:
+    def __init__(self, problem: GlobalProblem, params: NetworkSolutionParams) -> None:
         self._problem, self._params = problem, params
         self._half = 0.5 * (problem.times[-1] - problem.times[0])
         self._s = (problem.times - problem.times[0]) / self._half - 1.0  # (T,)

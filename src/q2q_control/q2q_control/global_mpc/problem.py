@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.interaction.model import InteractionModel, at_rest
-from q2q_model.signals import Array
-from q2q_model.vehicle import GRAVITY, Vehicle
+from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 
 
 @dataclass(frozen=True, slots=True)

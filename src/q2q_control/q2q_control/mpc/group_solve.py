@@ -7,11 +7,11 @@ building. The twin of two calls, `joint_problem` and `solve`, that a test compar
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.mpc.horizon import Horizon
-from q2q_control.mpc.joint_problem import GroupShape, Slopes, joint_parts
-from q2q_control.mpc.riccati import solve_from
+from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.problem.joint_problem import GroupShape, Slopes, joint_parts
+from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 
 Rows = NDArray[np.intp]
 Modes = NDArray[np.int8]

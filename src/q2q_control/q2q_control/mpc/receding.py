@@ -18,7 +18,7 @@ vehicle may rise to spare the lower one: that is what joint control buys (Table 
 | solved, or its bounds kept though not optimal | its first input | solved, cut_off |
 | not solved in time or not finite, up to shift_time after the last solve | its last plan, shifted | shifted |
 | the same, later | PID with the loop's bandwidths | pid |
-| without usable state or setpoint | q2q_control.row_memory: HOLD, then LEVEL | |
+| without usable state or setpoint | q2q_control.failsafe.last_commands: HOLD, then LEVEL | |
 """
 
 import math
@@ -27,23 +27,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_control.alignment import ETA, QUAT, Aligned, align
+from q2q_control.failsafe.last_commands import HoldThenLevel, RowMemory
+from q2q_control.inputs.alignment import ETA, QUAT, Aligned, align
+from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.chain import ChainWeights, chain
-from q2q_control.mpc.draft_horizon import DraftHorizon, SlopeRule, no_drafts, predict_drafts
-from q2q_control.mpc.horizon import CUT_OFF, INTERRUPTED, Answer, Horizon
-from q2q_control.mpc.input_bounds import bounds_of
-from q2q_control.mpc.params import MpcParams
-from q2q_control.mpc.plan_memory import Plan, PlanMemory
-from q2q_control.mpc.planner import HorizonSolver, Solver, SolveRules
-from q2q_control.mpc.predictions import Predictions
-from q2q_control.mpc.present import Present, PresentEstimator, axis_lags
-from q2q_control.mpc.surroundings import Surroundings
-from q2q_control.pid_kernel import command_rows, packed_numbers
-from q2q_control.preview import ReferencePreview, shifted_preview
-from q2q_control.row_memory import HoldThenLevel, RowMemory
-from q2q_control.thrust_vector import ThrustLimits
-from q2q_model.interaction.model import InteractionModel
-from q2q_model.signals import (
+from q2q_control.mpc.horizon_solver import HorizonSolver, Solver, SolveRules
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.downwash_horizon import DraftHorizon, SlopeRule, no_drafts, predict_drafts
+from q2q_control.mpc.prediction.plan_memory import Plan, PlanMemory
+from q2q_control.mpc.prediction.predictions import Predictions
+from q2q_control.mpc.prediction.present import Present, PresentEstimator, axis_lags
+from q2q_control.mpc.prediction.surroundings import Surroundings
+from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, HorizonSolution
+from q2q_control.mpc.problem.input_bounds import bounds_of
+from q2q_control.pid.pid_kernel import command_rows, packed_numbers
+from q2q_control.pid.thrust_vector import ThrustLimits
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.signals.values import (
     Array,
     Interference,
     InterferenceStatus,
@@ -53,7 +53,7 @@ from q2q_model.signals import (
     SwarmState,
     index_of,
 )
-from q2q_model.vehicle import GRAVITY, Vehicle
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 TICK = 0.01
 """How long a command acts before the next one comes [s]: the house's tick."""
@@ -258,7 +258,9 @@ class Mpc:
         rise = horizon.reference[:, 1, 6:9] - horizon.reference[:, 0, 6:9]
         return np.asarray(early * (horizon.push[:, 1] - horizon.push[:, 0] - rise))
 
-    def _keep(self, tick: Aligned, horizon: Horizon, plans: tuple[Answer, Plan], failed: Array) -> None:
+    def _keep(
+        self, tick: Aligned, horizon: Horizon, plans: tuple[HorizonSolution, Plan], failed: Array
+    ) -> None:
         answer, old = plans
         offset, solved = answer.pos - horizon.reference[..., :3], np.full(len(failed), old.start)
         inputs, pattern = answer.inputs, answer.pattern

@@ -4,12 +4,12 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from q2q_control.crazyswarm import legacy_twists
-from q2q_control.legacy import LegacyScale
-from q2q_control.radio_words import FullState, full_states
+from q2q_control.crazyswarm.message_conversion import legacy_twists
+from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.setpoints import FullState, full_states
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
-from q2q_model.ros.messages import header_at
-from q2q_model.signals import Interference, Names, SwarmCommand, SwarmSetpoint
+from q2q_model.ros.topics.messages import header_at
+from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint
 
 QUEUE = 1
 """A setpoint that was not sent in time is replaced by the next."""

@@ -26,31 +26,31 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from q2q_control.crazyflies import crazyflies_from_document, params_set
-from q2q_control.crazyswarm import frame_of, poses_of
-from q2q_control.crazyswarm_params import CrazyswarmParams
-from q2q_control.firmware_params import firmware_params
-from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
+from q2q_control.crazyswarm.crazyflies import crazyflies_from_document, params_set
+from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
+from q2q_control.crazyswarm.message_conversion import frame_of, poses_of
+from q2q_control.crazyswarm.server_vehicle import ServerVehicle
+from q2q_control.flight_procedure.flown_ticks import FlownTicks
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
-from q2q_control.flown_ticks import FlownTicks
-from q2q_control.legacy import LegacyScale
+from q2q_control.radio.firmware_params import firmware_params
+from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
-from q2q_control.ros.crazyswarm_crew import CrazyswarmCrew
+from q2q_control.ros.crazyswarm_executor import CrazyswarmExecutor
 from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
 from q2q_control.ros.dry_run import dry_run_as_parameter
-from q2q_control.ros.procedure_desk import ProcedureDesk
-from q2q_control.server_vehicle import ServerVehicle
-from q2q_model.cdr import encode
-from q2q_model.health import Health
-from q2q_model.layout import Signal
-from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.listening import listener
-from q2q_model.ros.messages import MESSAGES, header_at
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import OUTSIDE, TICK
-from q2q_model.ros.run import run
-from q2q_model.signals import MocapFrame, Names, SwarmState
-from q2q_model.vehicle import vehicle_by_name
+from q2q_control.ros.procedure_services import ProcedureServices
+from q2q_model.node.health import Health
+from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run
+from q2q_model.ros.topics.listening import listener
+from q2q_model.ros.topics.messages import MESSAGES, header_at
+from q2q_model.ros.topics.qos import OUTSIDE, TICK
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import MocapFrame, Names, SwarmState
+from q2q_model.vehicle.constants import vehicle_by_name
 
 POSES_OUT = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, deadline=Duration(nanoseconds=10_000_000)
@@ -110,8 +110,8 @@ class Crazyswarm:
             self._listen(topic, signal)
 
     def _wire_procedure(self) -> None:
-        crew = CrazyswarmCrew(self._node, _vehicles(self._asked))
-        self._ticks.procedure = desk = ProcedureDesk(self._node, self._names, crew, self._params)
+        crew = CrazyswarmExecutor(self._node, _vehicles(self._asked))
+        self._ticks.procedure = desk = ProcedureServices(self._node, self._names, crew, self._params)
         for name, act in (
             ("arm", Act.ARM),
             ("disarm", Act.DISARM),

@@ -8,7 +8,7 @@ from typing import Protocol
 from geometry_msgs.msg import Point, Pose, Quaternion
 from std_msgs.msg import Header
 
-from q2q_control.crazyswarm import NamedPose
+from q2q_control.crazyswarm.message_conversion import NamedPose
 
 MOCAP_PACKAGE, CRAZYFLIE_PACKAGE = "motion_capture_tracking_interfaces", "crazyflie_interfaces"
 

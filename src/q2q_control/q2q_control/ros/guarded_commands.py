@@ -1,8 +1,8 @@
 """Let a controller's node fly by its guard: an emergency service, and live a watch on the wall clock.
 
 Live, a timer looks every PERIOD_S whether a tick stays away. When DDS tells that the writer of an input is
-dead, stopped or late (q2q_model.ros.promises), that is one more look, at once: the look that the timer would
-make next. An event that was overtaken by a tick changes nothing, as the tick's age then says.
+dead, stopped or late (q2q_model.ros.topics.deadlines), that is one more look, at once: the look that the
+timer would make next. An event that was overtaken by a tick changes nothing, as the tick's age then says.
 """
 
 from time import monotonic
@@ -10,15 +10,15 @@ from time import monotonic
 from rclpy.node import Node
 from std_srvs.srv import Empty
 
-from q2q_control.controller import Controller
-from q2q_control.fallback import FallbackParams
-from q2q_control.guard import Guard, on_time
-from q2q_control.tick_watch import TickWatch
-from q2q_control.transit import Transit
-from q2q_model.layout import Signal
-from q2q_model.ros.steady_timer import steady_timer
-from q2q_model.ros.tick import TickWiring
-from q2q_model.signals import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_control.failsafe.guard import Guard, on_time
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.failsafe.stamp_delay import StampDelayMonitor
+from q2q_control.failsafe.tick_watch import TickWatch
+from q2q_control.inputs.controller import Controller
+from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 EMERGENCY = "all/emergency"
 """The service's name: Crazyswarm2's."""
@@ -32,7 +32,7 @@ class GuardedCommands:
     def __init__(
         self, controller: Controller, params: FallbackParams, hover_thrust: float, *, live: bool
     ) -> None:
-        self._transit = Transit()
+        self._transit = StampDelayMonitor()
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._watch = TickWatch(self._guard, params) if live else None
         self._heard: SwarmState | None = None
@@ -63,7 +63,7 @@ class GuardedCommands:
         self._guard.reset()
         if self._watch is not None:
             self._watch = TickWatch(self._guard, self._watch.params)
-        self._transit = Transit()
+        self._transit = StampDelayMonitor()
 
     def _lateness(self, stamp: float) -> float:
         return self._transit.lateness(stamp, monotonic())

@@ -1,11 +1,11 @@
-"""Publish `<name>/cmd_vel_legacy` as Crazyswarm2 takes it; the units are made in q2q_control.legacy."""
+"""Publish `<name>/cmd_vel_legacy` in Crazyswarm2's units (q2q_control.radio.rpyt_scale)."""
 
 from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
 
-from q2q_control.legacy import LegacyScale, legacy_setpoints
-from q2q_model.ros.vehicle_writers import VehicleWriters
-from q2q_model.signals import Names, SwarmCommand
+from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
+from q2q_model.signals.values import Names, SwarmCommand
 
 
 class LegacyTopics:
@@ -14,7 +14,7 @@ class LegacyTopics:
     def __init__(self, node: Node, scale: LegacyScale, rate_hz: float, names: Names) -> None:
         """Publish at most so often [Hz]; `names` are the vehicles that are known already."""
         self._scale = scale
-        self._writers = VehicleWriters(node, {"cmd_vel_legacy": Twist}, rate_hz, names)
+        self._writers = VehiclePublishers(node, {"cmd_vel_legacy": Twist}, rate_hz, names)
 
     def publish(self, _: int, command: SwarmCommand) -> None:
         """Publish every vehicle's command, at most `rate_hz` times a second."""

@@ -8,28 +8,28 @@ from time import monotonic
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
-from q2q_control.fallback import FallbackParams
-from q2q_control.legacy import LegacyScale
-from q2q_control.mpc.params import MpcParams
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.failsafe.time_budget import TimeBudget
+from q2q_control.inputs.plan_samples import sampled_preview
+from q2q_control.inputs.preview import SampledPreview, made_up_preview
+from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc
-from q2q_control.plan_samples import sampled_preview
-from q2q_control.preview import SampledPreview, made_up_preview
+from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_control.ros.legacy_topics import LegacyTopics
 from q2q_control.ros.plan_curves import curves_of
-from q2q_control.time_budget import TimeBudget
-from q2q_model.layout import Signal
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.rehearsal import STAND_IN
-from q2q_model.ros.parameters import declare, on_change
-from q2q_model.ros.qos import LATCHED
-from q2q_model.ros.ready import expect_latched
-from q2q_model.ros.run import run
-from q2q_model.ros.tick import TickWiring
-from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
-from q2q_model.thrust_map import FIRMWARES, STOCK
-from q2q_model.tools.models import find_model
-from q2q_model.vehicle import vehicle_by_name
+from q2q_model.files.find_model import find_model
+from q2q_model.node.rehearsal import STAND_IN
+from q2q_model.ros.node.node_parameters import declare, on_change
+from q2q_model.ros.node.ready import expect_latched
+from q2q_model.ros.node.run import run
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.qos import LATCHED
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import vehicle_by_name
+from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 
 
 @dataclass(frozen=True, slots=True)

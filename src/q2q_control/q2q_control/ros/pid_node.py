@@ -4,19 +4,19 @@ from dataclasses import dataclass
 
 from rclpy.node import Node
 
-from q2q_control.fallback import FallbackParams
-from q2q_control.legacy import LegacyScale
-from q2q_control.pid import Pid, PidParams
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_control.ros.legacy_topics import LegacyTopics
-from q2q_model.layout import Signal
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.parameters import declare, on_change
-from q2q_model.ros.run import run
-from q2q_model.ros.tick import TickWiring
-from q2q_model.signals import Interference, SwarmCommand, SwarmSetpoint, SwarmState
-from q2q_model.thrust_map import FIRMWARES, STOCK
-from q2q_model.vehicle import vehicle_by_name
+from q2q_model.ros.node.node_parameters import declare, on_change
+from q2q_model.ros.node.run import run
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import vehicle_by_name
+from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 
 
 @dataclass(frozen=True, slots=True)

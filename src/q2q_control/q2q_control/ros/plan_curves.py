@@ -3,8 +3,8 @@
 import numpy as np
 from q2q_msgs.msg import Plan
 
-from q2q_control.plan_samples import Curve
-from q2q_model.cdr import BadMessageError
+from q2q_control.inputs.plan_samples import Curve
+from q2q_model.signals.cdr import BadMessageError
 
 AXES = 4
 """x, y, z, yaw."""

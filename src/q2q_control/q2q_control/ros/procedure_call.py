@@ -7,8 +7,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from q2q_model.reply import Reply
-from q2q_model.ros.run import make_executor
+from q2q_model.node.reply import Reply
+from q2q_model.ros.node.run import make_executor
 
 SERVED_S = 10.0
 """Longest wait for the service [s]."""

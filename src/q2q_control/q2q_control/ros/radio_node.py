@@ -8,7 +8,7 @@
 Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
 `~/land`, `~/emergency` (motors off, for good; `~/stop` is another name of it, and in setpoint mode, where no
 controller has it, `all/emergency`). Each answers what has happened, or why not; `~/status` tells the step.
-`~/start` is for vehicles that are held at their setpoints. q2q_control.radio_pilot says what happens by
+`~/start` is for vehicles that are held at their setpoints. q2q_control.radio.radio_pilot says what happens by
 itself, as when commands stay away: DDS's word that their writer is gone is one more look, at once. `--dry-
 run` sends nothing.
 """
@@ -21,34 +21,34 @@ import yaml
 from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
-from q2q_control.crazyflies import Crazyflie, crazyflies_at, crazyflies_from_document
-from q2q_control.firmware_params import firmware_params
-from q2q_control.flight_procedure.params import FlightProcedureParams, LandingParams
+from q2q_control.crazyswarm.crazyflies import Crazyflie, crazyflies_at, crazyflies_from_document
+from q2q_control.flight_procedure.flown_ticks import FlownTicks, tick_topics
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Call
-from q2q_control.flown_ticks import FlownTicks, tick_topics
-from q2q_control.legacy import LegacyScale
-from q2q_control.radio_crew import RadioCrew
-from q2q_control.radio_node_params import RadioNodeParams
-from q2q_control.radio_params import RadioPilotParams
-from q2q_control.radio_pilot import RadioPilot
-from q2q_control.radio_words import full_states, level_stick, names_cut, sticks
-from q2q_control.ros.cflib_links import CflibLink
+from q2q_control.radio.cflib_link import CflibLink
+from q2q_control.radio.firmware_params import firmware_params
+from q2q_control.radio.node_params import RadioNodeParams
+from q2q_control.radio.pilot_params import RadioPilotParams
+from q2q_control.radio.radio_executor import RadioExecutor
+from q2q_control.radio.radio_pilot import RadioPilot
+from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.setpoints import full_states, level_stick, names_cut, sticks
 from q2q_control.ros.dry_run import dry_run_as_parameter
 from q2q_control.ros.guarded_commands import EMERGENCY
-from q2q_control.ros.procedure_desk import ProcedureDesk
+from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_control.ros.radio_topics import RadioTopics
-from q2q_model.health import Health
-from q2q_model.layout import Signal
-from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.listening import listener
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.promises import watch
-from q2q_model.ros.qos import TICK
-from q2q_model.ros.run import run
-from q2q_model.ros.steady_timer import steady_timer
-from q2q_model.signals import SwarmState
-from q2q_model.vehicle import vehicle_by_name
+from q2q_model.node.health import Health
+from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run
+from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.topics.deadlines import watch
+from q2q_model.ros.topics.listening import listener
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import TICK
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import SwarmState
+from q2q_model.vehicle.constants import vehicle_by_name
 
 WATCH_S = 0.02
 """How often links and batteries are looked at [s]."""
@@ -57,7 +57,7 @@ SETTLE_S = 0.5
 """From the end of a landing's polynomial to standing on the ground [s]."""
 
 
-class Radio:
+class RadioNode:
     """Links, pilot and procedure of the vehicles, and the signals that are passed on to them."""
 
     def __init__(self, node: Node) -> None:
@@ -79,8 +79,8 @@ class Radio:
         self._health = Health()
         self._ticks = FlownTicks(asked.mode, self._health, aware=asked.aware)
         self._topics = RadioTopics(node, tuple(self._links), asked.pose_hz)
-        crew = RadioCrew(self._pilot, self._links, vehicle)
-        self._desk = ProcedureDesk(
+        crew = RadioExecutor(self._pilot, self._links, vehicle)
+        self._desk = ProcedureServices(
             node, tuple(self._links), crew, (declare(node, FlightProcedureParams()), landing)
         )
         self._desk.guard = self._other_radios
@@ -171,4 +171,4 @@ def _crazyflies(asked: RadioNodeParams) -> tuple[Crazyflie, ...]:
 def main() -> None:
     """Run the node `radio`; `--dry-run` is its parameter dry_run."""
     sys.argv = dry_run_as_parameter(sys.argv)
-    run("radio", Radio, Radio.close)
+    run("radio", RadioNode, RadioNode.close)

@@ -11,10 +11,10 @@ from rclpy.node import Node
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float32, Header
 
-from q2q_control.radio_link import LinkHealth
-from q2q_control.ros.cflib_links import OnboardPose
-from q2q_model.decimation import Decimation
-from q2q_model.signals import Names
+from q2q_control.radio.cflib_link import OnboardPose
+from q2q_control.radio.link import LinkHealth
+from q2q_model.signals.decimation import Decimation
+from q2q_model.signals.values import Names
 
 QUEUE = 10
 WORLD = "world"

@@ -19,10 +19,10 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.node import Node
 from rclpy.task import Future
 
+from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
-from q2q_control.server_vehicle import ServerVehicle
-from q2q_model.ros.qos import OUTSIDE
+from q2q_model.ros.topics.qos import OUTSIDE
 
 SERVER = "crazyflie_server"
 ONBOARD = "onboard"

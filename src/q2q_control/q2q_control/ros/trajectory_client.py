@@ -5,7 +5,7 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from q2q_control.flight_procedure.steps import Act
-from q2q_model.reply import Reply
+from q2q_model.node.reply import Reply
 
 CALLS = {Act.WAIT: "wait", Act.GLIDE: "glide", Act.START: "start", Act.BRAKE: "hold"}
 """The service of each act."""

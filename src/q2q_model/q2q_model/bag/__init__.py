@@ -5,15 +5,15 @@ zstd and checksummed, every channel with its ros2msg definition, type hash and o
 record` of ROS 2 Jazzy does. Read: that, other rosbag2 bags (MCAP, sqlite3), and ROS 1 bags by a topic map.
 """
 
-from q2q_model.bag.facts import FlightFacts, facts_from_words, read_facts, words_of
-from q2q_model.bag.fault import BagError, BagRepairWarning
-from q2q_model.bag.foreign import read_mapped_flight
+from q2q_model.bag.flight_facts import FlightFacts, facts_from_words, read_facts, words_of
+from q2q_model.bag.foreign.mapped_flight import read_mapped_flight
+from q2q_model.bag.foreign.mapped_messages import MappedBag
+from q2q_model.bag.foreign.topic_map import TopicMap, load_topic_map
 from q2q_model.bag.log_topic import LOG_TOPIC, read_flight_log, write_log_row
-from q2q_model.bag.mapped_messages import MappedBag
 from q2q_model.bag.reader import BagReader, RawMessage, TimedSignal
 from q2q_model.bag.recorded_flight import read_flight
-from q2q_model.bag.source import is_bag
-from q2q_model.bag.topic_map import TopicMap, load_topic_map
+from q2q_model.bag.storage.fault import BagError, BagRepairWarning
+from q2q_model.bag.storage.source import is_bag
 from q2q_model.bag.writer import BagWriter, OfferedQos
 
 __all__ = [

@@ -5,13 +5,13 @@ from typing import Protocol
 
 import numpy as np
 
-from q2q_model.bag.definitions import jazzy_types
-from q2q_model.bag.fault import BagError
 from q2q_model.bag.reader import BagReader
-from q2q_model.bag.source import RawMessage
+from q2q_model.bag.storage.definitions import jazzy_types
+from q2q_model.bag.storage.fault import BagError
+from q2q_model.bag.storage.source import RawMessage
 from q2q_model.bag.writer import BagWriter
-from q2q_model.flight_log import FlightLog
-from q2q_model.signals import Array
+from q2q_model.flights.flight_log import FlightLog
+from q2q_model.signals.values import Array
 
 LOG_TOPIC = "/log"
 LOG_TYPE = "q2q_msgs/msg/FlightLog"

@@ -4,11 +4,11 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from q2q_model.bag.fault import BagError
-from q2q_model.bag.source import Channel, RawMessage, open_source
-from q2q_model.cdr import BadMessageError, SignalReader
-from q2q_model.layout import LAYOUTS, Signal
-from q2q_model.signal_rows import SignalRows, rows_of_messages
+from q2q_model.bag.storage.fault import BagError
+from q2q_model.bag.storage.source import Channel, RawMessage, open_source
+from q2q_model.signals.cdr import BadMessageError, SignalReader
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.rows import SignalRows, rows_of_messages
 
 SIGNALS = {f"q2q_msgs/msg/{layout.message}": signal for signal, layout in LAYOUTS.items()}
 """Message type to signal class."""

@@ -3,9 +3,9 @@
 from collections.abc import Collection
 from pathlib import Path
 
-from q2q_model.bag.fault import BagError, state_repairs
 from q2q_model.bag.reader import SIGNALS, BagReader
-from q2q_model.flights import FLIGHT_FIELDS, Flight, flight_from_rows
+from q2q_model.bag.storage.fault import BagError, state_repairs
+from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, flight_from_rows
 
 
 def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Flight:

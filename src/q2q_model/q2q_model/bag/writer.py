@@ -1,8 +1,8 @@
 """Write a bag: messages as bytes or as signals, crash-safe to the last second.
 
 Chunks are closed when `chunk_s` of bag time has passed, so a process that is killed loses no more than that:
-what is in closed chunks is read back (q2q_model.bag.salvage). Each compressed chunk carries a checksum, so
-that damage is noticed.
+what is in closed chunks is read back (q2q_model.bag.storage.salvage). Each compressed chunk carries a
+checksum, so that damage is noticed.
 """
 
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ from rosbags.interfaces import (
 )
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
-from q2q_model.bag.definitions import definition_of
-from q2q_model.bag.facts import FlightFacts
-from q2q_model.bag.fault import BagError
-from q2q_model.cdr import encode
-from q2q_model.layout import LAYOUTS, Signal
+from q2q_model.bag.flight_facts import FlightFacts
+from q2q_model.bag.storage.definitions import definition_of
+from q2q_model.bag.storage.fault import BagError
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.layout import LAYOUTS, Signal
 
 VERSION = 9
 """Of metadata.yaml, as ROS 2 Jazzy writes it."""

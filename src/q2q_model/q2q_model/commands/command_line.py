@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from q2q_model.commands.quiet_end import ending_at_once
-from q2q_model.lean_imports import lean_imports
+from q2q_model.node.lean_imports import lean_imports
 
 ROS_ARGS = "--ros-args"
 """What follows is for ROS: a launch file adds it to whatever it starts."""

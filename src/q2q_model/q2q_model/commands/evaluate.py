@@ -1,7 +1,7 @@
 """Score an interaction model against the pushes that recorded flights measured.
 
-The rule is that of q2q_model.identification.draft_force. A flight from which no push can be read (neither a
-log of forces nor accelerometer and thrust commands) is named, and its scores are null with n = 0.
+The rule is that of q2q_model.identification.force.downwash_force. A flight from which no push can be read
+(neither a log of forces nor accelerometer and thrust commands) is named, and its scores are null with n = 0.
 
 R2 is not centred: exposed rows are pushed by about the same all the time, and on the recorded real flights a
 constant alone has R2 0.60 (feed-forward off) and 0.48 (on). So compare with that constant, not with 0. With
@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
-from q2q_model.commands.model_choice import check_model
-from q2q_model.vehicle import VEHICLES
+from q2q_model.files.model_choice import check_model
+from q2q_model.vehicle.constants import VEHICLES
 
 EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --json scores.json"
 
@@ -29,7 +29,7 @@ def main(words: Sequence[str] | None = None) -> int:
 def _prepare(asked: Namespace) -> Work:
     check_model(asked.model)
     must_exist("bag", *asked.bags, *([asked.topics] if asked.topics else []))
-    from q2q_model.tools.evaluate import run
+    from q2q_model.tools.score_model import run
 
     return run
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, UsageError, Work, carry_out, must_exist
-from q2q_model.commands.model_choice import check_model
-from q2q_model.vehicle import VEHICLES
+from q2q_model.files.model_choice import check_model
+from q2q_model.vehicle.constants import VEHICLES
 
 EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
   ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet
@@ -26,7 +26,7 @@ def _prepare(asked: Namespace) -> Work:
     if asked.live:
         check_model(asked.model)
     must_exist("bag", *asked.bags, *([asked.topics] if asked.topics else []))
-    from q2q_model.tools.identify import run
+    from q2q_model.tools.identify_flights import run
 
     return run
 

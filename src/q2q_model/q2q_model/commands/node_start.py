@@ -3,7 +3,7 @@
 from importlib import import_module
 
 from q2q_model.commands.quiet_end import ending_at_once
-from q2q_model.lean_imports import lean_imports
+from q2q_model.node.lean_imports import lean_imports
 
 
 def start_node(module: str) -> None:

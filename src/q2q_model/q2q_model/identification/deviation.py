@@ -20,9 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.identification.altitude_record import AltitudeRecord
-from q2q_model.identification.interval import Interval
-from q2q_model.signals import Array
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.intervals import Interval
+from q2q_model.signals.values import Array
 
 DRAWS = 500
 """Bootstrap draws: ends of a 95 % interval to a few percent of its width."""

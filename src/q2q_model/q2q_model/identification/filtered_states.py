@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.flights import Flight
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.signals import MocapFrame, SwarmState, TrackStatus
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import MocapFrame, SwarmState, TrackStatus
 
 
 def with_states(flight: Flight, params: MocapFilterParams | None = None) -> Flight:

@@ -22,14 +22,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.interaction.envelope_network import EnvelopeNetwork, Network
-from q2q_model.interaction.jet import Jet
-from q2q_model.interaction.model import InteractionModel
-from q2q_model.interaction.predictor import InteractionPredictor
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.rotations import rotate
-from q2q_model.signals import Array, Names, SwarmCommand, SwarmImu, SwarmState, index_of
-from q2q_model.vehicle import Vehicle
+from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.geometry.rotations import rotate
+from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, index_of
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import Vehicle
 
 WEIGHT, ETA, PUSH, ETA_ETA, ETA_PUSH = range(5)
 """The sums that are kept for each vehicle."""

@@ -7,17 +7,17 @@ from time import monotonic
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from q2q_model.interaction.predictor import InteractionPredictor
-from q2q_model.model_file import decode
-from q2q_model.model_names import ModelFileError
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED
-from q2q_model.ros.run import run
-from q2q_model.ros.tick import TickWiring
-from q2q_model.signals import Interference, SwarmState
-from q2q_model.stopwatch import Stopwatch
-from q2q_model.tools.models import find_model
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_file import decode
+from q2q_model.files.model_names import ModelFileError
+from q2q_model.node.stopwatch import Stopwatch
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.qos import LATCHED
+from q2q_model.signals.values import Interference, SwarmState
+from q2q_model.tunable import check_bounds, tunable
 
 
 @dataclass(frozen=True, slots=True)

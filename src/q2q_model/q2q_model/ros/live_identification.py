@@ -7,17 +7,17 @@ from pathlib import Path
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from q2q_model.cdr import SignalReader, header_stamp_ns
+from q2q_model.files.model_file import ModelFile, encode, save
 from q2q_model.identification.live import LiveEstimate, LiveParams, LiveRefinement
-from q2q_model.layout import Signal
-from q2q_model.model_file import ModelFile, encode, save
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED, RECORD
-from q2q_model.ros.run import run
-from q2q_model.signals import SwarmCommand, SwarmImu, SwarmState
-from q2q_model.tick_join import TickJoin
-from q2q_model.vehicle import Vehicle
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import LATCHED, RECORD
+from q2q_model.signals.cdr import SignalReader, header_stamp_ns
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.tick_join import TickJoin
+from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
+from q2q_model.vehicle.constants import Vehicle
 
 INPUTS: dict[str, type[Signal]] = {"state": SwarmState, "command": SwarmCommand, "imu": SwarmImu}
 

@@ -4,13 +4,13 @@ from dataclasses import asdict, dataclass
 
 from rclpy.node import Node
 
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.run import run
-from q2q_model.ros.tick import TickWiring
-from q2q_model.ros.vehicle_topics import VehicleTopics
-from q2q_model.signals import MocapFrame, SwarmState
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.vehicle_topics import VehicleTopics
+from q2q_model.signals.values import MocapFrame, SwarmState
+from q2q_model.tunable import check_bounds, tunable
 
 
 @dataclass(frozen=True, slots=True)

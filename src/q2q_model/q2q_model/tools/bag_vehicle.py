@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from q2q_model.bag import read_facts
-from q2q_model.thrust_map import STOCK
-from q2q_model.vehicle import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
+from q2q_model.vehicle.thrust_map import STOCK
 
 
 @dataclass(frozen=True, slots=True)

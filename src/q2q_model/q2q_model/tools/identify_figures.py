@@ -6,13 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from q2q_model.identification.along_flight import eta_along
-from q2q_model.identification.altitude_loop import AltitudeLoop
-from q2q_model.identification.evidence import Evidence, is_lower
-from q2q_model.identification.impulse_response import draft_response, free_response
-from q2q_model.identification.procedure import Identification
-from q2q_model.interaction.model import InteractionModel, at_rest
-from q2q_model.signals import Array
+from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
+from q2q_model.identification.force.along_flight import eta_along
+from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.identification import Identification
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 DPI = 130
 MEASURED, SIMULATED, REFERENCE = "#1f77b4", "#c0392b", "#555555"
@@ -36,7 +36,7 @@ def draw_all(found: Identification, stem: Path) -> list[Path]:
     return paths
 
 
-def _largest_push(flight: Evidence) -> float:
+def _largest_push(flight: FlightEvidence) -> float:
     return float(np.abs(flight.record.deviation).max())
 
 
@@ -56,7 +56,7 @@ def _decay_figure(found: Identification) -> Figure:
 
 
 def _altitude_figure(
-    flight: Evidence, loop: AltitudeLoop, model: InteractionModel | None, title: str
+    flight: FlightEvidence, loop: AltitudeLoop, model: InteractionModel | None, title: str
 ) -> Figure:
     record, n = flight.record, len(flight.record.names)
     deviation = free_response(loop, record.dt, record.start, record.jerk)

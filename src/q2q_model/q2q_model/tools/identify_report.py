@@ -2,13 +2,13 @@
 
 from dataclasses import asdict
 
-from q2q_model.identification.candidates import Trial
+from q2q_model.files.model_file import RoleScores
+from q2q_model.files.plain_values import Plain
 from q2q_model.identification.deviation import DeviationParams
-from q2q_model.identification.interval import Interval
-from q2q_model.identification.loading import believed
-from q2q_model.identification.procedure import Identification
-from q2q_model.model_file import RoleScores
-from q2q_model.plain_values import Plain
+from q2q_model.identification.force.loading import believed
+from q2q_model.identification.identification import Identification
+from q2q_model.identification.intervals import Interval
+from q2q_model.identification.selection.candidates import Trial
 
 
 def report(found: Identification, seconds: dict[str, float]) -> dict[str, object]:

@@ -16,9 +16,9 @@ from q2q_model.bag import (
     read_mapped_flight,
 )
 from q2q_model.bag.log_topic import LOG_TYPE
-from q2q_model.flight_log import FlightLog
+from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.filtered_states import with_states
-from q2q_model.identification.procedure import Recording
+from q2q_model.identification.identification import Recording
 
 
 def read_recordings(

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
-from q2q_model.commands.model_choice import check_model
-from q2q_model.vehicle import VEHICLES, vehicle_by_name
+from q2q_model.files.model_choice import check_model
+from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
 EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --json cost.json --csv plan.csv
@@ -29,7 +29,7 @@ def _prepare(asked: Namespace) -> Work:
     if asked.model:
         check_model(asked.model)
     must_exist("waypoint file", asked.waypoints, *([asked.warm] if asked.warm else []))
-    from q2q_planner.tools.plan import run
+    from q2q_planner.tools.plan_swarm import run
 
     return run
 

@@ -5,9 +5,9 @@ from array import array
 import numpy as np
 from q2q_msgs.msg import Plan
 
-from q2q_model.cdr import BadMessageError
-from q2q_model.ros.messages import header_at
-from q2q_planner.trajectory import AXES, SwarmPlan, Trajectory
+from q2q_model.ros.topics.messages import header_at
+from q2q_model.signals.cdr import BadMessageError
+from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 
 
 def encode_plan(plan: SwarmPlan, start_ns: int) -> Plan:

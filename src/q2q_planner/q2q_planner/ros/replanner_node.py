@@ -8,15 +8,15 @@ from dataclasses import dataclass
 
 from rclpy.node import Node
 
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.parameters import declare, on_change
-from q2q_model.ros.run import run
-from q2q_model.ros.tick import TickWiring
-from q2q_model.signals import SwarmSetpoint, SwarmState
-from q2q_planner.potential_field import PotentialField, PotentialFieldParams
-from q2q_planner.replanner import Replanner
-from q2q_planner.safe_params import SafeReplannerParams
-from q2q_planner.safe_replanner import SafeReplanner
+from q2q_model.ros.node.node_parameters import declare, on_change
+from q2q_model.ros.node.run import run
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.signals.values import SwarmSetpoint, SwarmState
+from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams
+from q2q_planner.online.replanner import Replanner
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 SAFE = "safe"
 PREFIX = f"{SAFE}."

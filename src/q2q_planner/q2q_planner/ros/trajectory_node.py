@@ -1,9 +1,9 @@
 """Play a plan as a node: `mocap` ticks in, `reference` out; what is played latched on `plan`.
 
-With `wait` nothing is played before it is called for (q2q_planner.plan_player): the reference rests where the
-vehicles are seen; `~/glide` leads it to the plan's first points, proven apart, `~/start` starts the plan's
-clock, `~/hold` brakes along what is played, `~/wait` begins anew. The plan that waits is latched on
-`next_plan`. Real vehicles are flown so: the nodes `radio` and `crazyswarm` make these calls
+With `wait` nothing is played before it is called for (q2q_planner.playing.plan_player): the reference rests
+where the vehicles are seen; `~/glide` leads it to the plan's first points, proven apart, `~/start` starts
+the plan's clock, `~/hold` brakes along what is played, `~/wait` begins anew. The plan that waits is latched
+on `next_plan`. Real vehicles are flown so: the nodes `radio` and `crazyswarm` make these calls
 (docs/real_vehicles.md).
 """
 
@@ -16,19 +16,19 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_srvs.srv import Trigger
 
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.reply import Reply
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED
-from q2q_model.ros.ready import latched_is_out
-from q2q_model.ros.run import run
-from q2q_model.ros.tick import TickWiring
-from q2q_model.signals import MocapFrame, SwarmSetpoint
-from q2q_planner import plan_file
-from q2q_planner.glide import GlideParams
-from q2q_planner.plan_player import PlanPlayer, Played
+from q2q_model.node.reply import Reply
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.ready import latched_is_out
+from q2q_model.ros.node.run import run
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.qos import LATCHED
+from q2q_model.signals.values import MocapFrame, SwarmSetpoint
+from q2q_model.trajectory import plan_file
+from q2q_model.trajectory.polynomials import setpoint_at
+from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.playing.glide import GlideParams
+from q2q_planner.playing.plan_player import PlanPlayer, Played
 from q2q_planner.ros.plan_message import encode_plan
-from q2q_planner.trajectory import setpoint_at
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_planner.trajectory import AXES, SwarmPlan, setpoint_at
+from q2q_model.trajectory.polynomials import AXES, SwarmPlan, setpoint_at
 
 UPLOAD_ORDER = 8
 """Coefficients a piece and axis: degree 7."""

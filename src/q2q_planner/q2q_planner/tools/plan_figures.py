@@ -12,14 +12,14 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from q2q_model.interaction.model import InteractionModel
-from q2q_model.signals import Array
-from q2q_model.zone import Zone
-from q2q_planner.convex_zone import lathe_around
-from q2q_planner.draft_response import PAPER_LOOP, altitude_errors
-from q2q_planner.safe_params import SafeReplannerParams
-from q2q_planner.safe_replanner import SafeReplanner
-from q2q_planner.trajectory import SwarmPlan, setpoint_at
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.geometry.zone import Zone
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
+from q2q_planner.offline.altitude_response import PAPER_LOOP, altitude_errors
+from q2q_planner.offline.convex_zone import lathe_around
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 TICK = 0.02
 """Sampling of curves [s]."""

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import yaml
 
-from q2q_planner.flight_limits import FlightLimits, timed_document
-from q2q_planner.minsnap import Reading
-from q2q_planner.waypoints import VehicleWaypoints, swarm_from_document
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, timed_document
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, swarm_from_document
 
 
 def read_waypoints(path: Path, limits: FlightLimits, reading: Reading) -> tuple[VehicleWaypoints, ...]:

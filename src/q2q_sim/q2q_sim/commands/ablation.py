@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out
-from q2q_sim.choices import TABLE_ONLY
+from q2q_sim.scenarios.choices import TABLE_ONLY
 
 EXAMPLE = """  ros2 run q2q_sim ablation --seeds 20 --json out/ablation.json --out docs/ablation.md --jobs 2
   ros2 run q2q_sim ablation --seeds 5 --only stack3 --json out/stack3.json --out out/stack3.md"""
@@ -19,7 +19,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _prepare(_: Namespace) -> Work:
-    from q2q_sim.tools.ablation import run
+    from q2q_sim.experiments.ablation.fill_table import run
 
     return run
 

@@ -15,7 +15,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _prepare(asked: Namespace) -> Work:
     must_exist("table", asked.table)
-    from q2q_sim.tools.bag_import import run
+    from q2q_sim.tools.import_table import run
 
     return run
 

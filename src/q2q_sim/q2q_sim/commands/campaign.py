@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out
-from q2q_sim.choices import ENGINES
+from q2q_sim.scenarios.choices import ENGINES
 
 EXAMPLE = """  scripts/campaign --runs 20
   scripts/campaign --runs 2000 --jobs 2 --through-nodes 200 --json out/campaign.json
@@ -27,7 +27,7 @@ def main(words: Sequence[str] | None = None) -> int:
 def _prepare(asked: Namespace) -> Work:
     if asked.through_nodes > asked.runs:
         raise ValueError(f"--through-nodes {asked.through_nodes}: at most the {asked.runs} --runs")
-    from q2q_sim.tools.campaign import run
+    from q2q_sim.experiments.campaign.resume import run
 
     return run
 

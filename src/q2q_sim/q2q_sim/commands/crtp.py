@@ -8,8 +8,8 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out
-from q2q_model.thrust_map import FIRMWARES
-from q2q_sim import scenario_files
+from q2q_model.vehicle.thrust_map import FIRMWARES
+from q2q_sim.scenarios import scenario_files
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -19,7 +19,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _prepare(asked: Namespace) -> Work:
     scenario_files.check(asked.scenario)
-    from q2q_sim.tools.crtp import run
+    from q2q_sim.tools.fly_crtp_room import run
 
     return run
 

@@ -19,11 +19,11 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _prepare(_: Namespace) -> Work:
-    from q2q_sim.tools.warm_start import begin
+    from q2q_sim.processes.warm_start import begin
 
     print("demo: three flights: starting", file=sys.stderr, flush=True)
     begin()  # it imports beside us
-    from q2q_sim.tools.demo import run
+    from q2q_sim.tools.demo_flights import run
 
     return run
 

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_sim.scenarios.choices import STDOUT
 
 EXAMPLE = """  ros2 run q2q_sim firmware_check ../shared/data/firmware
   ros2 run q2q_sim firmware_check ../shared/data/firmware --json"""
 TABLES = ("controllers", "planner", "supervisor", "mixer", "compensation")
-STDOUT = "-"
 """Value of --json without a file."""
 
 
@@ -25,7 +25,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _prepare(asked: Namespace) -> Work:
     must_exist("table", *(asked.folder / f"{name}.csv" for name in TABLES))
-    from q2q_sim.tools.firmware_check import run
+    from q2q_sim.tools.check_firmware import run
 
     return run
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out
-from q2q_model.commands.model_choice import check_model
-from q2q_model.vehicle import DEFAULT_VEHICLE, VEHICLES
-from q2q_sim import scenario_files
-from q2q_sim.choices import CONTROLLERS, REPLANNERS, WAKES
+from q2q_model.files.model_choice import check_model
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
+from q2q_sim.scenarios import scenario_files
+from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS, WAKES
 
 EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
@@ -32,11 +32,11 @@ def _prepare(asked: Namespace) -> Work:
     if asked.model:
         check_model(asked.model)
     if not asked.list:
-        from q2q_sim.tools.warm_start import begin
+        from q2q_sim.processes.warm_start import begin
 
         print(f"fly: {asked.real or asked.scenario}: starting", file=sys.stderr, flush=True)
         begin()  # it imports beside us
-    from q2q_sim.tools.fly import run
+    from q2q_sim.tools.fly_scenario import run
 
     return run
 

@@ -23,10 +23,10 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _prepare(asked: Namespace) -> Work:
     if asked.only:
-        from q2q_sim.tools.paper_numbers import chosen, paper_numbers
+        from q2q_sim.experiments.paper.paper_numbers import chosen, paper_numbers
 
         chosen(paper_numbers(), asked.only)
-    from q2q_sim.tools.paper import run
+    from q2q_sim.experiments.paper.remake import run
 
     return run
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
-from q2q_model.vehicle import VEHICLES, vehicle_by_name
-from q2q_sim import scenario_files
+from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
+from q2q_sim.scenarios import scenario_files
 
 EXAMPLE = """  ros2 run q2q_sim policies out/fly/bag
   ros2 run q2q_sim policies out/campaign/violations/17 --scenario out/campaign/violations/17.yaml --json"""
@@ -24,7 +24,7 @@ def _prepare(asked: Namespace) -> Work:
         scenario_files.check(asked.scenario)
     elif asked.vehicle:
         vehicle_by_name(asked.vehicle)
-    from q2q_sim.tools.policies import run
+    from q2q_sim.tools.judge_bags import run
 
     return run
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
-from q2q_model.vehicle import VEHICLES, vehicle_by_name
+from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -22,7 +22,7 @@ def _prepare(asked: Namespace) -> Work:
         vehicle_by_name(asked.vehicle)
     must_exist("bag", asked.bag, *asked.compare)
     must_exist("topic map", *([asked.topics] if asked.topics else []))
-    from q2q_sim.tools.report import run
+    from q2q_sim.tools.report_bags import run
 
     return run
 

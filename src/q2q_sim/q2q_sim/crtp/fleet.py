@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.signals import Array
-from q2q_model.vehicle import Vehicle
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.crtp.vehicle import CrtpVehicle
-from q2q_sim.onboard.airframe import airframe_of
-from q2q_sim.onboard.columns import IDLE, MOTOR, WANTED_WIDTH, frame_row, fresh_memory
-from q2q_sim.onboard.firmware import Build, Firmware, Rows
-from q2q_sim.onboard.flight import Controllers, fly_tick
-from q2q_sim.swarm import Swarm
+from q2q_sim.firmware.controllers.columns import IDLE, MOTOR, WANTED_WIDTH, frame_row, fresh_memory
+from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
+from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
+from q2q_sim.firmware.motors.airframe import airframe_of
+from q2q_sim.plant.swarm import Swarm
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Fleet:
             frame=np.tile(frame_row(airframe), (n, 1)),
             drift=np.zeros((n, 6)),
         )
-        rows = [Rows(swarm.state[i], self._rows.memory[i], self._rows.drift[i]) for i in range(n)]
+        rows = [FirmwareRows(swarm.state[i], self._rows.memory[i], self._rows.drift[i]) for i in range(n)]
         self.vehicles = tuple(
             CrtpVehicle(name, Firmware(airframe, replace(build, number=i), rows[i]))
             for i, name in enumerate(swarm.names)

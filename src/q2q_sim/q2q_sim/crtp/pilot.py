@@ -9,14 +9,14 @@ from typing import Protocol
 
 import numpy as np
 
-from q2q_model.signals import Array
-from q2q_model.vehicle import CRAZYFLIE_2_0, Vehicle
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.vehicle import LOCAL
-from q2q_sim.onboard.firmware import Build, Firmware
-from q2q_sim.onboard.setpoint import Setpoint
-from q2q_sim.swarm import Swarm
-from q2q_sim.wake import Wake
+from q2q_sim.firmware.commander.setpoint import Setpoint
+from q2q_sim.firmware.firmware import Build, Firmware
+from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.wake import Wake
 
 STILL = (0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
 """No moving air, rotors that give what is asked."""

@@ -7,7 +7,7 @@ vehicles that have not been placed, which keep theirs.
 
 import numpy as np
 
-from q2q_model.signals import Array
+from q2q_model.signals.values import Array
 
 SPACING = 0.4
 """Least distance of two spots [m]: twice a Crazyflie with guards, and room to set it down."""

@@ -12,7 +12,8 @@ happens when all clients have gone, or when one sends the radio's reboot command
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 
-from q2q_sim.crtp import (
+from q2q_sim.crtp.packets.packet import MAX_DATA, NULL, MalformedError, Packet, Port, datagram_of, packet_of
+from q2q_sim.crtp.ports import (
     generic,
     high_level,
     localization,
@@ -23,10 +24,9 @@ from q2q_sim.crtp import (
     rpyt,
     supervisor_port,
 )
-from q2q_sim.crtp.log_blocks import LogBlocks
-from q2q_sim.crtp.packet import MAX_DATA, NULL, MalformedError, Packet, Port, datagram_of, packet_of
-from q2q_sim.onboard.firmware import Firmware
-from q2q_sim.onboard.supervisor_rules import State
+from q2q_sim.crtp.ports.log_blocks import LogBlocks
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.supervisor.rules import State
 
 SILENCE_MS = 1000
 """RADIO_ACTIVITY_TIMEOUT_MS of the firmware: after this its logs to a client end."""

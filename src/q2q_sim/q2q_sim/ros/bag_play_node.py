@@ -17,18 +17,18 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagReader, MappedBag, RawMessage, load_topic_map
-from q2q_model.cdr import header_stamp_ns
-from q2q_model.health import Health
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.messages import header_at
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
-from q2q_model.ros.run import finish, run
-from q2q_model.ros.steady_timer import steady_timer
-from q2q_sim.lockstep import Patience
-from q2q_sim.playback import Playback
-from q2q_sim.topics import TYPE_NAMES
+from q2q_model.node.health import Health
+from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import finish, run
+from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.topics.messages import header_at
+from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
+from q2q_model.signals.cdr import header_stamp_ns
+from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.loop.lockstep import Patience
+from q2q_sim.loop.playback import Playback
+from q2q_sim.loop.topics import TYPE_NAMES
 
 TICK_TOPIC = "mocap"
 """The topic whose messages are the ticks that an answer is awaited for."""

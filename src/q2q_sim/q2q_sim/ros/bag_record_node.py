@@ -9,14 +9,14 @@ from time import time_ns
 from rclpy.node import Node
 
 from q2q_model.bag import BagWriter, facts_from_words
-from q2q_model.cdr import header_stamp_ns
-from q2q_model.health import Health
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import RECORD
-from q2q_model.ros.run import run
-from q2q_sim.topics import TYPE_NAMES
+from q2q_model.node.health import Health
+from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run
+from q2q_model.ros.topics.qos import RECORD
+from q2q_model.signals.cdr import header_stamp_ns
+from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.loop.topics import TYPE_NAMES
 
 
 @dataclass(frozen=True, slots=True)

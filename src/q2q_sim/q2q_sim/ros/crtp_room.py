@@ -4,16 +4,16 @@ from dataclasses import dataclass
 
 from rclpy.node import Node
 
-from q2q_model.health import Health
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.steady_timer import steady_timer
+from q2q_model.node.health import Health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet
-from q2q_sim.crtp.link_model import LinkParams
-from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
-from q2q_sim.room import Room
-from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
-from q2q_sim.scenario import Scenario
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
+from q2q_sim.crtp.packets.link_model import LinkParams
+from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
+from q2q_sim.loop.room import Room
+from q2q_sim.scenarios.scenario import Scenario
 
 TELL_S = 1.0
 """How often clients are told of [s]."""

@@ -14,11 +14,11 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.ros.qos import LATCHED, TICK
-from q2q_model.ros.ready import DRAINED, SERVICE
-from q2q_model.ros.run import make_executor
-from q2q_model.wiring import unmatched, unserved, wiring_from_text
-from q2q_sim.room import TICK_NS
+from q2q_model.node.wiring import unmatched, unserved, wiring_from_text
+from q2q_model.ros.node.ready import DRAINED, SERVICE
+from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.topics.qos import LATCHED, TICK
+from q2q_sim.loop.room import TICK_NS
 
 POLL_S = 0.05
 """How often the graph is asked [s]."""

@@ -16,16 +16,17 @@ from types import ModuleType
 from unittest.mock import MagicMock, patch
 
 from q2q_model.bag import BagWriter
-from q2q_model.cdr import encode
-from q2q_model.parameters import ParameterValue
-from q2q_model.rehearsal import rehearsal
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.ready import offer_drained, offer_ready
-from q2q_planner import plan_file
-from q2q_sim import assembly, scenarios
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.node.ready import offer_drained, offer_ready
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.signals.cdr import encode
+from q2q_model.trajectory import plan_file
+from q2q_model.tunable import ParameterValue
+from q2q_sim.loop import assembly
+from q2q_sim.loop.topics import TICK_TOPICS, TYPE_NAMES
 from q2q_sim.ros.absent_packages import standing_in
-from q2q_sim.ros.stand_in import Declared, Port, StandInNode
-from q2q_sim.topics import TICK_TOPICS, TYPE_NAMES
+from q2q_sim.ros.stand_in import Declared, RecordedPort, StandInNode
+from q2q_sim.scenarios import library
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 VEHICLE = "cf1"
@@ -44,7 +45,7 @@ class NodeInterface:
     executable: str
     words: str
     """The node module's docstring."""
-    ports: tuple[tuple[Port, str], ...]
+    ports: tuple[tuple[RecordedPort, str], ...]
     """Each with the parameters that it takes to have it; empty for always."""
     parameters: tuple[tuple[Declared, bool], ...]
     """Each with whether the node heeds it in flight."""
@@ -104,7 +105,7 @@ def _surveyed(package: str, name: str) -> NodeInterface:
     executable = name.removesuffix("_node")
     with TemporaryDirectory(prefix="q2q-survey-") as scratch:
         folder = Path(scratch)
-        plan_file.save(folder / "plan.json", assembly.plan_of(scenarios.load(SCENARIO)))
+        plan_file.save(folder / "plan.json", assembly.plan_of(library.load(SCENARIO)))
         _write_bag(folder / "bag")
         chosen = ways(executable, folder)
         built = [_built(module, executable, way) for way in chosen]
@@ -154,9 +155,9 @@ def _write_bag(folder: Path) -> None:
     writer.close()
 
 
-def _ports(built: list[StandInNode], chosen: list[Way]) -> list[tuple[Port, str]]:
+def _ports(built: list[StandInNode], chosen: list[Way]) -> list[tuple[RecordedPort, str]]:
     """Return every port once, with the parameters common to the ways that have it, if not all have it."""
-    owners: dict[Port, list[Way]] = {}
+    owners: dict[RecordedPort, list[Way]] = {}
     for node, way in zip(built, chosen, strict=True):
         for port in dict.fromkeys(_of_any_vehicle(port) for port in node.ports):
             owners.setdefault(port, []).append(way)
@@ -179,7 +180,9 @@ def _plain(value: ParameterValue) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _of_any_vehicle(port: Port) -> Port:
+def _of_any_vehicle(port: RecordedPort) -> RecordedPort:
     if not port.name.startswith(f"{VEHICLE}/"):
         return port
-    return Port(port.way, f"{ANY_VEHICLE}/{port.name.removeprefix(VEHICLE + '/')}", port.kind, port.quality)
+    return RecordedPort(
+        port.way, f"{ANY_VEHICLE}/{port.name.removeprefix(VEHICLE + '/')}", port.kind, port.quality
+    )

@@ -21,11 +21,11 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.ros.qos import LATCHED
-from q2q_model.ros.ready import DRAIN, DRAINED, offer_drained, wiring_of
-from q2q_model.ros.run import make_executor
-from q2q_model.wiring import unmatched, unserved
-from q2q_sim.flight_clock import FlightTiming, timing_of
+from q2q_model.node.wiring import unmatched, unserved
+from q2q_model.ros.node.ready import DRAIN, DRAINED, offer_drained, wiring_of
+from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.topics.qos import LATCHED
+from q2q_sim.loop.flight_clock import FlightTiming, timing_of
 from q2q_sim.ros import stack
 from q2q_sim.ros.bag_record_node import Recorder
 from q2q_sim.ros.simulator_node import Simulator

@@ -4,17 +4,17 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from q2q_model.ros.messages import header_at
-from q2q_sim.shapes import Kind, Scene, Shape
+from q2q_model.ros.topics.messages import header_at
+from q2q_sim.view.shapes import Scene, Shape, ShapeKind
 
 TYPES = {
-    Kind.BOX: Marker.CUBE,
-    Kind.CYLINDER: Marker.CYLINDER,
-    Kind.ARROW: Marker.ARROW,
-    Kind.LINE: Marker.LINE_STRIP,
-    Kind.TEXT: Marker.TEXT_VIEW_FACING,
+    ShapeKind.BOX: Marker.CUBE,
+    ShapeKind.CYLINDER: Marker.CYLINDER,
+    ShapeKind.ARROW: Marker.ARROW,
+    ShapeKind.LINE: Marker.LINE_STRIP,
+    ShapeKind.TEXT: Marker.TEXT_VIEW_FACING,
 }
-BY_POINTS = (Kind.ARROW, Kind.LINE)
+BY_POINTS = (ShapeKind.ARROW, ShapeKind.LINE)
 """Kinds that are drawn by their points, not by a pose."""
 HEAD = 2.0
 """Width of an arrow's head over its shaft's."""
@@ -52,4 +52,4 @@ def _pose(shape: Shape) -> Pose:
 
 def _scale(shape: Shape) -> Vector3:
     x, y, z = shape.size
-    return Vector3(x=x, y=HEAD * x, z=0.0) if shape.kind == Kind.ARROW else Vector3(x=x, y=y, z=z)
+    return Vector3(x=x, y=HEAD * x, z=0.0) if shape.kind == ShapeKind.ARROW else Vector3(x=x, y=y, z=z)

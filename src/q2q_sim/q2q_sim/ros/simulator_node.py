@@ -19,28 +19,28 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.cdr import SignalReader, encode, encode_stamp, header_stamp_ns
-from q2q_model.health import Health
-from q2q_model.layout import Signal
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED, TICK, TICK_WRITER
-from q2q_model.ros.run import run
-from q2q_model.ros.steady_timer import steady_timer
-from q2q_model.signals import Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
-from q2q_model.thrust_map import FIRMWARES
-from q2q_model.vehicle import VEHICLES
-from q2q_sim import scenarios
-from q2q_sim.choices import WAKES
-from q2q_sim.flight_clock import FlightClock, as_fields
-from q2q_sim.lockstep import CommandGate, Patience
-from q2q_sim.room import TICK_S, Room, Tick
-from q2q_sim.scenario import Scenario, with_choices, with_firmware
+from q2q_model.node.health import Health
+from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run
+from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
+from q2q_model.signals.cdr import SignalReader, encode, encode_stamp, header_stamp_ns
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import VEHICLES
+from q2q_model.vehicle.thrust_map import FIRMWARES
+from q2q_sim.loop.flight_clock import FlightClock, as_fields
+from q2q_sim.loop.lockstep import CommandGate, Patience
+from q2q_sim.loop.room import TICK_S, Room, Tick
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.choices import WAKES
+from q2q_sim.scenarios.scenario import Scenario, with_choices, with_firmware
 
 if TYPE_CHECKING:
-    from q2q_sim.ros.crtp_endpoint import CrtpEndpoint
+    from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 STALL_LOOK_S = 0.05
 """How often a stalled lockstep is looked at [s]."""
@@ -85,7 +85,7 @@ class Simulator:
 
     def __init__(self, node: Node) -> None:
         self._params = declare(node, SimulatorParams())
-        flown = with_choices(scenarios.load(self._params.scenario), self._params.vehicle, self._params.wake)
+        flown = with_choices(library.load(self._params.scenario), self._params.vehicle, self._params.wake)
         self._scenario = with_firmware(flown, self._params.firmware)
         rehearse(self._scenario)
         self._room = Room(self._scenario, self._params.seed)

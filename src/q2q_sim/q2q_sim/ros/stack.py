@@ -2,7 +2,7 @@
 
 Every node keeps its name, topics, services and parameters (one parameter file with a section a node), so that
 a recorder, a view or a person sees no difference. Within the process signals pass by a bus
-(q2q_model.local_bus); the command goes out before what led to it is told to the world.
+(q2q_model.signals.local_bus); the command goes out before what led to it is told to the world.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from rclpy.node import Node
 
 from q2q_control.ros import mpc_node, pid_node
-from q2q_model.local_bus import LocalBus
-from q2q_model.parameters import check_bounds, tunable
 from q2q_model.ros import interference_node, mocap_filter_node
-from q2q_model.ros.bus_node import BusNode
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.run import run_together
+from q2q_model.ros.node.bus_node import BusNode
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run_together
+from q2q_model.signals.local_bus import LocalBus
+from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.ros import replanner_node, trajectory_node
 
 BUILDERS: Mapping[str, Callable[[Node], object]] = {

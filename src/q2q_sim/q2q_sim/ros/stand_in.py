@@ -10,17 +10,17 @@ from dataclasses import dataclass
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.qos import QoSProfile
 
-from q2q_model.parameters import ParameterValue
-from q2q_model.ros.parameters import UNBOUNDED
+from q2q_model.ros.node.node_parameters import UNBOUNDED
+from q2q_model.tunable import ParameterValue
 
 ENDLESS = 2**62
-"""Stands for no bound of a whole number (q2q_model.ros.parameters)."""
+"""Stands for no bound of a whole number (q2q_model.ros.node.node_parameters)."""
 
 Receive = Callable[..., None]
 
 
 @dataclass(frozen=True, slots=True)
-class Port:
+class RecordedPort:
     """One topic or service of a node."""
 
     way: str
@@ -93,32 +93,32 @@ class StandInNode:
         self._name = name
         self._given = given
         self.context = Deaf()
-        self.ports: list[Port] = []
+        self.ports: list[RecordedPort] = []
         self.parameters: list[Declared] = []
         self.readers: list[tuple[type, Receive]] = []
         self._changed: list[Callable[[list[Update]], SetParametersResult]] = []
 
     def create_publisher(self, kind: type, topic: str, qos: QoSProfile | int) -> Deaf:
         """Write down a published topic."""
-        self.ports.append(Port("publishes", topic, type_name(kind, "msg"), quality(qos)))
+        self.ports.append(RecordedPort("publishes", topic, type_name(kind, "msg"), quality(qos)))
         return Deaf()
 
     def create_subscription(
         self, kind: type, topic: str, receive: Receive, qos: QoSProfile | int, **_: object
     ) -> Deaf:
         """Write down a topic that is read, and who reads it."""
-        self.ports.append(Port("reads", topic, type_name(kind, "msg"), quality(qos)))
+        self.ports.append(RecordedPort("reads", topic, type_name(kind, "msg"), quality(qos)))
         self.readers.append((kind, receive))
         return Deaf()
 
     def create_service(self, kind: type, name: str, _: Receive) -> Deaf:
         """Write down a service."""
-        self.ports.append(Port("serves", name, type_name(kind, "srv"), ""))
+        self.ports.append(RecordedPort("serves", name, type_name(kind, "srv"), ""))
         return Deaf()
 
     def create_client(self, kind: type, name: str) -> Deaf:
         """Write down a service that is called."""
-        self.ports.append(Port("calls", name, type_name(kind, "srv"), ""))
+        self.ports.append(RecordedPort("calls", name, type_name(kind, "srv"), ""))
         return Deaf()
 
     def create_timer(self, _: float, __: Callable[[], None], **___: object) -> None:

@@ -2,7 +2,7 @@
 
 RViz: `rviz2 -d` with the shipped `config/q2q.rviz`. Foxglove: `-p foxglove:=true`, then open a WebSocket
 connection to ws://localhost:8765 and import the shipped `config/foxglove_layout.json`. What the scene shows:
-q2q_sim.scene. It reads best effort, so that a slow viewer holds up no flight.
+q2q_sim.view.scene. It reads best effort, so that a slow viewer holds up no flight.
 """
 
 from dataclasses import dataclass
@@ -11,21 +11,21 @@ from q2q_msgs.msg import Plan
 from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
-from q2q_model.decimation import Decimation
-from q2q_model.health import Health
-from q2q_model.layout import Signal
-from q2q_model.parameters import check_bounds, tunable
-from q2q_model.ros.diagnostics import publish_health
-from q2q_model.ros.listening import listener
-from q2q_model.ros.messages import MESSAGES
-from q2q_model.ros.parameters import declare
-from q2q_model.ros.qos import LATCHED, OUTSIDE
-from q2q_model.ros.run import run
-from q2q_model.signals import Interference, SwarmSetpoint, SwarmState
+from q2q_model.node.health import Health
+from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import run
+from q2q_model.ros.topics.listening import listener
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import LATCHED, OUTSIDE
+from q2q_model.signals.decimation import Decimation
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
+from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.ros.plan_message import decode_plan
-from q2q_sim.ros.foxglove_scene import FoxgloveScene
 from q2q_sim.ros.scene_markers import marker_array
-from q2q_sim.scene import Glimpse, SceneBuilder, SceneParams
+from q2q_sim.view.foxglove_server import FoxgloveScene
+from q2q_sim.view.scene import Glimpse, SceneBuilder, SceneParams
 
 INPUTS: dict[str, type[Signal]] = {
     "state": SwarmState,

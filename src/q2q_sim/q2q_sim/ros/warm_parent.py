@@ -1,4 +1,4 @@
-"""Import and rehearse all that the nodes of a flight need: what q2q_sim.tools.warm_start has its parent do.
+"""Import and rehearse all that the nodes of a flight need, for the parent of q2q_sim.processes.warm_start.
 
 Some ticks of a short flight, without ROS, load the compiled code of every block. What stands then is frozen:
 no fork's garbage collector looks at it, so its memory stays shared.
@@ -8,9 +8,9 @@ import gc
 from dataclasses import replace
 from importlib import import_module
 
-from q2q_model.lean_imports import lean_imports
-from q2q_sim.choices import CONTROLLERS
-from q2q_sim.tools.warm_start import die_with_parent
+from q2q_model.node.lean_imports import lean_imports
+from q2q_sim.processes.warm_start import die_with_parent
+from q2q_sim.scenarios.choices import CONTROLLERS
 
 NODES = ("bag_play_node", "bag_record_node", "simulator_node", "stack")
 """Modules that import every node of a flight."""
@@ -21,11 +21,11 @@ REHEARSED_S = 0.05
 
 def rehearse() -> None:
     """Fly some ticks with each controller."""
-    from q2q_model.tools.models import find_model
-    from q2q_sim import scenarios
-    from q2q_sim.closed_loop import FlightOptions, fly
+    from q2q_model.files.find_model import find_model
+    from q2q_sim.loop.closed_loop import FlightOptions, fly
+    from q2q_sim.scenarios import library
 
-    short = replace(scenarios.load(SCENARIO), duration=REHEARSED_S)
+    short = replace(library.load(SCENARIO), duration=REHEARSED_S)
     for controller in CONTROLLERS:
         fly(short, FlightOptions(controller=controller, model=find_model(short.model).interaction))
 

@@ -14,7 +14,7 @@ from time import monotonic
 from q2q_model.compiled import KERNELS, uncached
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
-NOT_PURE = (".ros", ".tools", ".commands", ".training")
+NOT_PURE = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training")
 """Parts of the packages without kernels, but with ROS or torch."""
 SHARES = 2
 

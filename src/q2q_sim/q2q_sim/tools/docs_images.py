@@ -9,16 +9,16 @@ import numpy as np
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
-from q2q_model.flights import Flight
-from q2q_model.signals import Interference, SwarmState, TrackStatus
-from q2q_model.tools.models import find_model
-from q2q_sim import scenarios
-from q2q_sim.assembly import plan_of
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.scenario import Scenario
-from q2q_sim.scene import Glimpse, SceneBuilder, SceneParams
-from q2q_sim.shapes import Kind, Scene, Shape
-from q2q_sim.tools.figures import COLOURS, REFERENCE_COLOUR
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import Interference, SwarmState, TrackStatus
+from q2q_sim.loop.assembly import plan_of
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.report.figures import COLOURS, REFERENCE_COLOUR
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.view.scene import Glimpse, SceneBuilder, SceneParams
+from q2q_sim.view.shapes import Scene, Shape, ShapeKind
 
 OUT = Path("docs/images")
 SCENARIO, LOWER = "table6", "cf1"
@@ -33,7 +33,7 @@ DPI = 100
 
 def write_images(out: Path = OUT) -> list[Path]:
     """Fly table6 ignoring the draft and aware of it; write flight.png; return the files."""
-    scenario = scenarios.load(SCENARIO)
+    scenario = library.load(SCENARIO)
     model = find_model(scenario.model).interaction
     ignoring = fly(scenario, FlightOptions(mode="ignoring", model=model))
     aware = fly(scenario, FlightOptions(mode="aware", model=model))
@@ -62,13 +62,13 @@ def draw_scene(axes: Axes3D, scene: Scene) -> None:
     """Draw a scene's shapes; boxes and texts as marks of a size that can be seen."""
     for shape in scene.shapes:
         points = np.array(shape.points)  # (k, 3)
-        if shape.kind is Kind.BOX:
+        if shape.kind is ShapeKind.BOX:
             axes.plot(*points.T, "s", color=shape.colour, markersize=9)
-        elif shape.kind is Kind.TEXT:
+        elif shape.kind is ShapeKind.TEXT:
             axes.text(*points[0], f"  {shape.text}", color=shape.colour)
-        elif shape.kind is Kind.CYLINDER:
+        elif shape.kind is ShapeKind.CYLINDER:
             _draw_cylinder(axes, shape)
-        elif shape.kind is Kind.ARROW:
+        elif shape.kind is ShapeKind.ARROW:
             axes.quiver(*points[0], *(points[1] - points[0]), color=shape.colour, linewidth=2.5, zorder=20.0)
         else:
             axes.plot(*points.T, color=shape.colour, linewidth=1.8)

@@ -11,26 +11,26 @@ import numpy as np
 from scipy import sparse
 
 from q2q_control.explicit.distillation import Syllabus, distil
+from q2q_control.explicit.explicit_solver import explicit_controller
 from q2q_control.explicit.situations import random_situations
-from q2q_control.explicit.solver import explicit_controller
 from q2q_control.explicit.teacher import Teacher, answers
-from q2q_control.mpc.params import MpcParams
+from q2q_control.inputs.preview import made_up_preview
+from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc
-from q2q_control.preview import made_up_preview
-from q2q_model.identification.altitude_loop import PAPER_LOOP
-from q2q_model.identification.impulse_response import impulse_response
-from q2q_model.identification.recorded_push import lagged
-from q2q_model.interaction.predictor import InteractionPredictor
-from q2q_model.mocap_filter import MocapFilter, MocapFilterParams
-from q2q_model.rehearsal import rehearse
-from q2q_model.signals import Interference, MocapFrame, SwarmSetpoint, SwarmState
-from q2q_model.tools.models import find_model
-from q2q_model.vehicle import TEXTBOOK_065
-from q2q_planner.planes import coordinate_descent
-from q2q_sim import scenarios
-from q2q_sim.closed_loop import FlightOptions, fly
-from q2q_sim.crtp.room import CrtpRoomParams, fleet_in
-from q2q_sim.room import Room
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.files.find_model import find_model
+from q2q_model.identification.force.recorded_force import lagged
+from q2q_model.identification.gains.impulse_response import impulse_response
+from q2q_model.node.rehearsal import rehearse
+from q2q_model.signals.values import Interference, MocapFrame, SwarmSetpoint, SwarmState
+from q2q_model.vehicle.altitude_loop import PAPER_LOOP
+from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_planner.offline.avoidance.separating_planes import coordinate_descent
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.room import Room
+from q2q_sim.scenarios import library
 
 Call = Callable[[], object]
 TICKS = 0.06
@@ -48,7 +48,7 @@ def calls() -> tuple[Sequence[Call], Sequence[Call]]:
 
 
 def _flown(scenario: str, controller: str = "pid", replan: str = "none") -> None:
-    short = replace(scenarios.load(scenario), duration=TICKS)
+    short = replace(library.load(scenario), duration=TICKS)
     known = find_model(short.model).interaction
     fly(short, FlightOptions(controller=controller, replan=replan, model=known))
 
@@ -74,7 +74,7 @@ def _many() -> None:
 
 
 def _firmware() -> None:
-    scenario = scenarios.load("table6")
+    scenario = library.load("table6")
     room = Room(scenario, seed=0)
     room.fly(fleet_in(room, scenario, CrtpRoomParams()).fly)
 

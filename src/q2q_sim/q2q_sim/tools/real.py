@@ -1,7 +1,7 @@
 """Fly a real recorded flight through the nodes: its mocap through filter and interference; score the draft.
 
 The observed draft is the vertical force that the flight's log shows, by the rule of
-q2q_model.identification.draft_force; the predicted one comes out of the node `interference`.
+q2q_model.identification.force.downwash_force; the predicted one comes out of the node `interference`.
 """
 
 import json
@@ -15,14 +15,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from q2q_model.bag import read_flight_log
-from q2q_model.identification.along_flight import Motion
-from q2q_model.identification.draft_force import ForceSamples, ForceScore, force_samples, pooled
-from q2q_model.identification.recorded_push import motion_of, push_of_log
-from q2q_model.signals import Array, Names
-from q2q_sim.flight_table import flight_table
-from q2q_sim.tools import figures
-from q2q_sim.tools.bag_import import read_columns, write_bag
-from q2q_sim.tools.replay import replay
+from q2q_model.flights.flight_table import flight_table
+from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, pooled
+from q2q_model.identification.force.recorded_force import motion_of, push_of_log
+from q2q_model.signals.values import Array, Names
+from q2q_sim.flight.replay import replay
+from q2q_sim.report import figures
+from q2q_sim.tools.import_table import read_columns, write_bag
 
 DATA = Path("neural_swarm")
 """Where the flights lie within Q2Q_DATA."""

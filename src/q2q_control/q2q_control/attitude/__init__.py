@@ -1,0 +1,1 @@
+"""Onboard attitude loop and rotor allocation."""

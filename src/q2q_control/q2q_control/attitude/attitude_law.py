@@ -1,0 +1,102 @@
+"""Turn roll and pitch: the onboard attitude loop, U2 to U4 of eqs (1)-(3), as a PD law on Euler angles.
+
+Source: section 5.1 ("the attitude control approach is similar to the altitude control"): linearise
+(1)-(3) by cancelling the gyroscopic terms, then a PD law in natural-frequency form, so that vehicles of
+any inertia turn alike:
+
+    v_phi = w_n^2 (phi_d - phi) - 2 zeta w_n p           (theta, q likewise)
+    v_psi = k_r (r_d - r)
+    tau   = I v + omega x (I omega)                       tau_x = l U2, tau_y = l U3, tau_z = U4
+    tau_c = tau + T dtau/dt,   domega/dt = tau_now / I    (lead: undoes the lag T of the rotors)
+
+With T the rotors' lag the loop is exactly phi / phi_d = w_n^2 / ((s^2 + 2 zeta w_n s + w_n^2)(T s + 1));
+without lead a lag of 0.07 s leaves w_n = 15 rad/s almost undamped. U2 and U3 of the paper are forces at
+the arm l, here all three are torques; its b3 = l/Izz is 1/Izz for a torque. b1 = l/Ixx and a1..a5 follow
+from the inertia.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| phi theta psi | attitude | roll, pitch, yaw [rad] |
+| omega = p q r | ang_vel_body | body rates [rad/s] |
+| phi_d theta_d r_d | desired | roll, pitch [rad], yaw rate [rad/s] |
+| tau | torque | about body axes [N m] |
+| tau_now | torque_now | what the rotors give at this moment [N m] |
+| w_n zeta | frequency damping | of roll and pitch [rad/s], [-] |
+| k_r | yaw_bandwidth | [1/s] |
+| T | lead | [s] |
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import Vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class AttitudeParams:
+    """Bandwidths of the attitude loop."""
+
+    frequency: float = tunable(
+        15.0,  # the firmware's Mellinger loop settles as fast; 7 times the position loop's 2 rad/s
+        "natural frequency of roll and pitch",
+        unit="rad/s",
+        low=1.0,
+        high=100.0,
+    )
+    damping: float = tunable(0.9, "damping ratio of roll and pitch: 5 % overshoot at most", low=0.1, high=3.0)
+    yaw_bandwidth: float = tunable(5.0, "yaw rate error to yaw acceleration", unit="1/s", low=0.1, high=100.0)
+    lead_ratio: float = tunable(
+        1.0, "lead time over the vehicle's thrust lag: 1 undoes the lag, 0 ignores it", low=0.0, high=1.0
+    )
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+
+def packed_gains(params: AttitudeParams, vehicle: Vehicle) -> Array:
+    """Return what the laws below read, one column a body axis, (4, 3).
+
+    Rows: stiffness [N m/rad], damping [N m s/rad], inertia [kg m^2], lead [s].
+    """
+    inertia = np.array(vehicle.inertia)
+    stiffness = inertia * np.array([params.frequency**2, params.frequency**2, 0.0])
+    tilt_damping = 2.0 * params.damping * params.frequency
+    damping = inertia * np.array([tilt_damping, tilt_damping, params.yaw_bandwidth])
+    lead = np.full(3, params.lead_ratio * vehicle.thrust_lag)
+    return np.stack([stiffness, damping, inertia, lead])
+
+
+def attitude_torques(
+    attitude: Array, ang_vel_body: Array, torque_now: Array, desired: Array, gains: Array
+) -> Array:
+    """Return the torques [N m], body, (..., 3); arguments are (..., 3), `gains` of packed_gains (4, 3)."""
+    stiffness, damping, inertia, lead = gains
+    yaw_only = np.array([0.0, 0.0, 1.0])
+    angle_error = (desired - attitude) * (1.0 - yaw_only)
+    rate_wanted = desired * yaw_only
+    torque = stiffness * angle_error + damping * (rate_wanted - ang_vel_body)
+    growth = -stiffness * ang_vel_body - damping * torque_now / inertia
+    gyroscopic = np.cross(ang_vel_body, inertia * ang_vel_body)
+    return np.asarray(torque + lead * growth + gyroscopic)
+
+
+def _attitude_torque(
+    attitude: Array, ang_vel_body: Array, torque_now: Array, desired: Array, gains: Array
+) -> tuple[float, float, float]:
+    p, q, r = ang_vel_body[0], ang_vel_body[1], ang_vel_body[2]
+    ix, iy, iz = gains[2, 0], gains[2, 1], gains[2, 2]
+    roll = gains[0, 0] * (desired[0] - attitude[0] - gains[3, 0] * p)
+    roll -= gains[1, 0] * (p + gains[3, 0] * torque_now[0] / ix)
+    pitch = gains[0, 1] * (desired[1] - attitude[1] - gains[3, 1] * q)
+    pitch -= gains[1, 1] * (q + gains[3, 1] * torque_now[1] / iy)
+    yaw = gains[1, 2] * (desired[2] - r - gains[3, 2] * torque_now[2] / iz)
+    return roll + (iz - iy) * q * r, pitch + (ix - iz) * p * r, yaw + (iy - ix) * p * q
+
+
+attitude_torque = compiled(_attitude_torque)
+"""Return tau_x, tau_y, tau_z [N m] of one vehicle for compiled loops; arguments as `attitude_torques`."""

@@ -1,0 +1,1 @@
+"""Crazyswarm2: configuration file and message conversion."""

@@ -1,0 +1,65 @@
+"""Say commands as Crazyswarm2's servers take them, and read motion capture as they publish it.
+
+Both servers take the same topics, but give `cmd_vel_legacy` to the firmware with different signs of pitch:
+
+| backend | pitch on the wire (legacy, nose up) | so linear.x is | angular.z is |
+|---|---|---|---|
+| cpp (crazyflie_cpp) | -linear.x | theta, nose down | -r, to the right |
+| cflib | linear.x, turned twice | -theta, nose up | -r, to the right |
+
+The firmware turns the yaw rate of RPYT itself, so both want it to the right. `cmd_full_state` has no such
+differences: angular velocities are rad/s, body, in both. A pose without orientation has NaN in all four parts
+of its quaternion (the servers look at different ones).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_model.signals.values import Array, MocapFrame, Names, SwarmCommand, SwarmState, TrackStatus
+
+BACKENDS = ("cpp", "cflib")
+_PITCH_SIGN = {"cpp": 1.0, "cflib": -1.0}
+NANOSECONDS = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class NamedPose:
+    """Hold one pose of motion capture."""
+
+    name: str
+    pos: tuple[float, float, float]
+    """[m], world."""
+    quat: tuple[float, float, float, float]
+    """x y z w, body to world; NaN where unknown."""
+
+
+def legacy_twists(command: SwarmCommand, scale: LegacyScale, backend: str) -> Array:
+    """Return linear.x [deg], linear.y [deg], angular.z [deg/s], linear.z [PWM] of every vehicle, (n, 4)."""
+    signs = np.array([_PITCH_SIGN[backend], 1.0, -1.0, 1.0])
+    return np.asarray(legacy_setpoints(command, scale) * signs)
+
+
+def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> MocapFrame:
+    """Return the frame of the known vehicles among some poses; a pose of half an orientation has none."""
+    known = [one for one in poses if one.name in vehicles]
+    quat = np.array([one.quat for one in known]).reshape(len(known), 4)
+    whole = np.isfinite(quat).all(axis=1, keepdims=True)
+    return MocapFrame(
+        t=stamp_ns * NANOSECONDS,
+        names=tuple(one.name for one in known),
+        pos=np.array([one.pos for one in known]).reshape(len(known), 3),
+        quat=np.where(whole, quat, np.nan),
+    )
+
+
+def poses_of(state: SwarmState) -> list[NamedPose]:
+    """Return the poses of the vehicles that were measured in this frame, filtered."""
+    rows = np.flatnonzero(state.status == TrackStatus.TRACKED)
+    pos, quat = state.pos[rows].tolist(), state.quat[rows].tolist()
+    return [
+        NamedPose(state.names[row], (x, y, z), (qx, qy, qz, qw))
+        for row, (x, y, z), (qx, qy, qz, qw) in zip(rows, pos, quat, strict=True)
+    ]

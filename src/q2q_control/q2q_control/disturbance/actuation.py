@@ -1,0 +1,118 @@
+"""Follow what the vehicles do with the commands that were sent: what acts now, and what will act soon.
+
+A command of the tick s acts from s + latency on, and thrust follows it with a lag:
+
+    f' = (f_c - f) / T                     f_c: the command that acts at that moment
+    a  = f / m R(q) e_z - g e_z            acceleration by thrust, with the measured attitude
+
+So the acceleration now is known without differentiating anything, and so is what the commands still on
+their way will do until a command sent now takes over: `Pending`.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| f | thrust | collective thrust now [N], (n,) |
+| T | lag | thrust behind its command [s] |
+| a | acc | acceleration by thrust [m/s^2], world, (n, 3) |
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_control.disturbance.thrust_acceleration import lift_of_command, lift_of_quat
+from q2q_model.signals.values import Array, Names, SwarmCommand, index_of
+from q2q_model.vehicle.constants import Vehicle
+
+LONGEST_GAP = 0.5
+"""Beyond this time between ticks [s] the past is forgotten."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pending:
+    """Commands that act between now and `latency` from now, in order."""
+
+    durations: tuple[float, ...]
+    """[s]"""
+    acc: tuple[Array, ...]
+    """Commanded acceleration [m/s^2], world, (n, 3) each."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Sent:
+    t: float
+    thrust: Array
+    acc: Array
+
+
+class Actuation:
+    """Commands in transit, and the thrust that earlier ones have produced."""
+
+    def __init__(self, vehicle: Vehicle, latency: float) -> None:
+        """Model vehicles like `vehicle` whose commands act `latency` [s] after their tick's stamp."""
+        self._vehicle = vehicle
+        self._latency = latency
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all commands; the vehicles are taken to hover."""
+        self._names: Names = ()
+        self._sent: list[_Sent] = []
+        self._t = -np.inf
+        self.thrust = self.mean_thrust = np.zeros(0)
+
+    def advance(self, t: float, names: Names) -> None:
+        """Let the thrust follow its commands until t [s]."""
+        if names != self._names:
+            self._reorder(names)
+        if not 0.0 <= t - self._t <= LONGEST_GAP:
+            self._sent, self._t = [], t
+            self.thrust = self.mean_thrust = np.full(len(names), self._vehicle.hover_thrust)
+        lag, elapsed = self._vehicle.thrust_lag, t - self._t
+        impulse = np.zeros(len(names))
+        for seconds, sent in self._acting(self._t, t):
+            keep = math.exp(-seconds / lag) if lag > 0.0 else 0.0
+            rest = self.thrust - sent.thrust
+            impulse += sent.thrust * seconds + rest * lag * (1.0 - keep)
+            self.thrust = sent.thrust + keep * rest
+        self._t = t
+        self.mean_thrust = impulse / elapsed if self._sent and elapsed > 0.0 else self.thrust
+
+    def accelerations(self, quat: Array) -> tuple[Array, Array]:
+        """Return the acceleration by thrust now, and its mean since the last tick [m/s^2], world, (n, 3)."""
+        quat, mass = np.ascontiguousarray(quat), self._vehicle.mass
+        return lift_of_quat(quat, self.thrust, mass), lift_of_quat(quat, self.mean_thrust, mass)
+
+    def pending(self) -> Pending:
+        """Return what acts until a command sent now takes over."""
+        parts = [(s, sent.acc) for s, sent in self._acting(self._t, self._t + self._latency) if s > 0.0]
+        return Pending(tuple(s for s, _ in parts), tuple(acc for _, acc in parts))
+
+    def sent(self, command: SwarmCommand, quat: Array) -> None:
+        """Remember a command of the tick last advanced to; `quat` (n, 4) tells the vehicles' yaw."""
+        angles = (command.thrust, command.roll, command.pitch)
+        acc = lift_of_command(angles, np.ascontiguousarray(quat), self._vehicle.mass)
+        self._sent.append(_Sent(self._t, command.thrust, acc))
+        while len(self._sent) > 1 and self._sent[1].t + self._latency <= self._t:
+            self._sent.pop(0)  # the next one acts already
+
+    def _acting(self, start: float, end: float) -> list[tuple[float, _Sent]]:
+        """Return which command acts how long between two times, in order."""
+        parts: list[tuple[float, _Sent]] = []
+        for k, sent in enumerate(self._sent):
+            begins = sent.t + self._latency if k > 0 else -np.inf
+            ends = self._sent[k + 1].t + self._latency if k + 1 < len(self._sent) else np.inf
+            seconds = min(end, ends) - max(start, begins)
+            if seconds > 0.0:
+                parts.append((seconds, sent))
+        return parts
+
+    def _reorder(self, names: Names) -> None:
+        rows = index_of(names, self._names)
+        hover = self._vehicle.hover_thrust
+        known = np.append(self.thrust, hover)  # row -1 is a vehicle never seen: it hovers
+        self._sent = [
+            _Sent(sent.t, np.append(sent.thrust, hover)[rows], np.vstack([sent.acc, np.zeros((1, 3))])[rows])
+            for sent in self._sent
+        ]
+        self.thrust, self._names = known[rows], names

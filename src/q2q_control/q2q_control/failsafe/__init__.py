@@ -1,0 +1,1 @@
+"""Failsafe: guard, ladder of fallbacks, dead-reckoned braking, descent evasion."""

@@ -1,0 +1,127 @@
+"""Say what a vehicle is commanded as what its controller knows grows old: the ladder of safety.
+
+| phase | from an age of | command | CommandStatus |
+|---|---|---|---|
+| ok | 0 | the controller's | OK, SATURATED |
+| degraded | degraded_s | the controller's, on a predicted state | DEGRADED |
+| hold | no usable state; or no tick for hold_s | the last command again | HOLD |
+| hold | last_commands' hold_time; or no tick for level_s | level or braking, hover thrust | LEVEL |
+| land | land_s | level or braking, less than hover thrust: it sinks | LAND |
+| cut | cut_s, or an emergency: for good | motors off | CUT |
+
+The age of a vehicle's knowledge is the time since its newest believed measurement, by the stamps and ages
+that messages carry (q2q_control.failsafe.guard), never a count of messages. The firmware's own watchdog
+levels after 0.5 s without a packet and cuts after 2 s: the last net, where the controller itself is gone.
+
+Sinking blind from h takes sqrt(2 h / a) at a = (1 - land_share k) g, where k is how much more thrust rotors
+give than is asked (1.03 in real flights, q2q_sim.scenarios.settings): 3.6 s from 2 m at the weakest, arriving
+with 1.1 m/s.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array, CommandStatus, Status, SwarmCommand
+from q2q_model.tunable import check_bounds, tunable
+
+_LEVEL, _LAND = int(CommandStatus.LEVEL), int(CommandStatus.LAND)
+
+
+@dataclass(frozen=True, slots=True)
+class FallbackParams:
+    """Ages at which the fallback phases change."""
+
+    degraded_s: float = tunable(
+        0.05, "age of a state from which it counts as predicted", unit="s", low=0.0, high=1.0, read_only=True
+    )
+    hold_s: float = tunable(
+        0.03, "live: time without a tick until the last command is repeated", unit="s", low=0.0, high=1.0,
+        read_only=True,
+    )  # fmt: skip
+    level_s: float = tunable(
+        0.10, "live: time without a tick until level hover", unit="s", low=0.0, high=1.0, read_only=True
+    )
+    land_s: float = tunable(
+        1.0, "age from which a vehicle sinks", unit="s", low=0.1, high=60.0, read_only=True
+    )
+    cut_s: float = tunable(
+        5.0, "age from which its motors are off, for good", unit="s", low=0.1, high=120.0, read_only=True
+    )
+    land_share: float = tunable(
+        0.94, "share of hover thrust while sinking blind", low=0.5, high=1.0, read_only=True
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds or out of order."""
+        check_bounds(self)
+        if not self.hold_s <= self.level_s <= self.land_s <= self.cut_s:
+            raise ValueError(
+                f"hold_s {self.hold_s}, level_s {self.level_s}, land_s {self.land_s}, cut_s {self.cut_s}: "
+                "these must rise"
+            )
+
+
+def is_blind(status: Status) -> NDArray[np.bool_]:
+    """Return who is flown level or landed, without being seen, (n,)."""
+    return np.asarray((status == _LEVEL) | (status == _LAND))
+
+
+def fallback_command(
+    last: SwarmCommand, age: float, params: FallbackParams, hover_thrust: float
+) -> SwarmCommand:
+    """Return what vehicles are commanded when the tick after `last` is `age` late: held, then level.
+
+    Args:
+        last: the last tick's command.
+        age: time since that tick was answered [s].
+        params: ages of the phases.
+        hover_thrust: thrust that carries one vehicle [N].
+    """
+    count = len(last.names)
+    if age < params.level_s:
+        return replace(last, t=last.t + age, status=_all(count, CommandStatus.HOLD))
+    zero = np.zeros(count)
+    return SwarmCommand(
+        t=last.t + age,
+        names=last.names,
+        thrust=np.full(count, hover_thrust),
+        roll=zero,
+        pitch=zero,
+        yaw_rate=zero,
+        status=_all(count, CommandStatus.LEVEL),
+    )
+
+
+def descended(
+    command: SwarmCommand, ages: Array, down: NDArray[np.bool_], params: FallbackParams, hover_thrust: float
+) -> SwarmCommand:
+    """Return the command with vehicles landing or cut where what is known of them is too old.
+
+    Args:
+        command: what else would be sent.
+        ages: age of what is known of each vehicle [s], (n,).
+        down: whose motors are off for good, (n,).
+        params: ages of the phases.
+        hover_thrust: thrust that carries one vehicle [N].
+    """
+    landing = ~(ages < params.land_s)  # NaN too
+    if not (landing.any() or down.any()):
+        return command
+    still = landing | down
+    sinking = np.where(landing, params.land_share * hover_thrust, command.thrust)
+    status = np.where(landing, CommandStatus.LAND, command.status)
+    return SwarmCommand(
+        t=command.t,
+        names=command.names,
+        thrust=np.where(down, 0.0, sinking),
+        roll=np.where(still, 0.0, command.roll),
+        pitch=np.where(still, 0.0, command.pitch),
+        yaw_rate=np.where(still, 0.0, command.yaw_rate),
+        status=np.where(down, CommandStatus.CUT, status).astype(np.uint8),
+    )
+
+
+def _all(count: int, status: CommandStatus) -> Status:
+    return np.full(count, status, dtype=np.uint8)

@@ -1,0 +1,20 @@
+"""Say what a controller is: state, setpoint and predicted draft in, command out, once a tick."""
+
+from typing import Protocol
+
+from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+
+
+class Controller(Protocol):
+    """Block that maps the signals of one tick to commands for the setpoint's vehicles."""
+
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+    ) -> SwarmCommand:
+        """Return the tick's command; `interference` None means ignoring the draft.
+
+        Rows are matched by name; a vehicle without a state gets the documented fallback.
+        """
+
+    def reset(self) -> None:
+        """Forget all memory: integrals, warm starts, last commands."""

@@ -1,0 +1,78 @@
+"""Hold the parameters of the receding-horizon controller."""
+
+from dataclasses import dataclass
+
+from q2q_model.tunable import check_bounds, tunable
+
+
+@dataclass(frozen=True, slots=True)
+class MpcParams:
+    """Horizon, weights, limits and command path of the MPC."""
+
+    horizon: float = tunable(2.0, "how far it looks ahead", unit="s", low=0.2, high=10.0, read_only=True)
+    steps: int = tunable(40, "stages of the horizon", low=4, high=400, read_only=True)
+    mode: str = tunable(
+        "vertical",
+        "altitude: z only, x and y by the PID's law; vertical: all axes, drafts couple z; "
+        "full: all axes, drafts couple all",
+        choices=("altitude", "vertical", "full"),
+    )
+    joint: bool = tunable(default=True, description="solve interacting vehicles together; else each alone")
+    bandwidth_z: float = tunable(5.0, "altitude loop without bounds", unit="rad/s", low=0.2, high=50.0)
+    bandwidth_xy: float = tunable(2.0, "position loop without bounds", unit="rad/s", low=0.2, high=20.0)
+    terminal: float = tunable(
+        0.45,
+        "weight beyond the horizon of vehicles solved together, over the endless one",
+        low=0.0,
+        high=10.0,
+    )
+    jerk: float = tunable(0.2, "weight of a changing input over that of an input", low=0.0, high=100.0)
+    slope_max: float = tunable(10.0, "largest slope of a draft believed", unit="1/s^2", low=0.0, high=100.0)
+    loading: float = tunable(
+        0.0,
+        "share of a source's thrust beyond its weight that strengthens its draft: 1 by momentum theory, "
+        "0 as in the paper; where not 0 drafts of now are the horizon's own",
+        low=0.0,
+        high=2.0,
+    )
+    latency: float = tunable(0.026, "stamp of a tick to its command's effect", unit="s", low=0.0, high=0.3)
+    attitude_lag: float = tunable(
+        0.12, "tilt behind its command, without the rotors' lag", unit="s", low=0.0, high=1.0
+    )
+    observe: bool = tunable(default=True, description="estimate and cancel unexplained acceleration")
+    state_bandwidth: float = tunable(
+        20.0, "how quickly estimated position and velocity follow", unit="rad/s", low=0.1, high=100.0
+    )
+    observer_bandwidth: float = tunable(
+        3.0, "how quickly unexplained acceleration is believed", unit="rad/s", low=0.01, high=50.0
+    )
+    disturbance_max: float = tunable(
+        3.0, "largest unexplained acceleration believed", unit="m/s^2", low=0.0, high=9.81
+    )
+    thrust_limited: bool = tunable(default=False, description="keep |U1| within thrust_max (section 5.2)")
+    thrust_max: float = tunable(
+        6.6, "bound on U1 where thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
+    )
+    thrust_rate_max: float = tunable(
+        100.0, "largest rate of thrust over mass", unit="m/s^3", low=0.1, high=1e4
+    )
+    tilt_max: float = tunable(0.35, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
+    tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=0.1, high=30.0)
+    k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
+    yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
+    iterations: int = tunable(12, "recursions of a solve at most", low=1, high=200)
+    shift_time: float = tunable(
+        0.2, "how long a plan may be shifted before the PID takes over", unit="s", low=0.0, high=2.0
+    )
+    hold_time: float = tunable(
+        0.1, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
+    )
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+    @property
+    def step(self) -> float:
+        """Return the length of a stage [s]."""
+        return self.horizon / self.steps

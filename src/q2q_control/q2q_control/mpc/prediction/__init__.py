@@ -1,0 +1,1 @@
+"""Predictions along the horizon: vehicles, references and downwash."""

@@ -1,0 +1,80 @@
+"""Say where the vehicles will be when a command given now starts to act.
+
+From the tick's measurements, the thrust that has come of earlier commands, and the commands still on their
+way (q2q_control.disturbance.tracker), rolled forward by the latency with each axis' lag.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_control.disturbance.tracker import DisturbanceTracker, Tracked, TrackerParams
+from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
+from q2q_control.mpc.chain import transition
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_model.signals.values import Array, SwarmCommand, SwarmState
+from q2q_model.vehicle.constants import Vehicle
+
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Present:
+    """State in which a command given now finds the vehicles."""
+
+    t: float
+    """[s]: the tick's stamp plus the latency."""
+    chains: Array
+    """Position, velocity, acceleration by thrust of each axis, (n, 3 axes, 3)."""
+    disturbance: Array
+    """Unexplained acceleration [m/s^2], world, (n, 3)."""
+
+
+class PresentEstimator:
+    """Tracker of disturbances and of commands in transit."""
+
+    def __init__(self, params: MpcParams, vehicle: Vehicle) -> None:
+        """Estimate vehicles like `vehicle`."""
+        self._params = params
+        self._lags = axis_lags(params, vehicle)
+        known = TrackerParams(
+            params.latency, params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
+        )
+        self._tracker = DisturbanceTracker(known, vehicle)
+
+    def update(self, tick: Aligned, state: SwarmState) -> Present:
+        """Return the present of the tick's vehicles."""
+        tracked = self._tracker.update(tick, state)
+        pos, vel, disturbance = tick.table[:, POS], tick.table[:, VEL], np.zeros_like(tracked.acc)
+        if self._params.observe:
+            estimate = tracked.estimate
+            pos, vel, disturbance = estimate.pos, estimate.vel, estimate.disturbance
+        chains = np.empty((*pos.shape, 3))
+        chains[..., 0], chains[..., 1], chains[..., 2] = pos, vel, tracked.acc
+        push = tick.table[:, ETA] + disturbance
+        return Present(tick.t + self._params.latency, self._rolled(chains, tracked, push), disturbance)
+
+    def sent(self, command: SwarmCommand, tick: Aligned) -> None:
+        """Remember the tick's command."""
+        self._tracker.sent(command, tick)
+
+    def _rolled(self, chains: Array, tracked: Tracked, push: Array) -> Array:
+        for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
+            chains = _moved(chains, seconds, (acc, push), self._lags)
+        return chains
+
+
+def axis_lags(params: MpcParams, vehicle: Vehicle) -> Three:
+    """Return how far x, y, z accelerations are behind their commands [s]."""
+    side = params.attitude_lag + vehicle.thrust_lag
+    return side, side, vehicle.thrust_lag
+
+
+def _moved(chains: Array, seconds: float, drive: tuple[Array, Array], lags: Three) -> Array:
+    command, push = drive
+    moved = np.empty_like(chains)
+    gain = np.array([0.5 * seconds * seconds, seconds, 0.0])
+    for axis, lag in enumerate(lags):
+        a, b = transition(lag, seconds)
+        moved[:, axis] = chains[:, axis] @ a.T + command[:, axis, None] * b + push[:, axis, None] * gain
+    return moved

@@ -1,0 +1,1 @@
+"""The horizon's linear-quadratic problem: build only."""

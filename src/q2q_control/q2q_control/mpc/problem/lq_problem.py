@@ -1,0 +1,103 @@
+"""Hold a linear-quadratic optimal control problem with bounded inputs, in the form its solver reads.
+
+    minimise    sum_k  |x_k - x*_k|^2_Q + R (u_k - u*_k)^2 + S (u_k - a_k)^2   + |x_N - x*_N|^2_P
+    subject to  x_{k+1} = A_k x_k + B u_k + c_k,   x_0 given
+                low_k <= u_k <= high_k,   |u_k - a_k| <= step
+
+The state is made of chains of three, one an input: position, velocity, and the acceleration a that follows
+the input with a lag. So a bound on u - a is one on the rate of thrust or tilt, and its weight S one on
+jerk. A_k is sparse: each chain, and what a draft couples. Everything but A_k is diagonal over the chains.
+
+A NamedTuple and not a dataclass, because compiled code takes it as it is.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| N, n | | stages, chains (inputs); the state has 3 n entries |
+| A_k | rows cols values | entries of A_k: value values[k, e] at (rows[e], cols[e]) |
+| B | input_gain | of each chain: position [s^2], velocity [s], acceleration [-] per input |
+| u | input | commanded acceleration [m/s^2] |
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array
+
+
+class LqProblem(NamedTuple):
+    """Linear-quadratic problem with input bounds; stage index first."""
+
+    start: Array
+    """x_0, (3n,)."""
+    rows: NDArray[np.int64]
+    """(e,)"""
+    cols: NDArray[np.int64]
+    """(e,)"""
+    values: Array
+    """(N, e)"""
+    drift: Array
+    """c_k, (N, 3n)."""
+    input_gain: Array
+    """B, (n, 3)."""
+    state_weight: Array
+    """Q, (n, 3): position, velocity, acceleration."""
+    terminal: Array
+    """P, (n, 3, 3)."""
+    target: Array
+    """x*_k, (N + 1, 3n)."""
+    input_weight: Array
+    """R and S, (n, 2)."""
+    input_target: Array
+    """u*_k, (N, n)."""
+    low: Array
+    """(N, n) [m/s^2]."""
+    high: Array
+    """(N, n) [m/s^2]."""
+    step: Array
+    """(n,) [m/s^2]; infinity where the rate is free."""
+
+
+class LqSolution(NamedTuple):
+    """Optimal inputs and states."""
+
+    states: Array
+    """(N + 1, 3n)"""
+    inputs: Array
+    """(N, n)"""
+    pattern: NDArray[np.int8]
+    """Which bound each input lies on, (N, n): the next solve's start."""
+    iterations: int
+    converged: bool
+    """False: inputs keep all bounds, but are not optimal."""
+
+
+def dense_matrices(problem: LqProblem) -> Array:
+    """Return A_k, (N, 3n, 3n)."""
+    size = problem.start.size
+    dense = np.zeros((problem.values.shape[0], size, size))
+    for entry, (row, col) in enumerate(zip(problem.rows, problem.cols, strict=True)):
+        dense[:, row, col] += problem.values[:, entry]
+    return dense
+
+
+def input_matrix(problem: LqProblem) -> Array:
+    """Return B, (3n, n)."""
+    chains = problem.input_gain.shape[0]
+    matrix = np.zeros((3 * chains, chains))
+    for chain in range(chains):
+        matrix[3 * chain : 3 * chain + 3, chain] = problem.input_gain[chain]
+    return matrix
+
+
+def cost(problem: LqProblem, states: Array, inputs: Array) -> float:
+    """Return the objective at states (N + 1, 3n) and inputs (N, n)."""
+    chains = problem.input_gain.shape[0]
+    error = states - problem.target
+    stage = (error[:-1] ** 2 @ problem.state_weight.ravel()).sum()
+    last = error[-1].reshape(chains, 3)
+    terminal = np.einsum("ni,nij,nj->", last, problem.terminal, last)  # sum over chains of e' P e
+    effort = ((inputs - problem.input_target) ** 2 @ problem.input_weight[:, 0]).sum()
+    jerk = ((inputs - states[:-1, 2::3]) ** 2 @ problem.input_weight[:, 1]).sum()
+    return float(stage + terminal + effort + jerk)

@@ -1,0 +1,1 @@
+"""Solvers of the linear-quadratic problem with bounded inputs."""

@@ -1,0 +1,1 @@
+"""Interaction-aware PID, section 5.1."""

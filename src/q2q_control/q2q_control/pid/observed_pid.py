@@ -1,0 +1,56 @@
+"""Track setpoints with the PID, and cancel what neither thrust nor predicted draft explains.
+
+    a = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') - eta - d      d of q2q_control.disturbance.observer
+
+d replaces the integral: it is quicker, and thrust that a limit cuts never enters it. Without a predicted
+draft (eta = 0) the draft itself is what d finds, a time constant late; with one, d holds what the model is
+wrong by. Position and velocity are the observer's too.
+"""
+
+import numpy as np
+
+from q2q_control.disturbance.tracker import DisturbanceTracker, TrackerParams
+from q2q_control.inputs.alignment import ETA, POS, VEL, align
+from q2q_control.inputs.downwash_trust import DownwashTrust
+from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.vehicle.constants import Vehicle
+
+
+class ObservedPid:
+    """PID with a disturbance observer."""
+
+    def __init__(
+        self, params: PidParams, tracker: TrackerParams, vehicle: Vehicle, vehicles: Names = ()
+    ) -> None:
+        """Control vehicles like `vehicle`: those named, or all of the setpoint."""
+        self._vehicles = vehicles
+        self._pid = Pid(params, vehicle, vehicles)
+        self._tracker = DisturbanceTracker(tracker, vehicle)
+        self._trust = DownwashTrust(params.stale_fade)
+        self._last: SwarmCommand | None = None
+
+    def reset(self) -> None:
+        """Forget all memory."""
+        self._pid.reset()
+        self._tracker.reset()
+        self._trust.reset()
+        self._last = None
+
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+    ) -> SwarmCommand:
+        """Return the tick's command; `interference` None means that no draft is predicted."""
+        last, names = self._last, self._vehicles or setpoint.names
+        if last is not None and last.t == setpoint.t and last.names == names:
+            return last
+        if last is not None and setpoint.t < last.t:
+            self.reset()
+        tick = align(state, setpoint, self._trust.faded(interference), names)
+        estimate = self._tracker.update(tick, state).estimate
+        tick.table[:, POS] = np.where(tick.usable[:, None], estimate.pos, tick.table[:, POS])
+        tick.table[:, VEL] = np.where(tick.usable[:, None], estimate.vel, tick.table[:, VEL])
+        tick.table[:, ETA] += np.where(tick.usable[:, None], estimate.disturbance, 0.0)
+        self._last = self._pid.answer(tick)
+        self._tracker.sent(self._last, tick)
+        return self._last

@@ -1,0 +1,162 @@
+"""Track setpoints with the PID of section 5.1, knowing the draft or not: eqs (22)-(25).
+
+    a     = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') + K_i xi - eta       on x, y, z
+    xi'   = r_ref - r                                                          (23)
+    U1, phi_d, theta_d from a by q2q_control.pid.thrust_vector
+    r_d   = psi'_ref + k_psi (psi_ref - psi)                                   yaw rate
+
+eta is 0 without an Interference: the controller ignores the draft. Every vehicle uses its own row only (its
+draft already contains what it knows of its neighbours), so one node may fly all vehicles or each its own.
+
+The memory is K_i xi [m/s^2], so that a changed gain does not jump. Against wind-up: no integration while a
+limit cuts in the direction of the error (conditional integration; Astrom, Hagglund, Advanced PID Control,
+2006, section 3.5), and |K_i xi| <= integral_max. A stamp that was already answered gets the same answer; a
+stamp that goes back forgets everything.
+
+Gains: the altitude's are the loop the paper learned from flights (its figure 5). The paper gives none for
+the position: 2 rad/s at a damping of 0.9, a seventh of the attitude loop's frequency.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| K_p K_d K_i | k_p k_d k_i | [1/s^2], [1/s], [1/s^3] |
+| K_i xi | integral | [m/s^2], (n, 3) |
+| eta | eta | draft acceleration [m/s^2], (n, 3) |
+| k_psi | k_yaw | [1/s] |
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_control.failsafe.last_commands import HoldThenLevel, RowMemory
+from q2q_control.inputs.alignment import ETA, POS, REF_ACC, REF_POS, REF_VEL, VEL, Aligned, align
+from q2q_control.inputs.downwash_trust import DownwashTrust
+from q2q_control.pid.pid_kernel import packed_numbers, pid_rows
+from q2q_control.pid.thrust_vector import ThrustLimits
+from q2q_model.signals.values import (
+    Array,
+    Interference,
+    Names,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    index_of,
+)
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import Vehicle
+
+DT_MAX = 0.1
+"""Integrate at most this long for one tick [s]: after a gap the error's history is unknown."""
+
+
+@dataclass(frozen=True, slots=True)
+class PidParams:
+    """Hold gains and limits."""
+
+    k_p_z: float = tunable(0.81073, "altitude error to acceleration", unit="1/s^2", low=0.0, high=200.0)
+    k_d_z: float = tunable(0.42952, "climb rate error to acceleration", unit="1/s", low=0.0, high=50.0)
+    k_i_z: float = tunable(0.0, "altitude error integral to acceleration", unit="1/s^3", low=0.0, high=100.0)
+    k_p_xy: float = tunable(4.0, "position error to acceleration", unit="1/s^2", low=0.0, high=200.0)
+    k_d_xy: float = tunable(3.6, "velocity error to acceleration", unit="1/s", low=0.0, high=50.0)
+    k_i_xy: float = tunable(0.0, "position error integral to acceleration", unit="1/s^3", low=0.0, high=100.0)
+    k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
+    integral_max: float = tunable(
+        2.0, "largest integral action on each axis", unit="m/s^2", low=0.0, high=9.81
+    )
+    thrust_limited: bool = tunable(default=False, description="keep |U1| within thrust_max (section 5.1)")
+    thrust_max: float = tunable(
+        6.6, "bound on U1 where thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
+    )
+    tilt_max: float = tunable(0.35, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
+    yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
+    exact_inverse: bool = tunable(default=False, description="exact attitude instead of small angles")
+    stale_fade: float = tunable(
+        0.5,
+        "time constant at which the draft of an unseen source is given up",
+        unit="s",
+        low=0.01,
+        high=100.0,
+        read_only=True,
+    )
+    hold_time: float = tunable(
+        0.1, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
+    )
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+
+class Pid:
+    """Hold the integrals and last commands of the vehicles."""
+
+    def __init__(self, params: PidParams, vehicle: Vehicle, vehicles: Names = ()) -> None:
+        """Control vehicles like `vehicle`: those named, or all of the setpoint."""
+        self._vehicle = vehicle
+        self._vehicles = vehicles
+        self._rows = RowMemory(HoldThenLevel(params.hold_time, vehicle.hover_thrust))
+        self._trust = DownwashTrust(params.stale_fade)
+        self.configure(params)
+        self.reset()
+
+    def configure(self, params: PidParams) -> None:
+        """Use other parameters from the next stamp on; memory is kept."""
+        limits = pid_limits(params, self._vehicle)
+        yaw = (params.k_yaw, params.yaw_rate_max)
+        self._numbers = packed_numbers(pid_gains(params), limits, yaw)
+        self._rows.rule = HoldThenLevel(params.hold_time, min(self._vehicle.hover_thrust, limits.thrust_max))
+
+    def reset(self) -> None:
+        """Forget integrals and last commands."""
+        self._names: Names = ()
+        self._integral = np.zeros((0, 3))
+        self._rows.reset()
+        self._trust.reset()
+        self._last: SwarmCommand | None = None
+
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+    ) -> SwarmCommand:
+        """Return the tick's command; `interference` None means ignoring the draft."""
+        last = self._last
+        names = self._vehicles or setpoint.names
+        if last is not None and last.t == setpoint.t and last.names == names:
+            return last
+        if last is not None and setpoint.t < last.t:
+            self.reset()
+        return self.answer(align(state, setpoint, self._trust.faded(interference), names))
+
+    def answer(self, tick: Aligned) -> SwarmCommand:
+        """Return the command of a tick that is newer than all before."""
+        dt = min(tick.t - self._last.t, DT_MAX) if self._last is not None else 0.0
+        if tick.names != self._names:
+            self._reorder(tick.names)
+        values, saturated = pid_rows(tick.table, self._integral, self._numbers, max(dt, 0.0))
+        self._last = self._rows.completed(tick, values, saturated)
+        return self._last
+
+    def _reorder(self, names: Names) -> None:
+        known = np.vstack([self._integral, np.zeros((1, 3))])  # row -1 is a vehicle never seen
+        self._integral, self._names = known[index_of(names, self._names)], names
+
+
+def pid_gains(params: PidParams) -> Array:
+    """Return k_p, k_d, k_i and integral_max of x, y, z, (4, 3)."""
+    xy = (params.k_p_xy, params.k_d_xy, params.k_i_xy, params.integral_max)
+    z = (params.k_p_z, params.k_d_z, params.k_i_z, params.integral_max)
+    return np.array([xy, xy, z]).T
+
+
+def pid_limits(params: PidParams, vehicle: Vehicle) -> ThrustLimits:
+    """Return the limits of a vehicle: what it can give, and what the parameters allow."""
+    allowed = params.thrust_max if params.thrust_limited else vehicle.stick_thrust_max
+    return ThrustLimits(
+        vehicle.mass, min(allowed, vehicle.stick_thrust_max), params.tilt_max, params.exact_inverse
+    )
+
+
+def wanted_acceleration(tick: Aligned, integral: Array, gains: Array) -> Array:
+    """Return a of the equations above [m/s^2], world, (n, 3); `integral` is K_i xi, `gains` of pid_gains."""
+    table = tick.table
+    feedback = gains[0] * (table[:, REF_POS] - table[:, POS]) + gains[1] * (table[:, REF_VEL] - table[:, VEL])
+    return np.asarray(table[:, REF_ACC] + feedback + integral - table[:, ETA])

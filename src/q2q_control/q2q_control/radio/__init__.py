@@ -1,0 +1,1 @@
+"""Real vehicles over cflib: links, setpoints, pilot, parameters."""

@@ -1,0 +1,40 @@
+"""Parameters of the node `radio`: its vehicles, what is sent, what they are given once connected."""
+
+from dataclasses import dataclass
+
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
+
+
+@dataclass(frozen=True, slots=True)
+class RadioNodeParams:
+    """Parameters of the node itself."""
+
+    crazyflies: str = tunable("", "crazyflies.yaml; else `vehicles` and `uris`", read_only=True)
+    vehicles: tuple[str, ...] = tunable((), "names of the vehicles", read_only=True)
+    uris: tuple[str, ...] = tunable((), "their URIs, in the same order", read_only=True)
+    mode: str = tunable("command", "what is sent", choices=("command", "setpoint"), read_only=True)
+    aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
+    places: bool = tunable(True, "send external poses from `state`", read_only=True)  # noqa: FBT003
+    vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
+    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
+    firmware_params: tuple[str, ...] = tunable(
+        (), "parameters to set once connected, each `group.name=value`", read_only=True
+    )
+    toc_cache: str = tunable(
+        "", "folder for the vehicles' tables: connects faster the next time", read_only=True
+    )
+    pose_hz: float = tunable(
+        10.0,
+        "largest rate of <name>/onboard_pose and its like",
+        unit="Hz",
+        low=0.0,
+        high=10.0,
+        read_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+        if len(self.vehicles) != len(self.uris):
+            raise ValueError(f"{len(self.vehicles)} vehicles and {len(self.uris)} uris: each needs its own")

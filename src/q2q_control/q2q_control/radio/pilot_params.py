@@ -1,0 +1,32 @@
+"""Say when a radio levels and lands: the parameters of q2q_control.radio.radio_pilot."""
+
+from dataclasses import dataclass
+
+from q2q_model.tunable import check_bounds, tunable
+
+
+@dataclass(frozen=True, slots=True)
+class RadioPilotParams:
+    """When arming has failed, and when a vehicle lands by itself."""
+
+    arm_s: float = tunable(2.0, "longest time for arming", unit="s", low=0.1, high=30.0)
+    volt_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)
+    volt_land_s: float = tunable(2.0, "for how long", unit="s", low=0.0, high=60.0)
+    silent_s: float = tunable(
+        0.04, "time without a command until a vehicle is levelled", unit="s", low=0.01, high=0.5
+    )
+    silent_land_s: float = tunable(
+        1.0, "time without a command until it lands", unit="s", low=0.01, high=60.0
+    )
+    silent_stop_s: float = tunable(
+        5.0, "the same until motors stop, where it sank blind", unit="s", low=0.01, high=120.0
+    )
+
+    def __post_init__(self) -> None:
+        """Check the bounds, and that the times of silence rise."""
+        check_bounds(self)
+        if not self.silent_s <= self.silent_land_s <= self.silent_stop_s:
+            raise ValueError(
+                f"silent_s {self.silent_s}, silent_land_s {self.silent_land_s}, silent_stop_s "
+                f"{self.silent_stop_s}: these must rise"
+            )

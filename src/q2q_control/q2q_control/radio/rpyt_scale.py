@@ -1,0 +1,42 @@
+"""Say a command in the units of the Crazyflie's RPYT setpoint, as `cmd_vel_legacy` carries it.
+
+| field | meaning [unit] |
+|---|---|
+| linear.x | pitch [deg] |
+| linear.y | roll [deg] |
+| angular.z | yaw rate [deg/s] |
+| linear.z | thrust [PWM 0..60000] |
+
+Thrust is linear in PWM, by the table of vehicle and firmware (q2q_model.vehicle.thrust_map). This file and
+q2q_sim.link.radio are the only places with degrees and PWM.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.signals.values import Array, SwarmCommand
+from q2q_model.vehicle.thrust_map import PWM_FULL, PWM_STICK_MAX
+
+
+@dataclass(frozen=True, slots=True)
+class LegacyScale:
+    """Scale of newtons and PWM."""
+
+    full_pwm_thrust: float
+    """Collective thrust with every motor at PWM_FULL [N]."""
+
+    def pwm_of(self, thrust: Array) -> Array:
+        """Return the PWM that gives a collective thrust [N]; not rounded, not bounded."""
+        return np.asarray(thrust / self.full_pwm_thrust * PWM_FULL)
+
+    def thrust_of(self, pwm: Array) -> Array:
+        """Return the collective thrust [N] at a PWM."""
+        return np.asarray(pwm / PWM_FULL * self.full_pwm_thrust)
+
+
+def legacy_setpoints(command: SwarmCommand, scale: LegacyScale) -> Array:
+    """Return pitch [deg], roll [deg], yaw rate [deg/s], thrust [PWM] of every vehicle, (n, 4)."""
+    pwm = np.clip(np.round(scale.pwm_of(command.thrust)), 0, PWM_STICK_MAX)
+    angles = np.degrees([command.pitch, command.roll, command.yaw_rate])  # (3, n)
+    return np.column_stack([*angles, pwm])

@@ -1,0 +1,114 @@
+"""Say commands and setpoints in the words of cflib, signs and units as the Crazyflie takes them.
+
+| ours | cflib | firmware |
+|---|---|---|
+| phi [rad], right side down | roll [deg], the same | roll |
+| theta [rad], nose down | pitch [deg], the same: cflib sends its negative | legacy pitch, nose up |
+| r [rad/s], to the left | yawrate [deg/s], negative: sent as it is | RPYT yaw rate, to the right |
+| U1 [N] | thrust [PWM], by the table of vehicle and firmware | the same on every motor |
+| acc = acc_ref - eta [m/s^2] | acc of a full state | feed-forward of the Mellinger controller |
+| body rates [rad/s] | "degrees/s" of send_full_state_setpoint, in truth rad/s | mrad/s |
+
+A full state carries 16-bit millimetres and mm/s^2: what lies beyond 32.767 is cut there.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_model.geometry.rotations import quat_from_euler
+from q2q_model.signals.values import (
+    Array,
+    CommandStatus,
+    Interference,
+    Names,
+    SwarmCommand,
+    SwarmSetpoint,
+    index_of,
+)
+
+LARGEST = 32.767
+"""Largest position, velocity, acceleration and rate of a full state [m, m/s, m/s^2, rad/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class RpytSetpoint:
+    """Hold the arguments of cflib's Commander.send_setpoint."""
+
+    roll_deg: float
+    pitch_deg: float
+    yaw_rate_deg: float
+    """To the right."""
+    pwm: int
+
+
+ZERO_STICK = RpytSetpoint(0.0, 0.0, 0.0, 0)
+"""Unlocks the thrust."""
+
+
+@dataclass(frozen=True, slots=True)
+class FullState:
+    """Hold the arguments of cflib's Commander.send_full_state_setpoint."""
+
+    pos: tuple[float, ...]
+    """[m], world."""
+    vel: tuple[float, ...]
+    """[m/s], world."""
+    acc: tuple[float, ...]
+    """[m/s^2], world."""
+    quat: tuple[float, ...]
+    """x y z w, body to world."""
+    ang_vel: tuple[float, ...]
+    """[rad/s], body."""
+
+
+def sticks(command: SwarmCommand, scale: LegacyScale) -> list[RpytSetpoint]:
+    """Return every vehicle's stick, in the order of the command."""
+    rows = legacy_setpoints(command, scale).tolist()  # pitch, roll, yaw rate [deg, deg/s], PWM
+    return [RpytSetpoint(roll, pitch, -yaw_rate, int(pwm)) for pitch, roll, yaw_rate, pwm in rows]
+
+
+def names_cut(command: SwarmCommand) -> Names:
+    """Return the vehicles whose motors must be off for good."""
+    return tuple(
+        name for name, one in zip(command.names, command.status, strict=True) if one == CommandStatus.CUT
+    )
+
+
+def level_stick(thrust: float, scale: LegacyScale) -> RpytSetpoint:
+    """Return the level stick of a thrust [N]."""
+    one, zero = np.array([thrust]), np.zeros(1)
+    (level,) = sticks(SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8)), scale)
+    return level
+
+
+def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState]:
+    """Return every vehicle's full state; its acceleration is the setpoint's, less the predicted draft's."""
+    acc = setpoint.acc - _drafts(setpoint.names, interference)
+    level = np.zeros(len(setpoint.names))
+    quat = quat_from_euler(level, level, setpoint.yaw)
+    return [
+        FullState(
+            pos=_cut(setpoint.pos[k]),
+            vel=_cut(setpoint.vel[k]),
+            acc=_cut(acc[k]),
+            quat=tuple(quat[k].tolist()),
+            ang_vel=(0.0, 0.0, *_cut(setpoint.yaw_rate[k : k + 1])),
+        )
+        for k in range(len(setpoint.names))
+    ]
+
+
+def _drafts(names: Names, interference: Interference | None) -> Array:
+    """Return eta of each vehicle [m/s^2], (n, 3); 0 where none is predicted."""
+    if interference is None:
+        return np.zeros((len(names), 3))
+    known = np.vstack([interference.acc, np.zeros((1, 3))])  # row -1 is a vehicle without prediction
+    eta = known[index_of(names, interference.names)]
+    return np.asarray(np.where(np.isfinite(eta), eta, 0.0))
+
+
+def _cut(values: Array) -> tuple[float, ...]:
+    return tuple(math.copysign(min(abs(one), LARGEST), one) for one in values.tolist())

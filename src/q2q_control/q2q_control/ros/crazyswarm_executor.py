@@ -1,0 +1,102 @@
+"""Let Crazyswarm2's server carry out the flight procedure's orders, one service after another.
+
+| act | service of the server |
+|---|---|
+| arm, disarm | `all/arm` |
+| take off, land | `all/takeoff`, `all/land` |
+| stop streaming | `all/notify_setpoints_stop`: setpoints outrank the high-level commander until then |
+| stop the motors | `all/emergency` |
+| stream setpoints | none: what is streamed decides |
+"""
+
+import math
+from collections.abc import Callable
+
+from builtin_interfaces.msg import Duration
+from rclpy.client import Client
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Empty
+
+from q2q_control.crazyswarm.server_vehicle import ServerVehicle
+from q2q_control.flight_procedure.observation import VehicleReport
+from q2q_control.flight_procedure.steps import Act, Order
+from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
+from q2q_control.ros.server_vehicles import ServerVehicles
+from q2q_model.node.reply import Reply
+
+ARM_S = 1.0
+"""Time that arming takes where no vehicle tells [s]."""
+
+
+class CrazyswarmExecutor:
+    """Clients of the server's services, and its vehicles."""
+
+    def __init__(self, node: Node, vehicles: tuple[ServerVehicle, ...]) -> None:
+        """Make the clients, and listen to the vehicles.
+
+        Raises:
+            ImportError: crazyflie_interfaces is missing.
+        """
+        takeoff, land, arm, stop = find(
+            CRAZYFLIE_PACKAGE, ("Takeoff", "Land", "Arm", "NotifySetpointsStop"), "srv"
+        )
+        self._vehicles = ServerVehicles(node, vehicles)
+        self._takeoff = node.create_client(takeoff, "all/takeoff")
+        self._land = node.create_client(land, "all/land")
+        self._arm = node.create_client(arm, "all/arm")
+        self._stop = node.create_client(stop, "all/notify_setpoints_stop")
+        self._emergency = node.create_client(Empty, "all/emergency")
+        self._requests: dict[Act, Callable[[Order], tuple[Client, object]]] = {
+            Act.ARM: lambda _: (self._arm, arm.Request(arm=True)),  # type: ignore[attr-defined]
+            Act.DISARM: lambda _: (self._arm, arm.Request(arm=False)),  # type: ignore[attr-defined]
+            Act.TAKE_OFF: lambda order: (self._takeoff, _timed(takeoff, order)),
+            Act.LAND: lambda order: (self._land, _timed(land, order)),
+            Act.STOP_STREAM: lambda _: (self._stop, stop.Request()),  # type: ignore[attr-defined]
+            Act.CUT: lambda _: (self._emergency, Empty.Request()),
+        }
+        self._act, self._asked = Act.CUT, -math.inf
+        self._future: Future[object] | None = None
+        self._reply: Reply | None = None
+
+    def begin(self, order: Order, t: float) -> None:
+        """Call the service of an order."""
+        self._future, self._reply = None, None
+        self._act, self._asked = order.act, t
+        if order.act not in self._requests:
+            self._reply = Reply(granted=True)
+            return
+        client, request = self._requests[order.act](order)
+        if client.service_is_ready():
+            self._future = client.call_async(request)
+        else:
+            words = f"{client.srv_name} does not answer: start Crazyswarm2's server"
+            self._reply = Reply(granted=False, reason=words)
+
+    def outcome(self, t: float) -> Reply | None:
+        """Return the server's answer to the last order, once; None while there is none.
+
+        The server answers at once that it has asked vehicles to arm: that they have is seen in their status.
+        """
+        future = self._future
+        arming = self._act is Act.ARM and not self._armed(t)
+        if future is not None and future.done() and not arming:
+            wrong = future.exception()
+            self._reply = Reply(granted=wrong is None, reason="" if wrong is None else str(wrong))
+            self._future = None
+        reply, self._reply = self._reply, None
+        return reply
+
+    def reports(self) -> tuple[VehicleReport, ...]:
+        """Return what every vehicle says of itself; connected is what the server serves."""
+        return self._vehicles.reports(connected=self._arm.service_is_ready())
+
+    def _armed(self, t: float) -> bool:
+        """Return whether vehicles have armed since they were asked to, as far as they tell."""
+        told = self._vehicles.all_armed_since(self._asked)
+        return t - self._asked > ARM_S if told is None else told
+
+
+def _timed(kind: type, order: Order) -> object:
+    whole, rest = divmod(round(order.duration * 1e9), 1_000_000_000)
+    return kind.Request(height=order.height, duration=Duration(sec=whole, nanosec=rest))  # type: ignore[attr-defined]

@@ -1,0 +1,144 @@
+"""Offer the flight procedure as services of a node: `~/take_off`, `~/fly`, `~/hold`, `~/land`, `~/emergency`.
+
+Each answers when what it asks for has happened, or why it has not. `~/status` (latched) tells the step, what
+refuses a take-off, and what cannot be checked; every step is one line of log. Orders go to a crew, those of
+the plan to the node `trajectory`.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from time import monotonic
+
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from q2q_msgs.msg import Plan
+from rclpy.node import Node
+
+from q2q_control.flight_procedure.flight_view import FlightView
+from q2q_control.flight_procedure.observation import Observation, outline
+from q2q_control.flight_procedure.order_executor import OrderExecutor
+from q2q_control.flight_procedure.procedure import FlightProcedure
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.steps import ON_GROUND, Act, Call, Order, Step
+from q2q_control.ros.plan_curves import curves_of
+from q2q_control.ros.trajectory_client import CALLS, TrajectoryClient
+from q2q_model.node.reply import Reply
+from q2q_model.ros.node.late_reply import LateReplyService
+from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.topics.qos import LATCHED
+from q2q_model.signals.values import Names, SwarmSetpoint, SwarmState
+
+PERIOD_S = 0.02
+"""How often the procedure moves on [s]."""
+
+
+class ProcedureServices:
+    """The procedure of one node, and those who call it."""
+
+    def __init__(
+        self,
+        node: Node,
+        names: Names,
+        crew: OrderExecutor,
+        params: tuple[FlightProcedureParams, LandingParams],
+    ) -> None:
+        """Serve the procedure of some vehicles."""
+        self._node, self._crew = node, crew
+        self._procedure = FlightProcedure(*params)
+        self._view = FlightView(names)
+        self._trajectory = TrajectoryClient(node)
+        self._status = node.create_publisher(DiagnosticStatus, "~/status", LATCHED)
+        self._told: tuple[Step, str, str] | None = None
+        self._single: LateReplyService | None = None
+        """The service of a single act that is under way."""
+        self._services = {
+            call: LateReplyService(node, f"~/{call.value}", partial(self._call, call)) for call in Call
+        }
+        node.create_subscription(Plan, "next_plan", self._take_plan, LATCHED)
+        steady_timer(node, PERIOD_S, self.move_on)
+        self.guard: Callable[[Call], str] = lambda _: ""
+        """Returns why the node itself refuses a call; empty where it does not."""
+
+    def see(self, state: SwarmState) -> None:
+        """Take a state."""
+        self._view.see(state, monotonic())
+
+    def follows(self, setpoint: SwarmSetpoint) -> bool:
+        """Take a setpoint; return whether it is to be flown."""
+        return self._procedure.follows(self._view.hear(setpoint, monotonic()))
+
+    def offer(self, name: str, act: Act) -> None:
+        """Offer one act of the crew as a service, while vehicles stand on the ground."""
+
+        def ask() -> Reply | None:
+            step = self._procedure.step
+            if step not in ON_GROUND or self._single is not None:
+                return Reply(granted=False, reason=f"the step is {step.value}: {name} is for the ground")
+            self._single = service
+            self._crew.begin(Order(act), monotonic())
+            return None
+
+        service = LateReplyService(self._node, f"~/{name}", ask)
+
+    def emergency(self) -> None:
+        """Stop all motors for good."""
+        self._call(Call.EMERGENCY)
+
+    def move_on(self) -> None:
+        """Let the procedure move on, and tell what happened."""
+        now = monotonic()
+        outcome = self._crew.outcome(now) or self._trajectory.outcome()
+        if self._single is not None and outcome is not None:
+            self._single.answer(outcome)
+            self._single, outcome = None, None
+        self._procedure.update(self._observed(now), outcome, now)
+        self._pass_on(now)
+
+    def _call(self, call: Call) -> Reply | None:
+        refusal = self.guard(call)
+        if refusal:
+            return Reply(granted=False, reason=refusal)
+        if self._single is not None:
+            self._single.answer(Reply(granted=False, reason=f"{call.value} took over"))
+            self._single = None
+        now = monotonic()
+        reply = self._procedure.call(call, self._observed(now), now)
+        self._pass_on(now)
+        return reply
+
+    def _pass_on(self, now: float) -> None:
+        for order in self._procedure.orders():
+            if order.act in CALLS:
+                self._trajectory.begin(order.act)
+            else:
+                self._crew.begin(order, now)
+        for line in self._procedure.said():
+            self._node.get_logger().info(line)
+        for call, reply in self._procedure.replies():
+            self._services[call].answer(reply)
+        self._tell()
+
+    def _tell(self) -> None:
+        now = (self._procedure.step, self._procedure.refusal, self._procedure.unchecked)
+        if now == self._told:
+            return
+        self._told = now
+        step, refusal, unchecked = now
+        level = DiagnosticStatus.ERROR if step is Step.STOPPED else DiagnosticStatus.OK
+        self._status.publish(
+            DiagnosticStatus(
+                level=level,
+                name=f"{self._node.get_fully_qualified_name()}: flight procedure",
+                message=step.value,
+                hardware_id="q2q",
+                values=[
+                    KeyValue(key="take_off_refusal", value=refusal),
+                    KeyValue(key="unchecked", value=unchecked),
+                ],
+            )
+        )
+
+    def _observed(self, now: float) -> Observation:
+        return self._view.observe(self._crew.reports(), now)
+
+    def _take_plan(self, message: Plan) -> None:
+        self._view.plan = outline(tuple(message.names), curves_of(message))

@@ -1,0 +1,87 @@
+"""Facts of a flight that no signal carries: the vehicle, and what commanded it.
+
+They are the entries of `custom_data` in metadata.yaml, where real rosbag2 keeps such things:
+`ros2 bag record --custom-data vehicle=crazyflie_2_1` writes what is read here.
+"""
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import yaml
+
+METADATA = "metadata.yaml"
+
+
+@dataclass(frozen=True, slots=True)
+class FlightFacts:
+    """Facts about a recorded flight; empty where unknown."""
+
+    vehicle: str = ""
+    """Name in q2q_model.vehicle.constants."""
+    firmware: str = ""
+    """Name in q2q_model.vehicle.thrust_map."""
+    scenario: str = ""
+    """Scenario name or file."""
+    mode: str = ""
+    """ignoring, aware or aware_unlimited."""
+    controller: str = ""
+    model: str = ""
+    """Interaction model that the controller was given."""
+    wake: str = ""
+    """Air of the simulator."""
+    seed: str = ""
+
+    @property
+    def known(self) -> dict[str, str]:
+        """Return the facts that are known."""
+        return {name: value for name, value in asdict(self).items() if value}
+
+
+NAMES = tuple(entry.name for entry in fields(FlightFacts))
+
+
+def facts_from_words(words: Iterable[str]) -> FlightFacts:
+    """Return the facts in words such as `vehicle=crazyflie_2_1`.
+
+    Raises:
+        ValueError: a word of another form, a fact there is not, or one given twice.
+    """
+    found: dict[str, str] = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not equals or name not in NAMES:
+            raise ValueError(f"fact {word!r}: write name=value, the name one of {', '.join(NAMES)}")
+        if name in found:
+            raise ValueError(f"fact {name} is given twice: {found[name]} and {value}")
+        found[name] = value
+    return FlightFacts(**found)
+
+
+def words_of(facts: FlightFacts) -> tuple[str, ...]:
+    """Return the facts that are known as words; `facts_from_words` reads them back."""
+    return tuple(f"{name}={value}" for name, value in facts.known.items())
+
+
+def read_facts(path: Path | str) -> FlightFacts:
+    """Return the facts in a bag's metadata; a bag without whole metadata has none, nor has a ROS 1 bag.
+
+    Entries that are none of ours are passed over.
+    """
+    metadata = Path(path) / METADATA if Path(path).is_dir() else Path(path).parent / METADATA
+    try:
+        loaded = yaml.safe_load(metadata.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, RecursionError):
+        return FlightFacts()
+    information = loaded.get("rosbag2_bagfile_information") if isinstance(loaded, dict) else None
+    if not isinstance(information, dict) or not _describes(information, Path(path)):
+        return FlightFacts()
+    custom = information.get("custom_data")
+    entries = custom.items() if isinstance(custom, dict) else ()
+    return FlightFacts(**{name: str(value) for name, value in entries if name in NAMES})
+
+
+def _describes(information: dict[str, object], path: Path) -> bool:
+    """Return whether the metadata is that of a path: its folder, or one of its files."""
+    files = information.get("relative_file_paths")
+    return path.is_dir() or (isinstance(files, list) and path.name in files)

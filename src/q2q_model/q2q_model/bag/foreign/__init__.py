@@ -1,0 +1,1 @@
+"""Bags of other software, read by a topic map."""

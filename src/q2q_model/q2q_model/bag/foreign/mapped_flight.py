@@ -1,0 +1,235 @@
+"""Read a flight from somebody else's bag: poses under any topic, by a topic map.
+
+Poses of vehicles come each with a stamp of their own. The ticks are the stamps of the vehicle that has the
+most poses; each other vehicle's pose nearest to a tick belongs to it, if nearer than the map's tolerance.
+Definitions are taken from the bag, so that message types of any version are read; a bag without them is
+read as ROS 2 Jazzy.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from operator import attrgetter
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from q2q_model.bag.foreign.topic_map import TopicMap
+from q2q_model.bag.reader import SIGNALS
+from q2q_model.bag.storage.definitions import jazzy_types
+from q2q_model.bag.storage.fault import BagError, state_repairs
+from q2q_model.bag.storage.source import Channel, RawMessage, Source, open_source
+from q2q_model.flights.flight import Flight, flight_from_signals
+from q2q_model.signals.cdr import BadMessageError, SignalReader
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Array, MocapFrame
+
+POSES = {
+    "PoseStamped": ("pose.position", "pose.orientation"),
+    "PoseWithCovarianceStamped": ("pose.pose.position", "pose.pose.orientation"),
+    "Odometry": ("pose.pose.position", "pose.pose.orientation"),
+    "TransformStamped": ("transform.translation", "transform.rotation"),
+}
+"""Type name without package -> where a message of one vehicle has its position and its quaternion."""
+NAMED = ("NamedPoseArray", "NamedPoseArrayV2")
+"""Of motion_capture_tracking_interfaces: all vehicles in one message."""
+IDL_MARK = "=" * 80 + "\n"
+_XYZ, _XYZW = attrgetter("x", "y", "z"), attrgetter("x", "y", "z", "w")
+
+Row = tuple[float, ...]
+"""t, x y z, qx qy qz qw."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Poses:
+    """Poses of one vehicle in the order of their stamps."""
+
+    t: Array
+    pos: Array
+    quat: Array
+
+
+def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
+    """Return the flight in a bag by a topic map; what it does not have is NaN.
+
+    Raises:
+        BagError: no bag, a mapped topic missing or of a type without poses, damage, clocks that never meet.
+    """
+    source, channels = mapped_channels(path, topic_map)
+    signals = {name: _signals(source, channels[topic]) for name, topic in topic_map.signals.items()}
+    repairs: list[str] = []
+    if topic_map.vehicles or topic_map.poses:
+        signals["mocap"], repairs = mapped_frames(source, channels, topic_map)
+    try:
+        joined = flight_from_signals(Path(path).stem, signals)
+    except ValueError as misfit:
+        raise BagError(f"bag {path}: {misfit}") from misfit
+    state_repairs(source.repairs + tuple(f"bag {path}: {said}" for said in (*repairs, *joined.repairs)))
+    given = _sorted(source, _rows_by_vehicle(source, channels, topic_map.references, topic_map))
+    return _with_references(source, joined.flight, given)
+
+
+def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict[str, Channel]]:
+    """Return a bag and its channels by topic; raise BagError where a mapped one is missing or no signal."""
+    source = open_source(path)
+    channels = {channel.topic: channel for channel in source.channels}
+    mapped = (topic_map.vehicles, topic_map.references, topic_map.signals)
+    wanted = {topic for some in mapped for topic in some.values()} | set(filter(None, [topic_map.poses]))
+    missing = sorted(wanted - channels.keys())
+    if missing:
+        raise BagError(f"bag {path} has no topic {', '.join(missing)}; it has {', '.join(sorted(channels))}")
+    for channel in (channels[topic] for topic in topic_map.signals.values()):
+        if channel.type_name not in SIGNALS:
+            raise BagError(
+                f"topic {channel.topic} holds {channel.type_name}; signals are {', '.join(SIGNALS)}"
+            )
+    return source, channels
+
+
+def mapped_frames(
+    source: Source, channels: dict[str, Channel], topic_map: TopicMap
+) -> tuple[list[Signal], list[str]]:
+    """Return the mapped poses as one frame a tick, and what was left out."""
+    return _frames(_tracks(source, channels, topic_map), topic_map.tolerance_s)
+
+
+def _signals(source: Source, channel: Channel) -> list[Signal]:
+    reader: SignalReader[Signal] = SignalReader(SIGNALS[channel.type_name])
+    try:
+        return [reader.read(message.data) for message in source.read({channel.topic})]
+    except BadMessageError as bad:
+        raise BagError(f"bag {source.path}, topic {channel.topic}: {bad}") from bad
+
+
+def _tracks(source: Source, channels: dict[str, Channel], topic_map: TopicMap) -> dict[str, _Poses]:
+    rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map)
+    if topic_map.poses:
+        for name, row in _rows(source, channels[topic_map.poses], topic_map):
+            rows.setdefault(topic_map.rename.get(name, name), []).append(row)
+    if not rows:
+        raise BagError(f"bag {source.path} has no pose of any vehicle")
+    return _sorted(source, rows)
+
+
+def _rows_by_vehicle(
+    source: Source, channels: dict[str, Channel], topics: Mapping[str, str], topic_map: TopicMap
+) -> dict[str, list[Row]]:
+    return {
+        vehicle: [row for _, row in _rows(source, channels[topic], topic_map)]
+        for vehicle, topic in topics.items()
+    }
+
+
+def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, _Poses]:
+    empty = sorted(vehicle for vehicle, found in rows.items() if not found)
+    if empty:
+        raise BagError(f"bag {source.path} has no pose of {', '.join(empty)}")
+    tracks = {}
+    for vehicle, found in rows.items():
+        table = np.array(found)
+        table = table[np.argsort(table[:, 0], kind="stable")]
+        tracks[vehicle] = _Poses(table[:, 0], table[:, 1:4], table[:, 4:8])
+    return tracks
+
+
+def _with_references(source: Source, flight: Flight, given: Mapping[str, _Poses]) -> Flight:
+    """Return the flight with the places its vehicles were given: at each tick the last one before it."""
+    ref_pos = flight.ref_pos.copy()
+    for vehicle, track in given.items():
+        if vehicle not in flight.names:
+            raise BagError(
+                f"bag {source.path}: references of {vehicle}; vehicles are {', '.join(flight.names)}"
+            )
+        row = np.searchsorted(track.t, flight.t, side="right") - 1
+        held = np.where((row >= 0)[:, None], track.pos[np.clip(row, 0, None)], np.nan)
+        ref_pos[:, flight.names.index(vehicle)] = held
+    return replace(flight, ref_pos=ref_pos)
+
+
+def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tuple[str, Row]]:
+    """Yield name (empty where the topic is one vehicle's) and row of every pose of a channel."""
+    kind = channel.type_name.rsplit("/", 1)[-1]
+    if kind not in POSES and kind not in NAMED:
+        known = ", ".join((*POSES, *NAMED))
+        raise BagError(
+            f"topic {channel.topic} holds {channel.type_name}, which has no pose; known are {known}"
+        )
+    decode = _decoder(source, channel)
+    for message in source.read({channel.topic}):
+        try:
+            value = decode(message)
+            t = _stamp_ns(value) * 1e-9 if topic_map.by_header else message.stamp_ns * 1e-9
+            found = [(name, (t, *_XYZ(at), *_XYZW(turn))) for name, at, turn in _placed(value, kind)]
+        except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
+            where = f"topic {channel.topic} at {message.stamp_ns} ns"
+            raise BagError(f"bag {source.path}, {where}: no {channel.type_name} ({damage})") from damage
+        yield from found
+
+
+def _stamp_ns(value: object) -> int:
+    sec, nanosec = attrgetter("header.stamp.sec", "header.stamp.nanosec")(value)
+    return int(sec) * 1_000_000_000 + int(nanosec)
+
+
+def _placed(value: object, kind: str) -> list[tuple[str, object, object]]:
+    """Return name, position and quaternion of every pose of a message."""
+    if kind in POSES:
+        return [("", *attrgetter(*POSES[kind])(value))]
+    named = attrgetter("name", "pose.position", "pose.orientation")
+    return [named(pose) for pose in attrgetter("poses")(value)]
+
+
+def _decoder(source: Source, channel: Channel) -> Callable[[RawMessage], object]:
+    store = _own_types(source, channel) if channel.definition else jazzy_types()
+    if channel.type_name not in store.fielddefs:
+        raise BagError(
+            f"bag {source.path} has no definition of {channel.type_name}, and it is no common type"
+        )
+    read = store.deserialize_ros1 if source.ros1 else store.deserialize_cdr
+    return lambda message: read(message.data, message.type_name)
+
+
+def _own_types(source: Source, channel: Channel) -> Typestore:
+    """Return the types that the bag defines for a channel: they need not be those of Jazzy."""
+    store, text = get_typestore(Stores.EMPTY), channel.definition
+    try:
+        if text.startswith(f"{IDL_MARK}IDL: "):
+            for part in text.split(IDL_MARK)[1:]:
+                store.register(get_types_from_idl(part.split("\n", 1)[1]))
+        else:
+            store.register(get_types_from_msg(text, channel.type_name))
+    except Exception as damage:
+        raise BagError(f"bag {source.path}: the definition of {channel.type_name} cannot be read") from damage
+    return store
+
+
+def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal], list[str]]:
+    """Return one frame a tick with every vehicle whose pose is near, and what was left out."""
+    leader = max(tracks.values(), key=lambda track: len(track.t))
+    ticks, repairs = np.unique(leader.t), []
+    rows = {}
+    for vehicle, track in tracks.items():
+        rows[vehicle] = nearest_rows(ticks, track.t, tolerance_s)
+        lost = len(track.t) - len(np.unique(rows[vehicle][rows[vehicle] >= 0]))
+        if lost == len(track.t):
+            spans = f"{track.t[0]:.3f} to {track.t[-1]:.3f} s, not {ticks[0]:.3f} to {ticks[-1]:.3f} s"
+            raise BagError(f"poses of {vehicle} lie at {spans}: the clocks are mixed, or nothing overlaps")
+        if lost:
+            repairs.append(f"{lost} of {len(track.t)} poses of {vehicle} belong to no tick: left out")
+    frames: list[Signal] = []
+    for tick, t in enumerate(ticks):
+        seen = [(vehicle, row[tick]) for vehicle, row in rows.items() if row[tick] >= 0]
+        pos = np.array([tracks[vehicle].pos[row] for vehicle, row in seen]).reshape(-1, 3)
+        quat = np.array([tracks[vehicle].quat[row] for vehicle, row in seen]).reshape(-1, 4)
+        frames.append(MocapFrame(t=float(t), names=tuple(vehicle for vehicle, _ in seen), pos=pos, quat=quat))
+    return frames, repairs
+
+
+def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> NDArray[np.intp]:
+    """Return for each tick the row of `t` (rising) nearest to it, (len(ticks),); -1 if none is near [s]."""
+    right = np.clip(np.searchsorted(t, ticks), 0, len(t) - 1)
+    left = np.clip(right - 1, 0, None)
+    nearest = np.where(np.abs(t[left] - ticks) <= np.abs(t[right] - ticks), left, right)
+    return np.where(np.abs(t[nearest] - ticks) <= tolerance_s, nearest, -1)

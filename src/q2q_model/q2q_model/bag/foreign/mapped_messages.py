@@ -1,0 +1,47 @@
+"""Read the messages of somebody else's bag under our topics, by a topic map, in the order of their stamps.
+
+Topics under `signals` keep their bytes; poses become frames on `mocap`, as `read_mapped_flight` makes them.
+References are positions without velocity, which no node takes: they are not among the messages.
+"""
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from q2q_model.bag.foreign.mapped_flight import mapped_channels, mapped_frames
+from q2q_model.bag.foreign.topic_map import TopicMap
+from q2q_model.bag.storage.fault import state_repairs
+from q2q_model.bag.storage.source import RawMessage
+from q2q_model.signals.cdr import encode, header_stamp_ns
+from q2q_model.signals.layout import LAYOUTS
+
+MOCAP = "mocap"
+
+
+class MappedBag:
+    """Messages of a bag under the topics that a map gives them."""
+
+    def __init__(self, path: Path | str, topic_map: TopicMap) -> None:
+        """Read the bag at `path`; raise BagError as `read_mapped_flight` does."""
+        source, channels = mapped_channels(path, topic_map)
+        messages: list[RawMessage] = []
+        for topic, of_bag in topic_map.signals.items():
+            for one in source.read({of_bag}):
+                stamp_ns = header_stamp_ns(one.data) if topic_map.by_header else one.stamp_ns
+                messages.append(RawMessage(topic, stamp_ns, one.data, one.type_name))
+        if topic_map.vehicles or topic_map.poses:
+            frames, repairs = mapped_frames(source, channels, topic_map)
+            state_repairs(tuple(f"bag {path}: {said}" for said in repairs))
+            for frame in frames:
+                kind = f"q2q_msgs/msg/{LAYOUTS[type(frame)].message}"
+                stamp_ns = round(frame.t * 1e9)
+                messages.append(RawMessage(MOCAP, stamp_ns, encode(frame, stamp_ns), kind))
+        self._messages = sorted(messages, key=lambda one: one.stamp_ns)
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Return every topic that the map gives, and its message type."""
+        return {one.topic: one.type_name for one in self._messages}
+
+    def raw(self, topics: Collection[str]) -> Iterator[RawMessage]:
+        """Yield the messages of topics in the order of their stamps."""
+        return (one for one in self._messages if one.topic in topics)

@@ -1,0 +1,43 @@
+"""Find the definition of a message type without ROS: common types from rosbags, ours from their .msg text."""
+
+import os
+from functools import lru_cache
+from pathlib import Path
+
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from q2q_model.bag.storage.fault import BagError
+
+OURS = "q2q_msgs"
+
+
+@lru_cache(maxsize=1)
+def jazzy_types() -> Typestore:
+    """Return the message types of ROS 2 Jazzy and q2q_msgs."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for path in sorted(_message_folder().glob("*.msg")):
+        store.register(get_types_from_msg(path.read_text(), f"{OURS}/msg/{path.stem}"))
+    return store
+
+
+def definition_of(type_name: str) -> tuple[str, str]:
+    """Return the ros2msg definition of a type and its hash (REP 2016).
+
+    Raises BagError for a type that is neither ours nor one of the common ones.
+    """
+    store = jazzy_types()
+    if type_name not in store.fielddefs:
+        ours = ", ".join(sorted(name for name in store.fielddefs if name.startswith(OURS)))
+        raise BagError(f"no definition of message type {type_name!r}; known are common ROS types, {ours}")
+    return store.generate_msgdef(type_name, ros_version=2)[0], store.hash_rihs01(type_name)
+
+
+def _message_folder() -> Path:
+    prefixes = map(Path, filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)))
+    sources = [parent / OURS for parent in Path(__file__).resolve().parents]
+    places = [prefix / "share" / OURS / "msg" for prefix in prefixes] + [source / "msg" for source in sources]
+    for place in places:
+        if (place / "MocapFrame.msg").is_file():
+            return place
+    raise BagError("the .msg files of q2q_msgs are nowhere: source scripts/env.sh")

@@ -1,0 +1,171 @@
+"""Open a bag of any kind as a list of channels and a stream of bytes.
+
+Whole MCAP files are read by their index (q2q_model.bag.storage.indexed_mcap), all else through rosbags. A
+bag that cannot be opened the regular way (cut off by a kill, without metadata.yaml) is salvaged when it is
+MCAP; what was mended is stated in `repairs`.
+"""
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rosbags.interfaces import Connection
+from rosbags.rosbag1 import Reader as Ros1Reader
+from rosbags.rosbag2 import Reader
+
+from q2q_model.bag.storage.fault import BagError
+from q2q_model.bag.storage.indexed_mcap import IndexedFile, NotIndexedError, indexed_files, logged
+from q2q_model.bag.storage.salvage import salvage
+
+STORAGES = (".mcap", ".db3")
+ROS1_SUFFIX = ".bag"
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One topic of a bag."""
+
+    topic: str
+    type_name: str
+    definition: str
+    """Text of the message definition, empty where the bag has none."""
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class RawMessage:
+    """One message of a bag as bytes."""
+
+    topic: str
+    stamp_ns: int
+    """Bag time: when it was recorded [ns]."""
+    data: bytes
+    type_name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Contents of a bag, and a way to read them."""
+
+    path: Path
+    channels: tuple[Channel, ...]
+    read: Callable[[Collection[str]], Iterator[RawMessage]]
+    """Yield the messages of these topics, in the order of bag time."""
+    repairs: tuple[str, ...]
+    ros1: bool = False
+    """Bytes are ROS 1 serialisation, not CDR."""
+
+
+def is_bag(path: Path) -> bool:
+    """Return whether a path looks like a bag, whole or damaged: by its name, or by what its folder holds."""
+    if path.is_dir():
+        return (path / "metadata.yaml").exists() or bool(_storage_files(path))
+    return path.suffix in (*STORAGES, ROS1_SUFFIX)
+
+
+def open_source(path: Path | str) -> Source:
+    """Return the bag at `path`: a rosbag2 folder, an .mcap or .db3 file, or a ROS 1 .bag file.
+
+    Raises BagError for a path that is no bag, or damage that cannot be mended.
+    """
+    bag = Path(path)
+    if not bag.exists():
+        raise BagError(f"no bag at {bag}")
+    if bag.is_dir() and not (bag / "metadata.yaml").exists():
+        return _open_bare_folder(bag)
+    try:
+        return _regular(bag, bag)
+    except Exception as damage:  # noqa: BLE001 - a parser on damaged bytes raises anything
+        return _mended(bag, f"{type(damage).__name__}: {damage}")
+
+
+def _open_bare_folder(bag: Path) -> Source:
+    files = _storage_files(bag)
+    if not files:
+        raise BagError(f"{bag} is no bag: it has neither metadata.yaml nor an .mcap or .db3 file")
+    lost = f"bag {bag} has no metadata.yaml (it was not closed)"
+    if len(files) > 1:
+        return _mended(bag, lost)
+    try:
+        return _regular(bag, files[0], (f"{lost}; read from {files[0].name}, which is whole",))
+    except Exception:  # noqa: BLE001 - a parser on damaged bytes raises anything
+        return _mended(bag, lost)
+
+
+def _regular(bag: Path, file: Path, repairs: tuple[str, ...] = ()) -> Source:
+    try:
+        return _indexed(bag, indexed_files(file), repairs)
+    except NotIndexedError:
+        return _through_rosbags(bag, file, repairs)
+
+
+def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> Source:
+    channels: dict[tuple[str, str], Channel] = {}
+    for one in (found for file in files for found in file.channels.values()):
+        key = (one.topic, one.type_name)
+        count = one.count + (channels[key].count if key in channels else 0)
+        channels[key] = Channel(*key, one.definition, count)
+
+    def read(topics: Collection[str]) -> Iterator[RawMessage]:
+        done = 0
+        try:
+            for file in files:
+                for number, stamp_ns, data in logged(file, topics):
+                    channel = file.channels[number]
+                    done += 1
+                    yield RawMessage(channel.topic, stamp_ns, data, channel.type_name)
+        except Exception as damage:
+            raise BagError(f"bag {bag} is damaged after {done} messages: {damage}") from damage
+
+    return Source(bag, tuple(channels.values()), read, repairs)
+
+
+def _through_rosbags(bag: Path, file: Path, repairs: tuple[str, ...]) -> Source:
+    ros1 = file.suffix == ROS1_SUFFIX
+    with (Ros1Reader if ros1 else Reader)(file) as reader:
+        channels = tuple(_channel(connection) for connection in reader.connections)
+
+    def read(topics: Collection[str]) -> Iterator[RawMessage]:
+        done = 0
+        try:
+            with (Ros1Reader if ros1 else Reader)(file) as again:
+                chosen = [connection for connection in again.connections if connection.topic in topics]
+                for connection, stamp_ns, data in again.messages(chosen) if chosen else ():
+                    done += 1
+                    yield RawMessage(connection.topic, stamp_ns, bytes(data), connection.msgtype)
+        except Exception as damage:
+            raise BagError(f"bag {bag} is damaged after {done} messages: {damage}") from damage
+
+    return Source(bag, channels, read, repairs, ros1)
+
+
+def _channel(connection: Connection) -> Channel:
+    return Channel(connection.topic, connection.msgtype, connection.msgdef.data, connection.msgcount)
+
+
+def _mended(bag: Path, why: str) -> Source:
+    files = [file for file in _storage_files(bag) if file.suffix == ".mcap"]
+    if not files:
+        raise BagError(f"bag {bag} cannot be read ({why}); only MCAP bags can be mended")
+    saved = [salvage(file) for file in files]
+    messages = sorted((found for one in saved for found in one.messages), key=lambda found: found.stamp_ns)
+    if not messages:
+        raise BagError(f"bag {bag} cannot be read ({why}), and no message of it can be saved")
+    definitions = {topic: text for one in saved for topic, text in one.definitions.items()}
+    counts: dict[tuple[str, str], int] = {}
+    for found in messages:
+        counts[found.topic, found.type_name] = counts.get((found.topic, found.type_name), 0) + 1
+    channels = tuple(Channel(*key, definitions[key[0]], count) for key, count in counts.items())
+    raw = [RawMessage(found.topic, found.stamp_ns, found.data, found.type_name) for found in messages]
+    repairs = (
+        f"bag {bag}: {why}; saved {len(raw)} messages",
+        *(loss for one in saved for loss in one.losses),
+    )
+    return Source(bag, channels, lambda topics: (found for found in raw if found.topic in topics), repairs)
+
+
+def _storage_files(bag: Path) -> list[Path]:
+    if bag.is_file():
+        return [bag]
+    found = [file for file in bag.iterdir() if file.suffix in STORAGES]
+    return sorted(found, key=lambda file: (len(file.name), file.name))  # _2 before _10

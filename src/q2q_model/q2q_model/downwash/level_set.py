@@ -1,0 +1,108 @@
+"""Give the zone where a learned draft is stronger than a threshold, with its signed distance.
+
+    L = { dr : |eta(dr)| >= threshold or |eta(-dr)| >= threshold }
+
+A law depends on dxy and dz alone, so L is a figure in that half plane. Its boundary is found where |eta|
+crosses the threshold on the edges of a grid; the distance from every grid point to the nearest crossing is
+kept as a table, once; a query interpolates in it. Beyond the table's edge the answer is a lower bound,
+hypot(distance to the table, distance read there): L is inside the table, which is convex.
+
+A crossing point stands for at most half a grid step of boundary, so distances hold to half a step.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.signals.values import Array
+
+STEP = 0.01
+"""Grid step [m]."""
+
+MARGIN = 0.5
+"""Table beyond the law's reach [m]: as far as planners look."""
+
+
+@dataclass(frozen=True, slots=True)
+class LevelSet:
+    """Level set of a downwash model as a table; a Zone made by `level_set`."""
+
+    threshold: float
+    """|eta| on the boundary [m/s^2]."""
+    table: Array
+    """Signed distance [m] at (dxy, |dz|) = (row, column) * STEP, (rows, columns)."""
+
+    @property
+    def eps(self) -> float:
+        """Return the largest horizontal distance inside [m]."""
+        return float(STEP * (np.nonzero((self.table < 0.0).any(axis=1))[0].max() + 1))
+
+    @property
+    def d(self) -> float:
+        """Return the largest height difference inside [m]."""
+        return float(STEP * (np.nonzero((self.table < 0.0).any(axis=0))[0].max() + 1))
+
+    def signed_distance(self, rel_pos: Array) -> Array:
+        """Return the distance to the boundary [m], (...,), negative inside."""
+        where = np.stack([np.hypot(rel_pos[..., 0], rel_pos[..., 1]), np.abs(rel_pos[..., 2])], axis=-1)
+        edge = STEP * (np.array(self.table.shape) - 1)
+        clamped = np.minimum(where, edge)
+        beyond = np.hypot(where[..., 0] - clamped[..., 0], where[..., 1] - clamped[..., 1])
+        near = self._interpolate(clamped / STEP)
+        return np.asarray(np.where(beyond > 0.0, np.hypot(beyond, near), near))
+
+    def _interpolate(self, at: Array) -> Array:
+        corner = np.minimum(at.astype(np.intp), np.array(self.table.shape) - 2)
+        u, v = at[..., 0] - corner[..., 0], at[..., 1] - corner[..., 1]
+        row, column = corner[..., 0], corner[..., 1]
+        low = (1.0 - v) * self.table[row, column] + v * self.table[row, column + 1]
+        high = (1.0 - v) * self.table[row + 1, column] + v * self.table[row + 1, column + 1]
+        return np.asarray((1.0 - u) * low + u * high)
+
+
+def level_set(model: InteractionModel, threshold: float) -> LevelSet:
+    """Return the zone of a law's draft above `threshold` [m/s^2], for a level source at rest.
+
+    Raises:
+        ValueError: the draft is nowhere that strong, so the zone would be empty.
+    """
+    from scipy.spatial import cKDTree  # half a second that nodes with a zone of their own are spared
+
+    excess = _strength(model) - threshold
+    if not (excess > 0.0).any():
+        peak = float(excess.max()) + threshold
+        raise ValueError(f"zone threshold = {threshold} m/s^2: allowed is 0 to the draft's peak, {peak:.3g}")
+    nodes = np.indices(excess.shape).reshape(2, -1).T
+    distance, _ = cKDTree(_crossings(excess)).query(nodes.astype(np.float64))
+    table = np.where(excess > 0.0, -1.0, 1.0) * STEP * distance.reshape(excess.shape)
+    return LevelSet(threshold=threshold, table=table)
+
+
+def peak(model: InteractionModel) -> float:
+    """Return the strongest draft of a law anywhere [m/s^2]; 0 where it knows none."""
+    return float(_strength(model).max())
+
+
+def _strength(model: InteractionModel) -> Array:
+    """Return max(|eta(dr)|, |eta(-dr)|) on the grid, zero beyond the law's reach."""
+    reach = model.reach
+    across = np.arange(0.0, reach.horizontal + MARGIN + STEP, STEP)
+    gap = np.arange(0.0, reach.vertical + MARGIN + STEP, STEP)
+    rel_pos = np.stack(np.meshgrid(across, [0.0], gap, indexing="ij"), axis=-1)[:, 0]  # (rows, columns, 3)
+    still = at_rest(rel_pos)
+    pushes = [np.linalg.norm(model.acceleration(sign * rel_pos, still), axis=-1) for sign in (1.0, -1.0)]
+    within = (across[:, None] <= reach.horizontal) & (gap <= reach.vertical)
+    return np.where(within, np.maximum(*pushes), 0.0)
+
+
+def _crossings(excess: Array) -> Array:
+    """Return where `excess` changes sign on the grid's edges, in grid steps, (k, 2)."""
+    return np.concatenate([_along_columns(excess), _along_columns(excess.T)[:, ::-1]])
+
+
+def _along_columns(excess: Array) -> Array:
+    before, after = excess[:, :-1], excess[:, 1:]
+    row, column = np.nonzero((before > 0.0) != (after > 0.0))
+    share = before[row, column] / (before[row, column] - after[row, column])
+    return np.stack([row.astype(np.float64), column + share], axis=-1)

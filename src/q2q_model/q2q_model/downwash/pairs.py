@@ -1,0 +1,119 @@
+"""Find a tick's pairs, lay them out for a law, and add up what it says: the loops of the predictor, compiled.
+
+| name | meaning [unit] |
+|---|---|
+| states | pos, vel [m, m/s], quat x y z w, track status of every vehicle, (n, 11) |
+| now | pos, vel, body z of every vehicle, (n, 9) |
+| keys | n i + j of every pair in reach, i feels, j causes, (p,) |
+| pairs | rel_pos, velocity of j, body z of j, velocity of i, (4, p, 3) |
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.compiled import compiled
+from q2q_model.downwash.pairs_in_reach import compiled_sweep
+from q2q_model.signals.values import Array, InterferenceStatus, Status, TrackStatus
+
+Rows = NDArray[np.intp]
+Flags = NDArray[np.bool_]
+
+STATUS = 10
+"""Column of the track status."""
+_TRACKED = int(TrackStatus.TRACKED)
+_VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
+_STALE_SOURCE = int(InterferenceStatus.STALE_SOURCE)
+
+
+def _body_z(state: Array, axis: Array) -> None:
+    """Write the body z axis of one vehicle, level where it has no orientation."""
+    x, y, z, w = state[6], state[7], state[8], state[9]
+    axis[0], axis[1] = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
+    axis[2] = 1.0 - 2.0 * (x * x + y * y)
+    for k in range(3):
+        if not math.isfinite(axis[k]):
+            axis[k] = 1.0 if k == 2 else 0.0
+
+
+def _meet(states: Array, now: Array, bounds: tuple[float, float, float]) -> Rows:
+    horizontal, vertical, max_delay = bounds
+    pos, fastest = np.empty((states.shape[0], 3)), 0.0
+    for i in range(states.shape[0]):
+        whole, squared = True, 0.0
+        for k in range(6):
+            now[i, k] = states[i, k]
+            whole = whole and math.isfinite(states[i, k])
+        for k in range(3):
+            pos[i, k] = states[i, k] if whole else math.nan
+            squared += states[i, 3 + k] * states[i, 3 + k]
+        if whole:
+            fastest = max(fastest, squared)
+        body_z(states[i], now[i, 6:])
+    moved = max_delay * math.sqrt(fastest)  # how far a source may have come since its air left it
+    return compiled_sweep(pos, horizontal + moved, vertical + moved)
+
+
+def _lay_out(states: Array, now: Array, keys: Rows, pairs: Array, stale: Flags) -> None:
+    for p in range(keys.size):
+        i, j = keys[p] // now.shape[0], keys[p] % now.shape[0]
+        stale[p] = states[j, STATUS] != _TRACKED
+        for k in range(3):
+            pairs[0, p, k] = now[j, k] - now[i, k]
+            pairs[1, p, k], pairs[2, p, k], pairs[3, p, k] = now[j, 3 + k], now[j, 6 + k], now[i, 3 + k]
+
+
+def _look_back(now: Array, keys: Rows, past: Array, pairs: Array, stale: Flags) -> None:
+    for p in range(keys.size):
+        i = keys[p] // now.shape[0]
+        whole = True
+        for k in range(6):
+            whole = whole and math.isfinite(past[p, k])
+        if not whole:
+            stale[p] = True
+            continue
+        for k in range(3):
+            pairs[0, p, k] = past[p, k] - now[i, k]
+            pairs[1, p, k], pairs[2, p, k] = past[p, 3 + k], past[p, 6 + k]
+
+
+def _add_up(
+    keys: Rows,
+    answers: tuple[Array, Array, Flags],
+    states: Array,
+    known: bool,
+    out: tuple[Array, Array, Status],
+) -> None:
+    eta, deviation, stale = answers
+    acc, std, status = out
+    n = states.shape[0]
+    acc[:], std[:], status[:] = 0.0, 0.0, _VALID
+    for p in range(keys.size):
+        i = keys[p] // n
+        for k in range(3):
+            acc[i, k] += eta[p, k]
+            std[i, k] += deviation[p, k] * deviation[p, k]
+        if stale[p]:
+            status[i] = _STALE_SOURCE
+    for i in range(n):
+        whole = known
+        for k in range(6):
+            whole = whole and math.isfinite(states[i, k])
+        for k in range(3):
+            std[i, k] = math.sqrt(std[i, k]) if whole else math.nan
+        if not whole:
+            status[i] = _NO_MODEL
+
+
+body_z = compiled(_body_z)
+meet = compiled(_meet)
+"""Write `now` and return keys: (states, now, (horizontal, vertical reach [m], longest delay [s]))."""
+lay_out = compiled(_lay_out)
+"""Write pairs as they are now, and whose source is not tracked: (states, now, keys, pairs, stale (p,))."""
+look_back = compiled(_look_back)
+"""Put sources where they were when their air left them: (now, keys, past (p, 9), pairs, stale); a source
+without that past stays, and is stale."""
+add_up = compiled(_add_up)
+"""Write acc, std (n, 3), status (n,): (keys, (eta, deviation (p, 3), stale), states,
+whether there is a model, (acc, std, status))."""

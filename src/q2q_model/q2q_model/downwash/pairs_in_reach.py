@@ -1,0 +1,67 @@
+"""Find who can push whom: all pairs within reach, by a sweep over sorted x.
+
+With the vehicles sorted by x, the neighbours of one lie in the short run of rows until x differs by more
+than the reach. In a room whose density is bounded that run does not grow with n, so the whole costs
+n log n for the sort and n for the sweep; a dense comparison costs n^2.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.compiled import compiled
+from q2q_model.downwash.interaction_model import Reach
+from q2q_model.signals.values import Array
+
+Rows = NDArray[np.intp]
+
+
+def pairs_in_reach(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
+    """Return rows (i, j) of all ordered pairs within reach, sorted by i, then j.
+
+    Both (i, j) and (j, i) are there, i != j. A vehicle with a NaN coordinate is in no pair.
+
+    Args:
+        pos: positions [m], world, (n, 3).
+        reach: how far apart the two of a pair may be, horizontally and vertically.
+    """
+    keys = compiled_sweep(np.ascontiguousarray(pos), reach.horizontal, reach.vertical)
+    i, j = np.divmod(keys, max(len(pos), 1))
+    return i, j
+
+
+def pairs_in_reach_dense(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
+    """Return the same by comparing all with all in plain numpy: the twin that tests compare."""
+    rel = pos[None, :, :] - pos[:, None, :]  # (n, n, 3)
+    near = rel[..., 0] ** 2 + rel[..., 1] ** 2 <= reach.horizontal**2
+    near &= np.abs(rel[..., 2]) <= reach.vertical
+    np.fill_diagonal(near, val=False)
+    i, j = np.nonzero(near)
+    return i, j
+
+
+def _sweep(pos: Array, horizontal: float, vertical: float) -> Rows:
+    """Return n i + j of every pair, rising."""
+    n = pos.shape[0]
+    order = np.argsort(pos[:, 0])  # NaN sorts last
+    keys = np.empty(8 * n, np.intp)
+    count = 0
+    for a in range(n):
+        i = order[a]
+        for b in range(a + 1, n):
+            j = order[b]
+            dx = pos[j, 0] - pos[i, 0]
+            if not dx <= horizontal:  # also ends at NaN
+                break
+            dy, dz = pos[j, 1] - pos[i, 1], pos[j, 2] - pos[i, 2]
+            if dx * dx + dy * dy <= horizontal * horizontal and abs(dz) <= vertical:
+                if count + 2 > keys.size:
+                    keys = np.concatenate((keys, np.empty_like(keys)))
+                keys[count], keys[count + 1] = n * i + j, n * j + i
+                count += 2
+    return np.sort(keys[:count])
+
+
+compiled_sweep: Callable[[Array, float, float], Rows] = compiled(_sweep)
+"""Return n i + j of every pair, rising, for compiled loops: (pos (n, 3), horizontal, vertical reach [m])."""

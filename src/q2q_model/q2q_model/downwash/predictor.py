@@ -1,0 +1,89 @@
+"""Predict every vehicle's draft, tick by tick, from an interaction model and the swarm's states.
+
+    eta_i(t) = sum over j in reach of law(r_j(t - tau_ij) - r_i(t), v_j(t - tau_ij), b_j(t - tau_ij), v_i(t))
+
+Pushes of several sources add up; so do the variances of their predictions. The air keeps the place where it
+left its source, so a law with delay needs the sources' past: their states are remembered as long as the law's
+longest delay. A source first seen within that time counts as if it had come from where it was first seen.
+
+| input | answer |
+|---|---|
+| a stamp that was already answered | the same answer; no memory changes |
+| a stamp older than the memory (a bag starts again) | the memory is forgotten |
+| vehicles come, go, or change rows | memory follows the names |
+| a source COASTING or LOST, or without a past | its push counts; STALE_SOURCE on the vehicle it pushes |
+| NaN in a vehicle's position or velocity | neither feels nor causes; NO_MODEL, eta 0, std NaN |
+| a source without orientation (NaN, one marker only) | counts as level |
+| a model without reach (`none`) | NO_MODEL, eta 0, std NaN |
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
+from q2q_model.downwash.pairs import add_up, lay_out, look_back, meet
+from q2q_model.downwash.state_history import StateHistory
+from q2q_model.signals.values import Array, Interference, Names, SwarmState, index_of
+
+_NO_PAIR = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_)
+
+
+class InteractionPredictor:
+    """Block that maps SwarmState to Interference; its model can be exchanged in flight."""
+
+    def __init__(self, model: InteractionModel) -> None:
+        self.model = model
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget where the vehicles were."""
+        self._names: Names = ()
+        self._history = StateHistory(0, 0.0)
+        self._last: Interference | None = None
+
+    def exchange(self, model: InteractionModel) -> None:
+        """Use another model from the next stamp on; the past is kept as far as it is remembered."""
+        if model.max_delay > self.model.max_delay:
+            self.reset()
+        self.model = model
+
+    def update(self, state: SwarmState) -> Interference:
+        """Return the draft on every vehicle of `state`, in its order."""
+        if self._last is not None and state.t == self._last.t and state.names == self._last.names:
+            return self._last
+        states = np.concatenate(
+            (state.pos, state.vel, state.quat, state.status[:, None]), axis=1, dtype=np.float64
+        )  # (n, 11)
+        model, now = self.model, np.empty((len(state.names), 9))
+        reach, delay = model.reach, model.max_delay
+        keys = meet(states, now, (reach.horizontal, reach.vertical, delay))
+        self._remember(state, now)
+        answers = self._answers(state.t, states, now, keys) if keys.size else _NO_PAIR
+        acc, std = np.empty((2, *state.pos.shape))
+        status = np.empty(len(state.names), dtype=np.uint8)
+        add_up(keys, answers, states, reach.horizontal > 0.0, (acc, std, status))
+        self._last = Interference(t=state.t, names=state.names, acc=acc, std=std, status=status)
+        return self._last
+
+    def _remember(self, state: SwarmState, now: Array) -> None:
+        if state.t < self._history.oldest:
+            self.reset()
+        if state.names != self._names:
+            fresh = StateHistory(len(state.names), self.model.max_delay)
+            rows = index_of(state.names, self._names)
+            self._history = self._history.reordered(rows) if self._names else fresh
+            self._names = state.names
+        if state.t > self._history.newest:
+            self._history.push(state.t, now)
+
+    def _answers(
+        self, t: float, states: Array, now: Array, keys: NDArray[np.intp]
+    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Return eta and its deviation (p, 3) of each pair, and whether they are guesswork (p,)."""
+        pairs, stale = np.empty((4, keys.size, 3)), np.empty(keys.size, dtype=np.bool_)
+        lay_out(states, now, keys, pairs, stale)
+        if self.model.max_delay > 0.0:
+            left = t - self.model.delay(pairs[0])
+            look_back(now, keys, self._history.at(left, keys % len(now)), pairs, stale)
+        rel_pos, motion = pairs[0], PairMotion(pairs[1], pairs[2], pairs[3])
+        return self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion), stale

@@ -1,0 +1,74 @@
+"""Remember where vehicles were, so that air that left them a moment ago can be traced back.
+
+Samples lie in an array twice as long as needed; when its end is reached the last ones move to the front.
+So the samples are always one contiguous piece in order of time, and storing one costs the same on average
+whatever the length.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array
+
+FIRST_CAPACITY = 64
+"""Samples [-]: 0.6 s at 100 Hz; it doubles when more are needed."""
+
+
+class StateHistory:
+    """Positions, velocities and body z axes of a swarm over the last `span` seconds."""
+
+    def __init__(self, vehicles: int, span: float) -> None:
+        self._span = span
+        self._stamps = np.empty(FIRST_CAPACITY)  # (K,)
+        self._samples = np.empty((FIRST_CAPACITY, vehicles, 9))  # (K, n, pos vel axis)
+        self._start = self._end = 0
+
+    @property
+    def oldest(self) -> float:
+        """Return the oldest stamp held [s]; infinity when there is none."""
+        return float(self._stamps[self._start]) if self._end > self._start else np.inf
+
+    @property
+    def newest(self) -> float:
+        """Return the newest stamp held [s]; minus infinity when there is none."""
+        return float(self._stamps[self._end - 1]) if self._end > self._start else -np.inf
+
+    def push(self, t: float, sample: Array) -> None:
+        """Store pos, vel and axis (n, 9) of time t [s], which must be later than the newest."""
+        if self._end == self._stamps.size:
+            self._make_room()
+        self._stamps[self._end] = t
+        self._samples[self._end] = sample
+        self._end += 1
+        while self._end - self._start > 2 and self._stamps[self._start + 1] <= t - self._span:
+            self._start += 1
+
+    def at(self, t: Array, vehicles: NDArray[np.intp]) -> Array:
+        """Return pos, vel and axis (p, 9) of rows `vehicles` (p,) at times t (p,) [s], interpolated.
+
+        Outside the samples held, the oldest or the newest counts. NaN where a sample used is NaN.
+        """
+        stamps, samples = self._stamps[self._start : self._end], self._samples[self._start : self._end]
+        after = np.searchsorted(stamps, t).clip(1, max(stamps.size - 1, 1))
+        if stamps.size == 1:
+            return np.asarray(samples[0, vehicles])
+        before = after - 1
+        share = ((t - stamps[before]) / (stamps[after] - stamps[before])).clip(0.0, 1.0)[:, None]
+        return np.asarray((1.0 - share) * samples[before, vehicles] + share * samples[after, vehicles])
+
+    def reordered(self, rows: NDArray[np.intp]) -> "StateHistory":
+        """Return the same memory for other vehicles: row k is old row rows[k]; -1 is one unknown, NaN."""
+        other = StateHistory(rows.size, self._span)
+        for k in range(self._start, self._end):
+            sample = np.where((rows < 0)[:, None], np.nan, self._samples[k][rows])
+            other.push(float(self._stamps[k]), sample)
+        return other
+
+    def _make_room(self) -> None:
+        held = self._end - self._start
+        if 2 * held > self._stamps.size:
+            self._stamps = np.concatenate((self._stamps, np.empty_like(self._stamps)))
+            self._samples = np.concatenate((self._samples, np.empty_like(self._samples)))
+        self._stamps[:held] = self._stamps[self._start : self._end].copy()
+        self._samples[:held] = self._samples[self._start : self._end].copy()
+        self._start, self._end = 0, held

@@ -1,0 +1,188 @@
+"""Keep an interaction model in one file: the law, its zone, the gains, what it was fitted on and how well.
+
+A `.q2q` file is JSON, readable by eye, and holds data only: its `type` entries choose among the classes named
+here, nothing in it is run. A SHA-256 checksum of the rest finds a file that was cut, edited or damaged.
+
+    {"format": "q2q-model", "version": 2, "checksum": "...",
+     "model": {"type": "jet", "parameters": {...}},
+     "zone": {"type": "cylinder", "parameters": {"eps": 0.1, "d": 1.1}},
+     "gains": {"k_p": ..., "k_d": ..., ...} | null,
+     "fit": {...} | null}
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+from q2q_model.downwash.envelope_network import EnvelopeNetwork
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.level_set import LevelSet, level_set
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.files.model_names import ModelFileError
+from q2q_model.files.plain_values import Plain, PlainValueError, from_plain, to_plain
+from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+FORMAT, VERSION = "q2q-model", 2
+READABLE = (1, VERSION)
+"""Version 1 has no std_floor of a jet: it is the default, 0."""
+
+MODELS: Mapping[str, type[NoInteraction | Jet | EnvelopeNetwork]] = {
+    "none": NoInteraction,
+    "jet": Jet,
+    "envelope_network": EnvelopeNetwork,
+}
+ZONES: Mapping[str, type[Cylinder | Ellipsoid]] = {"cylinder": Cylinder, "ellipsoid": Ellipsoid}
+LEVEL_SET = "level_set"
+"""A zone kept by its threshold alone: its table is made again from the model."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class RoleScores:
+    """Score for each role; None where there were no such samples."""
+
+    lower: float | None = None
+    upper: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Flights a model was fitted on and its scores."""
+
+    method: str
+    flights: tuple[str, ...]
+    held_out: tuple[str, ...] = ()
+    train_mse_m2: RoleScores = field(default_factory=RoleScores)
+    """Mean square error of the altitude trajectories [m^2], loss (16) over samples."""
+    heldout_mse_m2: RoleScores = field(default_factory=RoleScores)
+    heldout_r2: RoleScores = field(default_factory=RoleScores)
+
+
+@dataclass(frozen=True, slots=True)
+class ModelFile:
+    """Contents of a model file."""
+
+    interaction: InteractionModel
+    zone: Zone = field(default_factory=Cylinder)
+    gains: AltitudeLoop | None = None
+    fit: Fit | None = None
+
+
+def save(path: Path, content: ModelFile) -> None:
+    """Write a model file.
+
+    Raises:
+        ModelFileError: a number is not finite, or the model or zone is of a kind files do not know.
+    """
+    path.write_text(encode(content), encoding="utf-8")
+
+
+def load(path: Path) -> ModelFile:
+    """Read a model file.
+
+    Raises:
+        ModelFileError: it cannot be read, is no model file, is damaged, or holds a value out of bounds.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ModelFileError(f"model file {path} cannot be read: {error}") from error
+    try:
+        return decode(text)
+    except ModelFileError as error:
+        raise ModelFileError(f"model file {path}: {error}") from error
+
+
+def encode(content: ModelFile) -> str:
+    """Return the file's text."""
+    try:
+        body: dict[str, Plain] = {
+            "format": FORMAT,
+            "version": VERSION,
+            "model": _tag(content.interaction, MODELS, "model"),
+            "zone": _plain_zone(content.zone),
+            "gains": to_plain(content.gains, "gains"),
+            "fit": to_plain(content.fit, "fit"),
+        }
+    except PlainValueError as error:
+        raise ModelFileError(str(error)) from error
+    return json.dumps(body | {"checksum": _checksum(body)}, indent=1) + "\n"
+
+
+def decode(text: str) -> ModelFile:
+    """Return what a file's text says; raise ModelFileError saying what is wrong with it."""
+    body = _checked_body(text)
+    try:
+        model = from_plain(*_tagged(body["model"], MODELS, "model"))
+        return ModelFile(
+            interaction=model,
+            zone=_read_zone(body["zone"], model),
+            gains=None if body["gains"] is None else from_plain(AltitudeLoop, body["gains"], "gains"),
+            fit=None if body["fit"] is None else from_plain(Fit, body["fit"], "fit"),
+        )
+    except KeyError as error:
+        raise ModelFileError(f"entry {error} is missing") from error
+    except ValueError as error:
+        raise ModelFileError(str(error)) from error
+
+
+def _checked_body(text: str) -> dict[str, Plain]:
+    """Return the entries but the checksum, once format, version and checksum are right."""
+    try:
+        body = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ModelFileError(f"no complete JSON ({error}); make it again with identify") from error
+    if not isinstance(body, dict) or body.get("format") != FORMAT:
+        raise ModelFileError(f'no q2q model: entry "format" should be "{FORMAT}"')
+    if body.get("version") not in READABLE:
+        raise ModelFileError(
+            f"version {body.get('version')!r} is unknown: this program reads versions 1 to {VERSION}"
+        )
+    found = body.pop("checksum", None)
+    if found != _checksum(body):
+        raise ModelFileError("the checksum does not fit: the file was edited or damaged; make it again")
+    return body
+
+
+def _checksum(body: Mapping[str, Plain]) -> str:
+    canonical = json.dumps(body, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def _tag(value: object, known: Mapping[str, type], path: str) -> Plain:
+    for name, cls in known.items():
+        if isinstance(value, cls):
+            return {"type": name, "parameters": to_plain(value, path)}
+    raise ModelFileError(f"a {type(value).__name__} cannot be kept; known are {', '.join(known)}")
+
+
+def _tagged(plain: Plain, known: Mapping[str, type[T]], path: str) -> tuple[type[T], Plain, str]:
+    """Return the class an entry names, its parameters and their path."""
+    if not isinstance(plain, dict) or not isinstance(name := plain.get("type"), str) or name not in known:
+        shown = plain.get("type") if isinstance(plain, dict) else plain
+        raise ModelFileError(f"{path}.type is {shown!r}: choose one of {', '.join(known)}")
+    return known[name], plain.get("parameters"), f"{path}.parameters"
+
+
+def _plain_zone(zone: Zone) -> Plain:
+    if isinstance(zone, LevelSet):
+        return {"type": LEVEL_SET, "parameters": {"threshold": zone.threshold}}
+    return _tag(zone, ZONES, "zone")
+
+
+@dataclass(frozen=True, slots=True)
+class _Threshold:
+    threshold: float
+
+
+def _read_zone(plain: Plain, model: InteractionModel) -> Zone:
+    if isinstance(plain, dict) and plain.get("type") == LEVEL_SET:
+        parameters = from_plain(_Threshold, plain.get("parameters"), "zone.parameters")
+        return level_set(model, parameters.threshold)
+    return from_plain(*_tagged(plain, ZONES, "zone"))

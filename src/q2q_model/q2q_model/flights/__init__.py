@@ -1,0 +1,1 @@
+"""Recorded flights as arrays over time."""

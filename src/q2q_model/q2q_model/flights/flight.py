@@ -1,0 +1,182 @@
+"""Hold a recorded flight as arrays over time: what identification, metrics and reports read.
+
+T ticks, n vehicles. What a flight does not have is NaN. Frames and units are those of
+q2q_model.signals.values.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.rows import SignalRows, rows_of_signals
+from q2q_model.signals.values import Array, Names, index_of
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """Record of one flight, one row a tick."""
+
+    name: str
+    names: Names
+    t: Array
+    """Capture stamps [s], rising, (T,)."""
+    mocap_pos: Array
+    """What motion capture saw [m], (T, n, 3); NaN where a vehicle was not in the frame."""
+    mocap_quat: Array
+    """(T, n, 4)"""
+    pos: Array
+    """Filtered position [m], (T, n, 3)."""
+    vel: Array
+    """Filtered velocity [m/s], (T, n, 3)."""
+    quat: Array
+    """Filtered orientation x y z w, (T, n, 4)."""
+    true_pos: Array
+    """True position [m], (T, n, 3); NaN outside a simulator."""
+    true_vel: Array
+    """True velocity [m/s], (T, n, 3)."""
+    true_eta: Array
+    """True draft acceleration [m/s^2], (T, n, 3)."""
+    ref_pos: Array
+    """Planned position [m], (T, n, 3)."""
+    ref_vel: Array
+    """Planned velocity [m/s], (T, n, 3)."""
+    ref_acc: Array
+    """Planned acceleration [m/s^2], (T, n, 3)."""
+    safe_pos: Array
+    """Position the controller was given [m], (T, n, 3): replanned where a replanner ran."""
+    safe_vel: Array
+    """Velocity the controller was given [m/s], (T, n, 3)."""
+    safe_acc: Array
+    """Acceleration the controller was given [m/s^2], (T, n, 3)."""
+    eta: Array
+    """Predicted draft acceleration [m/s^2], (T, n, 3)."""
+    thrust: Array
+    """Commanded collective thrust U1 [N], (T, n)."""
+    roll: Array
+    """Commanded phi [rad], (T, n)."""
+    pitch: Array
+    """Commanded theta [rad], (T, n)."""
+    command_status: Array
+    """CommandStatus as float, (T, n); NaN where no command."""
+    specific_force_body: Array
+    """What the accelerometer read [m/s^2], body, (T, n, 3)."""
+    gyro_body: Array
+    """What the gyroscope read [rad/s], body, (T, n, 3)."""
+
+
+FLIGHT_FIELDS: dict[str, dict[str, str]] = {
+    "mocap": {"pos": "mocap_pos", "quat": "mocap_quat"},
+    "truth": {"pos": "true_pos", "vel": "true_vel"},
+    "reference": {"pos": "ref_pos", "vel": "ref_vel", "acc": "ref_acc"},
+    "state": {"pos": "pos", "vel": "vel", "quat": "quat"},
+    "truth_interference": {"acc": "true_eta"},
+    "reference_safe": {"pos": "safe_pos", "vel": "safe_vel", "acc": "safe_acc"},
+    "interference": {"acc": "eta"},
+    "command": {"thrust": "thrust", "roll": "roll", "pitch": "pitch", "status": "command_status"},
+    "imu": {"specific_force_body": "specific_force_body", "ang_vel_body": "gyro_body"},
+}
+"""Topic -> attribute of its signal -> field of Flight. The first topic that a flight has gives its ticks."""
+
+_WIDTHS = {
+    field: column.width
+    for fields in FLIGHT_FIELDS.values()
+    for attribute, field in fields.items()
+    for layout in LAYOUTS.values()
+    for column in layout.columns
+    if column.attribute == attribute
+}
+
+
+@dataclass(frozen=True, slots=True)
+class JoinedFlight:
+    """Flight joined from signals, and the corrections that joining took."""
+
+    flight: Flight
+    repairs: tuple[str, ...]
+
+
+def flight_from_signals(name: str, signals: Mapping[str, Sequence[Signal]]) -> JoinedFlight:
+    """Join signals by their stamps into a flight; see `flight_from_rows`."""
+    return flight_from_rows(name, {topic: rows_of_signals(found) for topic, found in signals.items()})
+
+
+def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> JoinedFlight:
+    """Join signals by their stamps into a flight.
+
+    Args:
+        name: The flight's name.
+        signals: For each topic of FLIGHT_FIELDS its signals, in any order. The stamps of the first topic
+            that has any (mocap before all) are the ticks.
+
+    Raises:
+        ValueError: no signal at all, or a topic none of whose stamps is a tick: the clocks are mixed.
+    """
+    present = {topic: signals[topic] for topic in FLIGHT_FIELDS if signals.get(topic)}
+    if not present:
+        raise ValueError(f"there is no signal; a flight needs one of {', '.join(FLIGHT_FIELDS)}")
+    names = tuple(
+        dict.fromkeys(vehicle for topic in _NAMING for vehicle in _names_in(present.get(topic, ())))
+    )
+    ticks_of = next(iter(present))
+    t = np.unique(_stamps(present[ticks_of]))
+    arrays = {
+        field: np.full((len(t), len(names), width)[: 2 if width == 1 else 3], np.nan)
+        for field, width in _WIDTHS.items()
+    }
+    repairs: list[str] = []
+    for topic, found in present.items():
+        repairs += _remarks(topic, _stamps(found), t, ticks_of)
+        for rows in found:
+            _fill(arrays, topic, rows, (t, names))
+    return JoinedFlight(Flight(name=name, names=names, t=t, **arrays), tuple(repairs))
+
+
+_NAMING = ("truth", "reference", "state", "command", "reference_safe", "interference", "imu", "mocap")
+"""Where vehicle names are looked for first: topics that always carry the whole swarm, in its order."""
+
+
+GOES_ON = "command"
+"""A live controller commands on by its own clock when no tick comes any more: no defect of a recording."""
+
+
+def _names_in(found: Sequence[SignalRows]) -> dict[str, None]:
+    """Return the vehicles in the order in which the recording names them."""
+    groups = sorted(found, key=lambda rows: int(rows.place[0]))
+    return dict.fromkeys(vehicle for rows in groups for vehicle in rows.names)
+
+
+def _stamps(found: Sequence[SignalRows]) -> Array:
+    """Return the stamps of all rows in the order of the recording."""
+    stamps = np.concatenate([rows.t for rows in found])
+    return stamps[np.argsort(np.concatenate([rows.place for rows in found]))]
+
+
+def _remarks(topic: str, stamps: Array, t: Array, ticks_of: str) -> list[str]:
+    apart = int(np.count_nonzero(~np.isin(stamps, t)))
+    if apart == len(stamps):
+        raise ValueError(
+            f"no stamp of {topic} ({stamps.min():.3f} to {stamps.max():.3f} s) is one of {ticks_of} "
+            f"({t[0]:.3f} to {t[-1]:.3f} s): the clocks are mixed, or the recordings do not overlap"
+        )
+    said = []
+    if topic == GOES_ON:
+        apart -= int(np.count_nonzero(stamps > t[-1]))
+    if apart:
+        said.append(f"{apart} of {len(stamps)} messages on {topic} belong to no tick of {ticks_of}: left out")
+    twice = len(stamps) - len(np.unique(stamps))
+    if twice:
+        said.append(f"{twice} stamps on {topic} come again: the last message counts")
+    if np.any(np.diff(stamps) < 0.0):
+        said.append(f"stamps on {topic} are out of order: sorted")
+    return said
+
+
+def _fill(arrays: dict[str, Array], topic: str, rows: SignalRows, axes: tuple[Array, Names]) -> None:
+    t, names = axes
+    known = np.isin(rows.t, t)
+    ticks = np.searchsorted(t, rows.t[known])
+    columns = index_of(rows.names, names)
+    for attribute, field in FLIGHT_FIELDS[topic].items():
+        arrays[field][ticks[:, None], columns] = rows.values[attribute][known]

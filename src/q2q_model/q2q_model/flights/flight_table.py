@@ -1,0 +1,210 @@
+"""Turn a table of a real flight into the signals of a flight.
+
+Two layouts are known, both in SI units, one row a tick:
+
+| layout | columns | vehicles |
+|---|---|---|
+| several | `t`, then `<name>_x`, `<name>_y`, ... for each vehicle | the names before `_x` |
+| one | `t`, then `x`, `y`, ... | `cf1` |
+
+| columns | become |
+|---|---|
+| x y z, qx qy qz qw | mocap; not where `gap` is set: those values are lines drawn over a hole |
+| vx vy vz, wp wq wr (with the above) | state, as estimated onboard; COASTING in a gap |
+| xref yref zref, vxref vyref vzref, yawref_deg | reference; what is not logged by differences |
+| thrust_cmd | command; roll, pitch and yaw rate are not logged: NaN |
+| ax ay az, wp wq wr | imu: R(q)^T (a + g e_z), as az has gravity taken off |
+| all others | the log, under their own names |
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.outliers import Mask
+from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import (
+    Array,
+    MocapFrame,
+    Names,
+    SwarmCommand,
+    SwarmImu,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+)
+from q2q_model.vehicle.constants import GRAVITY
+
+LONE_VEHICLE = "cf1"
+POS, QUAT, VEL, RATE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("vx", "vy", "vz"), ("wp", "wq", "wr")
+REF, REF_VEL, ACC = ("xref", "yref", "zref"), ("vxref", "vyref", "vzref"), ("ax", "ay", "az")
+CARRIED = {*POS, *QUAT, *VEL, *RATE, *REF, *REF_VEL, *ACC, "thrust_cmd", "yawref_deg", "roll", "pitch", "yaw"}
+"""Columns that the signals carry; roll, pitch and yaw repeat the quaternion."""
+UNITS = {
+    "vbat": "V",
+    "fa_ff": "N",
+    "thrust_est": "N",
+    "faz_est": "N",
+    "est_x": "m",
+    "est_y": "m",
+    "est_z": "m",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class FlightTable:
+    """Validated columns of a table."""
+
+    t: Array
+    """[s], rising, (T,)."""
+    names: Names
+    columns: Mapping[str, Array]
+    """Column name without vehicle -> values, (T, n); NaN where one vehicle lacks it."""
+
+    def has(self, names: tuple[str, ...]) -> bool:
+        """Return whether all these columns are there."""
+        return all(name in self.columns for name in names)
+
+    def vectors(self, names: tuple[str, ...]) -> Array:
+        """Return columns side by side, (T, n, len(names))."""
+        return np.stack([self.columns[name] for name in names], axis=-1)
+
+    @property
+    def gap(self) -> Mask:
+        """Return where rows are lines over a hole, (T, n)."""
+        if "gap" in self.columns:
+            return np.asarray(self.columns["gap"] > 0.0)
+        return np.zeros((len(self.t), len(self.names)), dtype=bool)
+
+
+def flight_table(columns: Mapping[str, Array]) -> FlightTable:
+    """Check and sort a table's columns.
+
+    Raises ValueError for a table without t or positions, or a time that is negative, no number or does not
+    rise.
+    """
+    if "t" not in columns:
+        raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
+    t = np.asarray(columns["t"], dtype=np.float64)
+    late = np.flatnonzero(~(np.diff(t) > 0.0))
+    if not len(t) or not t[0] >= 0.0 or len(late):
+        row = int(late[0]) + 1 if len(late) else 0
+        raise ValueError(f"t must begin at 0 or later and rise; row {row} of {len(t)} breaks that")
+    prefixes = [
+        match[1] for name in columns if (match := re.fullmatch(r"(\w+)_x", name)) and match[1] != "est"
+    ]
+    if not prefixes and "x" not in columns:
+        raise ValueError(f"the table has neither x nor <vehicle>_x; it has {', '.join(columns)}")
+    names = tuple(prefixes) or (LONE_VEHICLE,)
+    keys = {f"{name}_": row for row, name in enumerate(names)} if prefixes else {"": 0}
+    found: dict[str, Array] = {}
+    for key, row in keys.items():
+        for name in columns:
+            if name != "t" and name.startswith(key):
+                place = found.setdefault(name.removeprefix(key), np.full((len(t), len(names)), np.nan))
+                place[:, row] = columns[name]
+    return FlightTable(t, names, found)
+
+
+def signals_of(table: FlightTable) -> dict[str, Iterator[Signal]]:
+    """Return topic -> one signal a tick, for every topic that the table can fill."""
+    made: dict[str, Iterator[Signal]] = {"/mocap": _mocap(table)}
+    if table.has((*QUAT, *VEL, *RATE)):
+        made["/state"] = _state(table)
+    if table.has(REF):
+        made["/reference"] = _reference(table)
+    if table.has(("thrust_cmd",)):
+        made["/command"] = _command(table)
+    if table.has((*ACC, *QUAT, *RATE)):
+        made["/imu"] = _imu(table)
+    return made
+
+
+def log_of(table: FlightTable) -> FlightLog:
+    """Return the columns that no signal carries."""
+    rest = tuple(name for name in table.columns if name not in CARRIED)
+    shape = (len(table.t), len(table.names), 0)
+    values = table.vectors(rest) if rest else np.zeros(shape)
+    return FlightLog(table.t, table.names, rest, tuple(UNITS.get(name, "") for name in rest), values)
+
+
+def stamp(t: float) -> float:
+    """Return a time as the float that its stamp in nanoseconds gives back [s]."""
+    return round(t * 1e9) * 1e-9
+
+
+def _mocap(table: FlightTable) -> Iterator[Signal]:
+    pos, quat = table.vectors(POS), _quat(table)
+    seen = np.isfinite(pos).all(axis=-1) & ~table.gap
+    for row, t in enumerate(table.t):
+        here = np.flatnonzero(seen[row])
+        names = tuple(table.names[k] for k in here)
+        yield MocapFrame(t=stamp(t), names=names, pos=pos[row, here], quat=quat[row, here])
+
+
+def _state(table: FlightTable) -> Iterator[Signal]:
+    pos, vel, quat, rate = table.vectors(POS), table.vectors(VEL), _quat(table), table.vectors(RATE)
+    gap = table.gap
+    last = np.maximum.accumulate(np.where(gap, table.t[0], table.t[:, None]), axis=0)
+    status = np.where(gap, TrackStatus.COASTING, TrackStatus.TRACKED).astype(np.uint8)
+    for row, t in enumerate(table.t):
+        yield SwarmState(
+            t=stamp(t),
+            names=table.names,
+            pos=pos[row],
+            vel=vel[row],
+            quat=quat[row],
+            ang_vel_body=rate[row],
+            age=t - last[row],
+            status=status[row],
+        )
+
+
+def _reference(table: FlightTable) -> Iterator[Signal]:
+    pos = table.vectors(REF)
+    vel = table.vectors(REF_VEL) if table.has(REF_VEL) else np.gradient(pos, table.t, axis=0)
+    acc = np.gradient(vel, table.t, axis=0)
+    unknown = np.full(pos.shape[:2], np.nan)
+    yaw = np.deg2rad(table.columns["yawref_deg"]) if table.has(("yawref_deg",)) else unknown
+    for row, t in enumerate(table.t):
+        yield SwarmSetpoint(
+            t=stamp(t),
+            names=table.names,
+            pos=pos[row],
+            vel=vel[row],
+            acc=acc[row],
+            yaw=yaw[row],
+            yaw_rate=unknown[row],
+            status=np.zeros(len(table.names), dtype=np.uint8),
+        )
+
+
+def _command(table: FlightTable) -> Iterator[Signal]:
+    unknown = np.full(len(table.names), np.nan)
+    for row, t in enumerate(table.t):
+        yield SwarmCommand(
+            t=stamp(t),
+            names=table.names,
+            thrust=table.columns["thrust_cmd"][row],
+            roll=unknown,
+            pitch=unknown,
+            yaw_rate=unknown,
+            status=np.zeros(len(table.names), dtype=np.uint8),
+        )
+
+
+def _imu(table: FlightTable) -> Iterator[Signal]:
+    pull = table.vectors(ACC) + np.array([0.0, 0.0, GRAVITY])
+    force, rate = rotate_inverse(_quat(table), pull), table.vectors(RATE)
+    for row, t in enumerate(table.t):
+        yield SwarmImu(t=stamp(t), names=table.names, specific_force_body=force[row], ang_vel_body=rate[row])
+
+
+def _quat(table: FlightTable) -> Array:
+    if not table.has(QUAT):
+        return np.full_like(identity_quat((len(table.t), len(table.names))), np.nan)
+    return normalised(table.vectors(QUAT))

@@ -1,0 +1,166 @@
+"""Find the samples of a recorded track that are no flight, and mend them by interpolation.
+
+Source: the paper, section 2.2: "positions and velocities greater than a threshold determined empirically
+were considered outliers ... replaced by interpolating neighboring points". The causal filter
+(q2q_model.estimation.mocap_filter) uses the same thresholds; this batch rule also knows the future.
+
+Sample k at r_k is an outlier when one of these holds:
+
+    room       max |r_k| > pos_max, or r_k is not a number (a gap: found, never a neighbour)
+    repeat     r_k is r_(k-1) to the last digit, though the vehicle was moving, and the run of such samples
+               ends in a forbidden step: old frames under new stamps
+    velocity   r_k is not on the chain: the subset of samples in which every two successive ones i, j
+               obey |r_j - r_i| <= jump_max + speed_max (t_j - t_i), chosen to keep the most samples
+    position   |r_k - median of the chain's samples k-w .. k+w| > jump_max
+
+The chain is found over segments (runs without a forbidden step or a hole) by dynamic programming; leaving one
+segment for another that cannot be reached costs `teleport` samples, so that a vehicle carried elsewhere
+is believed when it stays there for longer, while a marker swap of a few tenths of a second is not.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| r | pos | position [m], world |
+| | pos_max speed_max jump_max | thresholds [m], [m/s], [m] |
+| w | MEDIAN_REACH | half width of the median [samples] |
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array
+from q2q_model.tunable import check_bounds, tunable
+
+Mask = NDArray[np.bool_]
+Rows = NDArray[np.intp]
+
+MEDIAN_REACH = 5
+"""Half width of the median [samples]: it outvotes bursts of up to 5 samples, 50 ms at 100 Hz."""
+TELEPORT_SAMPLES = 200
+"""What a jump to an unreachable place must bring to be believed [samples]: 2 s at 100 Hz."""
+REPEAT_STEP = 0.002
+"""A pose repeated to the last digit is old where the vehicle should have moved by more [m]: more than the
+rounding of logs in millimetres, and what a hover within a tick does not reach."""
+GAP = 1.5
+"""A step longer than this many median steps is a hole; what lies behind it is a segment of its own."""
+SEGMENTS_BACK = 200
+"""How many segments the chain looks back; more breaks than that within one outlier burst is no track."""
+
+
+@dataclass(frozen=True, slots=True)
+class OutlierThresholds:
+    """Thresholds of section 2.2, shared by the batch rule and the online filter."""
+
+    pos_max: float = tunable(
+        50.0, "largest believable |x|, |y|, |z|: no flight room is larger", unit="m", low=0.1
+    )
+    # stacked Crazyflies in data of real flights: at most 2.6 m/s, and 2.5 m/s^2 above 9.81 in a draft
+    speed_max: float = tunable(4.0, "largest believable speed of a vehicle", unit="m/s", low=0.1, high=100.0)
+    # real flights deviate from straight motion by at most 26 mm within 20 ms (after a hole of a log)
+    jump_max: float = tunable(0.04, "largest believable deviation from motion", unit="m", low=1e-4, high=10.0)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = None) -> Mask:
+    """Return which samples are outliers or missing, (T, ...), of tracks pos [m] (T, ..., 3) at t [s] (T,).
+
+    `t` rises. NaN samples count as outliers: whoever repairs must fill them. Raises ValueError for a
+    time that does not rise.
+    """
+    limits = thresholds or OutlierThresholds()
+    if np.any(~(np.diff(t) > 0.0)):
+        row = int(np.argmax(~(np.diff(t) > 0.0)))
+        raise ValueError(f"t must rise; after {t[row]} comes {t[row + 1]}: sort, and drop repeats first")
+    tracks = pos.reshape(len(t), -1, 3)
+    found = [_outliers_of_track(t, tracks[:, column], limits) for column in range(tracks.shape[1])]
+    return np.stack(found, axis=1).reshape(pos.shape[:-1]) if found else np.zeros(pos.shape[:-1], dtype=bool)
+
+
+def repair(t: Array, values: Array, bad: Mask) -> Array:
+    """Return `values` (T, ..., c) with rows where `bad` (T, ...) put on lines between good ones.
+
+    Before the first and after the last good row the nearest good one is held; a track without any good
+    row stays NaN, for nothing is known of it.
+    """
+    flat = values.reshape(len(t), -1, values.shape[-1]).copy()
+    marks = bad.reshape(len(t), -1)
+    for column in range(flat.shape[1]):
+        good = ~marks[:, column]
+        for axis in range(flat.shape[2]):
+            known = flat[good, column, axis]
+            flat[~good, column, axis] = np.interp(t[~good], t[good], known) if good.any() else np.nan
+    return flat.reshape(values.shape)
+
+
+def _outliers_of_track(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
+    with np.errstate(invalid="ignore"):
+        inside = np.all(np.abs(pos) <= limits.pos_max, axis=-1)
+    kept = np.flatnonzero(inside)
+    kept = kept[~_old_frames(t[kept], pos[kept], limits)]
+    kept = kept[_on_chain(t[kept], pos[kept], limits)]
+    kept = kept[~_off_median(t[kept], pos[kept], limits)]
+    bad = np.ones(len(t), dtype=bool)
+    bad[kept] = False
+    return bad
+
+
+def _on_chain(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
+    starts = _segment_starts(t, pos, limits)
+    if len(starts) <= 1:
+        return np.ones(len(t), dtype=bool)
+    ends = np.append(starts[1:], len(t)) - 1
+    parent = np.full(len(starts), -1)
+    best = (ends - starts + 1).astype(np.float64)
+    for here in range(1, len(starts)):
+        before = np.arange(max(0, here - SEGMENTS_BACK), here)
+        step = np.linalg.norm(pos[starts[here]] - pos[ends[before]], axis=-1)
+        reach = limits.jump_max + limits.speed_max * (t[starts[here]] - t[ends[before]])
+        gain = best[before] - np.where(step <= reach, 0.0, TELEPORT_SAMPLES)
+        choice = int(np.argmax(gain))
+        if gain[choice] > 0.0:
+            parent[here] = before[choice]
+            best[here] += gain[choice]
+    return _walk_back(parent, best, (starts, ends))
+
+
+def _segment_starts(t: Array, pos: Array, limits: OutlierThresholds) -> Rows:
+    step, dt = np.linalg.norm(np.diff(pos, axis=0), axis=-1), np.diff(t)
+    hole = dt > GAP * np.median(dt) if len(dt) else dt > 0.0
+    breaks = hole | (step > limits.speed_max * dt)
+    return np.concatenate([np.zeros(min(len(t), 1), dtype=np.intp), np.flatnonzero(breaks) + 1])
+
+
+def _walk_back(parent: Rows, best: Array, segments: tuple[Rows, Rows]) -> Mask:
+    starts, ends = segments
+    kept = np.zeros(int(ends[-1]) + 1, dtype=bool)
+    here = int(np.argmax(best))
+    while here >= 0:
+        kept[starts[here] : ends[here] + 1] = True
+        here = int(parent[here])
+    return kept
+
+
+def _old_frames(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
+    """Return which samples repeat, to the last digit, one taken in motion, until the track jumps."""
+    step = np.linalg.norm(np.diff(pos, axis=0), axis=-1)
+    same = np.append([False], step == 0.0)[: len(t)]
+    run = np.cumsum(~same)
+    jumps, moves = step > limits.speed_max * np.diff(t), step > REPEAT_STEP
+    return same & np.isin(run, run[:-1][jumps]) & np.isin(run, run[1:][moves])
+
+
+def _off_median(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
+    width = 2 * MEDIAN_REACH + 1
+    if len(t) < width:
+        return np.zeros(len(t), dtype=bool)
+    windows = np.lib.stride_tricks.sliding_window_view(pos, width, axis=0)
+    centre = np.median(windows, axis=-1)
+    dense = t[width - 1 :] - t[: 1 - width] <= 2.0 * (width - 1) * np.median(np.diff(t))  # not across a gap
+    off = np.zeros(len(t), dtype=bool)
+    inner = slice(MEDIAN_REACH, len(t) - MEDIAN_REACH)
+    off[inner] = dense & (np.linalg.norm(pos[inner] - centre, axis=-1) > limits.jump_max)
+    return off

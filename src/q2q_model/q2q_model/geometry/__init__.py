@@ -1,0 +1,1 @@
+"""Geometry: rotations and the downwash zone."""

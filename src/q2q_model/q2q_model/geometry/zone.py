@@ -1,0 +1,86 @@
+"""Describe where a draft harms: the set I(eps, d) of section 3.1, other shapes, and their signed distances.
+
+I(eps, d) = { dr : dx^2 + dy^2 <= eps^2, |dz| <= d }. A zone is symmetric: rel_pos and -rel_pos are both
+in it or both out. `Ellipsoid` is smooth, as a planner's convex steps like it; the level set of a learned
+draft is in q2q_model.downwash.level_set.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+
+
+class Zone(Protocol):
+    """Set of harmful relative positions with a distance function."""
+
+    def signed_distance(self, rel_pos: Array) -> Array:
+        """Return the distance to the set's boundary [m], (...,), negative inside, of rel_pos (..., 3)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """The paper's zone I(eps, d)."""
+
+    eps: float = 0.1
+    """Radius [m]; section 3.1: the vehicles' discs do not overlap beyond 92 mm."""
+    d: float = 1.1
+    """Half height [m]; section 3.1, from the decay of dev."""
+
+    def signed_distance(self, rel_pos: Array) -> Array:
+        """Return the distance to the cylinder's surface [m], (...,), negative inside."""
+        side = np.hypot(rel_pos[..., 0], rel_pos[..., 1]) - self.eps
+        cap = np.abs(rel_pos[..., 2]) - self.d
+        outside = np.hypot(np.maximum(side, 0.0), np.maximum(cap, 0.0))
+        return np.asarray(np.where((side < 0.0) & (cap < 0.0), np.maximum(side, cap), outside))
+
+
+@dataclass(frozen=True, slots=True)
+class Ellipsoid:
+    """Spheroid about the vertical: (dx^2 + dy^2) / eps^2 + dz^2 / d^2 <= 1."""
+
+    eps: float
+    """Horizontal half axis [m]."""
+    d: float
+    """Vertical half axis [m]."""
+
+    def __post_init__(self) -> None:
+        """Check the half axes."""
+        for name, value in (("eps", self.eps), ("d", self.d)):
+            if not 0.0 < value < 100.0:
+                raise ValueError(f"Ellipsoid.{name} = {value}: allowed is 0 to 100 m, both excluded")
+
+    @classmethod
+    def around(cls, cylinder: Cylinder) -> "Ellipsoid":
+        """Return the smallest spheroid that holds a cylinder.
+
+        Its volume a^2 c is least under eps^2/a^2 + d^2/c^2 = 1 at a = eps sqrt(3/2), c = d sqrt(3).
+        """
+        return cls(eps=cylinder.eps * math.sqrt(1.5), d=cylinder.d * math.sqrt(3.0))
+
+    def signed_distance(self, rel_pos: Array) -> Array:
+        """Return the distance to the spheroid's surface [m], (...,), negative inside."""
+        across, along = np.hypot(rel_pos[..., 0], rel_pos[..., 1]), np.abs(rel_pos[..., 2])
+        nearest_across, nearest_along = self._nearest(across, along)
+        distance = np.hypot(across - nearest_across, along - nearest_along)
+        inside = (across / self.eps) ** 2 + (along / self.d) ** 2 < 1.0
+        return np.asarray(np.where(inside, -distance, distance))
+
+    def _nearest(self, across: Array, along: Array) -> tuple[Array, Array]:
+        """Return the nearest point of the ellipse in the first quadrant.
+
+        It is (a^2 p / (t + a^2), c^2 q / (t + c^2)) for the largest root t of
+        (a p / (t + a^2))^2 + (c q / (t + c^2))^2 = 1 (Eberly, Distance from a Point to an Ellipse, 2013).
+        A point on an inner axis has its nearest on the curve beside it: a floor keeps it just off the axis.
+        """
+        a, c = self.eps, self.d
+        p, q = np.maximum(across, 1e-9 * a), np.maximum(along, 1e-9 * c)
+        low, high = np.maximum(a * p - a * a, c * q - c * c), np.hypot(a * p, c * q)
+        for _ in range(60):  # 2^-60 of the bracket: the last bit
+            t = 0.5 * (low + high)
+            beyond = (a * p / (t + a * a)) ** 2 + (c * q / (t + c * c)) ** 2 > 1.0
+            low, high = np.where(beyond, t, low), np.where(beyond, high, t)
+        return a * a * p / (high + a * a), c * c * q / (high + c * c)

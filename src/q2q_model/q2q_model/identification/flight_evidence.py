@@ -1,0 +1,55 @@
+"""Hold what one flight tells about drafts, and say who is the lower and who the upper vehicle in it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+
+NEAR = 0.5
+"""Horizontal distance at which a vehicle is taken to be over or under another [m]."""
+
+
+UNDER = 0.15
+"""Horizontal distance within which a draft is felt; the scoring rule's (draft_force) [m]."""
+GAPS = (0.1, 1.2)
+"""Height differences of the scoring rule [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightEvidence:
+    """Evidence of one flight: altitudes always, forces where sensors and commands were recorded."""
+
+    record: AltitudeRecord
+    pushes: tuple[ForceSamples, ...]
+
+    @property
+    def name(self) -> str:
+        """Return the flight's name."""
+        return self.record.name
+
+    @property
+    def motion(self) -> Motion:
+        """Return the flight's motion."""
+        return Motion(self.record.t, self.record.pos, self.record.vel, self.record.axis)
+
+
+def shows_draft(record: AltitudeRecord) -> bool:
+    """Return whether some vehicle ever flies under another, so that a draft can be seen at all."""
+    rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
+    gap = np.abs(rel[..., 2])
+    return bool(((np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0]) & (gap < GAPS[1])).any())
+
+
+def is_lower(record: AltitudeRecord) -> list[bool]:
+    """Return for each vehicle whether it flies mostly below its neighbours when one is near, (n,)."""
+    below = []
+    for i in range(len(record.names)):
+        others = [j for j in range(len(record.names)) if j != i]
+        rel = record.pos[:, others] - record.pos[:, i : i + 1]
+        near = np.hypot(rel[..., 0], rel[..., 1]) < NEAR
+        above = rel[..., 2][near] if near.any() else rel[..., 2]
+        below.append(bool(np.mean(above) > 0.0))
+    return below

@@ -1,0 +1,82 @@
+"""Evaluate an interaction model along a recorded flight, all ticks at once.
+
+The same sum as the online predictor's (q2q_model.downwash.predictor), which a test holds it to:
+
+    eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau), v_i(t))
+
+Offline a vehicle's past is the whole record; before its start the first sample counts.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
+from q2q_model.signals.values import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Motion of a swarm over time, without gaps."""
+
+    t: Array
+    """[s], rising, (T,)."""
+    pos: Array
+    """[m], world, (T, n, 3)."""
+    vel: Array
+    """[m/s], world, (T, n, 3)."""
+    axis: Array
+    """Body z, world, (T, n, 3)."""
+
+
+def eta_along(model: InteractionModel, motion: Motion) -> Array:
+    """Return eta [m/s^2], world, (T, n, 3)."""
+    ticks, n = motion.pos.shape[:2]
+    everywhere = np.arange(ticks)
+    return np.stack([eta_felt(model, motion, i, everywhere) for i in range(n)], axis=1)
+
+
+def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.intp]) -> Array:
+    """Return eta of vehicle i at ticks `rows` (k,), [m/s^2], (k, 3)."""
+    eta = np.zeros((rows.size, 3))
+    for j in range(motion.pos.shape[1]):
+        if j != i:
+            rel_pos = motion.pos[rows, j] - motion.pos[rows, i]
+            near = _in_reach(model, rel_pos, motion.vel[:, j])
+            pos, vel, axis = _as_it_was(model, motion, j, rows[near], rel_pos[near])
+            pair = PairMotion(source_vel=vel, source_axis=axis, vel=motion.vel[rows[near], i])
+            eta[near] += model.acceleration(pos - motion.pos[rows[near], i], pair)
+    return eta
+
+
+def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np.bool_]:
+    """Return where the source may push, (k,): the model's reach, and how far the source may have moved."""
+    moved = 0.0
+    if model.max_delay > 0.0:  # no component is larger: a cheap bound
+        moved = model.max_delay * float(np.sqrt(3.0) * np.abs(vel).max(initial=0.0))
+    across2 = rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2
+    wide, tall = model.reach.horizontal + moved, model.reach.vertical + moved
+    return np.asarray((across2 <= wide * wide) & (np.abs(rel_pos[:, 2]) <= tall))
+
+
+def _as_it_was(
+    model: InteractionModel, motion: Motion, j: int, rows: NDArray[np.intp], rel_pos: Array
+) -> tuple[Array, Array, Array]:
+    """Return pos, vel and axis of j, (k, 3), when what arrives at ticks `rows` left it."""
+    if model.max_delay == 0.0:
+        return motion.pos[rows, j], motion.vel[rows, j], motion.axis[rows, j]
+    return _at(motion, j, motion.t[rows] - model.delay(rel_pos))
+
+
+def _at(motion: Motion, j: int, when: Array) -> tuple[Array, Array, Array]:
+    """Return pos, vel and axis of j, (k, 3), at times (k,), on lines between ticks."""
+    after = np.searchsorted(motion.t, when).clip(1, motion.t.size - 1)
+    before = after - 1
+    share = (when - motion.t[before]) / (motion.t[after] - motion.t[before])
+    share = share.clip(0.0, 1.0)[:, None]
+
+    def between(values: Array) -> Array:
+        return np.asarray((1.0 - share) * values[before, j] + share * values[after, j])
+
+    return between(motion.pos), between(motion.vel), between(motion.axis)

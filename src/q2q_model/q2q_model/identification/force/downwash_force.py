@@ -1,0 +1,134 @@
+"""Measure the draft itself: the vertical acceleration that no rotor explains, and score a model on it.
+
+    y_i = (a_z + g) - T_i b_z / m          T: thrust that the rotors gave, b: body z
+
+less its median over free rows, which takes off each vehicle's constant (battery, mass, sensor). Rules, as the
+recorded flights of two and three Crazyflies (data of Neural-Swarm2, T-RO 2021) are scored:
+
+| rows | rule |
+|---|---|
+| usable | whole on every vehicle, z_i > 0.3 m, no motor saturated |
+| free | usable, and for every neighbour dxy > 0.3 m or dz < 0.05 m (dz = z_j - z_i); 200 at least |
+| exposed | usable, and some neighbour at dxy < 0.15 m and 0.1 < dz < 1.2 m |
+| upper | usable, a neighbour at dxy < 0.1 m and -0.8 < dz < -0.15 m, none above within 0.3 m |
+
+    R2 = 1 - mean((y - eta)^2) / mean(y^2)  over exposed rows, pooled over flights
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.identification.force.along_flight import Motion, eta_felt
+from q2q_model.signals.values import Array, Names
+
+FLOOR = 0.3
+"""Below this height the ground pushes too [m]."""
+FEWEST_FREE = 200
+"""A median of fewer free rows is no zero to measure from."""
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class ForceRecord:
+    """Flight with its measured vertical force."""
+
+    name: str
+    names: Names
+    motion: Motion
+    push: Array
+    """y before its zero is taken off [m/s^2], (T, n)."""
+    whole: Mask
+    """Rows whose values were measured, not mended, (T, n)."""
+    saturated: Mask
+    """Rows in which a motor was at its limit, (T, n)."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForceSamples:
+    """Force samples of one vehicle of one flight."""
+
+    flight: str
+    motion: Motion
+    vehicle: int
+    y: Array
+    """[m/s^2], (T,)."""
+    usable: Mask
+    exposed: Mask
+    upper: Mask
+
+
+@dataclass(frozen=True, slots=True)
+class ForceScore:
+    """Prediction scores of a model; None where there are no such rows."""
+
+    r2_exposed: float | None
+    rmse_exposed_mps2: float | None
+    mean_upper_mps2: float | None
+    """Mean of y over upper rows: what the upper vehicle feels [m/s^2]."""
+    n: int
+    """Exposed rows."""
+
+
+def force_samples(record: ForceRecord) -> list[ForceSamples]:
+    """Return the samples of every vehicle that has enough free rows; the others are not scored."""
+    found = []
+    for i in range(len(record.names)):
+        rows = _rows(record, i)
+        if rows.free.sum() >= FEWEST_FREE:
+            y = record.push[:, i] - np.median(record.push[rows.free, i])
+            found.append(
+                ForceSamples(record.name, record.motion, i, y, rows.usable, rows.exposed, rows.upper)
+            )
+    return found
+
+
+def score(model: InteractionModel, samples: Sequence[ForceSamples]) -> ForceScore:
+    """Return the score of a model, pooled over samples."""
+    exposed = [one for one in samples if one.exposed.any()]
+    y = [one.y[one.exposed] for one in exposed]
+    misses = [
+        one.y[one.exposed] - eta_felt(model, one.motion, one.vehicle, np.nonzero(one.exposed)[0])[:, 2]
+        for one in exposed
+    ]
+    return pooled(y, misses, samples)
+
+
+def pooled(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[ForceSamples]) -> ForceScore:
+    """Return the score of misses y - eta over exposed rows, however they were predicted."""
+    upper = np.concatenate([one.y[one.upper] for one in samples]) if samples else np.empty(0)
+    mean_upper = float(upper.mean()) if upper.size else None
+    n = sum(part.size for part in y)
+    if n == 0:
+        return ForceScore(r2_exposed=None, rmse_exposed_mps2=None, mean_upper_mps2=mean_upper, n=0)
+    missed = sum(float(part @ part) for part in misses)
+    total = sum(float(part @ part) for part in y)
+    return ForceScore(1.0 - missed / total, float(np.sqrt(missed / n)), mean_upper, n)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    usable: Mask
+    free: Mask
+    exposed: Mask
+    upper: Mask
+
+
+def _rows(record: ForceRecord, i: int) -> _Rows:
+    others = [j for j in range(len(record.names)) if j != i]
+    pos = record.motion.pos
+    rel = pos[:, others] - pos[:, i : i + 1]
+    across, dz = np.hypot(rel[..., 0], rel[..., 1]), rel[..., 2]
+    usable = record.whole.all(axis=1) & (pos[:, i, 2] > FLOOR) & ~record.saturated[:, i]
+    above = (across < 0.3) & (dz > 0.0)
+    under = (across < 0.1) & (dz > -0.8) & (dz < -0.15)
+    return _Rows(
+        usable=usable,
+        free=usable & ((across > 0.3) | (dz < 0.05)).all(axis=1),
+        exposed=usable & ((across < 0.15) & (dz > 0.1) & (dz < 1.2)).any(axis=1),
+        upper=usable & under.any(axis=1) & ~above.any(axis=1),
+    )

@@ -1,0 +1,252 @@
+"""Fit the jet to what was measured: to pushes (draft_force) or to altitudes (14), by least squares.
+
+Free are strength, decay, width, its spread, the upper share, and slowness 1 / travel_speed; given are the
+form of the decay and whether the air keeps its source's speed and slope. The residual of
+
+    pushes:     y - eta                        on exposed and upper rows
+    altitudes:  z - z_free - (h * eta)         every tenth tick: the loop is far slower
+
+Pushes count by soft_l1, with z = (r / s)^2: psi = r (1 + z)^-1/2, psi' = (1 + z)^-3/2.
+Intervals let the residuals of a flight, or of a stretch of it, hang together (interval.py).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares, minimize
+
+from q2q_model.downwash.jet import Jet
+from q2q_model.identification.force.along_flight import Motion, eta_along, eta_felt
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.intervals import (
+    EstimatingRows,
+    Interval,
+    Stretch,
+    clusters,
+    intervals,
+    least_squares_rows,
+)
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+THINNING = 10
+"""Every tenth tick of 100 Hz: 10 Hz for a loop of 0.9 rad/s."""
+BLOCK = 0.5
+"""Least length of a cluster of residuals [s]: a jet of 0.1 m at 1 m/s passes five times within it."""
+Z95 = 1.96
+"""Deviations of a normal that hold 95 % of it."""
+MOST_STD = 10.0
+"""Largest floor [m/s^2] and share [-] a jet takes."""
+FASTEST = 500.0
+"""Travel speeds above this are no delay at all [m/s]: a tenth of a tick over half a metre."""
+
+TURBULENT = 0.25
+"""Miss beyond which a row counts by its size, not its square [m/s^2]: the spread of y in clear air on real
+flights is 0.2 to 0.3; larger misses are eddies, which come and go and tell little of the mean."""
+
+
+@dataclass(frozen=True, slots=True)
+class JetForm:
+    """Hold what is chosen before fitting."""
+
+    decay: str = "exponential"
+    carried: float = 1.0
+    delayed: bool = True
+    spreading: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class JetFit:
+    """Hold a fitted jet."""
+
+    jet: Jet
+    intervals: tuple[tuple[str, Interval], ...]
+    """Of each fitted parameter; slowness is in s/m."""
+    mse: float
+    """Mean square of the residuals."""
+
+
+Residuals = Callable[[Jet], list[Stretch]]
+
+
+def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | None = None) -> JetFit:
+    """Return the jet that explains measured pushes; samples of whole flights.
+
+    `solved` is that jet where it is known already: then only its intervals are made.
+    """
+    flights = list(dict.fromkeys(one.flight for one in samples))
+    seen = [(flights.index(one.flight), one, np.nonzero(one.exposed | one.upper)[0]) for one in samples]
+
+    def residuals(jet: Jet) -> list[Stretch]:
+        return [
+            Stretch(
+                flight,
+                one.motion.t[rows],
+                one.y[rows] - eta_felt(jet, one.motion, one.vehicle, rows)[:, 2],
+            )
+            for flight, one, rows in seen
+        ]
+
+    fit = _fit(residuals, form, solved, "soft_l1")
+    floor, share = _affine(*_misses(fit.jet, samples))
+    return replace(fit, jet=replace(fit.jet, std_floor=floor, relative_std=share))
+
+
+def fit_to_altitudes(
+    records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
+) -> JetFit:
+    """Return the jet that explains measured altitudes under a closed loop; `solved` as in fit_to_pushes."""
+    motions = [Motion(one.t, one.pos, one.vel, one.axis) for one in records]
+    targets = [one.deviation - free_response(loop, one.dt, one.start, one.jerk) for one in records]
+
+    def residuals(jet: Jet) -> list[Stretch]:
+        found = []
+        for k, (record, motion, target) in enumerate(zip(records, motions, targets, strict=True)):
+            moved = draft_response(loop, record.dt, eta_along(jet, motion)[..., 2])
+            missed = (target - moved)[::THINNING].T  # (n, T / 10)
+            found += [Stretch(k, record.t[::THINNING], one) for one in missed]
+        return found
+
+    return _fit(residuals, form, solved)
+
+
+def _fit(residuals: Residuals, form: JetForm, solved: Jet | None, loss: str = "linear") -> JetFit:
+    names, start = _free_parameters(form)
+    low, high = (np.array([_BOUNDS[name][side] for name in names]) for side in (0, 1))
+    if solved is not None:
+        start = np.clip(_values(solved, names), low, high)
+    found = least_squares(
+        lambda x: np.concatenate([one.residual for one in residuals(_jet(form, names, x))]),
+        start,
+        bounds=(low, high),
+        x_scale=np.array([_SCALES[name] for name in names]),
+        diff_step=1e-4,  # the residual has corners where a pair enters the reach
+        xtol=1e-5,
+        ftol=1e-7,
+        max_nfev=25 if solved is None else 1,  # one evaluation, and its Jacobian
+        loss=loss,
+        f_scale=TURBULENT,
+    )
+    jet = _jet(form, names, found.x)
+    cluster = clusters(residuals(jet), BLOCK)
+    rows = (_soft_l1_rows if loss == "soft_l1" else least_squares_rows)(found.jac, found.fun, cluster)
+    spread = tuple(zip(names, intervals(found.x, rows, (low, high)), strict=True))
+    return JetFit(jet=jet, intervals=spread, mse=float(np.mean(found.fun**2)))
+
+
+def _soft_l1_rows(jacobian: Array, residual: Array, cluster: Array) -> EstimatingRows:
+    """Return the rows of a fit by soft_l1, whose `jacobian` SciPy has multiplied by sqrt(psi')."""
+    spread = 1.0 + (residual / TURBULENT) ** 2
+    slope = spread**-1.5
+    return EstimatingRows(jacobian / np.sqrt(slope)[:, None], residual / np.sqrt(spread), slope, cluster)
+
+
+_BOUNDS = {
+    "strength": (-5.0, 15.0),
+    "decay_rate": (-2.0, 10.0),
+    "virtual_origin": (0.02, 5.0),
+    "width": (0.015, 0.4),
+    "spread": (0.0, 0.4),
+    "upper_ratio": (-0.8, 0.8),
+    "slowness": (0.0, 0.8),
+}
+_SCALES = {
+    "strength": 1.0,
+    "decay_rate": 1.0,
+    "virtual_origin": 0.3,
+    "width": 0.05,
+    "spread": 0.1,
+    "upper_ratio": 0.2,
+    "slowness": 0.2,
+}
+
+
+def _free_parameters(form: JetForm) -> tuple[list[str], Array]:
+    start = {"strength": 1.5, "width": 0.07, "upper_ratio": 0.02}
+    start |= {"decay_rate": 1.0} if form.decay == "exponential" else {"virtual_origin": 0.5}
+    start |= {"spread": 0.05} if form.spreading else {}
+    start |= {"slowness": 0.15} if form.delayed else {}
+    return list(start), np.array(list(start.values()))
+
+
+def _jet(form: JetForm, names: Sequence[str], x: Array) -> Jet:
+    values = dict(zip(names, (float(v) for v in x), strict=True))
+    slowness = values.pop("slowness", 0.0)
+    return Jet(
+        reference_gap=0.4,
+        decay=form.decay,
+        carried=form.carried,
+        travel_speed=1.0 / slowness if slowness * FASTEST > 1.0 else 0.0,
+        range=1.5,
+        **({"spread": 0.0} | values),
+    )
+
+
+def _values(jet: Jet, names: Sequence[str]) -> Array:
+    """Return a jet's free parameters, (p,): what `_jet` makes a jet of."""
+    slowness = 1.0 / jet.travel_speed if jet.travel_speed > 0.0 else 0.0
+    return np.array([slowness if name == "slowness" else getattr(jet, name) for name in names])
+
+
+def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: JetForm) -> Jet:
+    """Return a jet whose deviation is that of misses on what is left out: half predicts the other half.
+
+    Halves are flights; of a single flight, what is before and after the middle of its exposed rows. Without
+    exposed rows in both, the jet keeps the deviation of its own misses.
+    """
+    halves = _halves(samples)
+    if not all(any(one.exposed.any() for one in half) for half in halves):
+        return jet
+    parts = [_misses(fit_to_pushes(halves[1 - k], form).jet, halves[k]) for k in (0, 1)]
+    floor, share = _affine(*(np.concatenate(some) for some in zip(*parts, strict=True)))
+    return replace(jet, std_floor=floor, relative_std=share)
+
+
+def _halves(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
+    """Return the samples of either half of the flights, or of the only flight with exposed rows."""
+    flights = list(dict.fromkeys(one.flight for one in samples if one.exposed.any()))
+    if len(flights) > 1:
+        return [[one for one in samples if one.flight in flights[k::2]] for k in (0, 1)]
+    own = [one for one in samples if one.flight in flights]
+    middle = float(np.median(np.concatenate([one.motion.t[one.exposed] for one in own]))) if own else 0.0
+    early = [one.motion.t < middle for one in own]
+    return [
+        [
+            replace(one, exposed=one.exposed & rows, upper=one.upper & rows)
+            for one, rows in zip(own, half, strict=True)
+        ]
+        for half in (early, [~rows for rows in early])
+    ]
+
+
+def _misses(jet: Jet, samples: Sequence[ForceSamples]) -> tuple[Array, Array]:
+    """Return |eta| and |y - eta| on exposed rows, (k,)."""
+    pushes, misses = [np.empty(0)], [np.empty(0)]
+    for one in samples:
+        rows = np.nonzero(one.exposed)[0]
+        eta = eta_felt(jet, one.motion, one.vehicle, rows)[:, 2]
+        pushes.append(np.abs(eta))
+        misses.append(np.abs(one.y[rows] - eta))
+    return np.concatenate(pushes), np.concatenate(misses)
+
+
+def _affine(push: Array, miss: Array) -> tuple[float, float]:
+    """Return floor [m/s^2] and share of the deviation floor + share |eta| that misses show.
+
+    Both make the misses likeliest as a normal; then they are scaled so that 95 % of the rows lie within 1.96
+    deviations, since the misses' tails are not a normal's.
+    """
+    if push.size == 0:
+        return 0.0, 0.0
+
+    def unlikely(x: Array) -> float:
+        std = np.exp(x[0]) + np.exp(x[1]) * push
+        return float(np.sum(np.log(std) + 0.5 * (miss / std) ** 2))
+
+    first = np.log([max(float(np.sqrt(np.mean(miss**2))), 1e-6), 0.1])
+    floor, share = np.exp(minimize(unlikely, first, method="Nelder-Mead").x)
+    wide = float(np.quantile(miss / (floor + share * push), 0.95)) / Z95
+    return float(min(wide * floor, MOST_STD)), float(min(wide * share, MOST_STD))

@@ -1,0 +1,91 @@
+"""Fit how the draft of a vehicle grows with its thrust, from a vehicle under two others above each other.
+
+A source j that is itself pushed by e_j gives the thrust m (g - e_j). By momentum theory its draft grows in
+proportion, in the paper not at all. With the law f_ij of source j on vehicle i,
+
+    y_i = a (f + c h),   f = sum over j of f_ij,   h = sum over j of f_ij (-e_j / g)
+
+is linear in a and a c. The scale a is fitted beside c: without it, a law that is too weak or too strong on
+these flights would be taken for loading. Rows in which no source is pushed tell a, the others c.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| y | y | observed vertical push [m/s^2] |
+| a | scale | strength on these flights over the law's [-] |
+| c | loading | share of a source's thrust beyond its weight that strengthens its draft [-] |
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.identification.force.along_flight import Motion, eta_felt
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.jet_fit import BLOCK
+from q2q_model.identification.intervals import Interval, Stretch, clusters, intervals, least_squares_rows
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+
+MOST = 2.0
+"""Largest loading a controller takes [-]: twice that of momentum theory."""
+LEAST_GROWTH = 1e-6
+"""Share of the push by which it must grow at a loading of 1, for loading to be seen at all [-]."""
+
+Rows = NDArray[np.intp]
+
+
+def loading_of(model: InteractionModel, samples: Sequence[ForceSamples]) -> Interval | None:
+    """Return the loading that samples of whole flights show, on exposed rows.
+
+    None where nobody is under a vehicle that is itself under another, or the law has no push there.
+    """
+    flights = list(dict.fromkeys(one.flight for one in samples))
+    parts = [(flights.index(one.flight), one, np.flatnonzero(one.exposed)) for one in samples]
+    parts = [part for part in parts if part[2].size and part[1].motion.pos.shape[1] > 2]
+    if not parts:
+        return None
+    columns = np.concatenate([_push_and_growth(model, one, rows) for _, one, rows in parts])
+    if np.linalg.norm(columns[:, 1]) <= LEAST_GROWTH * np.linalg.norm(columns[:, 0]):
+        return None
+    y = np.concatenate([one.y[rows] for _, one, rows in parts])
+    scale, growth = np.linalg.lstsq(columns, y)[0]
+    loading = growth / scale
+    residual = y - columns @ [scale, growth]
+    jacobian = -np.stack([columns @ [1.0, loading], scale * columns[:, 1]], axis=1)
+    ends = np.cumsum([rows.size for *_, rows in parts])[:-1]
+    stretches = [
+        Stretch(flight, one.motion.t[rows], missed)
+        for (flight, one, rows), missed in zip(parts, np.split(residual, ends), strict=True)
+    ]
+    rows = least_squares_rows(jacobian, residual, clusters(stretches, BLOCK))
+    return intervals(np.array([scale, loading]), rows)[1]
+
+
+def believed(loading: Interval | None) -> float:
+    """Return the loading to fly with: 0 where nothing shows it or its interval holds 0, else 0 to `MOST`."""
+    if loading is None or not loading.is_positive:
+        return 0.0
+    return min(loading.value, MOST)
+
+
+def _push_and_growth(model: InteractionModel, one: ForceSamples, rows: Rows) -> Array:
+    """Return f and h at rows, (k, 2)."""
+    n = one.motion.pos.shape[1]
+    felt = np.zeros((rows.size, 2))
+    for j in (other for other in range(n) if other != one.vehicle):
+        push = _vertical(model, one.motion, (one.vehicle, j), rows)
+        on_source = sum(
+            (_vertical(model, one.motion, (j, k), rows) for k in range(n) if k not in (j, one.vehicle)),
+            start=np.zeros(rows.size),
+        )
+        felt += push[:, None] * np.stack([np.ones_like(push), -on_source / GRAVITY], axis=1)
+    return felt
+
+
+def _vertical(model: InteractionModel, motion: Motion, pair: tuple[int, int], rows: Rows) -> Array:
+    """Return the vertical draft [m/s^2] that pair[1] alone puts on pair[0], (k,)."""
+    both = list(pair)
+    two = Motion(motion.t, motion.pos[:, both], motion.vel[:, both], motion.axis[:, both])
+    return eta_felt(model, two, 0, rows)[:, 2]

@@ -1,0 +1,133 @@
+"""Read the measured vertical push out of a recorded flight: from its log, or from sensors and commands.
+
+push = faz_est / m_log                           logs of two and three Crazyflies (Neural-Swarm2, T-RO 2021)
+push = (R f_body)_z - lagged(U1) b_z / m         f_body: accelerometer, U1: commanded thrust
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight_log import FlightLog
+from q2q_model.geometry.rotations import rotate
+from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.force.downwash_force import ForceRecord, Mask
+from q2q_model.identification.gains.altitude_record import UP
+from q2q_model.signals.values import Array, CommandStatus
+from q2q_model.vehicle.constants import Vehicle
+
+LOG_MASS = 0.032
+"""Mass that the logs' faz_est was computed with [kg]."""
+FULL_DUTY = 0.93
+"""Duty above which a motor counts as saturated."""
+MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
+
+
+def is_force_log(log: FlightLog) -> bool:
+    """Return whether a log shows the vertical push and what tells its good rows."""
+    return {"faz_est", "gap", *MOTORS} <= set(log.columns)
+
+
+def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
+    """Return the vertical push that a flight's log shows, at the log's ticks."""
+    duty = np.max([log.column(motor) for motor in MOTORS], axis=0)  # (T, n)
+    return ForceRecord(
+        name=name,
+        names=log.names,
+        motion=motion,
+        push=log.column("faz_est") / LOG_MASS,
+        whole=log.column("gap") == 0.0,
+        saturated=duty > FULL_DUTY,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Sensed:
+    """Acceleration and command as recorded in a flight."""
+
+    t: Array
+    force: Array
+    """(R f_body)_z [m/s^2], (T, n)."""
+    thrust: Array
+    """Commanded U1 [N], (T, n)."""
+    lean: Array
+    """b_z / m [1/kg], (T, n)."""
+    whole: Mask
+    """Where all of it and the place is known, (T, n)."""
+
+    def push(self, lag: float) -> Array:
+        """Return the push [m/s^2], (T, n), for thrust behind its command by `lag` [s]; 0 where unknown."""
+        return np.where(self.whole, self.force - lagged(self.thrust, self.t, lag) * self.lean, 0.0)
+
+
+def sensed(flight: Flight, vehicle: Vehicle) -> Sensed | None:
+    """Return what the sensors of a flight say; None where it lacks accelerometer or command."""
+    force = rotate(flight.quat, flight.specific_force_body)[..., 2]
+    lean = rotate(flight.quat, UP)[..., 2] / vehicle.mass
+    whole = np.isfinite(force * lean) & np.isfinite(flight.thrust) & np.isfinite(flight.pos).all(axis=-1)
+    if not whole.any():
+        return None
+    return Sensed(flight.t, force, flight.thrust, lean, np.asarray(whole))
+
+
+def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord | None:
+    """Return the push between accelerometer and command; None where a flight lacks either.
+
+    Args:
+        flight: the flight.
+        vehicle: whose mass.
+        lag: time constant of thrust behind its command [s].
+    """
+    found = sensed(flight, vehicle)
+    if found is None:
+        return None
+    return ForceRecord(
+        name=flight.name,
+        names=flight.names,
+        motion=motion_of(flight),
+        push=found.push(lag),
+        whole=found.whole,
+        saturated=np.asarray(flight.command_status == CommandStatus.SATURATED),
+    )
+
+
+def motion_of(flight: Flight) -> Motion:
+    """Return a flight's filtered motion, its holes on lines between what is known."""
+    level = np.isfinite(flight.quat).all(axis=-1, keepdims=True)
+    axis = rotate(np.where(level, flight.quat, [0.0, 0.0, 0.0, 1.0]), UP)
+    pos, vel = (_filled(flight.t, values) for values in (flight.pos, flight.vel))
+    return Motion(t=flight.t, pos=pos, vel=vel, axis=axis)
+
+
+def lagged(values: Array, t: Array, lag: float) -> Array:
+    """Return values (T, n) behind a first-order lag [s]; a missing one (NaN) counts as the one before."""
+    known = _filled(t, values)
+    if lag <= 0.0:
+        return known
+    keep = np.exp(-float(np.median(np.diff(t))) / lag)
+    return _first_order(np.ascontiguousarray(known), keep)
+
+
+def _first_order_plain(values: Array, keep: float) -> Array:
+    """Return y_k = keep y_(k-1) + (1 - keep) values_k, (T, n), settled on the first value before."""
+    out = values.copy()
+    for k in range(1, values.shape[0]):
+        out[k] = keep * out[k - 1] + (1.0 - keep) * values[k]
+    return out
+
+
+_first_order: Callable[[Array, float], Array] = compiled(_first_order_plain)
+
+
+def _filled(t: Array, values: Array) -> Array:
+    columns = values.reshape(t.size, -1).copy()
+    for column in columns.T:
+        good = np.isfinite(column)
+        if good.any():
+            column[~good] = np.interp(t[~good], t[good], column[good])
+        else:
+            column[:] = 0.0
+    return columns.reshape(values.shape)

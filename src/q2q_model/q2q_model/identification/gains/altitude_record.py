@@ -1,0 +1,162 @@
+"""Cut from a recorded flight what section 3 looks at: places, the altitude's reference and its command.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| r | pos | position [m], world, (T, n, 3) |
+| z_ref z_ref' z_ref'' | ref | altitude reference and its derivatives [m], [m/s], [m/s^2], (T, n, 3) |
+| U1 b_z / m - g | lift | vertical acceleration that was commanded [m/s^2], (T, n) |
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.outliers import find_outliers, repair
+from q2q_model.geometry.rotations import rotate
+from q2q_model.signals.values import Array, Names
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
+
+UP = np.array([0.0, 0.0, 1.0])
+"""Body z of a level vehicle."""
+SHORTEST = 2.0
+"""Least length of a record [s]: the altitude loop's own time."""
+
+
+@dataclass(frozen=True, slots=True)
+class AltitudeRecord:
+    """Altitudes of one flight on an even grid, without gaps."""
+
+    name: str
+    names: Names
+    dt: float
+    t: Array
+    """[s], (T,)."""
+    pos: Array
+    vel: Array
+    """Velocity [m/s], world, (T, n, 3)."""
+    axis: Array
+    """Body z, world, (T, n, 3)."""
+    ref: Array
+    lift: Array
+    """NaN where no command was recorded."""
+    feed_forward: Array
+    """Draft that the controller was told of [m/s^2], along z, (T, n); NaN where none was recorded."""
+    outliers: int
+    """Motion capture samples that were no flight, of `samples`."""
+    samples: int
+
+    @property
+    def deviation(self) -> Array:
+        """Return z - z_ref [m], (T, n)."""
+        return self.pos[..., 2] - self.ref[..., 0]
+
+    @property
+    def start(self) -> Array:
+        """Return z - z_ref [m] and its rate [m/s] at the first tick, (2, n)."""
+        return np.stack([self.deviation[0], self.vel[0, :, 2] - self.ref[0, :, 1]])
+
+    @property
+    def jerk(self) -> Array:
+        """Return z_ref''' [m/s^3], (T, n)."""
+        return np.asarray(np.gradient(self.ref[..., 2], self.dt, axis=0))
+
+
+def thinned(record: AltitudeRecord, every: int) -> AltitudeRecord:
+    """Return a record with every so many ticks kept."""
+    rows = slice(None, None, every)
+    return replace(
+        record,
+        dt=every * record.dt,
+        t=record.t[rows],
+        pos=record.pos[rows],
+        vel=record.vel[rows],
+        axis=record.axis[rows],
+        ref=record.ref[rows],
+        lift=record.lift[rows],
+        feed_forward=record.feed_forward[rows],
+    )
+
+
+def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
+    """Return the record of a flight whose vehicles are all of one kind.
+
+    Outliers of the motion capture are interpolated (section 2.2). Where the flight has filtered states they
+    are taken, since its controller saw them; else repaired positions and their differences.
+
+    Raises:
+        ValueError: no reference, no positions, or less than 2 s of both.
+    """
+    mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
+    seen = _finite_rows(mocap)
+    bad = find_outliers(flight.t, mocap)
+    ref = _altitude_reference(flight)
+    rows = _common_rows(flight, seen | _finite_rows(flight.pos), ref)
+    mended = repair(flight.t, mocap, bad)
+    pos = np.where(np.isfinite(flight.pos), flight.pos, mended)
+    vel = np.where(np.isfinite(flight.vel), flight.vel, np.gradient(mended, flight.t, axis=0))
+    t = np.arange(flight.t[rows][0], flight.t[rows][-1] + 1e-9, dt := float(np.median(np.diff(flight.t))))
+    axis, lift = _attitude(flight), _lift(flight, vehicle)
+    resampled = (_resample(flight.t, values, t) for values in (pos, vel, axis, ref))
+    pos, vel, axis, ref = resampled
+    nearest = np.clip(np.searchsorted(flight.t, t - 0.5 * dt), 0, flight.t.size - 1)
+    return AltitudeRecord(
+        name=flight.name,
+        names=flight.names,
+        dt=dt,
+        t=t,
+        pos=pos,
+        vel=vel,
+        axis=axis,
+        ref=ref,
+        lift=lift[nearest],
+        feed_forward=flight.eta[nearest, :, 2],
+        outliers=int((bad & seen).sum()),
+        samples=int(seen.sum()),
+    )
+
+
+def _altitude_reference(flight: Flight) -> Array:
+    """Return z_ref and two derivatives, (T, n, 3): what the controller was given, or else the plan."""
+    given = np.stack([flight.safe_pos[..., 2], flight.safe_vel[..., 2], flight.safe_acc[..., 2]], axis=-1)
+    plan = np.stack([flight.ref_pos[..., 2], flight.ref_vel[..., 2], flight.ref_acc[..., 2]], axis=-1)
+    ref = np.where(np.isfinite(given), given, plan)
+    ref[..., 1] = np.where(np.isfinite(ref[..., 1]), ref[..., 1], np.gradient(ref[..., 0], flight.t, axis=0))
+    ref[..., 2] = np.where(np.isfinite(ref[..., 2]), ref[..., 2], np.gradient(ref[..., 1], flight.t, axis=0))
+    return np.asarray(ref)
+
+
+def _common_rows(flight: Flight, placed: NDArray[np.bool_], ref: Array) -> slice:
+    """Return from the first to the last row in which every vehicle has a place and a reference."""
+    whole = np.nonzero(placed.all(axis=1) & np.isfinite(ref).all(axis=(1, 2)))[0]
+    if whole.size == 0 or flight.t[whole[-1]] - flight.t[whole[0]] < SHORTEST:
+        raise ValueError(
+            f"flight {flight.name}: positions and references of {', '.join(flight.names)} never last for "
+            f"{SHORTEST} s together; record the topics mocap (or state) and reference of one flight"
+        )
+    return slice(int(whole[0]), int(whole[-1]) + 1)
+
+
+def _attitude(flight: Flight) -> Array:
+    quat = np.where(np.isfinite(flight.quat), flight.quat, flight.mocap_quat)
+    axis = rotate(np.where(np.isfinite(quat), quat, [0.0, 0.0, 0.0, 1.0]), UP)
+    return np.asarray(axis)
+
+
+def _lift(flight: Flight, vehicle: Vehicle) -> Array:
+    return np.asarray(flight.thrust / vehicle.mass * _attitude(flight)[..., 2] - GRAVITY)
+
+
+def _resample(t: Array, values: Array, at: Array) -> Array:
+    """Return `values` (T, ...) at times `at`, on lines between finite rows."""
+    columns = values.reshape(t.size, -1)
+    out = np.empty((at.size, columns.shape[1]))
+    for k, column in enumerate(columns.T):
+        good = np.isfinite(column)
+        out[:, k] = np.interp(at, t[good], column[good])
+    return out.reshape(at.size, *values.shape[1:])
+
+
+def _finite_rows(values: Array) -> NDArray[np.bool_]:
+    return np.asarray(np.isfinite(values).all(axis=-1))

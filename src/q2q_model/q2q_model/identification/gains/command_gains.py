@@ -1,0 +1,211 @@
+"""Read the gains of the altitude loop where it is made: between what the controller saw and asked for.
+
+    U1 b_z / m - g - z_ref'' = K_p (z_ref - z) + K_d (z_ref' - z') + K_i xi - c eta_told + b
+
+One row a tick, linear in the gains, so least squares is exact; Huber weights keep rows out in which a limit
+cut in. The offset b is each vehicle's own in each flight (battery, mass). Terms beyond K_p and K_d stay only
+where an F test asks for them: does leaving them out raise the sum of squares by more than chance? Rows that
+err together count as fewer, n (1 - rho) / (1 + rho), rho the residual's correlation from one row to the next.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| K_p K_d b K_i | loop | see q2q_model.vehicle.altitude_loop |
+| xi | | integral of z_ref - z [m s] |
+| c | | share of the told draft that the controller takes off [-] |
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import fdtrc
+
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.intervals import EstimatingRows, Interval, Stretch, clusters, intervals
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+FEWEST = 200
+"""Rows: 2 s at 100 Hz."""
+NEEDED = 0.01
+"""A term is needed when chance alone explains it with less probability than this [-]."""
+HUBER = 1.345
+"""Spreads beyond which a row weighs less; 95 % efficient for normal errors (Huber 1981)."""
+RESOLUTION = 1e-6
+"""Acceleration below which no term is worth having and no row can be trusted [m/s^2]: 1e-7 of g."""
+ROUNDS, SETTLED = 10, 1e-4
+"""Most rounds of reweighting, and the change of weights at which they end [-]."""
+BLOCK = 1.0
+"""Least length of a cluster of errors [s]."""
+
+MOST_VEHICLES = 1000
+"""Vehicles of one flight: groups are numbered by flight and vehicle."""
+
+K_P, K_D, INTEGRAL, TOLD, OFFSET = range(5)
+"""Terms of the equation; the last is one column for each vehicle of each flight."""
+
+
+@dataclass(frozen=True, slots=True)
+class GainFit:
+    """Hold a fitted loop, its intervals, and which terms it needs."""
+
+    loop: AltitudeLoop
+    k_p: Interval
+    k_d: Interval
+    needs_offset: bool
+    needs_integral: bool
+    rms: float
+    """Spread of the residual: acceleration [m/s^2] from commands, altitude [m] from trajectories."""
+    from_commands: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class _Equation:
+    """Hold the rows of all vehicles of all flights."""
+
+    target: Array
+    columns: Array
+    """K_P to TOLD, (rows, 4)."""
+    group: Array
+    """Which vehicle of which flight, (rows,)."""
+    t: Array
+    """[s], (rows,), rising within a group."""
+
+
+def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
+    """Return the gains that flew.
+
+    Raises:
+        ValueError: too few rows with commands.
+    """
+    system = _stacked(records)
+    if system.target.size < FEWEST:
+        raise ValueError(
+            f"{system.target.size} rows with thrust commands in {len(records)} flights, {FEWEST} needed: "
+            "record the topic command, or fit the gains to trajectories"
+        )
+    terms = [K_P, K_D, INTEGRAL, TOLD, OFFSET]
+    for term in (TOLD, INTEGRAL, OFFSET):
+        if not _is_needed(system, terms, term):
+            terms.remove(term)
+    design = _design(system, terms)
+    value, weight = _robust(design, system.target)
+    residual = system.target - design @ value
+    gains = [term for term in terms if term != OFFSET]
+    spread = intervals(value[: len(gains)], _rows(system, terms, residual, weight))
+    found = dict(zip(gains, spread, strict=True))
+    loop = AltitudeLoop(
+        k_p=found[K_P].value,
+        k_d=found[K_D].value,
+        k_i=found[INTEGRAL].value if INTEGRAL in found else 0.0,
+        offset=float(value[len(found) :].mean()) if OFFSET in terms else 0.0,
+    )
+    return GainFit(
+        loop=loop,
+        k_p=found[K_P],
+        k_d=found[K_D],
+        needs_offset=OFFSET in terms,
+        needs_integral=INTEGRAL in terms,
+        rms=_spread(residual),
+    )
+
+
+def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
+    parts = [
+        _equation(record, i, MOST_VEHICLES * k + i)
+        for k, record in enumerate(records)
+        for i in range(len(record.names))
+    ]
+    return _Equation(
+        target=np.concatenate([part.target for part in parts]),
+        columns=np.concatenate([part.columns for part in parts]),
+        group=np.concatenate([part.group for part in parts]),
+        t=np.concatenate([part.t for part in parts]),
+    )
+
+
+def _equation(record: AltitudeRecord, i: int, group: int) -> _Equation:
+    error = -record.deviation[:, i]
+    rate = record.ref[:, i, 1] - record.vel[:, i, 2]
+    integral = np.cumsum(error) * record.dt
+    told = np.where(np.isfinite(record.feed_forward[:, i]), record.feed_forward[:, i], 0.0)
+    columns = np.stack([error, rate, integral - integral.mean(), -told], axis=1)
+    target = record.lift[:, i] - record.ref[:, i, 2]
+    known = np.isfinite(target)
+    return _Equation(target[known], columns[known], np.full(known.sum(), float(group)), record.t[known])
+
+
+def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Array) -> EstimatingRows:
+    """Return what the gains' intervals need; offsets are taken off as the mean of each group.
+
+    Huber's psi is the weighted residual; its slope is 1 where a row weighs fully, else 0.
+    """
+    columns = system.columns[:, [term for term in terms if term != OFFSET]].copy()
+    slope = (weight == 1.0).astype(np.float64)
+    seen = weight * np.copysign(np.maximum(np.abs(residual), RESOLUTION), residual)
+    stretches = []
+    for group in np.unique(system.group):
+        own = system.group == group
+        if OFFSET in terms:
+            columns[own] -= slope[own] @ columns[own] / max(slope[own].sum(), 1.0)
+        stretches.append(Stretch(int(group) // MOST_VEHICLES, system.t[own], seen[own]))
+    return EstimatingRows(columns, seen, slope, clusters(stretches, BLOCK))
+
+
+def _design(system: _Equation, terms: Sequence[int]) -> Array:
+    """Return the columns of `terms`, in their order, the offsets' last."""
+    plain = system.columns[:, [term for term in terms if term != OFFSET]]
+    if OFFSET not in terms:
+        return plain
+    own = system.group[:, None] == np.unique(system.group)
+    return np.concatenate((plain, own.astype(np.float64)), axis=1)
+
+
+def _is_needed(system: _Equation, terms: list[int], term: int) -> bool:
+    """Return whether leaving `term` out raises the weighted sum of squares by more than chance."""
+    if term != OFFSET and np.ptp(system.columns[:, term]) == 0.0:
+        return False
+    whole, less = _design(system, terms), _design(system, [other for other in terms if other != term])
+    _, weight = _robust(whole, system.target)
+    full, reduced = (_weighted_residual(design, system.target, weight) for design in (whole, less))
+    squares = float(full @ full)
+    rho = float(np.clip(full[1:] @ full[:-1] / max(squares, 1e-300), 0.0, 0.999))
+    extra = whole.shape[1] - less.shape[1]
+    freedom = max(weight.sum() * (1.0 - rho) / (1.0 + rho) - whole.shape[1], 1.0)
+    floor = max(squares, weight.sum() * RESOLUTION**2)
+    ratio = (float(reduced @ reduced) - squares) / floor * freedom / extra
+    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < NEEDED)
+
+
+def _robust(design: Array, target: Array) -> tuple[Array, Array]:
+    """Return the parameters and the Huber weight of every row, by reweighting."""
+    weight = np.ones_like(target)
+    scale = _scale(design)
+    scaled = design / scale
+    for _ in range(ROUNDS):
+        value = _solve(scaled, target, weight)
+        residual = np.abs(target - scaled @ value)
+        before, weight = weight, np.minimum(1.0, HUBER * _spread(residual) / np.maximum(residual, 1e-12))
+        if np.abs(weight - before).max() < SETTLED:
+            break
+    return value / scale, weight
+
+
+def _scale(design: Array) -> Array:
+    """Return the largest entry of each column; a column of zeros stays one."""
+    return np.asarray(np.maximum(np.abs(design).max(axis=0), 1e-12))
+
+
+def _solve(scaled: Array, target: Array, weight: Array) -> Array:
+    weighted = (weight[:, None] * scaled).T
+    return np.asarray(np.linalg.lstsq(weighted @ scaled, weighted @ target, rcond=None)[0])
+
+
+def _spread(residual: Array) -> float:
+    """Return the standard deviation by the median of absolutes; 1.4826 makes it that of a normal."""
+    return max(1.4826 * float(np.median(np.abs(residual))), RESOLUTION)
+
+
+def _weighted_residual(design: Array, target: Array, weight: Array) -> Array:
+    scaled = design / _scale(design)
+    return np.asarray(np.sqrt(weight) * (target - scaled @ _solve(scaled, target, weight)))

@@ -1,0 +1,114 @@
+"""Solve the altitude loop (14) exactly between samples, as the response to what drives it.
+
+With epsilon = z - z_ref the loop does not see the reference. Without lag, and with a thrust lag T,
+
+    epsilon'' = -K_d epsilon' - K_p epsilon + K_i xi + b + eta,   xi' = -epsilon
+    epsilon'' = delta + eta,   T delta' = -K_d epsilon' - K_p epsilon + K_i xi + b - delta - T z_ref'''
+
+so epsilon = free response (start, b, reference's jerk) + sum over k of h_(t-k) eta_k. h is the response to
+eta that is 1 at one sample and falls on lines to 0 at its neighbours: exact for eta linear between samples
+(matrix exponential; Van Loan, Computing integrals involving the matrix exponential, 1978).
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| epsilon | deviation | altitude minus reference [m] |
+| h | | response of epsilon to a unit of eta at one sample [s^2] |
+| Phi, Gamma0, Gamma1 | step | x_(k+1) = Phi x_k + Gamma0 u_k + Gamma1 u_(k+1) |
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+
+@dataclass(frozen=True, slots=True)
+class LoopStep:
+    """Exact step of one sample; inputs are eta, b and the reference's jerk."""
+
+    phi: Array
+    """(s, s), states epsilon, epsilon', xi, delta (s = 3 without lag)."""
+    gamma0: Array
+    """Of the inputs at the sample, (s, 3)."""
+    gamma1: Array
+    """Of the inputs at the next sample, (s, 3)."""
+
+
+def loop_step(loop: AltitudeLoop, dt: float) -> LoopStep:
+    """Return the exact step of a loop over dt [s] for inputs linear in between."""
+    a, b = _continuous(loop)
+    s, m = b.shape
+    block = np.zeros((s + 2 * m, s + 2 * m))
+    block[:s, :s], block[:s, s : s + m] = a * dt, b * dt
+    block[s : s + m, s + m :] = np.eye(m)
+    whole = expm(block)
+    gamma1 = whole[:s, s + m :]
+    phi = np.ascontiguousarray(whole[:s, :s])
+    return LoopStep(phi=phi, gamma0=whole[:s, s : s + m] - gamma1, gamma1=gamma1)
+
+
+def impulse_response(loop: AltitudeLoop, dt: float, length: int) -> Array:
+    """Return h [s^2], (length,)."""
+    step = loop_step(loop, dt)
+    push = np.zeros((length, step.phi.shape[0], 1))
+    push[:1, :, 0] = step.gamma0[:, 0]
+    return _march(step.phi, push, np.ascontiguousarray(step.gamma1[:, :1]))[:, 0]
+
+
+def free_response(loop: AltitudeLoop, dt: float, start: Array, jerk: Array) -> Array:
+    """Return epsilon [m], (T, n), of vehicles that no draft pushes.
+
+    Args:
+        loop: the loop; its offset b acts all the time.
+        dt: time between samples [s].
+        start: epsilon and epsilon' at the first sample [m], [m/s], (2, n).
+        jerk: third derivative of the altitude reference [m/s^3], (T, n).
+    """
+    step = loop_step(loop, dt)
+    state = np.zeros((step.phi.shape[0], start.shape[1]))
+    state[:2] = start
+    if loop.lag > 0.0:
+        state[3] = loop.offset - loop.k_d * start[1] - loop.k_p * start[0]  # thrust settled on its command
+    after = np.concatenate((jerk[1:], jerk[-1:]))
+    push = jerk[:, None] * step.gamma0[:, 2:] + after[:, None] * step.gamma1[:, 2:]  # (T, s, n)
+    push += (step.gamma0 + step.gamma1)[:, 1:2] * loop.offset
+    return _march(step.phi, push, state)
+
+
+def draft_response(loop: AltitudeLoop, dt: float, eta: Array) -> Array:
+    """Return epsilon [m], (T, n), that drafts eta [m/s^2], (T, n), cause in vehicles at rest before them."""
+    step = loop_step(loop, dt)
+    after = np.concatenate((eta[1:], eta[-1:]))
+    push = eta[:, None] * step.gamma0[:, :1] + after[:, None] * step.gamma1[:, :1]
+    return _march(step.phi, push, step.gamma1[:, :1] * eta[0])
+
+
+def _march_plain(phi: Array, push: Array, state: Array) -> Array:
+    """Return the first state of x_(k+1) = phi x_k + push_k, (T, n), from `state` (s, n)."""
+    first = np.empty((push.shape[0], state.shape[1]))
+    for k in range(push.shape[0]):
+        first[k] = state[0]
+        state = np.dot(phi, state) + push[k]
+    return first
+
+
+_march: Callable[[Array, Array, Array], Array] = compiled(_march_plain)
+
+
+def _continuous(loop: AltitudeLoop) -> tuple[Array, Array]:
+    """Return A (s, s) and B (s, 3) of the loop's differential equation."""
+    feedback = np.array([-loop.k_p, -loop.k_d, loop.k_i])
+    if loop.lag == 0.0:
+        a = np.array([[0.0, 1.0, 0.0], feedback, [-1.0, 0.0, 0.0]])
+        return a, np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    a = np.zeros((4, 4))
+    a[0, 1], a[1, 3], a[2, 0] = 1.0, 1.0, -1.0
+    a[3, :3], a[3, 3] = feedback / loop.lag, -1.0 / loop.lag
+    b = np.zeros((4, 3))
+    b[1, 0], b[3, 1], b[3, 2] = 1.0, 1.0 / loop.lag, -1.0
+    return a, b

@@ -1,0 +1,146 @@
+"""Learn the gains of the altitude loop from trajectories alone, (12)-(13): the paper's way, and exactly.
+
+    min over K_p, K_d >= 0 of sum over t, j of (z_j - zhat_j)^2,
+    zhat'' = z_ref'' + K_d (z_ref' - zhat') + K_p (z_ref - zhat)
+
+The paper minimises by Powell (xtol = ftol = 1e-8, Table 3) through an ODE solver. The loop is linear:
+`gains_from_trajectories` steps it exactly and minimises by Gauss-Newton, with offset, integral or lag.
+`is_better` says by an F test whether the terms of one fit were needed beyond another's.
+
+A trajectory tells gains only where something moves the vehicle: a start beside the reference, a step, a
+draft that has passed; else their intervals are all that is searched. It tells the loop as a whole: a thrust
+lag T lowers the K_d that is found by K_p T, and cannot be told from it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import least_squares, minimize
+from scipy.special import fdtrc
+
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.impulse_response import free_response
+from q2q_model.identification.intervals import (
+    Interval,
+    Stretch,
+    clusters,
+    intervals,
+    least_squares_rows,
+)
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+TOLERANCE = 1e-8
+"""xtol and ftol of Table 3."""
+BLOCK = 5.0
+"""Least length of a cluster of errors [s]: two thirds of the loop's swing."""
+FORBIDDEN = 1e12
+"""Loss of gains below zero [m^2]."""
+LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "offset": -5.0, "lag": 1e-3}
+HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "offset": 5.0, "lag": 0.5}
+START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "offset": 0.0, "lag": 0.05}
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectoryGains:
+    """Hold a loop fitted to trajectories."""
+
+    loop: AltitudeLoop
+    intervals: tuple[tuple[str, Interval], ...]
+    mse: Array
+    """Mean square error of each vehicle of each flight [m^2], (flights, n)."""
+    rows: float
+    """Independent residuals: those that hang together count as fewer."""
+
+
+def gains_from_trajectories(
+    records: Sequence[AltitudeRecord], options: Sequence[str] = ()
+) -> TrajectoryGains:
+    """Return the loop that explains measured altitudes; `options` among offset, k_i and lag."""
+    names = ["k_p", "k_d", *options]
+    bounds = (np.array([LOW[name] for name in names]), np.array([HIGH[name] for name in names]))
+    start = np.array([START[name] for name in names])
+    found = least_squares(
+        lambda x: np.concatenate([part.T.ravel() for part in _misses(records, _loop(names, x))]),
+        start,
+        bounds=bounds,
+        x_scale=np.maximum(np.abs(start), 0.05),
+    )
+    loop = _loop(names, found.x)
+    misses = _misses(records, loop)
+    stretches = [
+        Stretch(k, record.t, one)
+        for k, (record, miss) in enumerate(zip(records, misses, strict=True))
+        for one in miss.T
+    ]
+    rows = least_squares_rows(found.jac, found.fun, clusters(stretches, BLOCK))
+    spread = intervals(found.x, rows, (np.minimum(bounds[0], 0.0), bounds[1]))
+    rho = _correlation(misses)
+    return TrajectoryGains(
+        loop=loop,
+        intervals=tuple(zip(names, spread, strict=True)),
+        mse=np.stack([(miss**2).mean(axis=0) for miss in misses]),
+        rows=found.fun.size * (1.0 - rho) / (1.0 + rho),
+    )
+
+
+def gains_by_powell(records: Sequence[AltitudeRecord]) -> TrajectoryGains:
+    """Return the paper's fit: Powell's method through an adaptive ODE solver, K_p and K_d only."""
+
+    def loss(x: Array) -> float:
+        if (x < 0.0).any():
+            return FORBIDDEN
+        return sum(float((_solved(record, x) ** 2).sum()) for record in records)
+
+    found = minimize(
+        loss, [START["k_p"], START["k_d"]], method="Powell", options={"xtol": TOLERANCE, "ftol": TOLERANCE}
+    )
+    loop = _loop(["k_p", "k_d"], found.x)
+    unknown = tuple(
+        (name, Interval(float(x), float("nan"), float("nan")))
+        for name, x in zip(("k_p", "k_d"), found.x, strict=True)
+    )
+    mse = np.stack([(_solved(record, found.x) ** 2).mean(axis=0) for record in records])
+    return TrajectoryGains(loop=loop, intervals=unknown, mse=mse, rows=float("nan"))
+
+
+def is_better(more: TrajectoryGains, less: TrajectoryGains, level: float = 0.01) -> bool:
+    """Return whether the extra terms of `more` lower the sum of squares by more than chance."""
+    extra = len(more.intervals) - len(less.intervals)
+    freedom = max(more.rows - len(more.intervals), 1.0)
+    ratio = (less.mse.sum() - more.mse.sum()) / more.mse.sum() * freedom / extra
+    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < level)
+
+
+def _misses(records: Sequence[AltitudeRecord], loop: AltitudeLoop) -> list[Array]:
+    """Return z - zhat [m], (T, n), of every flight."""
+    return [
+        record.deviation - free_response(loop, record.dt, record.start, record.jerk) for record in records
+    ]
+
+
+def _solved(record: AltitudeRecord, gains: Array) -> Array:
+    """Return z - zhat [m], (T, n), by an adaptive solver at its default tolerance."""
+    k_p, k_d = gains
+    t, n = record.t, len(record.names)
+
+    def rate(when: float, state: Array) -> Array:
+        ref = np.stack([[np.interp(when, t, record.ref[:, i, k]) for i in range(n)] for k in range(3)])
+        z, v = state[:n], state[n:]
+        return np.concatenate((v, ref[2] + k_d * (ref[1] - v) + k_p * (ref[0] - z)))
+
+    start = np.concatenate((record.pos[0, :, 2], record.vel[0, :, 2]))
+    solved = solve_ivp(rate, (t[0], t[-1]), start, t_eval=t)
+    return np.asarray(record.pos[..., 2] - solved.y[:n].T)
+
+
+def _loop(names: Sequence[str], x: Array) -> AltitudeLoop:
+    values = {"k_p": 0.0, "k_d": 0.0} | dict(zip(names, (float(v) for v in x), strict=True))
+    return AltitudeLoop(**values)
+
+
+def _correlation(misses: Sequence[Array]) -> float:
+    along = sum(float((miss[1:] * miss[:-1]).sum()) for miss in misses)
+    return float(np.clip(along / max(sum(float((miss**2).sum()) for miss in misses), 1e-300), 0.0, 0.9999))

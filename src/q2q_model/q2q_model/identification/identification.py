@@ -1,0 +1,192 @@
+"""Go from recorded flights to gains, zone and interaction model: sections 2.2 to 3.2 in order.
+
+flights -> repaired records -> gains (12)-(13) -> thrust lag -> dev, alpha, beta, d -> candidates for eta
+-> held-out errors -> the model, fitted on all flights -> its zone |eta| >= threshold
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.level_set import LevelSet, level_set
+from q2q_model.files.model_file import Fit, ModelFile
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight_log import FlightLog
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.identification.deviation import DecayFit, fit_decay
+from q2q_model.identification.flight_evidence import FlightEvidence
+from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
+from q2q_model.identification.force.loading import loading_of
+from q2q_model.identification.force.recorded_force import (
+    is_force_log,
+    motion_of,
+    push_of_log,
+    push_of_sensors,
+)
+from q2q_model.identification.force.thrust_lag import thrust_lag
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
+from q2q_model.identification.gains.trajectory_gains import gains_from_trajectories
+from q2q_model.identification.intervals import Interval
+from q2q_model.identification.selection.candidates import (
+    Candidate,
+    Trial,
+    candidates,
+    fit_best,
+    remarks_on_networks,
+    spread_of,
+    try_out,
+    with_deviation,
+)
+from q2q_model.identification.selection.held_out import Score, score_on
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
+
+Tell = Callable[[str], None]
+
+FEED_FORWARD = "fa_ff"
+"""Column of a log with the force that the controller took off [N]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """One flight as read from a bag."""
+
+    flight: Flight
+    log: FlightLog | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ProcedureParams:
+    """Choices of the user."""
+
+    model_type: str = "auto"
+    threshold: float = 0.1
+    """|eta| on the learned zone's boundary [m/s^2]: 1 % of gravity, 5 cm after a second."""
+    vehicle: Vehicle = CRAZYFLIE_2_0
+
+
+@dataclass(frozen=True, slots=True)
+class Identification:
+    """Result of an identification."""
+
+    evidence: tuple[FlightEvidence, ...]
+    gains: GainFit
+    decay: DecayFit | None
+    trials: tuple[Trial, ...]
+    chosen: Candidate
+    train: Score
+    held_out: Score
+    spread: tuple[tuple[str, Interval], ...]
+    """Intervals of the model's parameters; none but for a jet."""
+    loading: Interval | None
+    """None where nobody flew under a vehicle that was itself under another."""
+    zone: LevelSet | None
+    file: ModelFile
+    remarks: tuple[str, ...]
+
+
+def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tell) -> Identification:
+    """Return gains, zone and model of flights; `tell` is given the name of each step as it begins.
+
+    Raises:
+        ValueError: the flights lack what a step needs; the message says which flight and what to record.
+    """
+    tell("records")
+    records = [recorded_altitudes(one, params.vehicle) for one in recordings]
+    tell("gains")
+    gains, remarks = _gains(records)
+    lag = thrust_lag([one.flight for one in recordings], params.vehicle) or params.vehicle.thrust_lag
+    loop = replace(gains.loop, lag=lag if gains.from_commands else 0.0)
+    tell("pushes")
+    pushes = [_pushes(one, params.vehicle, lag) for one in recordings]
+    evidence = [FlightEvidence(*pair) for pair in zip(records, pushes, strict=True)]
+    tell("zone")
+    decay, said = _decay(records)
+    said += remarks_on_networks(params.model_type, evidence)
+    trials, left_out = try_out(candidates(params.model_type, evidence, loop), evidence, loop, tell)
+    tell("final fit")
+    best, model, refused = fit_best(trials, evidence)
+    model = with_deviation(best.candidate, model, evidence)
+    zone, more = _learned_zone(model, params.threshold)
+    fit = Fit(
+        method=best.candidate.name,
+        flights=tuple(one.name for one in evidence),
+        train_mse_m2=(train := score_on(model, evidence, loop)).mse_m2,
+        heldout_mse_m2=best.held_out.mse_m2,
+        heldout_r2=best.held_out.r2,
+    )
+    return Identification(
+        evidence=tuple(evidence),
+        gains=gains,
+        decay=decay,
+        trials=tuple(trials),
+        chosen=best.candidate,
+        train=train,
+        held_out=best.held_out,
+        spread=spread_of(best.candidate, model, evidence, loop),
+        loading=loading_of(model, [one for flight in evidence for one in flight.pushes]),
+        zone=zone,
+        file=ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit),
+        remarks=(*remarks, *said, *left_out, *refused, *more),
+    )
+
+
+def recorded_altitudes(one: Recording, vehicle: Vehicle) -> AltitudeRecord:
+    """Return a flight's record; what its log says the controller took off counts as told."""
+    record = altitude_record(one.flight, vehicle)
+    if one.log is None or FEED_FORWARD not in one.log.columns:
+        return record
+    rows = np.clip(np.searchsorted(one.log.t, record.t - 0.5 * record.dt), 0, one.log.t.size - 1)
+    return replace(record, feed_forward=one.log.column(FEED_FORWARD)[rows] / vehicle.mass)
+
+
+def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:
+    """Return a flight's measured pushes, from its log or its sensors; None where it has neither."""
+    if one.log is not None and is_force_log(one.log):
+        return push_of_log(one.flight.name, one.log, motion_of(one.flight))
+    return push_of_sensors(one.flight, vehicle, lag)
+
+
+def _pushes(one: Recording, vehicle: Vehicle, lag: float) -> tuple[ForceSamples, ...]:
+    record = force_record(one, vehicle, lag)
+    return tuple(force_samples(record)) if record is not None else ()
+
+
+def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:
+    try:
+        return gains_from_commands(records), []
+    except ValueError as missing:
+        found = gains_from_trajectories(records)
+        spread = dict(found.intervals)
+        fit = GainFit(
+            loop=found.loop,
+            k_p=spread["k_p"],
+            k_d=spread["k_d"],
+            needs_offset=False,
+            needs_integral=False,
+            rms=float(found.mse.mean() ** 0.5),
+            from_commands=False,
+        )
+        return fit, [f"gains are from trajectories, drafts and lag included: {missing}"]
+
+
+def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str]]:
+    try:
+        decay = fit_decay(records)
+    except ValueError as missing:
+        return None, [f"no zone from dev: {missing}"]
+    flown = max(overlap.gap for overlap in decay.overlaps)
+    if decay.extrapolated:
+        return decay, [
+            f"d = {decay.d.value:.2f} m lies beyond the largest gap flown, {flown:.2f} m: it is extrapolated"
+        ]
+    return decay, []
+
+
+def _learned_zone(model: InteractionModel, threshold: float) -> tuple[LevelSet | None, list[str]]:
+    try:
+        return level_set(model, threshold), []
+    except ValueError as empty:
+        return None, [f"no zone from the learned draft, the paper's is kept: {empty}"]

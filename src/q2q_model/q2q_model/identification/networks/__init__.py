@@ -1,0 +1,1 @@
+"""Training of the paper's envelope networks (15), (16)."""

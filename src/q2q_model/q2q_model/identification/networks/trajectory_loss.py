@@ -1,0 +1,204 @@
+"""Give the training loss (16) and its exact gradient without solving a differential equation.
+
+    loss = sum over t, i of (z_i - zhat_i)^2,   zhat_i = z_free,i + (h * eta_i)
+    eta_i = sum over j of eta(dxy_ij, zhat_j - zhat_i)
+
+eta vanishes but for the few samples S in which a pair is near; h is the loop's impulse response
+(q2q_model.identification.gains.impulse_response). So with eta on S as the unknown
+
+    zhat_S = z_free,S + H eta        H = Toeplitz(h) on S: strictly causal, a fixed point in a few sweeps
+    loss_i = r'r - 2 q_i . eta_i + eta_i' G eta_i,  G = K'K, q = K'r, K = Toeplitz(h) from S to all samples
+
+and the gradient follows from the adjoint of the fixed point,
+lambda = 2 (G eta - q) + H' (d eta / d zhat)' lambda. Nothing is left out: the value is that of an exact
+solver with eta linear between samples.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| S | active | samples in which some pair is within reach |
+| r | | measured altitude minus free response [m] |
+| z_free | free | altitude without draft [m], on S |
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.downwash.envelope_network import EnvelopeNetwork
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, thinned
+from q2q_model.identification.gains.impulse_response import free_response, impulse_response
+from q2q_model.identification.networks.gradient import Evaluation, evaluate, pullback
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+WIDE = 6.0
+"""Widths of the envelope beyond which eta is zero: there it is 1.5e-8 of its peak [-]."""
+MOST_ACTIVE = 1000
+"""Samples of one flight that are solved at once: some 20 ms a loss. Longer encounters are thinned."""
+SETTLED = 1e-9
+"""Change of eta at which the fixed point is reached [m/s^2]: a nanometre of altitude at most."""
+SWEEPS = 60
+"""Most sweeps: H is strictly causal, and a loop slower than its encounters contracts by half or more."""
+
+Rows = NDArray[np.intp]
+
+
+class DivergingModelError(ValueError):
+    """Error for a model whose force grows as it is followed, so that no altitude solves it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """Terms of one flight in the loss."""
+
+    name: str
+    i: Rows
+    """Vehicle that feels, for each ordered pair, (p,)."""
+    j: Rows
+    """Vehicle that causes, (p,)."""
+    across: Array
+    """Horizontal distance [m], (S, p), measured."""
+    dz: Array
+    """Height of j above i [m], (S, p), measured."""
+    free: Array
+    """(S, n)."""
+    H: Array
+    G: Array
+    """(S, S)."""
+    q: Array
+    """(S, n)."""
+    rr: Array
+    """r'r [m^2], (n,)."""
+    ticks: int
+    """T."""
+
+
+@dataclass(frozen=True, slots=True)
+class LossValue:
+    """Value, gradient and parts of the loss."""
+
+    mse: Array
+    """Mean square error of each vehicle of each flight [m^2], (flights, n)."""
+    loss: float
+    """Mean over flights of the sum over vehicles [m^2]."""
+    gradient: Array
+    """By theta."""
+    etas: tuple[Array, ...]
+    """eta on the active samples of each flight: a start for the next, nearby evaluation."""
+
+
+def active_samples(record: AltitudeRecord, reach: tuple[float, float]) -> Rows:
+    """Return the samples in which some pair is within reach, (S,)."""
+    i, j = np.nonzero(~np.eye(len(record.names), dtype=np.bool_))
+    rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)
+    near = (np.hypot(rel[..., 0], rel[..., 1]) < reach[0]) & (np.abs(rel[..., 2]) < reach[1])
+    return np.nonzero(near.any(axis=1))[0]
+
+
+def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, float]) -> Passage:
+    """Return the loss's matrices for one flight, thinned to `MOST_ACTIVE` active samples where it has more.
+
+    Args:
+        record: the flight.
+        loop: the altitude loop of every vehicle.
+        reach: horizontal and vertical distance [m] beyond which eta is zero.
+    """
+    every = -(-active_samples(record, reach).size // MOST_ACTIVE)
+    record = thinned(record, every) if every > 1 else record
+    n = len(record.names)
+    i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
+    rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)
+    across, active = np.hypot(rel[..., 0], rel[..., 1]), active_samples(record, reach)
+    free = free_response(loop, record.dt, record.start, record.jerk)
+    r = record.deviation - free
+    h = impulse_response(loop, record.dt, record.t.size)
+    lag = np.arange(record.t.size)[:, None] - active
+    K = np.where(lag >= 0, h[lag], 0.0)  # (T, S)
+    return Passage(
+        name=record.name,
+        i=i,
+        j=j,
+        across=across[active],
+        dz=rel[active, :, 2],
+        free=(record.ref[..., 0] + free)[active],
+        H=K[active],
+        G=K.T @ K,
+        q=K.T @ r,
+        rr=(r * r).sum(axis=0),
+        ticks=record.t.size,
+    )
+
+
+def trajectory_loss(
+    model: EnvelopeNetwork, passages: Sequence[Passage], near: Sequence[Array] | None = None
+) -> LossValue:
+    """Return the loss of a model on flights, with its exact gradient.
+
+    Args:
+        model: the networks.
+        passages: the flights.
+        near: eta of a similar model, from which the fixed point is nearer.
+    """
+    starts = near or [_felt(one, evaluate(model, one.across.ravel(), one.dz.ravel()).eta) for one in passages]
+    solved = [_solve(model, one, start) for one, start in zip(passages, starts, strict=True)]
+    etas = tuple(_felt(one, at.eta) for one, at in zip(passages, solved, strict=True))
+    mse = np.stack([mean_square(one, eta) for one, eta in zip(passages, etas, strict=True)])
+    parts = [
+        pullback(model, at, _adjoint(one, at, eta)) / one.ticks
+        for one, at, eta in zip(passages, solved, etas, strict=True)
+    ]
+    gradient = np.asarray(np.sum(parts, axis=0) / len(passages))
+    return LossValue(mse=mse, loss=float(mse.sum(axis=1).mean()), gradient=gradient, etas=etas)
+
+
+def mean_square(one: Passage, eta: Array) -> Array:
+    """Return the mean square error of every vehicle's altitude [m^2], (n,), under eta (S, n)."""
+    squares = one.rr - 2.0 * (one.q * eta).sum(axis=0) + (eta * (one.G @ eta)).sum(axis=0)
+    return np.asarray(squares / one.ticks)
+
+
+def _solve(model: EnvelopeNetwork, one: Passage, eta: Array) -> Evaluation:
+    """Return the pairs' evaluation at the simulated heights, by sweeps from `eta` (S, n).
+
+    Raises:
+        DivergingModelError: the fixed point is not reached.
+    """
+    for _ in range(SWEEPS):
+        at = evaluate(model, one.across.ravel(), _heights(one, eta).ravel())
+        before, eta = eta, _felt(one, at.eta)
+        if eta.size == 0 or np.abs(eta - before).max() < SETTLED:
+            return at
+    raise DivergingModelError(f"flight {one.name}: the simulated altitudes do not settle in {SWEEPS} sweeps")
+
+
+def _adjoint(one: Passage, at: Evaluation, eta: Array) -> Array:
+    """Return the loss's derivative by each pair's eta, (S * p,), all that follows from it included."""
+    slope = at.slope.reshape(one.across.shape)
+    direct = 2.0 * (one.G @ eta - one.q)
+    adjoint = direct
+    for _ in range(SWEEPS):
+        before = adjoint
+        pushed = one.H.T @ (slope * adjoint[:, one.i])  # (S, p)
+        adjoint = direct.copy()
+        for k, (i, j) in enumerate(zip(one.i, one.j, strict=True)):
+            adjoint[:, j] += pushed[:, k]
+            adjoint[:, i] -= pushed[:, k]
+        if adjoint.size == 0 or np.abs(adjoint - before).max() <= 1e-9 * np.abs(adjoint).max():
+            break
+    return adjoint[:, one.i].ravel()
+
+
+def _heights(one: Passage, eta: Array) -> Array:
+    """Return simulated zhat_j - zhat_i [m], (S, p)."""
+    z = one.free + one.H @ eta
+    return np.asarray(z[:, one.j] - z[:, one.i])
+
+
+def _felt(one: Passage, of_pairs: Array) -> Array:
+    """Return the sum over causes, (S, n), of eta of pairs (S * p,)."""
+    eta = np.zeros_like(one.free)
+    for k, i in enumerate(one.i):
+        eta[:, i] += of_pairs.reshape(one.across.shape)[:, k]
+    return eta

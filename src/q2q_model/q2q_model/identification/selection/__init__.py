@@ -1,0 +1,1 @@
+"""Model selection by error on held-out flights."""

@@ -1,0 +1,209 @@
+"""List the interaction models that may explain flights, and pick one by its held-out error.
+
+The jet in several forms, and the paper's networks. Pushes are fitted where they were measured, else
+altitudes. A form with more freedom must lower the error on flights it has not seen by more than `MARGIN`, or
+the plainer one, which stands earlier in the list, is kept.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.downwash.envelope_network import EnvelopeNetwork
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.identification.flight_evidence import FlightEvidence, shows_draft
+from q2q_model.identification.force.jet_fit import (
+    JetFit,
+    JetForm,
+    fit_to_altitudes,
+    fit_to_pushes,
+    with_held_out_deviation,
+)
+from q2q_model.identification.intervals import Interval
+from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
+from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, passage
+from q2q_model.identification.selection.held_out import Fitter, Score, score_held_out
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+NETWORKS = "the paper's two networks"
+FAILURES = (ValueError, np.linalg.LinAlgError)
+"""What a candidate raises that cannot be fitted."""
+MARGIN = 0.02
+"""Relative gain in held-out error that pays for more freedom [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """Model family that may explain the flights."""
+
+    name: str
+    kind: str
+    """Model type, as in a model file."""
+    parameters: int
+    fit: Fitter
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """Candidate and its score on held-out flights."""
+
+    candidate: Candidate
+    held_out: Score
+
+
+FORMS = {
+    "jet, straight down, power law": JetForm("power", carried=0.0, delayed=False),
+    "jet, straight down, exponential": JetForm("exponential", carried=0.0, delayed=False),
+    "jet, late": JetForm("exponential", carried=0.0, delayed=True),
+    "jet, late and moving with its source": JetForm("exponential", carried=1.0, delayed=True),
+}
+
+
+def candidates(kind: str, flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
+    """Return the candidates of a kind: auto, jet or envelope_network; none where no draft can be seen.
+
+    Raises:
+        ValueError: an unknown kind.
+    """
+    kinds = {"auto": (_jets, _networks), "jet": (_jets,), "envelope_network": (_networks,)}
+    if kind not in kinds:
+        raise ValueError(f"unknown model type {kind!r}: choose one of {', '.join(kinds)}")
+    if not any(shows_draft(flight.record) for flight in flights):
+        return [Candidate("no draft: nobody flew under another", "none", 0, lambda _: NoInteraction())]
+    kept = kinds[kind]
+    if kind == "auto" and _long_encounters(flights):
+        kept = (_jets,)
+    return [one for made in kept for one in made(flights, loop)]
+
+
+def remarks_on_networks(kind: str, flights: Sequence[FlightEvidence]) -> list[str]:
+    """Return what long encounters mean for the networks: auto leaves them out, else flights are thinned."""
+    if kind == "jet" or not (long := _long_encounters(flights)):
+        return []
+    which = f"{', '.join(long)}: over {MOST_ACTIVE} samples with a pair in reach"
+    if kind == "auto":
+        return [
+            f"{NETWORKS}: not tried ({which}); --model-type envelope_network fits them in minutes, thinned"
+        ]
+    return [f"{NETWORKS}: fitted to thinned flights ({which})"]
+
+
+def try_out(
+    tried: Sequence[Candidate],
+    flights: Sequence[FlightEvidence],
+    loop: AltitudeLoop,
+    tell: Callable[[str], None],
+) -> tuple[list[Trial], list[str]]:
+    """Return how each candidate does on flights left out, and remarks on those that cannot be fitted.
+
+    `tell` is given each name before its turn.
+    """
+    trials: list[Trial] = []
+    remarks: list[str] = []
+    for candidate in tried:
+        tell(candidate.name)
+        try:
+            trials.append(Trial(candidate, score_held_out(candidate.fit, flights, loop)))
+        except FAILURES as failure:
+            remarks.append(f"{candidate.name}: left out, {failure}")
+    return trials, remarks
+
+
+def fit_best(
+    trials: Sequence[Trial], flights: Sequence[FlightEvidence]
+) -> tuple[Trial, InteractionModel, list[str]]:
+    """Return the best trial, its model of all flights, and remarks on better ones that cannot be fitted.
+
+    Raises:
+        ValueError: none can be fitted.
+    """
+    left = list(trials)
+    remarks: list[str] = []
+    while left:
+        best = best_of(left)
+        try:
+            return best, best.candidate.fit(flights), remarks
+        except FAILURES as failure:
+            remarks.append(f"{best.candidate.name}: left out, {failure}")
+            left.remove(best)
+    raise ValueError(f"no model can be fitted to these flights: {'; '.join(remarks)}")
+
+
+def best_of(trials: Sequence[Trial]) -> Trial:
+    """Return the trial with the least held-out error, the plainer where two are alike."""
+    best = trials[0]
+    for trial in trials[1:]:
+        if trial.held_out.badness < (1.0 - MARGIN) * best.held_out.badness:
+            best = trial
+    return best
+
+
+def fit_jet(
+    flights: Sequence[FlightEvidence], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
+) -> JetFit:
+    """Return the jet of a form, from pushes where every flight has some, else from altitudes.
+
+    `solved` is that jet where it is known already: then only its intervals are made.
+    """
+    pushes = [one for flight in flights for one in flight.pushes]
+    if any(one.exposed.any() for one in pushes):
+        return fit_to_pushes(pushes, form, solved)
+    return fit_to_altitudes([flight.record for flight in flights], loop, form, solved)
+
+
+def with_deviation(
+    found: Candidate, model: InteractionModel, flights: Sequence[FlightEvidence]
+) -> InteractionModel:
+    """Return a candidate's model with its deviation on flights left out, where it is a jet of pushes."""
+    pushes = [one for flight in flights for one in flight.pushes]
+    if found.name in FORMS and isinstance(model, Jet):
+        return with_held_out_deviation(model, pushes, FORMS[found.name])
+    return model
+
+
+def spread_of(
+    found: Candidate, model: InteractionModel, flights: Sequence[FlightEvidence], loop: AltitudeLoop
+) -> tuple[tuple[str, Interval], ...]:
+    """Return the intervals of the parameters of a candidate's model, by name; none but for a jet."""
+    if found.name not in FORMS or not isinstance(model, Jet):
+        return ()
+    return fit_jet(flights, loop, FORMS[found.name], model).intervals
+
+
+def _jets(flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
+    del flights
+    return [Candidate(name, "jet", _freedom(form), _jet_fitter(loop, form)) for name, form in FORMS.items()]
+
+
+def _freedom(form: JetForm) -> int:
+    return 4 + form.delayed + form.spreading
+
+
+def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
+    def fit(flights: Sequence[FlightEvidence]) -> InteractionModel:
+        return fit_jet(flights, loop, form).jet
+
+    return fit
+
+
+def _long_encounters(flights: Sequence[FlightEvidence]) -> list[str]:
+    """Return the names of flights with more samples than the networks' loss solves at once."""
+    reach = _reach(NetworkFitParams())
+    return [one.name for one in flights if active_samples(one.record, reach).size > MOST_ACTIVE]
+
+
+def _reach(params: NetworkFitParams) -> tuple[float, float]:
+    return WIDE * params.envelope.eps, WIDE * params.envelope.d
+
+
+def _networks(flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
+    params = NetworkFitParams()
+    passages = {one.name: passage(one.record, loop, _reach(params)) for one in flights}
+
+    def fit(chosen: Sequence[FlightEvidence]) -> EnvelopeNetwork:
+        return fit_networks([passages[one.name] for one in chosen], params)
+
+    return [Candidate(NETWORKS, "envelope_network", 322, fit)]

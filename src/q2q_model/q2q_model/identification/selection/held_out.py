@@ -1,0 +1,97 @@
+"""Score interaction models on flights they have not seen, whole flights at a time.
+
+Flights are dealt into folds; each fold is scored by the model fitted on the others. Two figures a role:
+
+    mse     mean square of z - z_free - (h * eta)      altitudes, loss (16)
+    r2      1 - sum (y - eta)^2 / sum y^2              pushes: lower on exposed rows, upper on upper rows
+            1 - mse / mse without draft                altitudes, where no pushes were measured
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.files.model_file import RoleScores
+from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
+from q2q_model.identification.force.along_flight import eta_along, eta_felt
+from q2q_model.identification.force.downwash_force import ForceSamples, Mask
+from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+MOST_FOLDS = 3
+"""Each fold costs a fit; three leave two thirds of the flights to fit on."""
+
+Fitter = Callable[[Sequence[FlightEvidence]], InteractionModel]
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Scores of a model on held-out flights."""
+
+    mse_m2: RoleScores
+    r2: RoleScores
+
+    @property
+    def badness(self) -> float:
+        """Return what selection minimises: what the model leaves unexplained of the lower vehicle."""
+        return 1.0 - self.r2.lower if self.r2.lower is not None else float("inf")
+
+
+@dataclass(frozen=True, slots=True)
+class _Sums:
+    """Sums of squares (missed, total) and counts, for the lower and the upper role."""
+
+    altitude: Array
+    """(2 roles, missed total count)."""
+    push: Array
+    """(2, missed total)."""
+
+
+def score_held_out(fit: Fitter, flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> Score:
+    """Return the score on flights left out of the fit; with one flight there is nothing to leave out."""
+    folds = min(MOST_FOLDS, len(flights))
+    if folds < 2:
+        return Score(RoleScores(), RoleScores())
+    parts = []
+    for k in range(folds):
+        model = fit([one for index, one in enumerate(flights) if index % folds != k])
+        parts += [_sums(model, one, loop) for one in flights[k::folds]]
+    return _score(parts)
+
+
+def score_on(model: InteractionModel, flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> Score:
+    """Return the score of a model on flights."""
+    return _score([_sums(model, one, loop) for one in flights])
+
+
+def _sums(model: InteractionModel, flight: FlightEvidence, loop: AltitudeLoop) -> _Sums:
+    record = flight.record
+    free = record.deviation - free_response(loop, record.dt, record.start, record.jerk)
+    missed = free - draft_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
+    altitude, push = np.zeros((2, 3)), np.zeros((2, 2))
+    for i, lower in enumerate(is_lower(record)):
+        altitude[0 if lower else 1] += [missed[:, i] @ missed[:, i], free[:, i] @ free[:, i], free.shape[0]]
+    for one in flight.pushes:
+        push[0] += _push_sums(model, one, one.exposed)
+        push[1] += _push_sums(model, one, one.upper)
+    return _Sums(altitude, push)
+
+
+def _push_sums(model: InteractionModel, one: ForceSamples, mask: Mask) -> Array:
+    rows = np.nonzero(mask)[0]
+    y = one.y[rows]
+    miss = y - eta_felt(model, one.motion, one.vehicle, rows)[:, 2]
+    return np.array([miss @ miss, y @ y])
+
+
+def _score(parts: Sequence[_Sums]) -> Score:
+    altitude, push = (
+        np.sum([getattr(part, name) for part in parts], axis=0) for name in ("altitude", "push")
+    )
+    mse = [float(a[0] / a[2]) if a[2] > 0.0 else None for a in altitude]
+    known = push if push[0, 1] > 0.0 else altitude[:, :2]
+    r2 = [float(1.0 - a[0] / a[1]) if a[1] > 0.0 else None for a in known]
+    return Score(RoleScores(*mse), RoleScores(*r2))

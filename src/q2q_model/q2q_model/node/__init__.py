@@ -1,0 +1,1 @@
+"""Node services without ROS: health, rehearsal, stopwatch, wiring."""

@@ -1,0 +1,1 @@
+"""Node shell: parameters, tick wiring, readiness, diagnostics, process."""

@@ -1,0 +1,44 @@
+"""Tell `/diagnostics` once a second how a node is doing."""
+
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from time import monotonic
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from q2q_model.node.health import Health, HealthReport, report
+from q2q_model.ros.node.steady_timer import steady_timer
+
+PERIOD_S = 1.0
+"""How often health is reported [s]; the custom of diagnostic_updater."""
+
+
+def publish_health(
+    node: Node, health: Health, facts: Callable[[], Mapping[str, str]] = dict[str, str]
+) -> None:
+    """Publish the node's health on `/diagnostics` every second of wall time, with what `facts` then says."""
+    publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+    last, told = [deepcopy(health)], [monotonic()]
+
+    def tell() -> None:
+        now = monotonic()
+        rate = (health.ticks - last[0].ticks) / max(now - told[0], 0.01 * PERIOD_S)
+        told[0] = now
+        health.extra |= {"rate_hz": f"{rate:.1f}", **facts()}
+        message = DiagnosticArray(status=[_status(node.get_fully_qualified_name(), report(last[0], health))])
+        message.header.stamp = node.get_clock().now().to_msg()
+        publisher.publish(message)
+        last[0] = deepcopy(health)
+
+    steady_timer(node, PERIOD_S, tell)
+
+
+def _status(name: str, graded: HealthReport) -> DiagnosticStatus:
+    return DiagnosticStatus(
+        level=bytes([graded.level]),
+        name=name,
+        message=graded.summary,
+        hardware_id="q2q",
+        values=[KeyValue(key=key, value=value) for key, value in graded.values.items()],
+    )

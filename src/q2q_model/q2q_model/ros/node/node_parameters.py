@@ -1,0 +1,100 @@
+"""Make a Params dataclass a node's ROS parameters: description, range, read-only, and live changes."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import Field, fields, replace
+from difflib import get_close_matches
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.exceptions import InvalidParameterValueException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from q2q_model.tunable import ParamsClass, Tunable, tunable_of, with_overrides
+
+P = TypeVar("P", bound=ParamsClass)
+
+UNBOUNDED = 1.7e308
+"""Stands for no bound in a FloatingPointRange, which has no other word for it."""
+
+
+def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False) -> P:
+    """Declare every field of `params` as a ROS parameter under a prefix; return what the user set.
+
+    With `in_flight`, those that are not read-only may change (`on_change` says to what); else none may.
+
+    Raises ValueError that names the parameter, the value and what is allowed.
+    """
+    values = {
+        entry.name: _declared(node, params, entry, prefix, in_flight=in_flight) for entry in fields(params)
+    }
+    return with_overrides(params, values)
+
+
+def refuse_undeclared(nodes: Iterable[Node]) -> None:
+    """Raise ValueError for a parameter that a user set and none of a process's nodes has declared.
+
+    Call it once they have declared theirs: ROS itself passes over a misspelt name in silence.
+    """
+    here = list(nodes)
+    known = {name for node in here for name in node.list_parameters([], 0).names}
+    given = {name for node in here for name in node._parameter_overrides}  # noqa: SLF001  (rclpy says it nowhere else)
+    for name in sorted(given - known):
+        near = get_close_matches(name, known, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(sorted(known))}"
+        raise ValueError(f"no parameter {name}; {hint}")
+
+
+def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "") -> None:
+    """Call `apply` with the new Params whenever parameters of `params` are set while flying."""
+    current = [params]
+    known = {prefix + entry.name: entry.name for entry in fields(params)}
+
+    def changed(updates: list[Parameter]) -> SetParametersResult:
+        overrides = {known[one.name]: _plain(one.value) for one in updates if one.name in known}
+        try:
+            current[0] = with_overrides(current[0], overrides)
+            apply(current[0])
+        except ValueError as refusal:
+            return SetParametersResult(successful=False, reason=str(refusal))
+        return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(changed)
+
+
+def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str, *, in_flight: bool) -> Any:  # noqa: ANN401
+    default = getattr(params, entry.name)
+    spec = tunable_of(entry)
+    spec = spec if in_flight else replace(spec, read_only=True)
+    plain = list(default) if isinstance(default, tuple) else default
+    if plain == []:
+        plain = Parameter.Type.STRING_ARRAY
+    try:
+        value = node.declare_parameter(prefix + entry.name, plain, _descriptor(spec, default)).value
+    except InvalidParameterValueException as refusal:
+        given = str(refusal).partition(" Reason")[0]
+        raise ValueError(f"parameter {prefix}{entry.name}: allowed is {spec.allowed}; {given}") from refusal
+    return default if value is None else _plain(value)
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401
+    return tuple(value) if not isinstance(value, bool | int | float | str) else value
+
+
+def _descriptor(spec: Tunable, default: Any) -> ParameterDescriptor:  # noqa: ANN401
+    unit = f" [{spec.unit}]" if spec.unit else ""
+    made = ParameterDescriptor(description=spec.description + unit, read_only=spec.read_only)
+    if isinstance(default, float) and (spec.low is not None or spec.high is not None):
+        low = -UNBOUNDED if spec.low is None else float(spec.low)
+        high = UNBOUNDED if spec.high is None else float(spec.high)
+        made.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+    elif isinstance(default, int) and not isinstance(default, bool) and spec.low is not None:
+        high_int = 2**62 if spec.high is None else int(spec.high)
+        made.integer_range = [IntegerRange(from_value=int(spec.low), to_value=high_int)]
+    made.additional_constraints = ", ".join(spec.choices)
+    return made

@@ -1,0 +1,152 @@
+"""Wire a block into the graph: join the inputs of a tick by stamp, update, publish under that stamp."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import Generic, TypeVar
+
+from rclpy.node import Node
+
+from q2q_model.compiled import COMPILED
+from q2q_model.node.health import Health
+from q2q_model.node.rehearsal import rehearse
+from q2q_model.node.stopwatch import Stopwatch
+from q2q_model.ros.node.bus_node import BusNode
+from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.topics.deadlines import promising, watch
+from q2q_model.ros.topics.listening import listener
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import TICK
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.local_bus import LocalBus
+from q2q_model.signals.signal_facts import facts
+from q2q_model.signals.tick_join import TickJoin
+from q2q_model.signals.values import Names
+from q2q_model.tunable import check_bounds, tunable
+
+Made = TypeVar("Made", bound=Signal)
+
+
+@dataclass(frozen=True, slots=True)
+class TickWriterParams:
+    """Parameters of every node that answers ticks."""
+
+    promise_s: float = tunable(
+        0.0,
+        "live: longest silence promised to readers, as DDS deadline and liveliness lease; 0 promises none",
+        unit="s",
+        low=0.0,
+        high=10.0,
+        read_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+class TickWiring(Generic[Made]):
+    """Subscriptions and publisher of one block, whose output is a Made."""
+
+    def __init__(
+        self, node: Node, inputs: Mapping[str, type[Signal]], output: tuple[str, type[Made]]
+    ) -> None:
+        self.health = Health()
+        self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
+        self._node = node
+        topic, signal = output
+        quality = promising(declare(node, TickWriterParams()).promise_s)
+        self._publisher = node.create_publisher(MESSAGES[signal], topic, quality)
+        self._inputs = inputs
+        self._after: list[Callable[[int, Made], None]] = []
+        self._topic = topic
+        self._bus = node.bus if isinstance(node, BusNode) else LocalBus(())
+        self._last: Made | None = None
+        self._compiled = 0
+        self._watch = Stopwatch(perf_counter)
+        self._more: list[Callable[[], Mapping[str, str]]] = []
+        publish_health(node, self.health, self._facts)
+
+    def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
+        """Run the block on made-up ticks and reset it, so that nothing is compiled or loaded in flight."""
+        rehearse(update, reset, self._inputs.values(), names)
+
+    def start(self, update: Callable[..., Made]) -> None:
+        """Subscribe to the inputs; every complete tick calls `update` with their signals, in their order."""
+        for topic, signal in self._inputs.items():
+            self._subscribe(topic, signal, update)
+
+    def then(self, follow: Callable[[int, Made], None]) -> None:
+        """Call `follow(stamp_ns, signal)` once a tick is published, off the critical path."""
+        self._after.append(follow)
+
+    def publish(self, stamp_ns: int, signal: Made) -> None:
+        """Publish a signal under a stamp: first to listeners within the process, if it has a bus."""
+        self._bus.post(self._topic, stamp_ns, signal, partial(self._tell_world, stamp_ns, signal))
+
+    def hear(self, topic: str, take: Callable[[int, Signal], None]) -> None:
+        """Call `take(stamp_ns, signal)` for every message of an input, of incomplete ticks, too."""
+        self._bus.listen(topic, take)
+
+    def on_silence(self, within_s: float, act: Callable[[], None]) -> None:
+        """Call `act` when a promising writer of an input in another process is silent or gone."""
+        for topic, signal in self._inputs.items():
+            if not self._bus.carries(topic):
+                watch(self._node, topic, signal, within_s, act)
+
+    def tell(self, more: Callable[[], Mapping[str, str]]) -> None:
+        """Have `/diagnostics` say what `more()` returns, too; it is asked once a second."""
+        self._more.append(more)
+
+    def _facts(self) -> Mapping[str, str]:
+        told: dict[str, str] = {}
+        if self._last is not None:
+            told |= {**facts(self._last), **self._watch.laps_told()}
+        for more in self._more:
+            told |= more()
+        return told
+
+    def _tell_compilations(self) -> None:
+        """Warn of code that was compiled since the first tick: the rehearsals and set-up missed it."""
+        if len(COMPILED) > self._compiled:
+            late = ", ".join(COMPILED[self._compiled :])
+            self._node.get_logger().warning(f"compiled in flight: {late}; run scripts/setup")
+            self._compiled = len(COMPILED)
+
+    def _tell_world(self, stamp_ns: int, signal: Made) -> None:
+        self._publisher.publish(encode(signal, stamp_ns))
+
+    def _conclude(self, stamp_ns: int, signal: Made) -> None:
+        self._tell_world(stamp_ns, signal)
+        for follow in self._after:
+            follow(stamp_ns, signal)
+
+    def _subscribe(self, topic: str, signal: type[Signal], update: Callable[..., Made]) -> None:
+        def take(stamp_ns: int, value: Signal) -> None:
+            try:
+                self._receive(topic, stamp_ns, value, update)
+            except ValueError as refusal:
+                self.health.refuse(f"{topic}: {refusal}")
+
+        self._bus.listen(topic, take)
+        if self._bus.admits(topic):
+            receive = listener(topic, signal, partial(self._bus.post, topic), self.health)
+            self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
+
+    def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Callable[..., Made]) -> None:
+        values = self._join.put(topic, stamp_ns, value)
+        self.health.missed = self._join.missed
+        if values is None:
+            return
+        if self._last is None:
+            self._compiled = len(COMPILED)
+        self._watch.restart()
+        made = update(*values)
+        self._watch.lap()
+        self._tell_compilations()
+        self._last = made
+        self.health.ticks += 1
+        self._bus.post(self._topic, stamp_ns, made, partial(self._conclude, stamp_ns, made))

@@ -1,0 +1,1 @@
+"""Topics: message types, qualities of service, deadlines, publishers of each vehicle."""

@@ -1,0 +1,17 @@
+"""Name the message class of each signal, and make headers."""
+
+from builtin_interfaces.msg import Time
+from q2q_msgs import msg as q2q_msg
+from std_msgs.msg import Header
+
+from q2q_model.signals.cdr import NANOSECONDS, WORLD
+from q2q_model.signals.layout import LAYOUTS
+
+MESSAGES: dict[type, type] = {signal: getattr(q2q_msg, layout.message) for signal, layout in LAYOUTS.items()}
+"""The message class of each signal class."""
+
+
+def header_at(stamp_ns: int) -> Header:
+    """Return a header in the world frame with this stamp."""
+    sec, nanosec = divmod(stamp_ns, NANOSECONDS)
+    return Header(stamp=Time(sec=sec, nanosec=nanosec), frame_id=WORLD)

@@ -1,0 +1,60 @@
+"""Hold the publishers of topics that every vehicle has, as `<name>/pose`.
+
+Making one takes a millisecond, and every participant hears of it: those of vehicles that are known are made
+before flight, those of vehicles that appear one vehicle a tick; none where the rate is 0.
+"""
+
+from collections.abc import Mapping
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from q2q_model.signals.decimation import Decimation
+from q2q_model.signals.values import Names
+
+QUEUE = 10
+
+
+class VehiclePublishers:
+    """One publisher a vehicle and topic, and when each is due."""
+
+    def __init__(self, node: Node, topics: Mapping[str, type], rate_hz: float, names: Names = ()) -> None:
+        """Publish on `<name>/<topic>` messages of the class of each topic.
+
+        Args:
+            node: whose publishers they are.
+            topics: name and message class of each.
+            rate_hz: largest rate [Hz]; 0 is none.
+            names: vehicles that are known already.
+        """
+        self._node = node
+        self._topics = topics if rate_hz > 0.0 else {}
+        self._due = Decimation(rate_hz)
+        self._made: dict[str, tuple[Publisher, ...]] = {}
+        self._met: Names = ()
+        for name in names:
+            self._make(name)
+
+    def due(self, t: float, names: Names) -> bool:
+        """Return whether these vehicles are to be published at t [s]; new ones may have to wait for it."""
+        self.meet(names)
+        return self._due(t)
+
+    def meet(self, names: Names) -> None:
+        """Make the publishers of the first of these vehicles that has none."""
+        if names == self._met:
+            return
+        new = next((name for name in names if name not in self._made), None)
+        if new is None:
+            self._met = names
+        else:
+            self._make(new)
+
+    def read(self, name: str) -> tuple[Publisher, ...]:
+        """Return a vehicle's publishers in the order of the topics; none where nobody reads them, or yet."""
+        made = self._made.get(name, ())
+        return made if any(one.get_subscription_count() for one in made) else ()
+
+    def _make(self, name: str) -> None:
+        make = self._node.create_publisher
+        self._made[name] = tuple(make(kind, f"{name}/{topic}", QUEUE) for topic, kind in self._topics.items())

@@ -1,0 +1,63 @@
+"""Publish each vehicle's state for the rest of the ROS world: `<name>/pose` and `<name>/odom`."""
+
+from geometry_msgs.msg import (
+    Point,
+    Pose,
+    PoseStamped,
+    PoseWithCovariance,
+    Quaternion,
+    Twist,
+    TwistWithCovariance,
+    Vector3,
+)
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from std_msgs.msg import Header
+
+from q2q_model.geometry.rotations import rotate_inverse
+from q2q_model.ros.topics.messages import header_at
+from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
+from q2q_model.signals.values import Array, Names, SwarmState
+
+
+class VehicleTopics:
+    """Publishers of per-vehicle topics."""
+
+    def __init__(self, node: Node, rate_hz: float, names: Names) -> None:
+        """Publish at most so often [Hz]; `names` are the vehicles that are known already."""
+        self._writers = VehiclePublishers(node, {"pose": PoseStamped, "odom": Odometry}, rate_hz, names)
+
+    def publish(self, stamp_ns: int, state: SwarmState) -> None:
+        """Publish pose and odometry of every vehicle, at most `rate_hz` times a second."""
+        if not self._writers.due(state.t, state.names):
+            return
+        vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), as Odometry's child frame asks
+        for row, name in enumerate(state.names):
+            if not (read := self._writers.read(name)):
+                continue
+            pose, odom = read
+            header = header_at(stamp_ns)
+            where = _pose(state.pos[row], state.quat[row])
+            pose.publish(PoseStamped(header=header, pose=where))
+            odom.publish(_odometry(header, name, where, _twist(vel_body[row], state.ang_vel_body[row])))
+
+
+def _pose(pos: Array, quat: Array) -> Pose:
+    x, y, z = pos.tolist()
+    qx, qy, qz, qw = quat.tolist()
+    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+
+
+def _twist(vel_body: Array, ang_vel_body: Array) -> Twist:
+    vx, vy, vz = vel_body.tolist()
+    p, q, r = ang_vel_body.tolist()
+    return Twist(linear=Vector3(x=vx, y=vy, z=vz), angular=Vector3(x=p, y=q, z=r))
+
+
+def _odometry(header: Header, name: str, pose: Pose, twist: Twist) -> Odometry:
+    return Odometry(
+        header=header,
+        child_frame_id=name,
+        pose=PoseWithCovariance(pose=pose),
+        twist=TwistWithCovariance(twist=twist),
+    )

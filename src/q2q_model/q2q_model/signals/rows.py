@@ -1,0 +1,121 @@
+"""Hold many signals of one kind as arrays over time, and read them from message bytes all at once.
+
+Messages of the same length whose bytes differ in nothing but stamp and numbers hold the same names in the
+same places. So the first is read and checked by q2q_model.signals.cdr, and the numbers of all are cut out of
+one matrix of bytes. What is alone in its kind is read one by one.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.cdr import NAMES_AT, NANOSECONDS, START, SignalReader
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.values import Array, Names
+
+MOST_KINDS = 8
+"""Kinds of one length that are looked for; a recording with more is read message by message."""
+
+Rows = NDArray[np.intp]
+Values = NDArray[np.float64 | np.uint8]
+
+
+@dataclass(frozen=True, slots=True)
+class SignalRows:
+    """Signals of a recording that have the same names."""
+
+    names: Names
+    t: Array
+    """Stamps [s], (T,)."""
+    values: Mapping[str, Values]
+    """Attribute of the signal -> (T, n) or (T, n, width)."""
+    place: Rows
+    """Which signals of the recording they are, (T,)."""
+
+
+def rows_of_signals(signals: Sequence[Signal], place: Sequence[int] | None = None) -> list[SignalRows]:
+    """Return the rows of signals of one kind; `place` says which they are of a longer recording."""
+    places = range(len(signals)) if place is None else place
+    groups: dict[Names, list[tuple[int, Signal]]] = {}
+    for where, signal in zip(places, signals, strict=True):
+        groups.setdefault(signal.names, []).append((where, signal))
+    return [_stacked(names, group) for names, group in groups.items()]
+
+
+def rows_of_messages(messages: Sequence[bytes], kind: type[Signal]) -> list[SignalRows]:
+    """Return the rows of the messages of one kind of signal, in bytes.
+
+    Raises:
+        BadMessageError: a message that does not fit its kind.
+    """
+    lengths: dict[int, list[int]] = {}
+    for place, message in enumerate(messages):
+        lengths.setdefault(len(message), []).append(place)
+    return [rows for places in lengths.values() for rows in _of_one_length(messages, np.array(places), kind)]
+
+
+def _of_one_length(messages: Sequence[bytes], places: Rows, kind: type[Signal]) -> Iterator[SignalRows]:
+    for _ in range(MOST_KINDS):
+        if places.size < 2:
+            break
+        table = np.frombuffer(b"".join(messages[place] for place in places), np.uint8)
+        table = table.reshape(places.size, -1)
+        rows, alike = _like_first(table, messages[places[0]], kind)
+        yield _placed(rows, places[alike])
+        places = places[~alike]
+    if places.size:
+        reader: SignalReader[Signal] = SignalReader(kind)
+        yield from rows_of_signals([reader.read(messages[place]) for place in places], places.tolist())
+
+
+def _placed(rows: SignalRows, place: Rows) -> SignalRows:
+    return SignalRows(rows.names, rows.t, rows.values, place)
+
+
+def _like_first(
+    table: NDArray[np.uint8], first: bytes, kind: type[Signal]
+) -> tuple[SignalRows, NDArray[np.bool_]]:
+    """Return the rows whose numbers lie where the first has them, and which rows of the table these are."""
+    signal = SignalReader[Signal](kind).read(first)
+    arrays = {column.attribute: getattr(signal, column.attribute) for column in LAYOUTS[kind].columns}
+    begin = np.frombuffer(first, np.uint8).ctypes.data
+    spans = {
+        name: slice(at, at + one.nbytes)
+        for name, one in arrays.items()
+        if one.size and (at := one.ctypes.data - begin) >= 0  # the reader's arrays are views of the bytes
+    }
+    fixed = np.ones(table.shape[1], dtype=np.bool_)
+    fixed[START:NAMES_AT] = False
+    for span in spans.values():
+        fixed[span] = False
+    alike = np.asarray((table[:, fixed] == table[0, fixed]).all(axis=1))
+    chosen = table[alike]
+    values = {
+        name: np.ascontiguousarray(chosen[:, spans[name]]).view(one.dtype).reshape(-1, *one.shape)
+        if name in spans
+        else np.zeros((chosen.shape[0], *one.shape), one.dtype)
+        for name, one in arrays.items()
+    }
+    return SignalRows(signal.names, _stamps(chosen), values, np.nonzero(alike)[0]), alike
+
+
+def _stamps(table: NDArray[np.uint8]) -> Array:
+    """Return the stamps [s] of messages, by the same roundings as reading them one by one."""
+    words = np.ascontiguousarray(table[:, START:NAMES_AT])
+    sec, nanosec = words.view("<i4")[:, 0].astype(np.int64), words.view("<u4")[:, 1].astype(np.int64)
+    return np.asarray((sec * NANOSECONDS + nanosec) * 1e-9)
+
+
+def _stacked(names: Names, group: Sequence[tuple[int, Signal]]) -> SignalRows:
+    signals = [signal for _, signal in group]
+    return SignalRows(
+        names=names,
+        t=np.array([signal.t for signal in signals]),
+        values={
+            column.attribute: np.stack([getattr(signal, column.attribute) for signal in signals])
+            for column in LAYOUTS[type(signals[0])].columns
+        },
+        place=np.array([where for where, _ in group], dtype=np.intp),
+    )

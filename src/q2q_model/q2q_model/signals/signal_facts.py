@@ -1,0 +1,93 @@
+"""Say in a few words what a signal holds, for `/diagnostics`: read once a second, so never on a tick's way.
+
+| signal | facts |
+|---|---|
+| SwarmState | vehicles, how many coast or are lost, oldest age, smallest separation |
+| SwarmSetpoint | vehicles, smallest separation asked for |
+| Interference | largest draft, how many vehicles lean on stale sources or on no model |
+| SwarmCommand | how many vehicles are saturated, and how many are in fallback |
+"""
+
+from collections.abc import Mapping
+from functools import singledispatch
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import (
+    Array,
+    CommandStatus,
+    Interference,
+    InterferenceStatus,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+)
+
+
+@singledispatch
+def facts(signal: Signal) -> Mapping[str, str]:
+    """Return what a signal holds, by name; nothing for a signal without facts."""
+    del signal
+    return {}
+
+
+@facts.register
+def _(signal: SwarmState) -> Mapping[str, str]:
+    seen = signal.status != TrackStatus.LOST
+    return {
+        "vehicles": str(len(signal.names)),
+        "coasting": _count(signal.status == TrackStatus.COASTING),
+        "lost": _count(~seen),
+        "age_max_s": _number(float(signal.age.max(initial=0.0))),
+        "separation_m": _number(smallest_separation(signal.pos[seen])),
+    }
+
+
+@facts.register
+def _(signal: SwarmSetpoint) -> Mapping[str, str]:
+    separation = smallest_separation(signal.pos)
+    return {"vehicles": str(len(signal.names)), "separation_m": _number(separation)}
+
+
+@facts.register
+def _(signal: Interference) -> Mapping[str, str]:
+    largest = float(np.linalg.norm(signal.acc, axis=-1).max(initial=0.0))
+    return {
+        "draft_max_m_s2": _number(largest),
+        "stale_sources": _count(signal.status == InterferenceStatus.STALE_SOURCE),
+        "no_model": _count(signal.status == InterferenceStatus.NO_MODEL),
+    }
+
+
+@facts.register
+def _(signal: SwarmCommand) -> Mapping[str, str]:
+    return {
+        "saturated": _count(signal.status == CommandStatus.SATURATED),
+        "in_fallback": _count(signal.status >= CommandStatus.HOLD),
+    }
+
+
+def smallest_separation(pos: Array) -> float:
+    """Return the smallest distance between two vehicles at pos [m], (n, 3); infinite for fewer than two."""
+    seen = pos[np.isfinite(pos).all(axis=1)]
+    if len(seen) < 2:
+        return float("inf")
+    centred = seen - seen.mean(axis=0)
+    squares = np.sum(centred * centred, axis=1)
+    gaps = (
+        squares[:, None] + squares - 2.0 * centred @ centred.T
+    )  # squared; rounded, so only to find the pair
+    np.fill_diagonal(gaps, np.inf)
+    i, j = np.unravel_index(np.argmin(gaps), gaps.shape)
+    return float(np.linalg.norm(seen[i] - seen[j]))
+
+
+def _count(which: NDArray[np.bool_]) -> str:
+    return str(int(np.count_nonzero(which)))
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}"

@@ -1,0 +1,108 @@
+"""Identify a model from recorded flights, with a bar for the steps, a report and pictures."""
+
+import json
+import time
+from argparse import Namespace
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from threadpoolctl import threadpool_limits
+
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_file import save
+from q2q_model.files.plain_values import Plain, PlainValueError, to_plain
+from q2q_model.identification.identification import Identification, ProcedureParams, identify
+from q2q_model.tools.bag_vehicle import common_vehicle
+from q2q_model.tools.identify_report import report, summary
+from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
+
+STEPS = 12
+"""Steps of a run with all candidates; the bar is a guide, not a promise."""
+
+
+def run(given: Namespace) -> int:
+    """Identify what is asked for; write and print what was found; return the exit status."""
+    if given.live:
+        return _refine_live(given.model, vehicle_by_name(given.vehicle or DEFAULT_VEHICLE), given.out)
+    with threadpool_limits(1, user_api="blas"):  # the matrices are small: more threads only wait
+        found, seconds = _run(given, Console(stderr=True))
+    save(given.out, found.file)
+    wanted = given.json or given.out.with_suffix(".json")
+    wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
+    pictures = [] if given.no_plots else _draw(found, wanted.with_suffix(""))
+    print(summary(found))
+    print(f"model: {given.out}\nreport: {wanted}")
+    for picture in pictures:
+        print(f"plot: {picture}")
+    return 0
+
+
+def _refine_live(model: str, vehicle: Vehicle, out: Path) -> int:
+    base = find_model(model)
+    from q2q_model.ros.live_identification import refine_live  # needs a sourced ROS, which bags do not
+
+    refine_live(base, vehicle, out)
+    print(f"model: {out}")
+    return 0
+
+
+def _params(given: Namespace, vehicle: Vehicle) -> ProcedureParams:
+    return ProcedureParams(model_type=given.model_type, threshold=given.threshold, vehicle=vehicle)
+
+
+@dataclass(slots=True)
+class _Steps:
+    """Hold how long each step took, on the bar and for the report."""
+
+    progress: Progress
+    seconds: dict[str, float] = field(default_factory=dict)
+    began: float = field(default_factory=time.process_time)
+    name: str = ""
+
+    def tell(self, name: str) -> None:
+        """Begin a step."""
+        self._close()
+        self.name, self.began = name, time.process_time()
+        for task in self.progress.task_ids:
+            self.progress.update(task, description=name, advance=1)
+
+    def _close(self) -> None:
+        if self.name:
+            self.seconds[self.name] = time.process_time() - self.began
+
+    def finish(self) -> dict[str, float]:
+        """Return the CPU seconds of every step."""
+        self._close()
+        return self.seconds
+
+
+def _run(given: Namespace, console: Console) -> tuple[Identification, dict[str, float]]:
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        progress.add_task("read", total=STEPS)
+        steps = _Steps(progress)
+        steps.tell("read")
+        kept, left_out = bags_among(given.bags)
+        flown = common_vehicle(kept, given.vehicle)
+        recordings, repairs = read_recordings(kept, topic_map(given.topics))
+        found = identify(recordings, _params(given, flown.vehicle), steps.tell)
+        mended = [f"mended: {repair}" for repair in repairs]
+        for note in [*left_out, *filter(None, [flown.note]), *mended]:
+            progress.console.print(f"identify: {note}", highlight=False)
+        return found, steps.finish()
+
+
+def _as_json(found: Identification, seconds: dict[str, float]) -> Plain:
+    try:
+        return to_plain(report(found, seconds))
+    except PlainValueError as wrong:
+        raise ValueError(f"the report holds a number that is none: {wrong}") from wrong
+
+
+def _draw(found: Identification, folder: Path) -> list[Path]:
+    from q2q_model.tools.identify_figures import draw_all
+
+    return draw_all(found, folder)

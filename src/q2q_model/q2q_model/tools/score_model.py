@@ -1,0 +1,57 @@
+"""Score an interaction model against recorded flights, each and together."""
+
+import json
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from q2q_model.files.find_model import find_model
+from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, score
+from q2q_model.identification.force.thrust_lag import thrust_lag
+from q2q_model.identification.identification import Recording, force_record
+from q2q_model.tools.bag_vehicle import common_vehicle
+from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
+from q2q_model.vehicle.constants import Vehicle
+
+
+def run(given: Namespace) -> int:
+    """Score the model, print and write the scores; return the exit status."""
+    law = find_model(given.model).interaction
+    bags, left_out = bags_among(given.bags)
+    recordings, repairs = read_recordings(bags, topic_map(given.topics))
+    flown = common_vehicle(bags, given.vehicle)
+    samples = _samples(recordings, flown.vehicle)
+    scores = {name: score(law, found) for name, found in samples.items()}
+    pooled = score(law, [one for found in samples.values() for one in found])
+    text = {"flights": {name: asdict(one) for name, one in scores.items()}, "pooled": asdict(pooled)}
+    if given.json:
+        given.json.write_text(json.dumps(text, indent=1) + "\n")
+    for note in [*left_out, *filter(None, [flown.note]), *(f"mended: {repair}" for repair in repairs)]:
+        print(f"evaluate: {note}", file=sys.stderr)
+    for name, one in scores.items():
+        print(_line(name, one))
+    print(_line("pooled", pooled))
+    return 0
+
+
+def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
+    lag = thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
+    found: dict[str, list[ForceSamples]] = {}
+    for one in recordings:
+        record = force_record(one, vehicle, lag)
+        if record is None:
+            print(f"evaluate: {one.flight.name} shows no pushes: not scored", file=sys.stderr)
+        found[one.flight.name] = [] if record is None else force_samples(record)
+    if not any(found.values()):
+        raise ValueError(
+            "no flight shows pushes: record imu and command, or a log with faz_est, gap and pwm1-4"
+        )
+    return found
+
+
+def _line(name: str, one: ForceScore) -> str:
+    if one.r2_exposed is None:
+        return f"{name:32} no sample lies under another vehicle"
+    upper = "" if one.mean_upper_mps2 is None else f", upper {one.mean_upper_mps2:+.3f} m/s^2"
+    return f"{name:32} R2 {one.r2_exposed:6.3f}, rmse {one.rmse_exposed_mps2:.3f} m/s^2, n {one.n}{upper}"

@@ -1,0 +1,1 @@
+"""Piecewise polynomial trajectories: evaluation, files, energy, bounds, flatness."""

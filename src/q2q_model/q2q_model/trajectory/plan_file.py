@@ -1,0 +1,166 @@
+"""Write a plan to one JSON file and read it back, number for number.
+
+The file holds names, durations and coefficients (shortest decimal that reads back as the same float), what
+the plan was checked against and what it costs. It is data only: reading one runs no code. This file and no
+other of the planner touches the disk.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import nan
+from pathlib import Path
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
+
+FORMAT = "q2q_plan"
+VERSION = 1
+
+LARGEST = 1e30
+"""Largest coefficient: 1e4 m within the shortest piece, 1 ms, to the 7th power, and some."""
+
+REMEDY = "write one with `ros2 run q2q_planner plan`"
+
+
+@dataclass(frozen=True, slots=True)
+class PlanFacts:
+    """Facts about a plan beside its curves; NaN where unknown."""
+
+    zone: str = "none"
+    """The zone that pairs were kept out of, in words."""
+    snap_cost: float = nan
+    """Cost (18) of the plan."""
+    snap_infimum: float = nan
+    """The same without avoidance."""
+    clearance: float = nan
+    """Least signed distance of any pair to the zone over all t [m]."""
+
+
+def encode(plan: SwarmPlan, facts: PlanFacts | None = None) -> str:
+    """Return the plan as JSON text."""
+    known = facts or PlanFacts()
+    vehicles = [
+        {"name": name, "durations": curve.durations.tolist(), "coefficients": curve.coefficients.tolist()}
+        for name, curve in zip(plan.names, plan.trajectories, strict=True)
+    ]
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "axes": "x y z [m], yaw [rad]; ascending powers of the time [s] since the piece's start",
+        "certified": plan.certified,
+        "zone": known.zone,
+        "snap_cost": _or_null(known.snap_cost),
+        "snap_infimum": _or_null(known.snap_infimum),
+        "clearance_m": _or_null(known.clearance),
+        "vehicles": vehicles,
+    }
+    return json.dumps(document, allow_nan=False)
+
+
+def decode(text: str, source: str = "plan") -> tuple[SwarmPlan, PlanFacts]:
+    """Return the plan and its facts from JSON text.
+
+    Raises:
+        ValueError: naming `source`, what was found and what is expected.
+    """
+    try:
+        document = _mapping(json.loads(text), "the file")
+        _check_format(document)
+        rows = _list(document.get("vehicles"), "vehicles")
+        named = [_vehicle(row, index) for index, row in enumerate(rows)]
+        certified = document.get("certified")
+        if not isinstance(certified, bool):
+            raise ValueError(f"certified = {certified!r}: expected true or false")  # noqa: TRY301, TRY004
+        plan = SwarmPlan(tuple(name for name, _ in named), tuple(curve for _, curve in named), certified)
+        facts = _facts(document)
+    except (ValueError, OverflowError, RecursionError) as error:  # a JSONDecodeError is a ValueError
+        raise ValueError(f"{source} is no plan: {error}; {REMEDY}") from error
+    return plan, facts
+
+
+def _facts(document: Mapping[str, object]) -> PlanFacts:
+    return PlanFacts(
+        zone=str(document.get("zone", "none")),
+        snap_cost=_fact(document, "snap_cost"),
+        snap_infimum=_fact(document, "snap_infimum"),
+        clearance=_fact(document, "clearance_m"),
+    )
+
+
+def save(path: Path, plan: SwarmPlan, facts: PlanFacts | None = None) -> None:
+    """Write the plan to a file."""
+    path.write_text(encode(plan, facts) + "\n", encoding="utf-8")
+
+
+def load(path: Path) -> SwarmPlan:
+    """Read a plan from a file; raise as `load_with_facts`."""
+    return load_with_facts(path)[0]
+
+
+def load_with_facts(path: Path) -> tuple[SwarmPlan, PlanFacts]:
+    """Read a plan from a file, with what is known of it.
+
+    Raises:
+        ValueError: where the file is absent, unreadable or no plan.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path} cannot be read as a plan: {error}") from error
+    return decode(text, str(path))
+
+
+def _check_format(document: Mapping[str, object]) -> None:
+    given = document.get("format"), document.get("version")
+    if given != (FORMAT, VERSION):
+        raise ValueError(f"format and version are {given}, expected {(FORMAT, VERSION)}")
+
+
+def _vehicle(row: object, index: int) -> tuple[str, Trajectory]:
+    entry = _mapping(row, f"vehicle {index}")
+    name = entry.get("name")
+    if not isinstance(name, str):
+        raise ValueError(f"vehicle {index}: name = {name!r}, expected text")  # noqa: TRY004
+    durations = _array(entry.get("durations"), f"{name}: durations")
+    coefficients = _array(entry.get("coefficients"), f"{name}: coefficients")
+    if coefficients.ndim != 3 or coefficients.shape[2] == 0:
+        shape = f"{name}: coefficients have shape {coefficients.shape}"
+        raise ValueError(f"{shape}, expected (pieces, {AXES}, order)")
+    if not (np.abs(coefficients) <= LARGEST).all() or not (durations <= LARGEST).all():
+        raise ValueError(f"{name}: durations and coefficients must be numbers of at most {LARGEST:g}")
+    try:
+        return name, Trajectory(durations, coefficients)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from error
+
+
+def _array(value: object, where: str) -> Array:
+    try:
+        found = np.array(_list(value, where), dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{where}: expected nested lists of numbers ({error})") from error
+    return found
+
+
+def _fact(document: Mapping[str, object], key: str) -> float:
+    value = document.get(key)
+    return float(value) if isinstance(value, int | float) else nan
+
+
+def _or_null(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _list(value: object, where: str) -> list[object]:
+    if not isinstance(value, list):
+        raise ValueError(f"{where}: got {type(value).__name__}, expected a list")  # noqa: TRY004
+    return value
+
+
+def _mapping(value: object, where: str) -> Mapping[str, object]:
+    if not isinstance(value, dict):
+        raise ValueError(f"{where}: got {type(value).__name__}, expected an object")  # noqa: TRY004
+    return value

@@ -1,0 +1,98 @@
+"""Describe tunable numbers once: a frozen dataclass field with unit, meaning and bounds.
+
+A block's parameters are the fields of one frozen `...Params` dataclass beside the block. The same
+fields are the node's ROS parameters (q2q_model.ros.node.node_parameters declares them), the keys a scenario
+or YAML file may override, and the rows of the documentation. Allowed field types: bool, int, float, str,
+tuple[float, ...], tuple[str, ...].
+"""
+
+from collections.abc import Mapping
+from dataclasses import Field, dataclass, field, fields, replace
+from difflib import get_close_matches
+from typing import Any, ClassVar, Protocol, TypeVar
+
+ParameterValue = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
+
+
+class ParamsClass(Protocol):
+    """Any dataclass of parameters."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+
+P = TypeVar("P", bound=ParamsClass)
+T = TypeVar("T", bound=ParameterValue)
+
+
+@dataclass(frozen=True, slots=True)
+class Tunable:
+    """Description and bounds of a parameter."""
+
+    description: str
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+    read_only: bool = False
+    """May only be set when the node starts."""
+
+    @property
+    def allowed(self) -> str:
+        """Return what is allowed, in words."""
+        if self.choices:
+            return f"one of {', '.join(self.choices)}"
+        if self.low is None or self.high is None:
+            bound = f"{self.low} or more" if self.high is None else f"{self.high} or less"
+            return f"{bound} {self.unit}".rstrip() if self.low is not self.high else "any"
+        return f"{self.low} to {self.high} {self.unit}".rstrip()
+
+
+def tunable(default: T, description: str, **rest: Any) -> T:  # noqa: ANN401
+    """Declare a dataclass field that is a parameter; `rest` are the other fields of Tunable.
+
+    Returns a dataclass field; typed as its default so that `gain: float = tunable(1.0, ...)` checks.
+    """
+    made: T = field(default=default, metadata={"tunable": Tunable(description, **rest)})
+    return made
+
+
+def tunable_of(entry: Field[Any]) -> Tunable:
+    """Return the Tunable of a dataclass field."""
+    found = entry.metadata.get("tunable")
+    if not isinstance(found, Tunable):
+        raise TypeError(f"field {entry.name} is no parameter: declare it with tunable(...)")
+    return found
+
+
+def check_bounds(params: ParamsClass) -> None:
+    """Raise ValueError naming the field, its value and what is allowed. Call in `__post_init__`."""
+    for entry in fields(params):
+        _check(type(params).__name__, entry.name, getattr(params, entry.name), tunable_of(entry))
+
+
+def with_overrides(params: P, overrides: Mapping[str, ParameterValue]) -> P:
+    """Return `params` with some fields replaced.
+
+    Raises ValueError for an unknown key (with the nearest right one) or a value out of bounds.
+    """
+    known = [entry.name for entry in fields(params)]
+    for key in overrides:
+        if key not in known:
+            near = get_close_matches(key, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
+            raise ValueError(f"{type(params).__name__} has no parameter {key!r}; {hint}")
+    return replace(params, **overrides)
+
+
+def _check(owner: str, name: str, value: ParameterValue, spec: Tunable) -> None:
+    if spec.choices and value not in spec.choices:
+        raise ValueError(f"{owner}.{name} = {value!r}: choose one of {', '.join(spec.choices)}")
+    if isinstance(value, bool | str):
+        return
+    for number in value if isinstance(value, tuple) else (value,):
+        if isinstance(number, str):
+            continue
+        low = -float("inf") if spec.low is None else spec.low
+        high = float("inf") if spec.high is None else spec.high
+        if not low <= number <= high:
+            raise ValueError(f"{owner}.{name} = {value}: allowed is {spec.allowed}")

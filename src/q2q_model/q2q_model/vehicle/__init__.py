@@ -1,0 +1,1 @@
+"""Vehicle constants with their sources, rigid-body dynamics, thrust map."""

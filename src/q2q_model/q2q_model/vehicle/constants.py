@@ -1,0 +1,157 @@
+"""Hold the numbers of each vehicle, each with its source.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| m | mass | take-off mass [kg] |
+| Ixx Iyy Izz | inertia | principal moments of inertia [kg m^2] |
+| l | arm | centre to motor [m] |
+| J_r | rotor_inertia | one rotor's inertia about its axis [kg m^2] |
+| | drag_to_thrust | rotor drag torque over thrust [m] |
+| | thrust_max | largest collective thrust [N] |
+| | full_pwm_thrust | collective thrust with every motor at 65535 PWM, under battery compensation [N] |
+| | thrust_lag | time constant of thrust behind its command [s] |
+"""
+
+from dataclasses import dataclass, replace
+
+from q2q_model.vehicle.thrust_map import (
+    BRUSHED_MOTOR,
+    BRUSHLESS_MOTOR,
+    MOTOR_THRUST,
+    PWM_FULL,
+    PWM_STICK_MAX,
+    STOCK,
+    motor_thrust,
+)
+
+GRAVITY = 9.81
+"""Standard gravity as the paper rounds it [m/s^2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    """Hold one vehicle's constants."""
+
+    name: str
+    mass: float
+    """[kg]"""
+    inertia: tuple[float, float, float]
+    """Ixx, Iyy, Izz [kg m^2]."""
+    arm: float
+    """Centre to motor [m]."""
+    rotor_inertia: float
+    """J_r [kg m^2]."""
+    drag_to_thrust: float
+    """[m]"""
+    thrust_max: float
+    """Collective [N]."""
+    full_pwm_thrust: float
+    """[N]"""
+    thrust_lag: float
+    """Time constant [s]; 0 means none."""
+
+    @property
+    def hover_thrust(self) -> float:
+        """Return the thrust that carries the weight [N]."""
+        return self.mass * GRAVITY
+
+    @property
+    def stick_thrust_max(self) -> float:
+        """Return the largest collective thrust that an RPYT setpoint can ask for [N]."""
+        return min(self.thrust_max, self.full_pwm_thrust * PWM_STICK_MAX / PWM_FULL)
+
+
+CRAZYFLIE_2_0 = Vehicle(
+    name="crazyflie_2_0",
+    mass=0.034,  # the paper, Table 1 (with rotor guards)
+    inertia=(3.14e-5, 3.15e-5, 7.06e-5),  # Table 1, diagonal: its off-diagonals lost their exponents
+    arm=0.046,  # half the 92 mm motor diagonal, the paper, section 3.1
+    rotor_inertia=0.0,  # not given; gyroscopic torque of the rotors is left out, as Omega_r is near 0
+    drag_to_thrust=0.00596,  # Foerster, System Identification of the Crazyflie 2.0, 2015, section 3.2
+    thrust_max=4.0 * BRUSHED_MOTOR,
+    full_pwm_thrust=4.0 * BRUSHED_MOTOR,
+    thrust_lag=0.07,  # 0.06-0.08 s measured on real flights (thrust against its command)
+)
+
+CRAZYFLIE_2_1 = replace(
+    CRAZYFLIE_2_0,
+    name="crazyflie_2_1",
+    mass=0.027,  # Bitcraze's data sheet: take-off weight 27 g, no deck
+    inertia=(
+        1.657e-5,
+        1.666e-5,
+        2.926e-5,
+    ),  # Foerster 2015 (a 2.0 of 28 g); the firmware's Lee controller, too
+    drag_to_thrust=0.00735,  # firmware, platform_defaults_cf2.h: THRUST2TORQUE, legacy propellers
+    thrust_lag=0.086,  # utiasDSL/drone-models, so_rpy_rotor, cf2x_L250 (identified in flight)
+)
+
+CRAZYFLIE_2_1_PLUS = replace(
+    CRAZYFLIE_2_0,
+    name="crazyflie_2_1_plus",
+    mass=0.029,  # firmware, platform_defaults_cf2.h: CF_MASS
+    inertia=(1.68e-5, 1.68e-5, 2.98e-5),  # estimate: drone-models, cf2x_P250, taken from the 2.1 there
+    drag_to_thrust=0.00699,  # firmware, the same: THRUST2TORQUE, 2.1+ propellers
+    thrust_lag=0.058,  # drone-models, so_rpy_rotor, cf2x_P250
+)
+
+CRAZYFLIE_BRUSHLESS = Vehicle(
+    name="crazyflie_brushless",
+    mass=0.0393,  # firmware, platform_defaults_cf21bl.h: guards, 350 mAh battery and Lighthouse deck
+    inertia=(2.5e-5, 2.8e-5, 4.9e-5),  # estimate: drone-models, cf21B_500, which weighs 43.4 g
+    arm=0.050,  # firmware, the same: ARM_LENGTH
+    rotor_inertia=0.0,  # left out, as above
+    drag_to_thrust=0.00569,  # firmware, the same: THRUST2TORQUE
+    thrust_max=4.0 * BRUSHLESS_MOTOR,
+    full_pwm_thrust=4.0 * BRUSHLESS_MOTOR,
+    thrust_lag=0.021,  # drone-models, so_rpy_rotor, cf21B_500
+)
+
+TEXTBOOK_065 = Vehicle(
+    name="textbook_065",
+    mass=0.65,  # the mass whose hover energy the paper's Tables 6 and 7 show
+    inertia=(7.5e-3, 7.5e-3, 1.3e-2),  # Bouabdallah, PhD thesis EPFL 2007, OS4 vehicle
+    arm=0.23,  # the same
+    rotor_inertia=6.0e-5,  # the same
+    drag_to_thrust=0.024,  # the same: 7.5e-7 / 3.13e-5
+    thrust_max=12.753,  # twice its weight: OS4's thrust ratio
+    full_pwm_thrust=12.753 * PWM_FULL / PWM_STICK_MAX,  # its own map: the largest stick is the largest thrust
+    thrust_lag=0.0,  # the paper's simulation has none
+)
+
+VEHICLES = {
+    vehicle.name: vehicle
+    for vehicle in (
+        CRAZYFLIE_2_0, CRAZYFLIE_2_1, CRAZYFLIE_2_1_PLUS, CRAZYFLIE_BRUSHLESS, TEXTBOOK_065,
+    )
+}  # fmt: skip
+"""On stock firmware; `estimate` above marks what nobody has measured on that vehicle."""
+
+
+DEFAULT_VEHICLE = CRAZYFLIE_2_0.name
+"""Taken by tools where nobody says which vehicle flew: the paper's."""
+
+
+def vehicle_by_name(name: str, firmware: str = STOCK) -> Vehicle:
+    """Return the named vehicle on a firmware of `thrust_map`; raise ValueError with the known names."""
+    if name not in VEHICLES:
+        raise ValueError(f"unknown vehicle {name!r}; known are {', '.join(VEHICLES)}")
+    return on_firmware(VEHICLES[name], firmware)
+
+
+def on_firmware(vehicle: Vehicle, firmware: str) -> Vehicle:
+    """Return the vehicle with the thrust that a firmware gives it.
+
+    Raises:
+        ValueError: a firmware that the vehicle does not have.
+    """
+    motor = motor_thrust(vehicle.name, firmware)
+    if motor is None:
+        return vehicle
+    return replace(vehicle, thrust_max=4.0 * motor, full_pwm_thrust=4.0 * motor)
+
+
+def firmware_of(vehicle: Vehicle) -> str:
+    """Return the firmware whose thrust a vehicle has; empty where it has that of none."""
+    known = MOTOR_THRUST.get(vehicle.name, ())
+    return next((name for name in known if on_firmware(vehicle, name) == vehicle), "")

@@ -1,0 +1,1 @@
+"""Random encounters under the safe replanner, for tests and benchmarks."""

@@ -1,0 +1,1 @@
+"""Offline planning: minimum snap, joint avoidance of the downwash zone, certificate."""

@@ -1,0 +1,44 @@
+"""Predict how far drafts push vehicles off a plan: the closed altitude loop (13) under a learned draft (14).
+
+    e_i'' = -K_d e_i' - K_p e_i + sum_j eta(r_j - r_i),    z_i = z_i,ref + e_i
+
+Vehicles follow their references sideways; heights are the disturbed ones, so what one vehicle suffers
+changes what it does to the next. Semi-implicit Euler at the sampling of the references. This judges plans as
+section 4 of the paper does (Figs 11 and 13); transport delays and the motion of sources are left out.
+"""
+
+import numpy as np
+
+from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.altitude_loop import PAPER_LOOP, AltitudeLoop
+
+__all__ = ["PAPER_LOOP", "AltitudeLoop", "altitude_errors", "altitude_rms"]
+
+
+def altitude_errors(pos: Array, step: float, model: InteractionModel, loop: AltitudeLoop) -> Array:
+    """Return the height errors e [m], (T, n).
+
+    Args:
+        pos: references [m], (T, n, 3).
+        step: time between them [s].
+        model: the draft.
+        loop: its K_p and K_d are used.
+    """
+    ticks, n, _ = pos.shape
+    i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
+    error, rate = np.zeros(n), np.zeros(n)
+    errors = np.zeros((ticks, n))
+    for tick in range(ticks):
+        there = pos[tick] + np.stack([np.zeros(n), np.zeros(n), error], -1)
+        rel_pos = there[j] - there[i]
+        eta = np.bincount(i, model.acceleration(rel_pos, at_rest(rel_pos))[:, 2], minlength=n)
+        rate += step * (eta - loop.k_d * rate - loop.k_p * error)
+        error = error + step * rate
+        errors[tick] = error
+    return errors
+
+
+def altitude_rms(pos: Array, step: float, model: InteractionModel, loop: AltitudeLoop) -> Array:
+    """Return the root mean square of each vehicle's height error [m], (n,)."""
+    return np.asarray(np.sqrt((altitude_errors(pos, step, model, loop) ** 2).mean(axis=0)))

@@ -1,0 +1,1 @@
+"""Joint avoidance (18): sequential convexification with separating planes."""

@@ -1,0 +1,118 @@
+"""Bend a swarm out of a zone step by step, and prove where that ends: the search behind `avoidance`.
+
+Each step puts planes around the current curves (`pair_planes`) and bends the minimum snap curves as little
+as the planes allow (`planes`). The first steps of a crowd let planes give way, softly, so that pairs sort
+out who goes where before anyone is held exactly. When the cost stays still and no plane is violated, the
+curves go to the `certificate`; where it finds a pair in the zone between two samples, samples are made
+denser.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_planner.offline.avoidance.deviation_space import DeviationSpace, bent
+from q2q_planner.offline.avoidance.half_spaces import SPACING, planes_of, watch_pairs
+from q2q_planner.offline.avoidance.separating_planes import HARD, Rows, least_bends
+from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples, sample_swarm, sample_times
+from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.convex_zone import Lathe
+from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
+
+DENSER = 3
+"""Rounds of samples, each twice as dense as the one before."""
+STILL = 1e-4
+"""Relative change of cost in a step at which the curves count as still."""
+SOFTEST = 0.1
+"""Softness of the first step of a crowd."""
+HARDEN = 0.3
+"""Factor on the softness from step to step."""
+FEWEST_SAMPLES = 64
+HOPELESS = 0.2
+"""Depth, in radii, that denser samples cannot mend."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """Trajectories to bend and the zone to bend them out of."""
+
+    free: SwarmPlan
+    """Minimum snap without avoidance."""
+    infimum: float
+    """Its cost."""
+    spaces: tuple[DeviationSpace, ...]
+    """How each vehicle may be bent."""
+    lathe: Lathe
+    margin: float
+    """Distance kept from the zone [m]."""
+    most_steps: int
+
+    @property
+    def pairs(self) -> tuple[Rows, Rows]:
+        """Return vehicles i and j of every pair, (pairs,) each."""
+        return np.triu_indices(len(self.spaces), 1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Starting point of the iteration."""
+
+    side: Array
+    """-1 for pairs whose first deep pass changes sides, (pairs,)."""
+    plan: SwarmPlan
+    """Curves around which the first planes are put."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attempt:
+    """Result of the iteration."""
+
+    plan: SwarmPlan
+    proof: Certificate
+    cost: float
+    steps: int
+
+
+def search(problem: Problem, start: Start) -> Attempt:
+    """Return where the convex steps from one start end, with its proof."""
+    spacing, steps, softness = SPACING * problem.lathe.eps, 0, SOFTEST
+    plan, side, curves = start.plan, start.side, problem.free.trajectories
+    for _ in range(DENSER):
+        times = sample_times(plan.trajectories, spacing, FEWEST_SAMPLES)
+        samples = sample_swarm(curves, problem.spaces, times)
+        bends, taken = _turn_planes(problem, samples, Start(side, plan), softness)
+        steps += taken
+        plan = _bent_plan(problem, bends)
+        proof = certify(plan, problem.lathe)
+        if proof.holds or proof.clearance < -HOPELESS * problem.lathe.eps:
+            break
+        spacing, side, softness = 0.5 * spacing, np.ones_like(side), HARD
+    return Attempt(plan, proof, plan_cost(plan), steps)
+
+
+def _bent_plan(problem: Problem, bends: Array) -> SwarmPlan:
+    rows = zip(problem.free.trajectories, problem.spaces, bends, strict=True)
+    return SwarmPlan(
+        problem.free.names, tuple(bent(curve, space, y[: space.dimension]) for curve, space, y in rows)
+    )
+
+
+def _turn_planes(problem: Problem, samples: SwarmSamples, start: Start, softness: float) -> tuple[Array, int]:
+    """Return the bends (n, m, 3) at which the cost stays still, and the steps that took."""
+    pairs, side = problem.pairs, start.side
+    dual = np.zeros((len(pairs[0]), len(samples.t)))
+    positions = np.stack([curve.at(samples.t)[:, :3] for curve in start.plan.trajectories], axis=1)
+    bends, cost = np.zeros((len(problem.spaces), samples.rows.shape[2], 3)), np.inf
+    for step in range(problem.most_steps):
+        watch = watch_pairs(positions, pairs, problem.lathe, dual > 0.0)
+        before, cost = cost, problem.infimum + float((bends**2).sum())
+        if abs(before - cost) < STILL * cost and watch.distance.min(initial=0.0) >= 0.0:
+            return bends, step
+        planes = planes_of(watch, pairs, problem.lathe, problem.margin, side)
+        bends, found = least_bends(samples, planes, dual[watch.pair, watch.sample], softness)
+        dual[watch.pair, watch.sample] = found
+        positions, side = samples.positions(bends), np.ones_like(side)
+        softness = max(HARD, HARDEN * softness)
+    return bends, problem.most_steps

@@ -1,0 +1,131 @@
+"""Choose, for every pair near a zone, the planes that keep it out: the linearisation of eq. (18).
+
+Outside or shallowly inside, a sample's plane touches the zone at its nearest point. A pass deeper than DEEP
+gets one plane for all its samples inside, normal to the relative velocity at its deepest point: nearest
+points there would send one half of the pass back and the other half ahead.
+
+Between planes a curve may cut the corner; where the pair moves by ds from one to the next, the planes
+stand off by the sagitta ds^2 / (8 eps) of a chord of the zone's radius.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array
+from q2q_planner.offline.avoidance.separating_planes import Planes, Rows
+from q2q_planner.offline.convex_zone import Lathe
+
+LOOK = 0.1
+"""Samples within this many radii of the zone get a plane before they violate it."""
+SPACING = 0.25
+"""A pair gets one plane each time it has moved on by this many radii."""
+DEEP = 0.25
+"""Depth of a pass, in radii, from which it gets one common plane."""
+HEAD_ON = 1e-6
+"""A miss distance below this is head on [m]."""
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Watch:
+    """Samples of pairs that have come near the zone, sorted by pair, then sample."""
+
+    pair: Rows
+    """(w,)"""
+    sample: Rows
+    """(w,)"""
+    rel: Array
+    """r_i - r_j [m], (w, 3)."""
+    passing: Rows
+    """Counts the passes of a pair by the zone, (w,)."""
+    chord: Array
+    """How r_i - r_j moves from the sample before to the one after [m], (w, 3)."""
+    normal: Array
+    """Outward normal at the zone's nearest point, (w, 3)."""
+    distance: Array
+    """Signed distance to the zone [m], (w,)."""
+
+
+def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, watched: Mask) -> Watch:
+    """Return the samples near the zone, thinned to SPACING, and those `watched` already.
+
+    Args:
+        positions: of all vehicles at all samples [m], (S, n, 3).
+        pairs: vehicles i and j of each pair.
+        lathe: the zone.
+        watched: samples to look at in any case, (pairs, S).
+    """
+    first, second = pairs
+    seen, passing = watched.copy(), np.zeros(watched.shape, dtype=np.intp)
+    for pair in range(len(first)):
+        rel = positions[:, first[pair]] - positions[:, second[pair]]
+        near = _near(rel, lathe)
+        if near.any():
+            passing[pair] = np.cumsum(near[1:] & ~near[:-1], dtype=np.intp)[np.arange(-1, len(near) - 1)]
+            seen[pair] |= near & _thinned(rel, SPACING * lathe.eps)
+    return _watch(positions, pairs, lathe, (seen, passing))
+
+
+def _watch(
+    positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, seen: tuple[Mask, NDArray[np.intp]]
+) -> Watch:
+    pair_of, sample = np.nonzero(seen[0])
+    i, j, last = pairs[0][pair_of], pairs[1][pair_of], len(positions) - 1
+    rel = positions[sample, i] - positions[sample, j]
+    before, after = np.maximum(sample - 1, 0), np.minimum(sample + 1, last)
+    chord = positions[after, i] - positions[after, j] - positions[before, i] + positions[before, j]
+    normal, distance = lathe.nearest(rel)
+    return Watch(pair_of, sample, rel, seen[1][pair_of, sample], chord, normal, distance)
+
+
+def _near(rel: Array, lathe: Lathe) -> Mask:
+    look = LOOK * lathe.eps
+    near = rel[:, 0] ** 2 + rel[:, 1] ** 2 < (lathe.eps + look) ** 2
+    return np.asarray(near & (np.abs(rel[:, 2]) < lathe.d + look))
+
+
+def _thinned(rel: Array, spacing: float) -> Mask:
+    """Return the samples at which a pair has moved by another `spacing` [m], (S,)."""
+    path = np.concatenate([[0.0], np.cumsum(np.sqrt((np.diff(rel, axis=0) ** 2).sum(-1)))])
+    count = np.floor(path / spacing)
+    return np.concatenate([[True], count[1:] > count[:-1]])
+
+
+def planes_of(watch: Watch, pairs: tuple[Rows, Rows], lathe: Lathe, margin: float, side: Array) -> Planes:
+    """Return one plane a watched sample; `side` (pairs,) is -1 where a deep pass is to change sides."""
+    normal = _with_common_normals(watch, lathe, side)
+    apart = np.maximum(SPACING * lathe.eps, 0.5 * np.sqrt((watch.chord**2).sum(-1)))
+    level = lathe.support(normal) + margin + apart**2 / (8.0 * lathe.eps)
+    return Planes(pairs[0][watch.pair], pairs[1][watch.pair], watch.sample, normal, level)
+
+
+def _with_common_normals(watch: Watch, lathe: Lathe, side: Array) -> Array:
+    """Return the normals with those of each deep pass replaced by one across the relative velocity."""
+    inside = np.flatnonzero(watch.distance < 0.0)
+    if not len(inside):
+        return watch.normal
+    apart = (np.diff(watch.pair[inside]) != 0) | (np.diff(watch.passing[inside]) != 0)
+    run = np.concatenate([[0], np.cumsum(apart)])
+    by_depth = np.lexsort((watch.distance[inside], run))
+    deepest = inside[by_depth[np.unique(run[by_depth], return_index=True)[1]]]  # one a run
+    across = _across(watch.rel[deepest], watch.chord[deepest]) * side[watch.pair[deepest]][:, None]
+    deep = watch.distance[deepest] < -DEEP * lathe.eps
+    normal = watch.normal.copy()
+    normal[inside[deep[run]]] = across[run[deep[run]]]
+    return normal
+
+
+def _across(rel: Array, chord: Array) -> Array:
+    """Return horizontal units (k, 3) normal to the motion, to the side of rel; head on: to the right."""
+    speed = np.hypot(chord[:, 0], chord[:, 1])
+    moving = speed > 0.0
+    along = np.where(moving[:, None], chord[:, :2] / np.where(moving, speed, 1.0)[:, None], 0.0)
+    miss = rel[:, :2] - (rel[:, :2] * along).sum(-1, keepdims=True) * along
+    size = np.hypot(miss[:, 0], miss[:, 1])
+    right = np.where(moving[:, None], np.stack([along[:, 1], -along[:, 0]], -1), [[1.0, 0.0]])
+    clear = (size > HEAD_ON)[:, None]
+    flat = np.where(clear, miss / np.where(clear, size[:, None], 1.0), right)
+    return np.concatenate([flat, np.zeros((len(flat), 1))], axis=1)

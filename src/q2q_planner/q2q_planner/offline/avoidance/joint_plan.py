@@ -1,0 +1,167 @@
+"""Plan a swarm jointly so that no pair enters the interference zone: eq. (18), for any number of vehicles.
+
+min sum_j cost(r_j)  subject to the waypoints and  dr_ij(t) not in I  for all pairs and all t.
+
+Method: successive convex steps. Around the current curves each sample (i, j, t) near or in the zone gets
+the plane that touches the zone towards dr_ij(t): n.dr_ij(t) >= support(n) + margin keeps it out, and is a
+convex, conservative stand-in for the zone (Augugliaro, Schoellig and D'Andrea, Generation of collision-free
+trajectories for a quadrocopter fleet, 2012). Each step bends the curves as little as the planes allow;
+planes turn with the curves until nothing moves (`convex_steps`). Then `certificate` proves the plan.
+
+Starts: the sides on which pairs pass already, exactly head on every vehicle keeps right; then mirrored;
+then at random. The cheapest certified plan is returned. A plan that is not certified is never returned:
+InfeasibleError says which pair stands in the way, when and how deep.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.geometry.zone import Zone
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.offline.avoidance.convexification import Attempt, Problem, Start, search
+from q2q_planner.offline.avoidance.deviation_space import deviation_space
+from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.convex_zone import Lathe, lathe_around
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan, plan_cost
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
+
+SAME_MOMENT = 1e-3
+"""A waypoint this near in time is named with an obstacle [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class AvoidanceParams:
+    """Parameters of the search; none of them weakens the proof."""
+
+    pieces: int = tunable(5, "pieces between two waypoints; more give a freer curve", low=2, high=40)
+    margin: float = tunable(2e-4, "distance kept from the zone", unit="m", low=1e-6, high=1.0)
+    steps: int = tunable(40, "most convex steps from one start", low=1, high=1000)
+    starts: int = tunable(2, "starts tried: as the pairs pass, mirrored, then at random", low=1, high=100)
+    seed: int = tunable(0, "seed of the random starts", low=0)
+
+    def __post_init__(self) -> None:
+        """Raise ValueError where a number is out of bounds."""
+        check_bounds(self)
+
+
+@dataclass(frozen=True, slots=True)
+class AvoidancePlan:
+    """Certified plan and the effort it took."""
+
+    plan: SwarmPlan
+    certificate: Certificate
+    cost: float
+    """(18)"""
+    infimum: float
+    """(18) without avoidance."""
+    steps: int
+    """Convex steps of all starts."""
+
+
+class InfeasibleError(ValueError):
+    """Error when no certified plan was found, naming the pair in conflict."""
+
+
+def avoid(
+    swarm: Sequence[VehicleWaypoints],
+    zone: Zone,
+    reading: Reading = "stop_and_go",
+    params: AvoidanceParams | None = None,
+    warm: SwarmPlan | None = None,
+) -> AvoidancePlan:
+    """Return the cheapest certified plan found.
+
+    Args:
+        swarm: the waypoints of each vehicle.
+        zone: what every pair keeps out of.
+        reading: whether vehicles stop at inner waypoints (`minsnap`).
+        params: numbers of the search.
+        warm: a plan of the same vehicles; the search starts around it and tries nothing else.
+
+    Raises:
+        InfeasibleError: where no start ended in a certified plan.
+        ValueError: where the waypoints cannot be flown.
+    """
+    numbers = params or AvoidanceParams()
+    lathe = lathe_around(zone)
+    free = minimum_snap_plan(swarm, reading)
+    infimum, proof = plan_cost(free), certify(free, lathe)
+    if proof.holds:
+        return AvoidancePlan(_marked(free), proof, infimum, infimum, 0)
+    _check_held(swarm, lathe)
+    spaces = tuple(deviation_space(vehicle, reading, numbers.pieces) for vehicle in swarm)
+    problem = Problem(free, infimum, spaces, lathe, numbers.margin, numbers.steps)
+    found = [search(problem, start) for start in _starts(problem, numbers, warm)]
+    certified = [attempt for attempt in found if attempt.proof.holds]
+    if not certified:
+        raise InfeasibleError(_explanation(found))
+    best = min(certified, key=lambda attempt: attempt.cost)
+    steps = sum(attempt.steps for attempt in found)
+    return AvoidancePlan(_marked(best.plan), best.proof, best.cost, infimum, steps)
+
+
+def _starts(problem: Problem, params: AvoidanceParams, warm: SwarmPlan | None) -> Iterator[Start]:
+    pairs = len(problem.pairs[0])
+    if warm is not None:
+        if warm.names != problem.free.names:
+            raise ValueError(
+                f"warm start of {', '.join(warm.names)}: expected {', '.join(problem.free.names)}"
+            )
+        yield Start(np.ones(pairs), warm)
+        return
+    generator = np.random.default_rng(params.seed)
+    for start in range(params.starts):
+        yield Start(_sides(start, pairs, generator), problem.free)
+
+
+def _sides(start: int, pairs: int, generator: np.random.Generator) -> Array:
+    match start:
+        case 0:
+            return np.ones(pairs)
+        case 1:
+            return -np.ones(pairs)
+        case _:
+            return generator.choice([-1.0, 1.0], pairs)
+
+
+def _check_held(swarm: Sequence[VehicleWaypoints], lathe: Lathe) -> None:
+    """Raise where two waypoints of the same time, or a rest after the last one, lie in each other's zone."""
+    for row, vehicle in enumerate(swarm):
+        for index, waypoint in enumerate(vehicle.waypoints):
+            for other in (*swarm[:row], *swarm[row + 1 :]):
+                at = _held_at(other, waypoint.t)
+                if at is None:
+                    continue
+                clearance = float(
+                    lathe.signed_distance(np.array(waypoint.pos) - np.array(other.waypoints[at].pos))
+                )
+                if clearance <= 0.0:
+                    both = f"{vehicle.name}, waypoint {index} and {other.name}, waypoint {at}"
+                    depth = f"{-clearance:.3g} m inside each other's zone at t = {waypoint.t} s"
+                    raise InfeasibleError(f"{both} lie {depth}; no trajectory can keep them apart")
+
+
+def _held_at(vehicle: VehicleWaypoints, t: float) -> int | None:
+    """Return the waypoint where a vehicle is at time t [s], if it is at one."""
+    times = vehicle.times
+    if t >= times[-1]:
+        return len(times) - 1
+    near = int(np.abs(times - t).argmin())
+    return near if abs(times[near] - t) < SAME_MOMENT else None
+
+
+def _marked(plan: SwarmPlan) -> SwarmPlan:
+    return SwarmPlan(plan.names, plan.trajectories, certified=True)
+
+
+def _explanation(found: Sequence[Attempt]) -> str:
+    proof = max((attempt.proof for attempt in found), key=lambda proof: proof.clearance)
+    first, second = proof.pair or ("", "")
+    return (
+        f"{first} and {second} cannot be kept apart: {-proof.clearance:.3g} m inside each other's zone at "
+        f"t = {proof.t:.2f} s in the best of {len(found)} starts; move a waypoint there or allow more time"
+    )

@@ -1,0 +1,54 @@
+"""Read the curves of a swarm, and how they bend, at common sample times."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import Trajectory
+from q2q_planner.offline.avoidance.deviation_space import DeviationSpace
+
+FINE = 512
+"""Times at which speeds are looked at to choose the samples."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SwarmSamples:
+    """S sample times of n vehicles."""
+
+    t: Array
+    """[s], rising, (S,)."""
+    base: Array
+    """Positions of the unbent curves [m], (S, n, 3)."""
+    rows: Array
+    """phi of each vehicle, filled up with zeros to the largest dimension, (n, S, m)."""
+
+    def positions(self, bends: Array) -> Array:
+        """Return the positions [m], (S, n, 3), under bends y (n, m, 3)."""
+        return np.asarray(self.base + np.matmul(self.rows, bends).swapaxes(0, 1))
+
+
+def sample_swarm(
+    trajectories: Sequence[Trajectory], spaces: Sequence[DeviationSpace], t: Array
+) -> SwarmSamples:
+    """Return the samples at times t; a vehicle that has ended rests."""
+    base = np.stack([trajectory.at(t)[:, :3] for trajectory in trajectories], axis=1)
+    rows = np.zeros((len(spaces), len(t), max(space.dimension for space in spaces)))
+    for vehicle, space in enumerate(spaces):
+        rows[vehicle, :, : space.dimension] = space.rows(t)
+    return SwarmSamples(t, base, rows)
+
+
+def sample_times(trajectories: Sequence[Trajectory], spacing: float, fewest: int) -> Array:
+    """Return times between which no pair moves apart or together by more than about `spacing` [m].
+
+    The two fastest vehicles of each moment are taken to fly head on; at least `fewest` samples.
+    """
+    end = max(trajectory.duration for trajectory in trajectories)
+    fine = np.linspace(0.0, end, FINE)
+    speed = np.array([np.linalg.norm(one.at(fine, 1)[:, :3], axis=-1) for one in trajectories])
+    fastest = np.partition(speed, -2, axis=0)[-2:].sum(axis=0)
+    rate = fastest / spacing + fewest / end  # samples a second
+    count = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(fine))])
+    return np.asarray(np.interp(np.linspace(0.0, count[-1], int(np.ceil(count[-1])) + 1), count, fine))

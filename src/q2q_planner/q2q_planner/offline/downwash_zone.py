@@ -1,0 +1,122 @@
+"""Choose how much air to keep clear of: the smallest zone whose plan spares a swarm a share of its draft.
+
+A learned draft eta has no edge, and where it is as strong as some threshold says little of the harm it does:
+that depends on how long vehicles stay in it and on how their altitude loop answers. So the threshold is
+chosen by what it brings. For the level sets { |eta| >= threshold } (`q2q_model.downwash.level_set`) the
+swarm is planned around the set, and the height errors of the loop (13) in the draft (14) are predicted along
+that plan and along the one without avoidance (`draft_response`). Weaker thresholds are larger zones, cost
+more snap and leave less error; halving log(threshold) finds the strongest threshold at which, for every
+vehicle,
+
+    rms(z) with avoidance <= (1 - cut) rms(z) without,    or below HARMLESS.
+
+Shapes other than the level set were tried in section 4.1 (cylinders, spheroids): all come out on one curve
+of cost against error, so the level set, which has one number, is as good as any.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.level_set import LevelSet, level_set, peak
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.vehicle.altitude_loop import PAPER_LOOP, AltitudeLoop
+from q2q_planner.offline.altitude_response import altitude_rms
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, InfeasibleError, avoid
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
+
+__all__ = ["PAPER_LOOP", "AltitudeLoop", "DraftPlan", "LearnedDraft", "avoid_draft"]
+
+HARMLESS = 1e-3
+"""A height error that needs no cut [m]: below VICON's 2 mm dynamic error."""
+STEP = 0.02
+"""Step of the prediction [s]: 1/350 of the learned loop's period."""
+STRONGEST, FAINTEST = 0.5, 0.005
+"""Thresholds tried, as shares of the draft's peak."""
+HALVINGS = 7
+"""The threshold is found within (STRONGEST / FAINTEST)^(1 / 2^7): 4 %."""
+
+
+@dataclass(frozen=True, slots=True)
+class LearnedDraft:
+    """Learned downwash model and altitude loop."""
+
+    model: InteractionModel
+    loop: AltitudeLoop = PAPER_LOOP
+    cut: float = 0.88
+    """Share of the height error to take away, 0 to 1, both excluded; 0.85 is asked of a flight, which a
+    learned draft foretells within 0.01."""
+
+    def __post_init__(self) -> None:
+        """Raise ValueError where the share is out of bounds."""
+        if not 0.0 < self.cut < 1.0:
+            raise ValueError(f"cut = {self.cut}: allowed is 0 to 1, both excluded")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DraftPlan:
+    """Plan around a downwash zone."""
+
+    found: AvoidancePlan
+    zone: LevelSet
+    before: Array
+    """Predicted rms of the height error without avoidance [m], (n,)."""
+    after: Array
+    """With it [m], (n,)."""
+
+    @property
+    def cut(self) -> float:
+        """Return the least share of the height error that a vehicle is spared; 1 where all is HARMLESS."""
+        harmed = self.after > HARMLESS
+        return float((1.0 - self.after[harmed] / self.before[harmed]).min(initial=1.0))
+
+
+def avoid_draft(
+    swarm: Sequence[VehicleWaypoints],
+    draft: LearnedDraft,
+    reading: Reading = "stop_and_go",
+    params: AvoidanceParams | None = None,
+) -> DraftPlan:
+    """Return the cheapest plan that spares every vehicle a share of its height error.
+
+    Where no plan spares that much, the certified one that spares most is returned: look at `cut`.
+
+    Raises:
+        InfeasibleError: where no plan was found around any zone tried.
+        ValueError: the model knows no draft, or the waypoints cannot be flown.
+    """
+    before = _predicted(minimum_snap_plan(swarm, reading), draft)
+    strong, faint = np.log(np.array([STRONGEST, FAINTEST]) * peak(draft.model))
+    tried: list[DraftPlan] = []
+    refusals: list[InfeasibleError] = []
+    for _ in range(HALVINGS):
+        middle = 0.5 * (strong + faint)
+        zone = level_set(draft.model, float(np.exp(middle)))
+        try:
+            found = avoid(swarm, zone, reading, params)
+        except InfeasibleError as refusal:
+            refusals.append(refusal)
+            faint = middle  # too large
+            continue
+        tried.append(DraftPlan(found, zone, before, _predicted(found.plan, draft)))
+        if tried[-1].cut >= draft.cut:
+            faint = middle
+        else:
+            strong = middle
+    if not tried:
+        raise refusals[-1]
+    enough = [one for one in tried if one.cut >= draft.cut]
+    if enough:
+        return min(enough, key=lambda one: one.found.cost)
+    return max(tried, key=lambda one: one.cut)
+
+
+def _predicted(plan: SwarmPlan, draft: LearnedDraft) -> Array:
+    """Return the rms of each vehicle's height error along a plan [m], (n,)."""
+    t = np.arange(0.0, plan.duration, STEP)
+    pos = np.stack([curve.at(t)[:, :3] for curve in plan.trajectories], axis=1)
+    return altitude_rms(pos, STEP, draft.model, draft.loop)

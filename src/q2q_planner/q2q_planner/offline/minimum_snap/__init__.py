@@ -1,0 +1,1 @@
+"""Minimum snap trajectories (17): waypoints in, polynomials within the flight limits out."""

@@ -1,0 +1,154 @@
+"""Check a plan against speed, acceleration and thrust, for every t, and give waypoints times that fit them.
+
+Peaks are bounded by branch and bound over Bernstein hulls (`bernstein`): the norm of a curve is at most the
+largest norm of its control points, and a stretch whose bound is below a norm seen is done.
+
+Times: a rest-to-rest piece s(u) = 35 u^4 - 84 u^5 + 70 u^6 - 20 u^7 over a length D in time T peaks at
+35/16 D/T and 84 sqrt(5)/25 D/T^2, so T = max(35/16 D / v_max, sqrt(84 sqrt(5)/25 D / a_max)); exact where
+vehicles stop at waypoints. Free curves then take all times longer by one factor. Thrust is kept by
+a <= stick_thrust_max / m - g in every direction.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import ceil, sqrt
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.bernstein import control_points, halves
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, derive
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
+from q2q_planner.offline.minimum_snap.waypoints import FARTHEST, SHORTEST_PIECE, VehicleWaypoints, Waypoint
+
+PEAK_SPEED = 35.0 / 16.0
+"""max s' of the rest-to-rest piece."""
+PEAK_ACC = 84.0 * sqrt(5.0) / 25.0
+"""max s'' of the rest-to-rest piece."""
+TOLERANCE = 1e-6
+"""How far a bound may lie above the true peak, relative."""
+TIME_STEP = 0.01
+"""Allocated times are rounded up to a tick [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightLimits:
+    """Hold what a trajectory may ask for."""
+
+    speed: float = tunable(2.0, "largest speed", unit="m/s", low=0.01, high=50.0)
+    acceleration: float = tunable(4.0, "largest acceleration", unit="m/s^2", low=0.01, high=100.0)
+
+    def __post_init__(self) -> None:
+        """Raise ValueError where a number is out of bounds."""
+        check_bounds(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """Hold the largest value of something and when it is met."""
+
+    value: float
+    t: float
+    """[s]"""
+
+
+def peak_norm(trajectory: Trajectory, derivative: int, offset: Array | None = None) -> Peak:
+    """Return the largest |r^(k) + offset| over all t; the value is a bound from above."""
+    derived = derive(trajectory.coefficients[:, :3], derivative).copy()
+    if offset is not None:
+        derived[..., 0] += offset
+    points = control_points(derived, trajectory.durations[:, None])  # (pieces, 3, order)
+    start, length = np.cumsum(trajectory.durations) - trajectory.durations, trajectory.durations
+    best, when, done = 0.0, 0.0, 0.0
+    while True:
+        first, second = halves(points)
+        seen = np.sqrt((first[..., -1] ** 2).sum(-1))
+        if seen.max() >= best:
+            at = int(seen.argmax())
+            best, when = float(seen[at]), float(start[at] + 0.5 * length[at])
+        bound = np.sqrt((points**2).sum(1)).max(-1)
+        near = bound > best * (1.0 + TOLERANCE) + 1e-12
+        done = max(done, float(bound[~near].max(initial=0.0)))
+        if not near.any() or length[near].max() < SHORTEST_PIECE * TOLERANCE:
+            return Peak(max(done, float(bound.max() if near.any() else 0.0), best), when)
+        points = np.concatenate([first[near], second[near]])
+        start = np.concatenate([start[near], start[near] + 0.5 * length[near]])
+        length = np.tile(0.5 * length[near], 2)
+
+
+def check_flyable(plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: Vehicle) -> None:
+    """Raise ValueError naming vehicle, waypoint and bound where more thrust is asked than there is."""
+    for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
+        peak = peak_norm(trajectory, 2, np.array([0.0, 0.0, GRAVITY]))
+        thrust = vehicle.mass * peak.value
+        if thrust > vehicle.stick_thrust_max:
+            after = int(np.searchsorted(waypoints.times, peak.t, side="right")) - 1
+            where = f"{waypoints.name}, after waypoint {after} (t = {peak.t:.2f} s)"
+            most = f"{vehicle.name} has at most {vehicle.stick_thrust_max:.3g} N"
+            raise ValueError(f"{where}: asks for {thrust:.3g} N of thrust, {most}; allow more time")
+
+
+def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
+    """Return limits with the acceleration that the vehicle's thrust allows in every direction.
+
+    Raises:
+        ValueError: where the vehicle cannot hover.
+    """
+    spare = vehicle.stick_thrust_max / vehicle.mass - GRAVITY
+    if spare <= 0.0:
+        raise ValueError(f"{vehicle.name}: {vehicle.stick_thrust_max} N does not carry {vehicle.mass} kg")
+    return replace(limits, acceleration=min(limits.acceleration, spare))
+
+
+def allocate_times(
+    name: str, points: Sequence[Waypoint], limits: FlightLimits, reading: Reading = "stop_and_go"
+) -> VehicleWaypoints:
+    """Return the waypoints with times that keep the limits; the times given are not looked at."""
+    pos = np.array([waypoint.pos for waypoint in points])
+    lengths = np.sqrt((np.diff(pos, axis=0) ** 2).sum(-1))
+    spans = np.maximum(PEAK_SPEED * lengths / limits.speed, np.sqrt(PEAK_ACC * lengths / limits.acceleration))
+    vehicle = _timed(name, points, np.maximum(spans, TIME_STEP))
+    while (slower := _excess(minimum_snap(vehicle, reading), limits)) > 1.0:
+        vehicle = _timed(name, points, slower * np.diff(vehicle.times))
+    return vehicle
+
+
+def _excess(trajectory: Trajectory, limits: FlightLimits) -> float:
+    """Return by what factor all times must be longer for the limits to hold."""
+    speed, acc = peak_norm(trajectory, 1).value, peak_norm(trajectory, 2).value
+    return max(speed / limits.speed, sqrt(acc / limits.acceleration))
+
+
+def timed_document(document: object, limits: FlightLimits, reading: Reading = "stop_and_go") -> object:
+    """Return a parsed waypoint file with t filled in for vehicles that give none; the rest as it is."""
+    if not isinstance(document, Mapping) or not isinstance(document.get("vehicles"), Mapping):
+        return document
+    vehicles = document["vehicles"].items()
+    return {**document, "vehicles": {name: _timed_rows(rows, limits, reading) for name, rows in vehicles}}
+
+
+def _timed_rows(rows: object, limits: FlightLimits, reading: Reading) -> object:
+    if not isinstance(rows, list) or len(rows) < 2 or not all(_wants_time(row) for row in rows):
+        return rows
+    if not all(abs(value) <= FARTHEST for row in rows for value in row["pos"]):  # also NaN
+        return [{**row, "t": float(index)} for index, row in enumerate(rows)]  # for the reader to refuse
+    points = [Waypoint(0.0, tuple(row["pos"])) for row in rows]
+    times = allocate_times("", points, limits, reading).times
+    return [{**row, "t": float(t)} for row, t in zip(rows, times, strict=True)]
+
+
+def _wants_time(row: object) -> bool:
+    if not isinstance(row, Mapping) or "t" in row:
+        return False
+    pos = row.get("pos")
+    return isinstance(pos, list) and len(pos) == 3 and all(isinstance(value, int | float) for value in pos)
+
+
+def _timed(name: str, points: Sequence[Waypoint], spans: Array) -> VehicleWaypoints:
+    ticks = [ceil(span / TIME_STEP - 1e-9) for span in spans]
+    times = np.concatenate([[0], np.cumsum(ticks)]) * TIME_STEP
+    return VehicleWaypoints(
+        name, tuple(replace(point, t=float(t)) for point, t in zip(points, times, strict=True))
+    )

@@ -1,0 +1,184 @@
+"""Name the points through which each vehicle must fly, and refuse those that no trajectory can meet.
+
+A waypoint is (t, x, y, z, yaw) of eq. (17). Yaw is taken as given, without wrapping: 0 to 2 pi is a turn.
+"""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import isfinite
+from reprlib import repr as shown
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+
+MOST_TOLD = 100
+"""Characters of a wrong value that an error repeats."""
+EXAMPLE = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1], yaw: 0}]}"
+"""The waypoints of one vehicle as YAML."""
+
+Point = tuple[float, float, float]
+
+SHORTEST_PIECE = 1e-3
+"""Least time between waypoints [s]: a tenth of the 100 Hz tick; closer ones cannot be told apart."""
+
+FARTHEST, LONGEST, MOST_TURN = 1e4, 1e5, 1e4
+"""Largest coordinate [m], time [s] and yaw [rad]: beyond, a double's last bit is no longer below a micrometre
+once raised to the 7th power of time."""
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+"""What a vehicle may be called: it becomes part of topics and file names."""
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoint:
+    """One point of a flight."""
+
+    t: float
+    """Time from the plan's start [s]."""
+    pos: Point
+    """Position [m], world."""
+    yaw: float = 0.0
+    """[rad]"""
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleWaypoints:
+    """Waypoints of one vehicle, in the order of their times, at least two."""
+
+    name: str
+    waypoints: tuple[Waypoint, ...]
+
+    def __post_init__(self) -> None:
+        """Check numbers and times.
+
+        Raises:
+            ValueError: naming vehicle, waypoint, value and bound.
+        """
+        if len(self.waypoints) < 2:
+            raise ValueError(f"{self.name}: {len(self.waypoints)} waypoint(s) given, at least 2 are needed")
+        for index, waypoint in enumerate(self.waypoints):
+            _check_finite(f"{self.name}, waypoint {index}", waypoint)
+        for index, (before, after) in enumerate(pairwise(self.waypoints), start=1):
+            _check_rising(f"{self.name}, waypoint {index}", before.t, after.t)
+
+    @property
+    def times(self) -> Array:
+        """Return t of each waypoint [s], (m,)."""
+        return np.array([waypoint.t for waypoint in self.waypoints])
+
+    @property
+    def points(self) -> Array:
+        """Return x, y, z [m], yaw [rad] of each waypoint, (m, 4)."""
+        return np.array([(*waypoint.pos, waypoint.yaw) for waypoint in self.waypoints])
+
+
+def check_swarm(swarm: Sequence[VehicleWaypoints]) -> None:
+    """Check that a swarm can share one plan: unique names, all starting at t = 0.
+
+    Raises:
+        ValueError: naming the vehicle and what is allowed.
+    """
+    if not swarm:
+        raise ValueError("no vehicle given: a plan needs at least 1")
+    names = [vehicle.name for vehicle in swarm]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"{name}: name given {names.count(name)} times; each vehicle needs its own")
+    for vehicle in swarm:
+        first = vehicle.waypoints[0].t
+        if first != 0.0:
+            raise ValueError(
+                f"{vehicle.name}, waypoint 0: t = {first} s, the first waypoint must be at t = 0 s"
+            )
+
+
+def swarm_from_document(document: object) -> tuple[VehicleWaypoints, ...]:
+    """Read waypoints from parsed YAML or JSON: `vehicles: {cf1: [{t: 0, pos: [x, y, z], yaw: 0}, ...]}`.
+
+    Raises:
+        ValueError: naming the vehicle, the waypoint and what is expected there.
+    """
+    vehicles = _mapping(_mapping(document, "the file").get("vehicles"), "vehicles")
+    swarm = tuple(_vehicle(_name(name), rows) for name, rows in vehicles.items())
+    check_swarm(swarm)
+    return swarm
+
+
+def _name(given: object) -> str:
+    if not NAME.fullmatch(str(given)):
+        raise ValueError(f"vehicle {shown(given)}: a name is a letter, then letters, digits and _")
+    return str(given)
+
+
+def _vehicle(name: str, rows: object) -> VehicleWaypoints:
+    if not isinstance(rows, list):
+        raise ValueError(f"{name}: got {_told(rows)}, expected a list of waypoints {{t, pos, yaw}}")  # noqa: TRY004
+    waypoints = (_waypoint(f"{name}, waypoint {index}", row) for index, row in enumerate(rows))
+    return VehicleWaypoints(name, tuple(waypoints))
+
+
+def _waypoint(where: str, row: object) -> Waypoint:
+    entry = _mapping(row, where)
+    unknown = sorted(set(map(str, entry)) - {"t", "pos", "yaw"})
+    if unknown:
+        raise ValueError(f"{where}: unknown key {shown(unknown[0])}; known are t, pos, yaw")
+    if "t" not in entry or "pos" not in entry:
+        raise ValueError(f"{where}: got {_told(dict(entry))}, expected t [s] and pos [x, y, z]")
+    pos = entry["pos"]
+    if not isinstance(pos, list | tuple) or len(pos) != 3:
+        raise ValueError(f"{where}: pos = {shown(pos)}, expected [x, y, z] in metres")
+    x, y, z = (_number(f"{where}: pos", value) for value in pos)
+    return Waypoint(
+        _number(f"{where}: t", entry["t"]), (x, y, z), _number(f"{where}: yaw", entry.get("yaw", 0.0))
+    )
+
+
+def _mapping(value: object, where: str) -> Mapping[object, object]:
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{where}: got {_told(value)}, expected a mapping, as {EXAMPLE}")  # noqa: TRY004
+    return value
+
+
+def _number(where: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{where} = {shown(value)}, expected a number")  # noqa: TRY004
+    try:
+        return float(value)
+    except OverflowError as error:
+        raise ValueError(f"{where} = {shown(value)}, a number of at most {FARTHEST:g} is needed") from error
+
+
+def _check_finite(where: str, waypoint: Waypoint) -> None:
+    named: Iterable[tuple[str, float, float]] = zip(
+        ("t", "x", "y", "z", "yaw"),
+        (waypoint.t, *waypoint.pos, waypoint.yaw),
+        (LONGEST, *3 * (FARTHEST,), MOST_TURN),
+        strict=True,
+    )
+    for symbol, value, most in named:
+        if not isfinite(value):
+            raise ValueError(f"{where}: {symbol} = {value}, a finite number is needed")
+        if abs(value) > most:
+            raise ValueError(f"{where}: {symbol} = {value:g}, allowed is -{most:g} to {most:g}")
+
+
+def _check_rising(where: str, before: float, after: float) -> None:
+    if after == before:
+        raise ValueError(f"{where}: t = {after} s coincides with the waypoint before it; times must rise")
+    if after < before:
+        raise ValueError(
+            f"{where}: t = {after} s is before the previous waypoint's {before} s; times must rise"
+        )
+    if after - before < SHORTEST_PIECE:
+        raise ValueError(
+            f"{where}: {after - before} s after the previous one, at least {SHORTEST_PIECE} s is needed"
+        )
+
+
+def _told(value: object) -> str:
+    """Return what was given, cut short."""
+    text = shown(value)
+    return text if len(text) <= MOST_TOLD else f"{text[:MOST_TOLD]} ..."

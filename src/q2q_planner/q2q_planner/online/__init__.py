@@ -1,0 +1,1 @@
+"""Online replanners: planned setpoints in, setpoints outside the zones out."""

@@ -1,0 +1,174 @@
+"""Push setpoints out of each other's interference zones by a potential field: eqs (19)-(21).
+
+The paper, section 4.2, after Khatib (Real-time obstacle avoidance, 1986), for any number of vehicles:
+
+    r~_i'' = r_i'' - k_d (r~_i' - r_i') - k_p (r~_i - r_i) + sum_j F_s(r~_i - r~_j)
+    F_s(dr) = exp(-(dx^2 + dy^2) / (2 alpha eps^2)) exp(-dz^2 / (2 beta eps^2)) K_s dr
+
+The leading term is the reference's acceleration r'' (print has r~, with which a pair settles at 1.25 r);
+the widths of the Gaussian are alpha eps^2 and beta eps^2 as printed. With the paper's numbers the pair is
+*not* kept out of I(0.1, 1.1), and exactly dx = dy = 0 is an equilibrium sideways: this is the paper's law,
+kept as the reference. `safe_replanner` is the one with a promise.
+
+It integrates e = r~ - r between ticks in steps of at most STEP. In a step the force is held and the linear
+part e'' = -k_d e' - k_p e + F is solved exactly (exponential Euler, first order in the step), so any
+positive gains are stable. Pairs whose Gaussian is below CUTOFF are left out.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| k_d | k_d | damping of the error [1/s] |
+| k_p | k_p | stiffness of the error [1/s^2] |
+| K_s | k_s | stiffness of the push along x, y, z [1/s^2] |
+| eps | eps | width of the push [m] |
+| alpha, beta | alpha, beta | horizontal and vertical width factors |
+| e | SetpointError | r~ - r [m] |
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import ceil, log
+
+import numpy as np
+from scipy.linalg import expm
+
+from q2q_model.downwash.interaction_model import Reach
+from q2q_model.downwash.pairs_in_reach import pairs_in_reach
+from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
+from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.online.setpoint_error import (
+    SetpointError,
+    matched,
+    no_error,
+    reference_between,
+    settled,
+    shifted,
+)
+
+STEP = 0.01
+"""Longest step of the integrator [s]: one tick at 100 Hz."""
+LONGEST_GAP = 5.0
+"""Longest stretch without stamps that is integrated [s]; a longer one starts on the reference again."""
+CUTOFF = 1e-12
+"""Smallest Gaussian that still pushes: under 1e-11 m/s^2 with the paper's stiffness."""
+
+
+@dataclass(frozen=True, slots=True)
+class PotentialFieldParams:
+    """Parameters of (19)-(21); defaults are the paper's, section 4.2."""
+
+    enabled: bool = tunable(default=True, description="push; off: every vehicle glides back to its reference")
+    k_d: float = tunable(3.0, "damping of the error", unit="1/s", low=0.0, high=100.0)
+    k_p: float = tunable(5.0, "stiffness of the error", unit="1/s^2", low=1e-3, high=1e4)
+    k_s: tuple[float, ...] = tunable(
+        (10.0, 10.0, 10.0), "stiffness of the push: x, y, z", unit="1/s^2", low=0.0, high=1e4
+    )
+    alpha: float = tunable(0.7, "horizontal width factor of the push", low=1e-6, high=1e3)
+    beta: float = tunable(0.5, "vertical width factor of the push", low=1e-6, high=1e3)
+    eps: float = tunable(0.3, "width of the push", unit="m", low=1e-3, high=10.0)
+
+    def __post_init__(self) -> None:
+        """Raise ValueError where a number is out of bounds."""
+        check_bounds(self)
+        if len(self.k_s) != 3:
+            raise ValueError(f"PotentialFieldParams.k_s = {self.k_s}: three numbers are needed, for x, y, z")
+
+    @property
+    def variance(self) -> Array:
+        """Return the Gaussian's variances [m^2], (3,)."""
+        return np.array([self.alpha, self.alpha, self.beta]) * self.eps**2
+
+    @property
+    def reach(self) -> Reach:
+        """Return how far a push is felt."""
+        horizontal, _, vertical = np.sqrt(-2.0 * log(CUTOFF) * self.variance)
+        return Reach(float(horizontal), float(vertical))
+
+
+class PotentialField:
+    """Replanner by (20)-(21). It trusts every vehicle to follow: `state` is not used."""
+
+    def __init__(self, params: PotentialFieldParams | None = None) -> None:
+        """Start on the reference."""
+        self.params = params or PotentialFieldParams()
+        self.reset()
+
+    def configure(self, params: PotentialFieldParams) -> None:
+        """Take other parameters in flight; the modified trajectories go on without a jump."""
+        self.params = params
+
+    def reset(self) -> None:
+        """Forget the modified trajectories; the next update starts on the reference."""
+        self._error = no_error(())
+        self._on_reference = True
+        self._before: SwarmSetpoint | None = None
+        self._answer: SwarmSetpoint | None = None
+
+    def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:  # noqa: ARG002
+        """Return the modified setpoints of the tick.
+
+        A repeated stamp gets the same answer; a stamp that goes back, or a gap over LONGEST_GAP, starts
+        on the reference again; other gaps are integrated through.
+        """
+        if self._answer is not None and setpoint.t == self._answer.t:
+            return self._answer
+        if self._on_reference and not self.params.enabled:  # nothing pushes, nothing glides back
+            self._before = self._answer = setpoint
+            return setpoint
+        before = self._before
+        if before is None or not 0.0 < setpoint.t - before.t <= LONGEST_GAP:
+            self._error = no_error(setpoint.names)
+        else:
+            error = matched(self._error, setpoint.names)
+            self._error = _advance(error, _rows_as(before, setpoint), setpoint, self.params)
+        push = swarm_push(setpoint.pos + self._error.pos, self.params)
+        self._error = settled(self._error, np.asarray(push.any(axis=1)))
+        self._on_reference = not (self._error.pos.any() or self._error.vel.any())
+        acc = push - self.params.k_d * self._error.vel - self.params.k_p * self._error.pos
+        self._before, self._answer = setpoint, shifted(setpoint, self._error, acc)
+        return self._answer
+
+
+def push_force(rel_pos: Array, params: PotentialFieldParams) -> Array:
+    """Return F_s of (19) [m/s^2], (..., 3), on the vehicle at r_1, for rel_pos = r_1 - r_2 (..., 3)."""
+    exponent = (rel_pos**2 / params.variance).sum(axis=-1)
+    return np.asarray(np.exp(-0.5 * exponent)[..., None] * np.asarray(params.k_s) * rel_pos)
+
+
+def swarm_push(pos: Array, params: PotentialFieldParams) -> Array:
+    """Return the sum of the pushes on every vehicle [m/s^2], (n, 3), at positions pos (n, 3)."""
+    push = np.zeros_like(pos)
+    if not params.enabled:
+        return push
+    i, j = pairs_in_reach(pos, params.reach)
+    if len(i):
+        np.add.at(push, i, push_force(pos[i] - pos[j], params))
+    return push
+
+
+def _rows_as(before: SwarmSetpoint, setpoint: SwarmSetpoint) -> SwarmSetpoint:
+    """Return the last tick's setpoint with this tick's vehicles; a changed swarm takes this tick's own."""
+    return before if before.names == setpoint.names else setpoint
+
+
+def _advance(
+    error: SetpointError, before: SwarmSetpoint, after: SwarmSetpoint, params: PotentialFieldParams
+) -> SetpointError:
+    """Return the error one tick later."""
+    span = max(after.t - before.t, 0.0)
+    steps = max(1, ceil(span / STEP - 1e-6))  # a stamp's rounding adds no step
+    motion = _step_matrix(params.k_p, params.k_d, round(span / steps, 9))  # stamps are whole nanoseconds
+    for step in range(steps):
+        pos = reference_between(before, after, step / steps) + error.pos
+        push = swarm_push(pos, params)
+        if not (push.any() or error.pos.any() or error.vel.any()):
+            continue
+        pos, vel = (row[0] * error.pos + row[1] * error.vel + row[2] * push for row in motion)
+        error = SetpointError(error.names, pos, vel)
+    return error
+
+
+@lru_cache(maxsize=16)
+def _step_matrix(k_p: float, k_d: float, step: float) -> Array:
+    """Return the (2, 3) map from (e, e', F) to (e, e') a step later, exact for held F."""
+    generator = np.array([[0.0, 1.0, 0.0], [-k_p, -k_d, 1.0], [0.0, 0.0, 0.0]])
+    return np.asarray(expm(generator * step)[:2])

@@ -1,0 +1,79 @@
+"""Carry the motions of a swarm from tick to tick: what every vehicle does until it is told otherwise."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
+from q2q_planner.online.safe.braking import motion_after
+
+Mask = NDArray[np.bool_]
+
+LONGEST_GAP = 5.0
+"""A longer stretch without stamps starts on the reference again [s]."""
+SNAP_POS, SNAP_VEL = 1e-4, 5e-3
+"""A vehicle this near its reference [m], [m/s] is put onto it; motions keep this much more apart."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommittedMotion:
+    """Motion of every vehicle from t on: acc for hold, then it brakes."""
+
+    t: float
+    names: Names
+    pos: Array
+    """Modified position at t [m], (n, 3)."""
+    vel: Array
+    """[m/s], (n, 3)"""
+    acc: Array
+    """Held acceleration [m/s^2], (n, 3)."""
+    hold: Array
+    """For how long [s], (n,)."""
+    on_reference: Mask
+    """Put onto its reference, exactly, (n,)."""
+    pushed: Mask
+    """Turned off its wanted acceleration, (n,)."""
+
+
+def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
+    """Return a swarm that starts on its reference."""
+    n = len(setpoint.names)
+    on, off = np.ones(n, np.bool_), np.zeros(n, np.bool_)
+    start = setpoint.t, setpoint.names, setpoint.pos, setpoint.vel
+    return CommittedMotion(*start, np.zeros((n, 3)), np.zeros(n), on, off)
+
+
+def carried_on(held: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float) -> CommittedMotion:
+    """Return where the swarm is now; who is new, and everyone after a gap, starts on the reference."""
+    if held is None or not 0.0 < setpoint.t - held.t <= LONGEST_GAP:
+        return at_reference(setpoint)
+    passed = round(setpoint.t - held.t, 9)  # stamps are whole nanoseconds
+    doubt = np.zeros((len(held.names), 2))
+    pos, vel = motion_after((held.pos, held.vel, held.acc, held.hold, doubt), passed, brake)
+    left = np.maximum(held.hold - passed, 0.0)
+    if held.names == setpoint.names:
+        return CommittedMotion(
+            setpoint.t, held.names, pos, vel, held.acc, left, held.on_reference, held.pushed
+        )
+    fresh = at_reference(setpoint)
+    rows = index_of(setpoint.names, held.names)
+    known = rows >= 0
+    col = known[:, None]
+    return CommittedMotion(
+        setpoint.t,
+        setpoint.names,
+        np.where(col, pos[rows], fresh.pos),
+        np.where(col, vel[rows], fresh.vel),
+        np.where(col, held.acc[rows], 0.0),
+        np.where(known, left[rows], 0.0),
+        held.on_reference[rows] | ~known,
+        held.pushed[rows] & known,
+    )
+
+
+def near_reference(held: CommittedMotion, setpoint: SwarmSetpoint) -> Mask:
+    """Return who may be put onto its reference: near it, and not pushed off it, (n,)."""
+    pos = np.sqrt(((held.pos - setpoint.pos) ** 2).sum(-1)) <= SNAP_POS
+    vel = np.sqrt(((held.vel - setpoint.vel) ** 2).sum(-1)) <= SNAP_VEL
+    return np.asarray(~held.pushed & pos & vel)

@@ -1,0 +1,84 @@
+"""Hold how far each vehicle's modified trajectory is from its reference, and carry it from tick to tick.
+
+Replanners integrate the error e = r~ - r of the modified trajectory r~ against the reference r, because
+e = 0 then means the reference itself, to the last bit. Between two ticks the reference is the cubic that
+meets positions and velocities of both ticks, for stamps may be missing.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, index_of
+
+SHIFT_TOLERANCE = 1e-3
+"""A vehicle counts as SHIFTED when moved by more than this [m]: below VICON's 2 mm dynamic error."""
+
+SETTLE_TOLERANCE = 1e-6
+"""An error below this [m, m/s] without any push is set to zero, so that the reference returns exactly."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetpointError:
+    """Error e and its derivative, one row a vehicle."""
+
+    names: Names
+    pos: Array
+    """r~ - r [m], (n, 3)."""
+    vel: Array
+    """Its derivative [m/s], (n, 3)."""
+
+
+def no_error(names: Names) -> SetpointError:
+    """Return the error of a swarm on its reference."""
+    return SetpointError(names, np.zeros((len(names), 3)), np.zeros((len(names), 3)))
+
+
+def matched(error: SetpointError, names: Names) -> SetpointError:
+    """Return the error with the rows of `names`; a vehicle that is new starts on its reference."""
+    if error.names == names:
+        return error
+    rows = index_of(names, error.names)
+    known = (rows >= 0)[:, None]
+    if not error.names:
+        return no_error(names)
+    return SetpointError(names, np.where(known, error.pos[rows], 0.0), np.where(known, error.vel[rows], 0.0))
+
+
+def settled(error: SetpointError, pushed: NDArray[np.bool_]) -> SetpointError:
+    """Return the error with the rows that are small and not pushed (n,) set to zero."""
+    largest = np.maximum(np.abs(error.pos), np.abs(error.vel)).max(axis=1)
+    rest = ((largest < SETTLE_TOLERANCE) & ~pushed)[:, None]
+    if not rest.any():
+        return error
+    return SetpointError(error.names, np.where(rest, 0.0, error.pos), np.where(rest, 0.0, error.vel))
+
+
+def shifted(setpoint: SwarmSetpoint, error: SetpointError, acc: Array) -> SwarmSetpoint:
+    """Return the reference moved by the error and its acceleration `acc` [m/s^2], (n, 3).
+
+    Where both are exactly zero for all vehicles it is the reference object itself.
+    """
+    if not (error.pos.any() or error.vel.any() or acc.any()):
+        return setpoint
+    moved = np.linalg.norm(error.pos, axis=1) > SHIFT_TOLERANCE
+    status = np.where(moved, np.uint8(SetpointStatus.SHIFTED), setpoint.status)
+    return replace(
+        setpoint,
+        pos=setpoint.pos + error.pos,
+        vel=setpoint.vel + error.vel,
+        acc=setpoint.acc + acc,
+        status=status.astype(np.uint8),
+    )
+
+
+def reference_between(before: SwarmSetpoint, after: SwarmSetpoint, share: float) -> Array:
+    """Return the reference position [m], (n, 3), a share (0 to 1) of the way between two ticks."""
+    span = after.t - before.t
+    rest = 1.0 - share
+    return np.asarray(
+        (1.0 + 2.0 * share) * rest**2 * before.pos
+        + share**2 * (3.0 - 2.0 * share) * after.pos
+        + span * share * rest * (rest * before.vel - share * after.vel)
+    )

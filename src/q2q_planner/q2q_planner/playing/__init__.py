@@ -1,0 +1,1 @@
+"""Playback of plans: start, glide, brake and hold, tick by tick."""

@@ -1,0 +1,53 @@
+"""Brake a plan that is being flown: vehicles stay on their paths, in step with each other, until they rest.
+
+Plan time s runs as s(tau) = s_0 + tau - tau^2 / (2 T), from speed 1 to rest within T. Every vehicle's plan
+time is the same, so the vehicles keep the relative positions for which the plan was certified. On each piece
+the polynomial in s becomes one of twice its degree in tau.
+"""
+
+import numpy as np
+from numpy.polynomial import polynomial
+
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
+
+BRAKE_S = 1.0
+"""T: an acceleration of v / T beside the plan's own, 1 m/s^2 at 1 m/s [s]."""
+
+
+def braked(plan: SwarmPlan, s: float, duration: float = BRAKE_S) -> SwarmPlan:
+    """Return the plan that starts at plan time s [s] of another and comes to rest within `duration` [s]."""
+    curves = tuple(_braked(one, s, duration) for one in plan.trajectories)
+    return SwarmPlan(plan.names, curves, plan.certified)
+
+
+def _braked(curve: Trajectory, s: float, duration: float) -> Trajectory:
+    ends = np.cumsum(curve.durations)
+    begin, last = float(np.clip(s, 0.0, ends[-1])), min(s + 0.5 * duration, float(ends[-1]))
+    knots = np.array([begin, *ends[(ends > begin + _LEAST) & (ends < last - _LEAST)], last])
+    if last - begin <= _LEAST:  # rests before its start, after its end
+        point = curve.at(np.array(begin))
+        return Trajectory(np.array([duration]), point.reshape(1, AXES, 1))
+    tau = duration - np.sqrt(np.maximum(duration**2 - 2.0 * duration * (knots - s), 0.0))
+    order = 2 * curve.coefficients.shape[-1] - 1
+    pieces = np.zeros((len(knots) - 1, AXES, order))
+    for k in range(len(knots) - 1):
+        piece = min(int(np.searchsorted(ends, knots[k] + 0.5 * _LEAST, side="right")), len(ends) - 1)
+        start = ends[piece] - curve.durations[piece]
+        inner = np.array([knots[k] - start, 1.0 - tau[k] / duration, -0.5 / duration])
+        for axis in range(AXES):
+            composed = _composed(curve.coefficients[piece, axis], inner)
+            pieces[k, axis, : len(composed)] = composed
+    return Trajectory(np.diff(tau), pieces)
+
+
+_LEAST = 1e-6
+"""Shorter stretches of plan time are left out [s]: 1 um at 1 m/s."""
+
+
+def _composed(outer: Array, inner: Array) -> Array:
+    """Return the coefficients of outer(inner(tau)), by Horner's scheme."""
+    value = outer[-1:]
+    for coefficient in outer[-2::-1]:
+        value = polynomial.polyadd(polynomial.polymul(value, inner), np.array([coefficient]))
+    return np.asarray(value, dtype=np.float64)

@@ -1,0 +1,129 @@
+"""Glide from where vehicles rest to where they should: from rest to rest, proven apart.
+
+All move at once on straight lines where the certificate holds; else one after another, each straight or
+around the others by a waypoint beside the middle of its line, in the first order for which each has such a
+way. A piece of least snap from rest to rest over a distance s in a time T peaks at 35/16 s/T.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, pairwise, permutations
+
+import numpy as np
+
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array, Names
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
+from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+
+PEAK = 35.0 / 16.0
+"""Largest over mean speed of a least-snap piece from rest to rest."""
+ORDERS = 24
+"""Most orders of one after another that are tried: all of four vehicles."""
+ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)
+"""How far beside the middle of its line a vehicle may pass, tried in this order [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class GlideParams:
+    """How fast a glide is, and how far apart it keeps vehicles."""
+
+    glide_speed: float = tunable(
+        0.5, "largest speed of a glide to the plan's first points", unit="m/s", low=0.05, high=5.0
+    )
+    glide_s: float = tunable(1.0, "least duration of a vehicle's glide", unit="s", low=0.1, high=60.0)
+    glide_eps: float = tunable(
+        0.2, "radius of the cylinder that a glide keeps free of other vehicles", unit="m", low=0.01, high=5.0
+    )
+    glide_d: float = tunable(1.1, "half height of the same", unit="m", low=0.01, high=10.0)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+def glide(names: Names, here: Array, there: Array, params: GlideParams) -> SwarmPlan:
+    """Return the certified plan from points `here` to points `there`, (n, 4): x, y, z [m], yaw [rad].
+
+    Raises:
+        ValueError: no order keeps the vehicles apart, naming the pair and its distance.
+    """
+    zone = Cylinder(params.glide_eps, params.glide_d)
+    together = _together(names, here, there, params)
+    proof = certify(together, zone)
+    if proof.holds:
+        return replace(together, certified=True)
+    for order in islice(permutations(np.argsort(-here[:, 2], kind="stable").tolist()), ORDERS):
+        legs = _one_by_one(names, here, there, (params, zone), order)
+        if legs is not None:
+            return replace(_joined(names, legs), certified=True)
+    raise ValueError(_told(proof, zone))
+
+
+def _together(names: Names, here: Array, there: Array, params: GlideParams) -> SwarmPlan:
+    duration = max(_duration(start, end, params) for start, end in zip(here, there, strict=True))
+    rows = zip(names, here, there, strict=True)
+    return minimum_snap_plan([_way(name, (start, end), (0.0, duration)) for name, start, end in rows])
+
+
+def _one_by_one(
+    names: Names, here: Array, there: Array, terms: tuple[GlideParams, Cylinder], order: tuple[int, ...]
+) -> list[SwarmPlan] | None:
+    """Return a certified plan for each vehicle's turn, the others at rest; None where one has no way."""
+    now, legs = here.copy(), []
+    for row in order:
+        ways = (_turn(names, now, (row, there[row]), terms[0], aside) for aside in ASIDE)
+        leg = next((plan for plan in ways if certify(plan, terms[1]).holds), None)
+        if leg is None:
+            return None
+        legs.append(leg)
+        now[row] = there[row]
+    return legs
+
+
+def _turn(names: Names, now: Array, goal: tuple[int, Array], params: GlideParams, aside: float) -> SwarmPlan:
+    """Return the plan in which one vehicle moves to its goal, beside the middle of its line or on it."""
+    mover, end = goal
+    start = now[mover]
+    across = np.array([start[1] - end[1], end[0] - start[0], 0.0, 0.0])
+    length = float(np.hypot(across[0], across[1]))
+    points = [start, end]
+    if aside != 0.0 and length > 0.0:
+        points.insert(1, 0.5 * (start + end) + aside * across / length)
+    times = np.cumsum([0.0, *(_duration(one, other, params) for one, other in pairwise(points))])
+    ways = [
+        _way(name, points, times.tolist()) if row == mover else _way(name, [now[row]] * 2, [0.0, times[-1]])
+        for row, name in enumerate(names)
+    ]
+    return minimum_snap_plan(ways)
+
+
+def _joined(names: Names, legs: Sequence[SwarmPlan]) -> SwarmPlan:
+    """Return the plan that flies some plans of the same vehicles one after another."""
+    curves = tuple(
+        Trajectory(
+            np.concatenate([leg.trajectories[row].durations for leg in legs]),
+            np.concatenate([leg.trajectories[row].coefficients for leg in legs]),
+        )
+        for row in range(len(names))
+    )
+    return SwarmPlan(names, curves)
+
+
+def _way(name: str, points: Sequence[Array], times: Sequence[float]) -> VehicleWaypoints:
+    rows = zip(times, (point.tolist() for point in points), strict=True)
+    return VehicleWaypoints(name, tuple(Waypoint(float(t), (x, y, z), yaw) for t, (x, y, z, yaw) in rows))
+
+
+def _duration(here: Array, there: Array, params: GlideParams) -> float:
+    length = float(np.linalg.norm(there[:3] - here[:3]))
+    return max(PEAK * length / params.glide_speed, params.glide_s)
+
+
+def _told(proof: Certificate, zone: Cylinder) -> str:
+    pair = " and ".join(proof.pair or ())
+    near = f"{pair} would come {-proof.clearance:.2f} m into each other's zone at {proof.t:.1f} s"
+    return f"{near} (radius {zone.eps:.2f} m, half height {zone.d:.2f} m), in every order"

@@ -1,0 +1,151 @@
+"""Play a plan tick by tick: at a given stamp, at the first tick, or, where it waits, by calls.
+
+    rest -- glide --> gliding, then at the first points -- start --> the plan, then at its last points
+                              |                                        |
+                              +------------ hold: braking, rest <------+
+
+While it waits (`wait`), the reference rests where the vehicles are seen, and moves with them: nothing is
+asked of anybody. Calls never let the reference jump: a glide starts where it rests, the plan starts where the
+glide has ended.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.geometry.rotations import yaw_from_quat
+from q2q_model.node.reply import Reply
+from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint
+from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
+from q2q_planner.playing.braked_plan import braked
+from q2q_planner.playing.glide import GlideParams, glide
+
+AT_FIRST = 1e-3
+"""How near to the first points the reference must rest when the plan starts [m]."""
+AT_REST = 1e-3
+"""Slower than this the reference rests [m/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """Plan that is being played, and since when."""
+
+    plan: SwarmPlan
+    start: float
+    """Stamp at which it starts [s]."""
+
+    @property
+    def start_ns(self) -> int:
+        """Return the start [ns]."""
+        return round(self.start * 1e9)
+
+
+class PlanPlayer:
+    """What is played now, and where vehicles were last seen."""
+
+    def __init__(self, plan: SwarmPlan, start: float, params: GlideParams, *, wait: bool) -> None:
+        """Play from the stamp `start` [s], from the first tick where that is below 0, or wait for calls."""
+        self._plan, self._params, self._wait = plan, params, wait
+        self.played = Played(plan, start) if start >= 0.0 and not wait else None
+        """None until something is played."""
+        self._seen = np.full((len(plan.names), 4), np.nan)
+        self._last: SwarmSetpoint | None = None
+
+    def update(self, frame: MocapFrame) -> SwarmSetpoint:
+        """Return the reference at a frame.
+
+        Raises:
+            ValueError: waiting for calls, a vehicle has not been seen yet.
+        """
+        self._see(frame)
+        if self.played is None and not self._wait:
+            self.played = Played(self._plan, frame.t)
+        self._last = self._resting(frame.t) if self.played is None else _at(self.played, frame.t)
+        return self._last
+
+    def wait(self) -> Reply:
+        """Play nothing: let the reference rest where the vehicles are seen."""
+        self.played, self._wait = None, True
+        return Reply(granted=True, reason="waiting")
+
+    def glide(self) -> Reply:
+        """Lead the reference from where it rests to the plan's first points."""
+        here = self._rest()
+        if isinstance(here, Reply):
+            return here
+        try:
+            plan = glide(self._plan.names, here, self._first(), self._params)
+        except ValueError as refusal:
+            return Reply(granted=False, reason=str(refusal))
+        self.played = Played(plan, self._now())
+        return Reply(granted=True, reason=f"gliding for {plan.duration:.1f} s, proven apart")
+
+    def start(self) -> Reply:
+        """Start the plan's clock."""
+        here = self._rest()
+        if isinstance(here, Reply):
+            return here
+        far = np.linalg.norm(here[:, :3] - self._first()[:, :3], axis=1)
+        row = int(far.argmax())
+        if self.played is None or far[row] > AT_FIRST:
+            told = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m from its first point"
+            return Reply(granted=False, reason=f"{told}: glide first")
+        self.played = Played(self._plan, self._now())
+        return Reply(granted=True, reason=f"the plan has started and takes {self._plan.duration:.1f} s")
+
+    def hold(self) -> Reply:
+        """Brake along what is played."""
+        if self.played is None or self._last is None:
+            return Reply(granted=False, reason="nothing is played")
+        stopping = braked(self.played.plan, self._now() - self.played.start)
+        self.played = Played(stopping, self._now())
+        return Reply(granted=True, reason=f"at rest in {stopping.duration:.1f} s")
+
+    def _see(self, frame: MocapFrame) -> None:
+        for row, name in enumerate(frame.names):
+            if name in self._plan.names and np.isfinite(frame.pos[row]).all():
+                yaw = float(yaw_from_quat(frame.quat[row]))
+                own = self._plan.names.index(name)
+                self._seen[own] = [*frame.pos[row], yaw if np.isfinite(yaw) else 0.0]
+
+    def _resting(self, t: float) -> SwarmSetpoint:
+        missing = [
+            name
+            for name, one in zip(self._plan.names, self._seen, strict=True)
+            if not np.isfinite(one[:3]).all()
+        ]
+        if missing:
+            raise ValueError(f"{', '.join(missing)} has not been seen yet: no reference before")
+        n = len(self._plan.names)
+        return SwarmSetpoint(
+            t=t,
+            names=self._plan.names,
+            pos=self._seen[:, :3].copy(),
+            vel=np.zeros((n, 3)),
+            acc=np.zeros((n, 3)),
+            yaw=self._seen[:, 3].copy(),
+            yaw_rate=np.zeros(n),
+            status=np.full(n, int(SetpointStatus.NOMINAL), dtype=np.uint8),
+        )
+
+    def _rest(self) -> Array | Reply:
+        """Return where the reference rests, (n, 4), or why it does not."""
+        last = self._last
+        if last is None:
+            return Reply(granted=False, reason="no vehicle has been seen yet")
+        speed = np.linalg.norm(last.vel, axis=1)
+        if speed.max() > AT_REST:
+            row = int(speed.argmax())
+            told = f"{last.names[row]}'s reference moves at {speed[row]:.2f} m/s"
+            return Reply(granted=False, reason=f"{told}: hold first")
+        return np.column_stack([last.pos, last.yaw])
+
+    def _first(self) -> Array:
+        return np.stack([curve.at(np.array(0.0)) for curve in self._plan.trajectories])
+
+    def _now(self) -> float:
+        return 0.0 if self._last is None else self._last.t
+
+
+def _at(played: Played, t: float) -> SwarmSetpoint:
+    return setpoint_at(played.plan, t, played.start)

@@ -1,0 +1,158 @@
+"""Plan as the command line asks: zone, search, proof, and the files of the plan."""
+
+import json
+from argparse import Namespace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+from time import process_time
+
+from q2q_model.downwash.level_set import level_set
+from q2q_model.files.find_model import find_model
+from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.trajectory import plan_file
+from q2q_model.trajectory.plan_file import PlanFacts
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.vehicle.constants import vehicle_by_name
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
+from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDraft, avoid_draft
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_flyable, with_limits_of
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
+from q2q_planner.tools.export import write_samples, write_uploads
+from q2q_planner.tools.waypoint_file import read_waypoints
+
+LARGEST = 5.0
+"""Largest zone [m]: far beyond any draft measured."""
+
+DRAFT = "paper_law"
+"""The draft in which Figs 11 and 13 are drawn where --model names none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """Hold a plan and what it took."""
+
+    plan: SwarmPlan
+    proof: Certificate
+    cost: float
+    infimum: float
+    cpu_ms: float
+
+
+def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, before: float) -> Planned:
+    """Return the plan that the command line asks for; raise ValueError where there is none.
+
+    `before` is the processor time at which work on it began [s].
+    """
+    warm = plan_file.load(asked.warm) if asked.warm else None
+    params = AvoidanceParams(starts=asked.starts)
+    if asked.avoid:
+        found = avoid(swarm, zone, asked.reading, params, warm)
+        return Planned(found.plan, found.certificate, found.cost, found.infimum, _ms_since(before))
+    plan = minimum_snap_plan(swarm, asked.reading)
+    cost, proof = plan_cost(plan), certify(plan, zone)
+    plan = SwarmPlan(plan.names, plan.trajectories, proof.holds)
+    return Planned(plan, proof, cost, cost, _ms_since(before))
+
+
+def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
+    """Return the zone that the command line asks for, and in words."""
+    if asked.cut is not None:
+        return _zone_by_cut(asked, swarm)
+    if asked.model and asked.threshold is not None:
+        words = f"level set of {asked.model} at {asked.threshold} m/s^2"
+        return level_set(find_model(asked.model).interaction, asked.threshold), words
+    if asked.model:
+        return find_model(asked.model).zone, f"the zone of {asked.model}"
+    if asked.threshold is not None:
+        raise ValueError(f"--threshold {asked.threshold} needs --model: a threshold of which draft?")
+    for name in ("eps", "d"):
+        value = getattr(asked, name)
+        if not 0.0 < value < LARGEST:
+            raise ValueError(f"--{name} = {value}: allowed is 0 to {LARGEST} m, both excluded")
+    shape = Cylinder if asked.shape == "cylinder" else Ellipsoid
+    return shape(asked.eps, asked.d), f"{asked.shape} eps {asked.eps} m, d {asked.d} m"
+
+
+def _zone_by_cut(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
+    if not asked.model or asked.threshold is not None:
+        raise ValueError(f"--cut {asked.cut} needs --model, and no --threshold: it chooses that")
+    file = find_model(asked.model)
+    draft = LearnedDraft(file.interaction, file.gains or PAPER_LOOP, asked.cut)
+    made = avoid_draft(swarm, draft, asked.reading, AvoidanceParams(starts=asked.starts))
+    if made.cut < asked.cut:
+        raise ValueError(
+            f"--cut {asked.cut}: at most {made.cut:.3f} was found; ask for less, or allow more time"
+        )
+    words = f"level set of {asked.model} at {made.zone.threshold:.4g} m/s^2"
+    return made.zone, f"{words}: spares {100.0 * made.cut:.1f} % of the height error foretold"
+
+
+def swarm_of(asked: Namespace) -> tuple[VehicleWaypoints, ...]:
+    """Return the waypoints of the file, timed where it gives no times; raise ValueError naming the file."""
+    limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration), vehicle_by_name(asked.vehicle))
+    return read_waypoints(asked.waypoints, limits, asked.reading)
+
+
+def as_json(made: Planned) -> dict[str, float | bool | int | None]:
+    """Return the numbers other programs read."""
+    return {
+        "snap_cost": made.cost,
+        "snap_infimum": made.infimum,
+        "certified": made.proof.holds,
+        "clearance_m": made.proof.clearance if isfinite(made.proof.clearance) else None,
+        "cpu_ms": made.cpu_ms,
+        "vehicles": len(made.plan.names),
+    }
+
+
+def run(asked: Namespace) -> int:
+    """Plan, prove, and write what is asked for; return the exit status."""
+    swarm, before = swarm_of(asked), process_time()
+    zone, words = zone_of(asked, swarm)
+    made = planned(asked, swarm, zone, before)
+    check_flyable(made.plan, swarm, vehicle_by_name(asked.vehicle))
+    facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
+    asked.out.parent.mkdir(parents=True, exist_ok=True)
+    plan_file.save(asked.out, made.plan, facts)
+    _write_others(asked, made)
+    if asked.figures:
+        _draw(asked, made, swarm, zone)
+    print(f"{asked.out}: {len(made.plan.names)} vehicles, {made.plan.duration:g} s")
+    print(f"  snap cost {made.cost:.6g}, {made.cost / made.infimum:.4f} of what it costs without avoidance")
+    print(f"  {_verdict(made)} ({words})")
+    return 0
+
+
+def _write_others(asked: Namespace, made: Planned) -> None:
+    if asked.json:
+        asked.json.write_text(json.dumps(as_json(made), indent=1) + "\n")
+    if asked.csv:
+        write_samples(asked.csv, made.plan)
+    if asked.upload:
+        write_uploads(asked.upload, made.plan)
+
+
+def _draw(asked: Namespace, made: Planned, swarm: Sequence[VehicleWaypoints], zone: Zone) -> None:
+    from q2q_planner.tools import plan_figures  # drawing is slow to import
+
+    model = find_model(asked.model or DRAFT).interaction
+    free = minimum_snap_plan(swarm, asked.reading)
+    for path in plan_figures.draw_all(asked.figures, made.plan, free, zone, model):
+        print(f"  drew {path}")
+
+
+def _verdict(made: Planned) -> str:
+    proof = made.proof
+    if proof.pair is None:
+        return "one vehicle: nothing to keep out of"
+    nearest = f"{' and '.join(proof.pair)} at {proof.t:.2f} s"
+    if proof.holds:
+        return f"certified out of the zone for every t; nearest {proof.clearance * 1e3:.2f} mm, {nearest}"
+    return f"NOT out of the zone: {-proof.clearance * 1e3:.0f} mm inside, {nearest}"
+
+
+def _ms_since(before: float) -> float:
+    return (process_time() - before) * 1e3

@@ -1,0 +1,74 @@
+"""Put a fleet into a room: its vehicles fly by their own firmware, the rest of the room as ever."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.crtp.fleet import Fleet
+from q2q_sim.crtp.spots import apart
+from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.parameters.parameter_table import DECKS
+from q2q_sim.loop.room import Room
+from q2q_sim.plant.quadcopter import state_at_rest
+from q2q_sim.scenarios.scenario import Scenario
+
+_POSITIONING: dict[str, tuple[str, ...]] = {
+    "deck": ("bcLighthouse4",),
+    "flow": ("bcFlow2", "bcZRanger2"),
+    "external": (),
+}
+"""Decks of each way to know the place."""
+
+
+@dataclass(frozen=True, slots=True)
+class CrtpRoomParams:
+    """Hold how the vehicles wait for their clients."""
+
+    start: str = tunable(
+        "ground",
+        "where vehicles wait: below their first waypoint (beside it where two share one), or held at it",
+        choices=("ground", "air"),
+    )
+    positioning: str = tunable(
+        "deck",
+        "how vehicles know their place: by themselves, by flow from where they started, or told by clients",
+        choices=("deck", "flow", "external"),
+    )
+    decks: tuple[str, ...] = tunable(
+        ("bcFlow2", "bcZRanger2"), "decks that vehicles tell of besides that for positioning"
+    )
+    auto_arming: bool = tunable(default=True, description="vehicles arm themselves, as the stock build does")
+    zero_expires: bool = tunable(
+        default=False, description="a setpoint without thrust gives way after 0.5 s; the firmware keeps it"
+    )
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+        known = [one.last for one in DECKS]
+        for deck in self.decks:
+            if deck not in known:
+                raise ValueError(f"deck {deck!r}: known are {', '.join(known)}")
+
+    @property
+    def build(self) -> Build:
+        """Return the build of the vehicles."""
+        decks = {*self.decks, *_POSITIONING[self.positioning]}
+        return Build(
+            auto_arming=self.auto_arming,
+            positioning_deck=self.positioning == "deck",
+            flow_deck=self.positioning == "flow",
+            decks=tuple(sorted(decks)),
+            zero_expires=self.zero_expires,
+        )
+
+
+def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
+    """Return the fleet of a room that has not begun; move its vehicles to where they wait."""
+    if params.start == "ground":
+        start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
+        start[:, 2] = 0.0
+        start[:, :2] = apart(start[:, :2])
+        room.swarm.state[:] = state_at_rest(start, scenario.vehicle.mass)
+    return Fleet(room.swarm, scenario.vehicle, params.build)

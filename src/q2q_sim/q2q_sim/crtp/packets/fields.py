@@ -1,0 +1,27 @@
+"""Read packed fields of a packet and refuse what is short or not finite."""
+
+import math
+from struct import Struct
+
+from q2q_sim.crtp.packets.packet import MalformedError
+
+
+def read(layout: Struct, data: bytes, at: int = 0) -> tuple[float, ...]:
+    """Return the numbers that a layout has at `at` in `data`.
+
+    Raises:
+        MalformedError: the data end before the layout does, or a number is not finite.
+    """
+    if len(data) < at + layout.size:
+        raise MalformedError(f"{len(data)} bytes; {at + layout.size} are needed")
+    numbers: tuple[float, ...] = layout.unpack_from(data, at)
+    if not all(math.isfinite(number) for number in numbers):
+        raise MalformedError(f"{numbers}: all must be finite")
+    return numbers
+
+
+def byte(data: bytes, at: int) -> int:
+    """Return one byte; raise MalformedError where the data end before."""
+    if len(data) <= at:
+        raise MalformedError(f"{len(data)} bytes; {at + 1} are needed")
+    return data[at]

@@ -1,0 +1,1 @@
+"""CRTP ports: one file for each service of the protocol."""

@@ -1,0 +1,171 @@
+"""Serve port 8: take-off, landing, go-to, spirals and uploaded trajectories.
+
+Source: firmware: modules/src/crtp_commander_high_level.c. The answer is the request's first three bytes and
+what became of it (onboard.planner.Answer). Commands carry a group mask: 0 is everyone, else the vehicle obeys
+if hlCommander.groupmask shares a bit. Yaw is in radians here, heights in the world.
+
+| command | fields after it |
+|---|---|
+| 0 set group mask | mask |
+| 1, 2 take off, land (old) | mask, height, duration |
+| 3 stop | mask: motors off |
+| 4, 12 go to | mask, relative, (12: linear,) x, y, z, yaw, duration |
+| 5, 13 start trajectory | mask, relative position, (13: relative yaw,) reversed, id, time scale |
+| 6 define trajectory | id, location 1, type 0, offset uint32, pieces |
+| 7, 8 take off, land | mask, height, yaw, keep the present yaw, duration |
+| 9, 10 the same | mask, height, relative, yaw, keep, velocity |
+| 11 spiral | mask, sideways, clockwise, angle, first and last radius, ascent, duration |
+
+Durations are taken as they are, and a trajectory that is not defined is answered OK and not flown. Different
+from the firmware: compressed trajectories (type 1) are answered UNKNOWN, and so are those without pieces or
+with pieces beyond the memory, where the firmware reads what else is there.
+"""
+
+import struct
+from collections.abc import Callable
+
+import numpy as np
+
+from q2q_sim.crtp.packets.fields import byte, read
+from q2q_sim.crtp.packets.packet import Packet
+from q2q_sim.firmware.commander.piecewise import Piecewise
+from q2q_sim.firmware.commander.planner import PlannerAnswer, Target, Vertical
+from q2q_sim.firmware.commander.polynomial import Piece
+from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.parameters.uploads import TRAJECTORY_BYTES, Uploaded
+
+_OLD, _NEW, _SPEED = struct.Struct("<Bff"), struct.Struct("<Bff?f"), struct.Struct("<Bf?f?f")
+_GO, _GO_2, _ARC = struct.Struct("<BB5f"), struct.Struct("<BBB5f"), struct.Struct("<BBB5f")
+_START, _START_2, _DEFINE = struct.Struct("<BBBBf"), struct.Struct("<BBBBBf"), struct.Struct("<BBBIB")
+PIECE_BYTES = 132
+"""4 polynomials of 8 floats and a duration."""
+IN_MEMORY, POLY4D, COMPRESSED = 1, 0, 1
+TRAJECTORIES = 31
+"""NUM_TRAJECTORY_DEFINITIONS."""
+
+
+def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
+    """Obey a command and answer it."""
+    command = byte(packet.data, 0)
+    rest = packet.data[1:]
+    answer = _COMMANDS[command](firmware, rest) if command in _COMMANDS else PlannerAnswer.UNKNOWN
+    return [packet.answer(packet.data[:3].ljust(3, b"\0") + bytes([answer]))]
+
+
+def _obeys(firmware: Firmware, mask: float) -> bool:
+    return mask == 0 or bool(int(mask) & int(firmware.parameters["hlCommander.groupmask"]))
+
+
+def _flying(act: Callable[[Firmware, bytes], PlannerAnswer]) -> Callable[[Firmware, bytes], PlannerAnswer]:
+    """Return `act` where the supervisor lets the vehicle fly and the command is for its group."""
+
+    def guarded(firmware: Firmware, data: bytes) -> PlannerAnswer:
+        if not firmware.supervisor.may_fly:
+            return PlannerAnswer.BLOCKED
+        return act(firmware, data) if _obeys(firmware, byte(data, 0)) else PlannerAnswer.OK
+
+    return guarded
+
+
+def _set_mask(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    firmware.parameters.set("hlCommander.groupmask", byte(data, 0))
+    return PlannerAnswer.OK
+
+
+def _stop(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    return firmware.planner.stop() if _obeys(firmware, byte(data, 0)) else PlannerAnswer.OK
+
+
+def _vertical(data: bytes) -> Vertical:
+    _, height, yaw, keep, duration = read(_NEW, data)
+    return Vertical(height, duration, None if keep else yaw)
+
+
+def _old_vertical(data: bytes) -> Vertical:
+    _, height, duration = read(_OLD, data)
+    return Vertical(height, duration, 0.0)
+
+
+def _at_speed(firmware: Firmware, data: bytes, name: str, up: float) -> Vertical:
+    _, height, relative, yaw, keep, speed = read(_SPEED, data)
+    now = float(firmware.planner.here.pos[2])
+    end = now + up * height if relative else height
+    pace = speed if speed > 0.0 else float(firmware.parameters[f"hlCommander.{name}"])
+    with np.errstate(all="ignore"):  # a pace of 0 takes for ever
+        duration = float(np.float64(abs(end - now)) / pace)
+    return Vertical(end, duration, None if keep else yaw)
+
+
+def _go(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    _, relative, x, y, z, yaw, duration = read(_GO, data)
+    target = Target((x, y, z), yaw, duration, relative=bool(relative))
+    return firmware.planner.go_to(target, firmware.seconds)
+
+
+def _go_2(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    _, relative, linear, x, y, z, yaw, duration = read(_GO_2, data)
+    target = Target((x, y, z), yaw, duration, relative=bool(relative), linear=bool(linear))
+    return firmware.planner.go_to(target, firmware.seconds)
+
+
+def _arc(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    _, sideways, clockwise, angle, first, last, ascent, duration = read(_ARC, data)
+    spiral = Spiral(angle, first, last, ascent, duration, bool(sideways), bool(clockwise))
+    return firmware.planner.fly_piece(spiral_piece(firmware.planner.here, spiral), firmware.seconds)
+
+
+def _define(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    number, location, kind, offset, pieces = (int(one) for one in read(_DEFINE, data))
+    if number >= TRAJECTORIES:
+        return PlannerAnswer.UNKNOWN
+    firmware.uploads.defined[number] = Uploaded(location, kind, offset, pieces)
+    return PlannerAnswer.OK
+
+
+def _start(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    _, relative, backwards, number, scale = read(_START, data)
+    return _follow(firmware, int(number), scale, (bool(relative), False, bool(backwards)))
+
+
+def _start_2(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    _, relative, turned, backwards, number, scale = read(_START_2, data)
+    return _follow(firmware, int(number), scale, (bool(relative), bool(turned), bool(backwards)))
+
+
+def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool, bool]) -> PlannerAnswer:
+    """Fly an uploaded trajectory; `how`: from here, turned, backwards."""
+    one = firmware.uploads.defined.get(number)
+    if one is None or one.location != IN_MEMORY or one.kind not in {POLY4D, COMPRESSED}:
+        return PlannerAnswer.OK
+    end = one.offset + one.pieces * PIECE_BYTES
+    if one.kind == COMPRESSED or one.pieces == 0 or end > TRAJECTORY_BYTES:
+        return PlannerAnswer.UNKNOWN
+    pieces = tuple(_piece(firmware.uploads.memory, at) for at in range(one.offset, end, PIECE_BYTES))
+    trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2])
+    return firmware.planner.follow(trajectory, from_here=how[0], turned=how[1])
+
+
+def _piece(memory: bytearray, at: int) -> Piece:
+    """Return the uploaded piece at an offset."""
+    numbers = np.frombuffer(memory, dtype="<f4", count=PIECE_BYTES // 4, offset=at).astype(np.float64)
+    return Piece(float(numbers[32]), numbers[:32].reshape(4, 8))
+
+
+_COMMANDS: dict[int, Callable[[Firmware, bytes], PlannerAnswer]] = {
+    0: _set_mask,
+    1: _flying(lambda one, data: one.planner.take_off(_old_vertical(data), one.seconds)),
+    2: _flying(lambda one, data: one.planner.land(_old_vertical(data), one.seconds)),
+    3: _stop,
+    4: _flying(_go),
+    5: _flying(_start),
+    6: _define,
+    7: _flying(lambda one, data: one.planner.take_off(_vertical(data), one.seconds)),
+    8: _flying(lambda one, data: one.planner.land(_vertical(data), one.seconds)),
+    9: _flying(lambda one, data: one.planner.take_off(_at_speed(one, data, "vtoff", 1.0), one.seconds)),
+    10: _flying(lambda one, data: one.planner.land(_at_speed(one, data, "vland", -1.0), one.seconds)),
+    11: _flying(_arc),
+    12: _flying(_go_2),
+    13: _flying(_start_2),
+}
+"""Command to what it does."""

@@ -1,0 +1,81 @@
+"""Serve port 2: the parameters' table, their values by number and by name.
+
+Source: firmware: modules/src/param_task.c, param_logic.c.
+
+| channel | request | answer |
+|---|---|---|
+| 0 table | contents.py | |
+| 1 read | id uint16 | id, 0, value; id, ENOENT |
+| 2 write | id uint16, value | the same; id, 2 for an unknown id; none for a read-only one |
+| 3 misc | parameters_misc.py | |
+
+A value that is cut short or no number is refused without an answer; a write of a read-only one as well.
+"""
+
+import math
+import struct
+
+from q2q_sim.crtp.packets.fields import read
+from q2q_sim.crtp.packets.packet import MalformedError, Packet
+from q2q_sim.crtp.tables.contents import Contents, Entry
+from q2q_sim.crtp.tables.number_types import TYPES, NumberType
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.parameters.parameter_table import TABLE, Definition, Value
+
+TOC, READ, WRITE = 0, 1, 2
+ENOENT = 2
+NOT_FOUND = 2
+"""PARAM_NOT_FOUND."""
+EXTENDED, READ_ONLY = 0x10, 0x40
+ID = struct.Struct("<H")
+
+
+def type_byte(one: Definition) -> int:
+    """Return the type byte of a parameter in the table."""
+    kind = TYPES[one.kind].param or 0
+    return kind | (EXTENDED if one.persistent else 0) | (READ_ONLY if one.read_only else 0)
+
+
+def contents() -> Contents:
+    """Return the parameters' table of contents."""
+    return Contents([Entry(one.group, one.last, type_byte(one)) for one in TABLE])
+
+
+CONTENTS = contents()
+
+
+def definition(data: bytes, at: int = 0) -> Definition | None:
+    """Return the parameter whose id is at `at` in `data`; None where there is none."""
+    number = int(read(ID, data, at)[0])
+    return TABLE[number] if number < len(TABLE) else None
+
+
+def packed_value(firmware: Firmware, one: Definition) -> bytes:
+    """Return a parameter's value as bytes."""
+    return TYPES[one.kind].packed(firmware.parameters[one.name])
+
+
+def value_in(kind: NumberType, data: bytes) -> Value:
+    """Return the value at the front of `data`; raise MalformedError where it is short or not finite."""
+    value = read(kind.layout, data)[0]
+    if not math.isfinite(value):
+        raise MalformedError(f"value {value}: must be finite")
+    return int(value) if kind.whole else value
+
+
+def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
+    """Return the answers to a packet on channels 0, 1 or 2."""
+    if packet.channel == TOC:
+        listed = CONTENTS.answer(packet.data)
+        return [] if listed is None else [packet.answer(listed)]
+    one = definition(packet.data)
+    number = packet.data[: ID.size]
+    if packet.channel == READ:
+        value = bytes([ENOENT]) if one is None else b"\0" + packed_value(firmware, one)
+        return [packet.answer(number + value)]
+    if one is None:
+        return [packet.answer(number + bytes([NOT_FOUND]))]
+    if one.read_only:
+        return []
+    firmware.parameters.set(one.name, value_in(TYPES[one.kind], packet.data[ID.size :]))
+    return [packet]

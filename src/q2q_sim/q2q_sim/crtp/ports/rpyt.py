@@ -1,0 +1,129 @@
+"""Read port 3: roll, pitch, yaw rate and thrust, as a stick gives them.
+
+Source: firmware: modules/src/crtp_commander_rpyt.c. Three floats and a uint16:
+
+| field | meaning |
+|---|---|
+| roll | [deg], right side down |
+| pitch | [deg], *legacy*: nose up; cflib's send_setpoint turns the sign: its pitch is nose down |
+| yaw | rate [deg/s], *inverted*: positive turns right |
+| thrust | 0, or 1000 to 60000 [PWM]; locked at 0 until one packet with thrust 0 has come |
+
+The flightmode parameters change what the fields mean, as in the firmware: stabModeRoll and stabModePitch
+(0: rates [deg/s]), stabModeYaw (1: angle, not inverted), althold (thrust is a climb rate), poshold (pitch and
+roll are velocities), posSet (-pitch, roll, thrust / 1000 are a position). A packet overwrites the client's
+last setpoint of any port, and what it says nothing of stays: after a hover packet, poshold velocities are the
+body's.
+"""
+
+import struct
+from dataclasses import replace
+from typing import NamedTuple
+
+from q2q_model.vehicle.thrust_map import PWM_STICK_MAX
+from q2q_sim.crtp.packets.fields import read
+from q2q_sim.crtp.packets.packet import Packet
+from q2q_sim.firmware.commander.commander import Priority
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.parameters.parameter_values import Parameters
+
+_FIELDS = struct.Struct("<fffH")
+PWM_MIN = 1000
+"""MIN_THRUST."""
+MIDDLE = 32767.0
+"""Thrust that neither climbs nor sinks under althold; as far above it 1 m/s."""
+STICK_PER_SPEED = 30.0
+"""Degrees of stick for 1 m/s under poshold."""
+
+
+class Stick(NamedTuple):
+    """Fields of a packet, as sent."""
+
+    roll: float
+    pitch: float
+    yaw: float
+    thrust: float
+
+
+def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
+    """Fly the setpoint in a packet."""
+    if packet.channel != 0:
+        return []
+    roll, pitch, yaw, thrust = read(_FIELDS, packet.data)
+    if firmware.commander.priority == Priority.DISABLE:
+        firmware.thrust_locked = True
+    if thrust == 0:
+        firmware.thrust_locked = False
+    stick = Stick(roll, pitch, yaw, thrust)
+    firmware.obey(_setpoint(stick, firmware.asked, firmware.parameters, locked=firmware.thrust_locked))
+    return []
+
+
+def _setpoint(stick: Stick, last: Setpoint, mode: Parameters, *, locked: bool) -> Setpoint:
+    pwm = 0.0 if locked or stick.thrust < PWM_MIN else min(stick.thrust, float(PWM_STICK_MAX))
+    return _turning(stick, _tilting(stick, _lifting(stick, replace(last, thrust_pwm=pwm), mode), mode), mode)
+
+
+def _lifting(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
+    if not mode.flag("flightmode.althold"):
+        return replace(made, z=Mode.DISABLE)
+    climb = (stick.thrust - MIDDLE) / MIDDLE
+    return replace(made, z=Mode.VELOCITY, vel=(*made.vel[:2], climb), thrust_pwm=0.0)
+
+
+def _tilting(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
+    if mode.flag("flightmode.poshold"):
+        return _moving(stick, made)
+    if mode.flag("flightmode.posSet") and stick.thrust != 0:
+        return _placed(stick, made)
+    by_angle = mode.flag("flightmode.stabModeRoll"), mode.flag("flightmode.stabModePitch")
+    roll, roll_rate = (stick.roll, 0.0) if by_angle[0] else (0.0, stick.roll)
+    pitch, pitch_rate = (stick.pitch, 0.0) if by_angle[1] else (0.0, stick.pitch)
+    return replace(
+        made,
+        x=Mode.DISABLE,
+        y=Mode.DISABLE,
+        roll=Mode.ABS if by_angle[0] else Mode.VELOCITY,
+        pitch=Mode.ABS if by_angle[1] else Mode.VELOCITY,
+        vel=(0.0, 0.0, made.vel[2]),
+        attitude_deg=(roll, pitch, made.attitude_deg[2]),
+        rate_deg=(roll_rate, pitch_rate, made.rate_deg[2]),
+    )
+
+
+def _moving(stick: Stick, made: Setpoint) -> Setpoint:
+    return replace(
+        made,
+        x=Mode.VELOCITY,
+        y=Mode.VELOCITY,
+        roll=Mode.DISABLE,
+        pitch=Mode.DISABLE,
+        vel=(stick.pitch / STICK_PER_SPEED, stick.roll / STICK_PER_SPEED, made.vel[2]),
+        attitude_deg=(0.0, 0.0, made.attitude_deg[2]),
+    )
+
+
+def _placed(stick: Stick, made: Setpoint) -> Setpoint:
+    return replace(
+        made,
+        x=Mode.ABS,
+        y=Mode.ABS,
+        z=Mode.ABS,
+        roll=Mode.DISABLE,
+        pitch=Mode.DISABLE,
+        yaw=Mode.ABS,
+        pos=(-stick.pitch, stick.roll, stick.thrust / 1000.0),
+        attitude_deg=(0.0, 0.0, stick.yaw),
+        thrust_pwm=0.0,
+    )
+
+
+def _turning(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
+    if mode.flag("flightmode.posSet"):
+        return made
+    roll, pitch, _ = made.attitude_deg
+    if mode.flag("flightmode.stabModeYaw"):
+        still = (*made.rate_deg[:2], 0.0)
+        return replace(made, yaw=Mode.ABS, attitude_deg=(roll, pitch, stick.yaw), rate_deg=still)
+    return replace(made, yaw=Mode.VELOCITY, rate_deg=(*made.rate_deg[:2], -stick.yaw))

@@ -1,0 +1,189 @@
+"""Attach a fleet to UDP ports on loopback: one port a vehicle, framed as cflib's UDP driver does.
+
+A thread of its own takes datagrams, in turns of at most BURST a port, so that a flood on one port starves
+neither the others nor the room. Who flies the room calls `fly` between; a lock keeps both apart. Nothing here
+opens a port on another interface than loopback.
+"""
+
+import selectors
+import socket
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import monotonic
+from typing import Self
+
+from q2q_model.signals.values import Array, Names
+from q2q_sim.crtp.fleet import Fleet, Sent
+from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
+
+LOOPBACK = "127.0.0.1"
+BURST = 32
+"""Datagrams taken from one port before the next one has its turn."""
+DATAGRAM_MAX = 64
+"""Bytes read of a datagram; one that is longer than a packet is refused anyway."""
+WAKE_S = 0.2
+"""Longest sleep of the thread [s]."""
+
+Address = tuple[str, int]
+
+
+@dataclass(slots=True)
+class Traffic:
+    """Packet counts."""
+
+    received: int = 0
+    sent: int = 0
+    dropped: int = 0
+    """Lost by the link model, or by a full socket."""
+
+
+class CrtpEndpoint:
+    """Sockets of a fleet. Use as a context manager."""
+
+    def __init__(
+        self,
+        fleet: Fleet,
+        names: Names,
+        base_port: int,
+        link: LinkParams,
+        now: Callable[[], float] = monotonic,
+    ) -> None:
+        """Open the ports base_port, base_port + 1, ...; 0 lets the system choose each.
+
+        Raises:
+            OSError: a port is taken, naming it.
+        """
+        self.traffic = Traffic()
+        self._fleet = fleet
+        self._now = now
+        self._radios = Radios(link, len(names), seed=0)
+        self._up: DelayLine[tuple[int, Address, bytes]] = DelayLine()
+        self._down: DelayLine[tuple[int, Address, bytes]] = DelayLine()
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._sockets = _open_all(names, base_port)
+        self._bell, self._ringer = socket.socketpair()
+        self._thread = threading.Thread(target=self._run, name="crtp", daemon=True)
+        self._thread.start()
+
+    @property
+    def uris(self) -> tuple[str, ...]:
+        """Return the address of every vehicle, as clients write it."""
+        return tuple(f"udp://{LOOPBACK}:{one.getsockname()[1]}" for one in self._sockets)
+
+    def __enter__(self) -> Self:
+        """Return the endpoint."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the ports."""
+        self.close()
+
+    def close(self) -> None:
+        """End the thread and close the ports."""
+        self._ended.set()
+        self._ringer.send(b"\0")
+        self._thread.join()
+        for one in (*self._sockets, self._bell, self._ringer):
+            one.close()
+
+    def fly(self, drive: Array) -> None:
+        """Let one tick of the fleet pass (Fleet.fly) and send what is due to clients."""
+        with self._lock:
+            self._fleet.fly(drive)
+            for one in self._fleet.outgoing():
+                self._send(one)
+            self._deliver()
+
+    def _run(self) -> None:
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._bell, selectors.EVENT_READ)
+            for row, one in enumerate(self._sockets):
+                selector.register(one, selectors.EVENT_READ, data=row)
+            while not self._ended.is_set():
+                ready = selector.select(self._sleep())
+                for key, _ in ready:
+                    if isinstance(key.data, int):
+                        self._receive(key.data)
+                with self._lock:
+                    self._deliver()
+
+    def _sleep(self) -> float:
+        with self._lock:
+            nexts = [one.next_arrival for one in (self._up, self._down)]
+        waits = [one - self._now() for one in nexts if one is not None]
+        return min(WAKE_S, max(min(waits, default=WAKE_S), 0.0))
+
+    def _receive(self, row: int) -> None:
+        for _ in range(BURST):
+            try:
+                datagram, client = self._sockets[row].recvfrom(DATAGRAM_MAX)
+            except OSError:
+                return
+            with self._lock:
+                self.traffic.received += 1
+                self._take(row, client, datagram)
+
+    def _take(self, row: int, client: Address, datagram: bytes) -> None:
+        arrival = self._radios.arrival(row, datagram, self._now()) if datagram else None
+        if arrival is None:
+            self.traffic.dropped += 1
+        elif arrival <= self._now():
+            self._handle(row, client, datagram)
+        else:
+            self._up.push(arrival, (row, client, datagram))
+
+    def _handle(self, row: int, client: Address, datagram: bytes) -> None:
+        for answer in self._fleet.vehicles[row].handle(datagram, client):
+            self._send(Sent(row, client, answer))
+
+    def _send(self, one: Sent) -> None:
+        client = one.client
+        if not isinstance(client, tuple):
+            return
+        arrival = self._radios.arrival(one.vehicle, one.datagram, self._now())
+        if arrival is None:
+            self.traffic.dropped += 1
+        elif arrival <= self._now():
+            self._write(one.vehicle, client, one.datagram)
+        else:
+            self._down.push(arrival, (one.vehicle, client, one.datagram))
+
+    def _deliver(self) -> None:
+        for row, client, datagram in self._up.due(self._now()):
+            self._handle(row, client, datagram)
+        for row, client, datagram in self._down.due(self._now()):
+            self._write(row, client, datagram)
+
+    def _write(self, row: int, client: Address, datagram: bytes) -> None:
+        try:
+            self._sockets[row].sendto(datagram, client)
+            self.traffic.sent += 1
+        except OSError:  # the client's buffer is full, or it is gone
+            self.traffic.dropped += 1
+
+
+def _open_all(names: Names, base_port: int) -> list[socket.socket]:
+    opened: list[socket.socket] = []
+    try:
+        for row, name in enumerate(names):
+            opened.append(_open(name, base_port + row if base_port else 0))
+    except OSError:
+        for one in opened:
+            one.close()
+        raise
+    return opened
+
+
+def _open(name: str, port: int) -> socket.socket:
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    made.settimeout(0.0)
+    try:
+        made.bind((LOOPBACK, port))
+    except OSError as refusal:
+        made.close()
+        raise OSError(
+            f"UDP port {port} of {name} is taken on {LOOPBACK} ({refusal.strerror}): choose another crtp_port"
+        ) from refusal
+    return made

@@ -1,0 +1,1 @@
+"""Experiments: campaigns, the ablation, the paper's tables and figures."""

@@ -1,0 +1,90 @@
+"""Build the controllers that the ablation compares, all from the same gains and the same learned model.
+
+| name | knows the draft | against what is not explained |
+|---|---|---|
+| ignoring | no | nothing |
+| integral | no | integral |
+| observer | no | disturbance observer |
+| PD aware | yes | nothing |
+| PID aware | yes | integral |
+| observer aware | yes | disturbance observer |
+| MPC | yes, ahead | nothing |
+| MPC observer | yes, ahead | disturbance observer |
+| explicit | yes, ahead | disturbance observer |
+
+K_p and K_d are the scenario's; K_i = 0.12 K_p K_d, an eighth of what the loop bears (Routh: K_i < K_p K_d).
+The MPC's tuning is its default. The explicit law is distilled from "MPC observer" for the case's vehicle,
+bound and model, and takes all but the solving from it; where no bound is ever met it is its linear law.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from q2q_control.disturbance.tracker import TrackerParams
+from q2q_control.explicit.distillation import Syllabus, distil
+from q2q_control.explicit.explicit_solver import explicit_controller
+from q2q_control.explicit.law import ExplicitLaw
+from q2q_control.explicit.teacher import Teacher
+from q2q_control.inputs.controller import Controller
+from q2q_control.inputs.plan_samples import Curve, sampled_preview
+from q2q_control.inputs.preview import SampledPreview
+from q2q_control.mpc.receding import Mpc
+from q2q_control.pid.observed_pid import ObservedPid
+from q2q_control.pid.pid import Pid
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_sim.experiments.ablation.learned_model import Learned
+from q2q_sim.loop.assembly import mpc_params, pid_params
+from q2q_sim.scenarios.scenario import Scenario
+
+CONTENDERS = (
+    "ignoring", "PD aware", "PID aware", "integral", "observer", "observer aware", "MPC", "MPC observer",
+    "explicit",
+)  # fmt: skip
+BLIND = ("ignoring", "integral", "observer")
+"""Those that are given no draft."""
+INTEGRAL_SHARE = 0.12
+"""K_i over K_p K_d [-]."""
+
+
+def built(name: str, flown: tuple[Scenario, SwarmPlan], learned: Learned, *, limited: bool) -> Controller:
+    """Return a fresh contender for a scenario and its plan; raise ValueError for an unknown name."""
+    scenario, plan = flown
+    gains = pid_params(scenario, limited=limited)
+    integral = replace(gains, k_i_z=INTEGRAL_SHARE * gains.k_p_z * gains.k_d_z)
+    latency = scenario.vicon.latency + scenario.radio.latency
+    tracker = TrackerParams(latency=latency)
+    if name in ("ignoring", "PD aware"):
+        return Pid(gains, scenario.vehicle)
+    if name in ("integral", "PID aware"):
+        return Pid(integral, scenario.vehicle)
+    if name in ("observer", "observer aware"):
+        return ObservedPid(gains, tracker, scenario.vehicle)
+    if name not in CONTENDERS:
+        raise ValueError(f"unknown contender {name!r}: choose one of {', '.join(CONTENDERS)}")
+    params = replace(mpc_params(scenario, limited=limited), loading=learned.loading)
+    mpc = (
+        explicit_controller(_law(scenario, learned, limited=limited), params, scenario.vehicle, learned.model)
+        if name == "explicit"
+        else Mpc(replace(params, observe=name == "MPC observer"), scenario.vehicle, learned.model)
+    )
+    mpc.preview = _preview(plan)
+    return mpc
+
+
+def _law(scenario: Scenario, learned: Learned, *, limited: bool) -> ExplicitLaw:
+    vehicle, params = scenario.vehicle, mpc_params(scenario, limited=limited)
+    bound = min(params.thrust_max, vehicle.thrust_max) if limited else vehicle.thrust_max
+    # neither the room's latency nor the sources' thrust is the law's matter: its inputs know them
+    return _distilled(Teacher(replace(params, latency=0.0, loading=0.0), vehicle, learned.model, bound))
+
+
+@lru_cache(maxsize=4)
+def _distilled(teacher: Teacher) -> ExplicitLaw:
+    return distil(teacher, Syllabus(), np.random.default_rng(0))
+
+
+def _preview(plan: SwarmPlan) -> SampledPreview:
+    curves = [Curve(one.durations, one.coefficients) for one in plan.trajectories]
+    return sampled_preview(plan.names, curves, 0.0)

@@ -1,0 +1,112 @@
+"""Fly one contender in one case and measure every replica.
+
+The blocks are those of closed_loop, the controller the contender. Errors are the truth's, against the plan.
+
+| column | meaning |
+|---|---|
+| flight | z RMSE of all vehicles over the flight [m] |
+| lower | z RMSE of the first vehicle, the lowest, over the flight [m] |
+| under | z RMSE of vehicles while under another, and AFTER seconds beyond [m] |
+| worst | largest |z error| in the same time [m] |
+| clear | z RMSE of vehicles that are under nobody, nor were FORGOTTEN seconds ago or less [m] |
+| energy | int U1^2 dt of the first vehicle, above hover [N^2 s] |
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_control.inputs.controller import Controller
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import setpoint_at
+from q2q_sim.experiments.ablation.ablation_cases import Case, is_random, scenario_of, side_by_side
+from q2q_sim.experiments.ablation.contenders import BLIND, built
+from q2q_sim.experiments.ablation.learned_model import Learned
+from q2q_sim.loop.assembly import TICK_S, Blocks, Options, blocks_of, plan_of
+from q2q_sim.loop.room import Room
+from q2q_sim.scenarios.scenario import Scenario
+
+COLUMNS = ("flight", "lower", "under", "worst", "clear", "energy")
+SETTLE = 3.0
+"""The first of a flight, in which every loop finds its offset, is not judged [s]."""
+ASIDE = 0.15
+"""Nothing of the draft is left beyond this beside its source [m] (real flights)."""
+BELOW = 1.5
+"""Nor worth counting beyond this below it [m]."""
+AFTER = 1.0
+"""A slow loop's error comes after its cause [s]."""
+FORGOTTEN = 3.0
+"""After this the air counts as clear again [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """Judged quantities of a flight of n vehicles."""
+
+    pos: Array
+    """True positions [m], world, (T, n, 3)."""
+    error: Array
+    """True minus planned height [m], (T, n)."""
+    thrust: Array
+    """Commanded U1 [N], (T, n)."""
+
+
+def trial(case: Case, contender: str, learned: Learned, count: int) -> Array:
+    """Return COLUMNS of every replica, (count, 6); one row where nothing is random."""
+    one = scenario_of(case)
+    replicas = count if is_random(one) else 1
+    scenario = side_by_side(one, replicas)
+    plan = plan_of(scenario)
+    controller = built(contender, (scenario, plan), learned, limited=case.limited)
+    blocks = replace(blocks_of(scenario, Options(), learned.model, plan), controller=controller)
+    trace = flown(scenario, blocks, aware=contender not in BLIND)
+    return measured(trace, len(one.names), one.vehicle.hover_thrust)
+
+
+def flown(scenario: Scenario, blocks: Blocks, *, aware: bool, seed: int = 0) -> Trace:
+    """Return a flight of the blocks, without replanner."""
+    room, pos, error, thrust = Room(scenario, seed), [], [], []
+    controller: Controller = blocks.controller
+    while room.tick * TICK_S < scenario.duration:
+        tick = room.capture()
+        state = blocks.mocap_filter.update(tick.frame)
+        draft = blocks.predictor.update(state) if aware else None
+        setpoint = setpoint_at(blocks.plan, tick.frame.t)
+        command = controller.update(state, setpoint, draft)
+        pos.append(tick.truth.pos)
+        error.append(tick.truth.pos[:, 2] - setpoint.pos[:, 2])
+        thrust.append(command.thrust)
+        room.advance(command)
+    return Trace(np.array(pos), np.array(error), np.array(thrust))
+
+
+def measured(trace: Trace, each: int, weight: float) -> Array:
+    """Return COLUMNS of every replica of `each` vehicles, (replicas, 6); NaN where nobody was under another.
+
+    `weight` is m g [N].
+    """
+    ticks, n = trace.error.shape
+    judged = np.arange(ticks) >= round(SETTLE / TICK_S)
+    rows = []
+    for start in range(0, n, each):
+        own = slice(start, start + each)
+        error, pos = trace.error[judged, own], trace.pos[:, own]
+        under, clear = exposed(pos, AFTER)[judged], ~exposed(pos, FORGOTTEN)[judged]
+        energy = float(np.sum(trace.thrust[:, start] ** 2 - weight**2)) * TICK_S
+        worst = float(np.abs(error[under]).max()) if under.any() else np.nan
+        rows.append([_rms(error), _rms(error[:, 0]), _rms(error[under]), worst, _rms(error[clear]), energy])
+    return np.array(rows)
+
+
+def exposed(pos: Array, after: float) -> NDArray[np.bool_]:
+    """Return who is under another, or was `after` seconds ago or less, (T, n), of positions (T, n, 3)."""
+    rel = pos[:, None] - pos[:, :, None]  # [t, i, j] = r_j - r_i
+    near = (np.hypot(rel[..., 0], rel[..., 1]) < ASIDE) & (rel[..., 2] > 0.0) & (rel[..., 2] < BELOW)
+    now = near.any(axis=2)
+    last = np.maximum.accumulate(np.where(now, np.arange(len(pos))[:, None], -len(pos)), axis=0)
+    return np.asarray(np.arange(len(pos))[:, None] - last <= round(after / TICK_S))
+
+
+def _rms(error: Array) -> float:
+    return float(np.sqrt(np.mean(error**2))) if error.size else float("nan")

@@ -1,0 +1,143 @@
+"""Fly one run of a campaign, without ROS or through the nodes, judge it, and keep the bag of a violation."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import yaml
+
+from q2q_model.bag import BagWriter, FlightFacts
+from q2q_model.files.find_model import find_model
+from q2q_model.signals.layout import Signal
+from q2q_model.vehicle.constants import firmware_of
+from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
+from q2q_sim.loop.assembly import MODES
+from q2q_sim.loop.closed_loop import FlightOptions, Listener, fly
+from q2q_sim.monitors.policies import Circumstances, Heard, Violation, evidence_of, judge
+
+NS = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedFlight:
+    """Measurements and violations of a run's flight."""
+
+    heard: tuple[Heard, ...]
+    violations: tuple[Violation, ...]
+
+
+def fly_and_judge(seed: int, kept: Path) -> RunOutcome:
+    """Fly the run of a seed by closed_loop and judge it; a violation leaves bag and scenario in `kept`."""
+    began = perf_counter()
+    run = drawn(seed)
+    flown = flown_pure(run)
+    if flown.violations:
+        keep(run, flown.heard, kept)
+    return RunOutcome(
+        seed,
+        through_nodes=False,
+        what=words(run),
+        violations=flown.violations,
+        seconds=perf_counter() - began,
+    )
+
+
+def flown_pure(run: Run) -> JudgedFlight:
+    """Return the run's flight by closed_loop; an error is a violation too."""
+    heard: list[Heard] = []
+
+    def hear(topic: str, stamp_ns: int, signal: Signal) -> None:
+        heard.append(Heard(topic, stamp_ns / NS, signal))
+
+    try:
+        fly(run.scenario, flight_options(run, hear))
+        violations = judged(run, heard)
+    except Exception as error:  # noqa: BLE001 - whatever a flight raises is what a campaign looks for
+        violations = (crash(error),)
+    return JudgedFlight(tuple(heard), violations)
+
+
+def flight_options(run: Run, hear: Listener) -> FlightOptions:
+    """Return how closed_loop flies a run."""
+    options = run.options
+    return FlightOptions(
+        mode=next(mode for mode in MODES if mode == options.mode),
+        controller=options.controller,
+        replan=options.replan,
+        seed=run.seed,
+        model=find_model(run.scenario.model).interaction,
+        hear=hear,
+    )
+
+
+def judged(run: Run, heard: Sequence[Heard]) -> tuple[Violation, ...]:
+    """Return what a run's flight violated."""
+    scenario = run.scenario
+    return judge(evidence_of(told(heard)), Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
+
+
+def told(heard: Sequence[Heard]) -> list[Heard]:
+    """Return what was heard as a bag in lockstep has it: bag time is the stamp."""
+    return [Heard(one.topic, one.signal.t, one.signal) for one in heard]
+
+
+def crash(error: Exception) -> Violation:
+    """Return the violation of a run that raised an error."""
+    return Violation(CRASH, f"{type(error).__name__}: {error}"[:200], float("nan"), float("nan"), 0.0)
+
+
+def words(run: Run) -> str:
+    """Return what a run is, in one line."""
+    scenario, options = run.scenario, run.options
+    faults = ", ".join(
+        f"{fault.kind} {fault.start:.1f}+{fault.duration:.2f} s"
+        + (f" of {fault.size:.2g}" if fault.size else "")
+        + (f" on {' '.join(fault.vehicles)}" if fault.vehicles else "")
+        for fault in scenario.faults
+    )
+    flown = f"{run.document['description']}"[:40]
+    by = f"{options.controller} {options.mode} {options.replan}"
+    return f"{flown}; room {run.document['room']}; {by}; {faults}"
+
+
+def keep(run: Run, heard: tuple[Heard, ...], folder: Path) -> None:
+    """Leave a run's scenario and what was heard of its flight in a folder, in place of older ones."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_scenario(run, folder / f"{run.seed}.yaml")
+    (folder / f"{run.seed}.options.yaml").write_text(yaml.safe_dump(asdict(run.options)))
+    bag = folder / str(run.seed)
+    if heard and not bag.exists():
+        with BagWriter(bag, facts=_facts(run)) as writer:
+            for one in heard:
+                writer.write_signal(f"/{one.topic}", round(one.at * NS), one.signal)
+
+
+def _facts(run: Run) -> FlightFacts:
+    vehicle = run.scenario.vehicle
+    return FlightFacts(
+        vehicle=vehicle.name,
+        firmware=firmware_of(vehicle),
+        scenario=f"{run.seed}.yaml",
+        mode=run.options.mode,
+        controller=run.options.controller,
+        model=run.scenario.model,
+        wake=run.scenario.wake,
+        seed=str(run.seed),
+    )
+
+
+def write_scenario(run: Run, path: Path) -> None:
+    """Write what a run flies as a scenario file."""
+    path.write_text(yaml.safe_dump(_plain(run.document), sort_keys=False))
+
+
+def _plain(value: object) -> object:
+    """Return a document without numpy's numbers and without tuples."""
+    if isinstance(value, dict):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,111 @@
+"""Fly a campaign: go on where it was, keep what ended, print what violated a policy."""
+
+import json
+from argparse import Namespace
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from q2q_sim.experiments.campaign.engine import outcomes
+from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
+from q2q_sim.experiments.campaign.through_nodes import NodeFlights
+
+
+def run(asked: Namespace) -> int:
+    """Fly the campaign that is asked for; return 1 where a policy is violated."""
+    flown, seconds = _fly(asked)
+    show(flown, seconds)
+    if asked.json:
+        asked.json.parent.mkdir(parents=True, exist_ok=True)
+        asked.json.write_text(json.dumps(summary(flown, seconds), indent=1) + "\n")
+    return int(any(one.violations for one in flown))
+
+
+def _fly(asked: Namespace) -> tuple[list[RunOutcome], float]:
+    asked.out.mkdir(parents=True, exist_ok=True)
+    log, kept = asked.out / "runs.jsonl", asked.out / "violations"
+    seeds = range(asked.seed, asked.seed + asked.runs)
+    by_nodes = set(seeds[: asked.through_nodes])
+    done = {
+        one.seed: one
+        for one in read(log)
+        if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes)
+    }
+    pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
+    nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
+    mend(log)
+    with log.open("a", encoding="utf-8") as file, _bar() as bar:
+        task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
+        for one in _all(asked, pure, nodes, kept):
+            file.write(json.dumps(as_document(one)) + "\n")
+            file.flush()
+            done[one.seed] = one
+            tell(one, bar.console)
+            bar.update(task, advance=1, violations=sum(bool(each.violations) for each in done.values()))
+    flown = [done[seed] for seed in seeds]
+    return flown, sum(one.seconds for one in flown)
+
+
+def _all(asked: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path) -> Iterable[RunOutcome]:
+    if pure:
+        yield from outcomes(asked.engine, pure, asked.jobs, kept)
+    if nodes:
+        with NodeFlights(asked.out / "nodes", kept) as flights:
+            yield from map(flights.fly_and_judge, nodes)
+
+
+def read(log: Path) -> list[RunOutcome]:
+    """Return the runs in a file of JSON lines; a last line that was cut off is no run.
+
+    Raises:
+        ValueError: the file holds something else.
+    """
+    lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
+    found = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            found.append(from_document(json.loads(line)))
+        except ValueError as wrong:
+            if number < len(lines):
+                raise ValueError(f"{log}, line {number}: {wrong}; delete the file to begin anew") from wrong
+    return found
+
+
+def mend(log: Path) -> None:
+    """Take off a last line that was cut off."""
+    text = log.read_text(encoding="utf-8") if log.exists() else ""
+    if text and not text.endswith("\n"):
+        log.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")
+
+
+def tell(outcome: RunOutcome, console: Console) -> None:
+    """Print a run that violated a policy."""
+    if outcome.violations:
+        console.print(f"seed {outcome.seed}: {outcome.what}", highlight=False)
+        for one in outcome.violations:
+            console.print(f"    {one}", highlight=False)
+
+
+def show(flown: Sequence[RunOutcome], seconds: float) -> None:
+    """Print the table of a campaign."""
+    total = summary(flown, seconds)
+    table = Table(title=f"{total['runs']} runs, {total['through_nodes']} through the nodes, {seconds:.0f} s")
+    table.add_column("policy")
+    table.add_column("runs that violate it", justify="right")
+    counts = total["by_policy"]
+    for policy, count in counts.items() if isinstance(counts, dict) else ():
+        table.add_row(policy, str(count))
+    table.add_row("any", str(total["violations"]))
+    Console().print(table)
+    if total["seeds_of_violations"]:
+        print(f"seeds of violations: {total['seeds_of_violations']}")
+
+
+def _bar() -> Progress:
+    words = TextColumn("{task.description}, violations {task.fields[violations]}")
+    return Progress(
+        words, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=Console(stderr=True)
+    )

@@ -1,0 +1,64 @@
+"""Say how one run of a campaign ended, and what a campaign comes to."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+
+from q2q_sim.monitors.policies import POLICIES, Violation
+
+CRASH = "crash"
+"""Stands beside the policies for a run that raised an error: the worst violation of all."""
+TWIN = "twin"
+"""Stands beside the policies for a run through the nodes that is not the flight of closed_loop."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunOutcome:
+    """Outcome of a run."""
+
+    seed: int
+    through_nodes: bool
+    what: str
+    """Scenario, controller and faults, in words."""
+    violations: tuple[Violation, ...]
+    seconds: float
+
+    @property
+    def policies(self) -> list[str]:
+        """Return the policies it violated, once each."""
+        return sorted({one.policy for one in self.violations})
+
+
+def as_document(outcome: RunOutcome) -> dict[str, object]:
+    """Return an outcome as plain values, for a file of JSON lines."""
+    return asdict(outcome)
+
+
+def from_document(document: Mapping[str, object]) -> RunOutcome:
+    """Return an outcome from plain values; raise ValueError for those that are none."""
+    try:
+        violations = document["violations"]
+        if not isinstance(violations, Sequence):
+            raise ValueError(f"violations = {violations!r}: a list is expected")  # noqa: TRY004  a bad document
+        return RunOutcome(
+            seed=int(str(document["seed"])),
+            through_nodes=bool(document["through_nodes"]),
+            what=str(document["what"]),
+            violations=tuple(Violation(**one) for one in violations),
+            seconds=float(str(document["seconds"])),
+        )
+    except (KeyError, TypeError) as wrong:
+        raise ValueError(f"no outcome of a run: {wrong}") from wrong
+
+
+def summary(outcomes: Sequence[RunOutcome], seconds: float) -> dict[str, object]:
+    """Return what a campaign comes to: the contract of `campaign --json`."""
+    counts = Counter(policy for one in outcomes for policy in one.policies)
+    return {
+        "runs": len(outcomes),
+        "through_nodes": sum(one.through_nodes for one in outcomes),
+        "violations": sum(bool(one.violations) for one in outcomes),
+        "by_policy": {policy: counts[policy] for policy in (*POLICIES, CRASH, TWIN)},
+        "seeds_of_violations": sorted({one.seed for one in outcomes if one.violations}),
+        "seconds": seconds,
+    }

@@ -1,0 +1,114 @@
+"""Fly runs of a campaign through the real nodes in lockstep, judge their bags, and hold them to closed_loop.
+
+The nodes must fly what closed_loop flies, to TWIN_M, whatever goes wrong: one violation more to look for.
+"""
+
+import os
+import shutil
+import warnings
+from pathlib import Path
+from time import perf_counter
+from typing import Self
+
+import numpy as np
+
+from q2q_sim.experiments.campaign.campaign_flight import crash, flown_pure, keep, told, words, write_scenario
+from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
+from q2q_sim.flight.resident import ResidentNodes
+from q2q_sim.flight.scenario_flight import FlightRequest, fly, load_scenario, node_specs
+from q2q_sim.monitors.policies import Circumstances, Evidence, Violation, evidence_of, judge
+from q2q_sim.tools.judge_bags import evidence_in
+
+TWIN_M = 1e-9
+"""How far a flight through the nodes may be from closed_loop's [m]: rounding of sums in another order."""
+TOPICS = ("mocap", "truth", "state", "reference_safe", "command")
+"""What is recorded: what policies judge."""
+APART_EVERY = 20
+"""Every so many runs fly with a process for each node; the others all in one process, which stays."""
+
+
+class NodeFlights:
+    """Folder of flights. Use as a context manager: leaving it deletes what need not be kept."""
+
+    def __init__(self, folder: Path, kept: Path) -> None:
+        """Take the folder for running flights, and that for bags of violations."""
+        self._folder = folder / str(os.getpid())
+        self._kept = kept
+        folder.mkdir(parents=True, exist_ok=True)
+        self._resident = ResidentNodes(folder / "nodes.log")
+
+    def __enter__(self) -> Self:
+        """Return the flights; a process for their nodes is ready."""
+        self._resident.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the process, delete the running flights' folder."""
+        self._resident.__exit__()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def fly_and_judge(self, seed: int) -> RunOutcome:
+        """Fly the run of a seed through the nodes and judge it; a violation leaves bag and scenario."""
+        began = perf_counter()
+        run = drawn(seed)
+        violations = self._flown(run)
+        if violations:
+            self._keep(run)
+        shutil.rmtree(self._folder, ignore_errors=True)
+        took = perf_counter() - began
+        return RunOutcome(seed, through_nodes=True, what=words(run), violations=violations, seconds=took)
+
+    def _flown(self, run: Run) -> tuple[Violation, ...]:
+        self._folder.mkdir(parents=True, exist_ok=True)
+        path, options = self._folder / "run.yaml", run.options
+        write_scenario(run, path)
+        request = FlightRequest(
+            scenario=str(path),
+            mode=options.mode,
+            controller=options.controller,
+            replan=options.replan,
+            seed=run.seed,
+            record=TOPICS,
+            stack=run.seed % APART_EVERY > 0,
+        )
+        bag = self._folder / "bag"
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter(
+                    "ignore"
+                )  # stamps that jump are mended with a warning: they were injected
+                self._through(request, bag)
+            evidence = evidence_in(bag)
+        except Exception as error:  # noqa: BLE001 - whatever a flight raises is what a campaign looks for
+            return (crash(error),)
+        scenario = run.scenario
+        found = judge(evidence, Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
+        return (*found, *twin(evidence, evidence_of(told(flown_pure(run).heard))))
+
+    def _through(self, request: FlightRequest, bag: Path) -> None:
+        folder = self._folder / "nodes"
+        if not request.stack:
+            fly(request, folder, bag, lambda _: None)
+            return
+        folder.mkdir(parents=True, exist_ok=True)
+        self._resident.fly(node_specs(load_scenario(request), request, folder, bag), folder)
+
+    def _keep(self, run: Run) -> None:
+        keep(run, (), self._kept)
+        place = self._kept / f"{run.seed}_nodes"
+        shutil.rmtree(place, ignore_errors=True)
+        shutil.copytree(self._folder, place)
+
+
+def twin(through_nodes: Evidence, pure: Evidence) -> tuple[Violation, ...]:
+    """Return where a flight through the nodes leaves that of closed_loop, if it does."""
+    if through_nodes.true_pos.shape != pure.true_pos.shape:
+        ticks = float(len(through_nodes.t) - len(pure.t))
+        return (Violation(TWIN, "number of ticks", float("nan"), ticks, 0.0),)
+    apart = np.abs(through_nodes.true_pos - pure.true_pos).max(axis=(1, 2), initial=0.0)  # (T,)
+    bad = ~(apart <= TWIN_M)
+    if not bad.any():
+        return ()
+    first = int(np.flatnonzero(bad)[0])
+    return (Violation(TWIN, "truth", float(pure.t[first]), float(apart.max()), TWIN_M),)

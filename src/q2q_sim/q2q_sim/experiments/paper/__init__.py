@@ -1,0 +1,1 @@
+"""Tables and figures of the paper, remade from the project's own flights."""

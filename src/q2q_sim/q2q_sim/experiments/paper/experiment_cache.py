@@ -1,0 +1,64 @@
+"""Keep the outcomes of finished experiments, so that a broken-off run goes on where it stood."""
+
+import json
+from hashlib import sha256
+from importlib import import_module
+from pathlib import Path
+
+from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
+
+PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
+SUFFIXES = (".py", ".yaml", ".q2q")
+"""What decides about a result."""
+
+
+class PaperCache:
+    """Folder of the outcomes, and the code they are of."""
+
+    def __init__(self, out: Path, code: str) -> None:
+        """Take the folder of the remade paper and the fingerprint of the code."""
+        self._out = out
+        self._code = code
+
+    def folder(self, name: str) -> Path:
+        """Return the folder for an experiment's pictures."""
+        return self._out / name
+
+    def load(self, name: str) -> ExperimentOutcome | None:
+        """Return an outcome; None where it is missing, of other code, or damaged."""
+        try:
+            kept = json.loads(self._file(name).read_text(encoding="utf-8"))
+            if kept["code"] != self._code:
+                return None
+            outcome = ExperimentOutcome(
+                kept["values"], tuple(FigurePicture(*one) for one in kept["pictures"])
+            )
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+        whole = all((self.folder(name) / Path(one.file).name).is_file() for one in outcome.pictures)
+        return outcome if whole else None
+
+    def save(self, name: str, outcome: ExperimentOutcome) -> None:
+        """Keep an outcome; a half-written file is never read as one."""
+        pictures = [[one.group, one.file, one.caption] for one in outcome.pictures]
+        kept = {"code": self._code, "values": dict(outcome.values), "pictures": pictures}
+        file = self._file(name)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        half = file.with_suffix(".half")
+        half.write_text(json.dumps(kept, indent=1), encoding="utf-8")
+        half.replace(file)
+
+    def _file(self, name: str) -> Path:
+        return self._out / "cache" / f"{name}.json"
+
+
+def fingerprint() -> str:
+    """Return a hash of the code and data of all packages but their nodes, which the paper does not use."""
+    total = sha256()
+    for package in PACKAGES:
+        root = Path(import_module(package).__path__[0])
+        for path in sorted(root.rglob("*")):
+            if path.suffix in SUFFIXES and "ros" not in path.relative_to(root).parts:
+                total.update(str(path.relative_to(root)).encode())
+                total.update(path.read_bytes())
+    return total.hexdigest()

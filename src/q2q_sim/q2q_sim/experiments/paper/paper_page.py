@@ -1,0 +1,131 @@
+"""Say what was remade as JSON, as one HTML page and as a PDF."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import fill
+
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
+from q2q_sim.experiments.paper.paper_numbers import PaperNumber
+from q2q_sim.flight.run_json import Json, finite
+from q2q_sim.report.html_page import Grid, Picture, page
+
+TITLE = "The paper, remade"
+CITATION = (
+    "I. Matei, C. Zeng, S. Chowdhury, R. Rai, J. de Kleer: Controlling Draft Interactions Between "
+    "Quadcopter Unmanned Aerial Vehicles with Physics-aware Modeling. Journal of Intelligent & Robotic "
+    "Systems 101 (2021)."
+)
+"""The paper, as README.md, docs/README.md and CITATION.cff name it."""
+LEAD = (
+    f"The paper: {CITATION} Every table and figure of it that holds a number, from the project's own "
+    "flights, all simulated. The paper's flights are not published: the downwash they are flown in is a "
+    "reconstruction from its tables, so absolute values may differ."
+)
+HEAD = ("number", "where", "paper", "ours", "ratio", "unit", "why they differ")
+ROWS_A_PAGE = 18
+"""Rows of a PDF page."""
+NOTE_WIDTH = 92
+"""Characters of a note that stand on one line of a page."""
+A4_WIDE = (11.7, 8.3)
+"""[inch]"""
+
+
+def as_json(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> Json:
+    """Return {"rows": [...]}, one a number."""
+    found = values(outcomes)
+    return {
+        "rows": [
+            {
+                "id": one.id,
+                "paper": one.paper,
+                "ours": finite(found.get(one.id)),
+                "unit": one.unit,
+                "note": one.note,
+            }
+            for one in numbers
+        ]
+    }
+
+
+def values(outcomes: Sequence[ExperimentOutcome]) -> dict[str, float]:
+    """Return every number that was found."""
+    return {name: value for outcome in outcomes for name, value in outcome.values.items()}
+
+
+def rows(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> list[tuple[str, ...]]:
+    """Return the cells of the table."""
+    found = values(outcomes)
+    return [_row(one, finite(found.get(one.id))) for one in numbers]
+
+
+def write_page(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome], out: Path) -> None:
+    """Write index.html into a folder."""
+    out.mkdir(parents=True, exist_ok=True)
+    parts: list[Grid | list[Picture]] = [Grid(HEAD, rows(numbers, outcomes))]
+    parts.append([Picture(path, one.caption) for one, path in _pictures(numbers, outcomes, out)])
+    (out / "index.html").write_text(page(TITLE, LEAD, parts), encoding="utf-8")
+
+
+def write_pdf(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome], out: Path) -> None:
+    """Write paper.pdf into a folder: the table, then one picture a page."""
+    cells = rows(numbers, outcomes)
+    with PdfPages(out / "paper.pdf") as pdf:
+        for start in range(0, len(cells), ROWS_A_PAGE):
+            sheet = _table_page(cells[start : start + ROWS_A_PAGE])
+            sheet.text(0.03, 0.01, CITATION, fontsize=7)
+            pdf.savefig(sheet)
+        for one, path in _pictures(numbers, outcomes, out):
+            pdf.savefig(_picture_page(one.caption, path))
+
+
+def _pictures(
+    numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome], out: Path
+) -> list[tuple[FigurePicture, Path]]:
+    """Return the pictures of the chosen figures with their files, in the order of the numbers."""
+    groups = list(dict.fromkeys(one.group for one in numbers))
+    drawn = [one for outcome in outcomes for one in outcome.pictures if one.group in groups]
+    files = {path.name: path for path in out.glob("*/*.png")}
+    return [(one, files[one.file]) for one in sorted(drawn, key=lambda one: groups.index(one.group))]
+
+
+def _row(one: PaperNumber, ours: float | None) -> tuple[str, ...]:
+    ratio = "-" if ours is None or not one.paper else f"{ours / one.paper:.3g}"
+    return (one.id, one.where, _text(one.paper), _text(ours), ratio, one.unit, one.note)
+
+
+def _text(value: float | None) -> str:
+    return "-" if value is None else f"{value:.5g}"
+
+
+def _table_page(cells: Sequence[tuple[str, ...]]) -> Figure:
+    figure = Figure(figsize=A4_WIDE)
+    axes = figure.add_axes((0.03, 0.03, 0.94, 0.94))
+    axes.set_axis_off()
+    short = [(*row[:1], *row[2:6], fill(row[6], NOTE_WIDTH)) for row in cells]
+    table = axes.table(
+        short,
+        colLabels=(HEAD[0], *HEAD[2:]),
+        colWidths=(0.2, 0.07, 0.07, 0.06, 0.06, 0.54),
+        cellLoc="left",
+        loc="upper center",
+    )
+    table.auto_set_font_size(value=False)
+    table.set_fontsize(7)
+    height = table[0, 0].get_height()
+    for row, text in enumerate(short, start=1):
+        for column in range(len(text)):
+            table[row, column].set_height(height * (1 + 0.8 * text[-1].count("\n")))
+    return figure
+
+
+def _picture_page(caption: str, path: Path) -> Figure:
+    figure = Figure(figsize=A4_WIDE)
+    axes = figure.add_axes((0.05, 0.08, 0.9, 0.86))
+    axes.imshow(imread(path))
+    axes.set_axis_off()
+    figure.text(0.05, 0.03, caption)
+    return figure

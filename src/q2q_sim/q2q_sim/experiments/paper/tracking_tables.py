@@ -1,0 +1,79 @@
+"""Remake Tables 6 and 7, Figs 14 and 15: Q2 passes over Q1 under the PID and under the MPC."""
+
+from pathlib import Path
+
+import numpy as np
+
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, drawn
+from q2q_sim.loop.assembly import Mode
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.monitors.metrics import best_position, measure
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
+
+SCENARIO = "table6"
+VEHICLES = {"q1": "cf1", "q2": "cf2"}
+"""The paper's names and ours."""
+
+
+def pid(folder: Path) -> ExperimentOutcome:
+    """Fly the PID ignoring the draft, aware of it, and aware without the limit."""
+    scenario = library.load(SCENARIO)
+    modes: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
+    flights = {mode: _flown(scenario, mode, "pid") for mode in modes}
+    found = {
+        **_numbers(scenario, flights["ignoring"], "table6", "ignoring"),
+        **_numbers(scenario, flights["aware"], "table6", "aware"),
+        **_numbers(scenario, flights["aware"], "table7", "pd"),
+    }
+    unlimited = _numbers(scenario, flights["aware_unlimited"], "table6", "unlimited")
+    found["table6.q1_z_rmse_unlimited"] = unlimited["table6.q1_z_rmse_unlimited"]
+    found["fig14.q1_dip"] = _dip(flights["ignoring"])
+    shown = {"ignoring": flights["ignoring"], "aware": flights["aware"]}
+    return ExperimentOutcome(found, _pictures(folder, "fig14", shown))
+
+
+def mpc(folder: Path) -> ExperimentOutcome:
+    """Fly the MPC, and beside it the PD within its limit, both aware of the downwash."""
+    scenario = library.load(SCENARIO)
+    flight, beside = (_flown(scenario, "aware", controller) for controller in ("mpc", "pid"))
+    dips = {"fig15.q1_dip": _dip(flight), "fig15.q1_dip_pd": _dip(beside)}
+    found = _numbers(scenario, flight, "table7", "mpc") | dips
+    return ExperimentOutcome(found, _pictures(folder, "fig15", {"aware MPC": flight, "aware PD": beside}))
+
+
+def _flown(scenario: Scenario, mode: Mode, controller: str) -> Flight:
+    model = find_model(scenario.model).interaction
+    return fly(scenario, FlightOptions(mode=mode, controller=controller, model=model))
+
+
+def _numbers(scenario: Scenario, flight: Flight, group: str, suffix: str) -> dict[str, float]:
+    vehicles = measure(flight, scenario.vehicle).vehicles
+    found = {}
+    for paper_name, name in VEHICLES.items():
+        found[f"{group}.{paper_name}_z_rmse_{suffix}"] = vehicles[name].z_rmse_m
+        found[f"{group}.{paper_name}_u1_energy_{suffix}"] = vehicles[name].u1_energy
+    return found
+
+
+def _dip(flight: Flight) -> float:
+    """Return how far Q1 sinks below its reference at most [m]."""
+    row = flight.names.index(VEHICLES["q1"])
+    return float(np.nanmax(flight.ref_pos[:, row, 2] - best_position(flight)[:, row, 2]))
+
+
+def _pictures(folder: Path, group: str, flights: dict[str, Flight]) -> tuple[FigurePicture, ...]:
+    made = []
+    for paper_name, name in VEHICLES.items():
+        row = next(iter(flights.values())).names.index(name)
+        z = [Line(label, one.t, best_position(one)[:, row, 2]) for label, one in flights.items()]
+        first = next(iter(flights.values()))
+        z.append(Line("reference", first.t, first.ref_pos[:, row, 2], "--"))
+        thrust = [Line(label, one.t, one.thrust[:, row]) for label, one in flights.items()]
+        for what, unit, lines in (("altitude", "z [m]", z), ("thrust", "U1 [N]", thrust)):
+            title = f"{group}: {what} of {paper_name.upper()}"
+            file = drawn(folder / f"{group}_{paper_name}_{what}.png", title, ("t [s]", unit), lines)
+            made.append(FigurePicture(group, file, title))
+    return tuple(made)

@@ -1,0 +1,1 @@
+"""Faults of a room, and their injection into frames, packets and rotors."""

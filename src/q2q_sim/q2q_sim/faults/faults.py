@@ -1,0 +1,165 @@
+"""Name the faults of a room, and when they happen: a library that scenarios and campaigns draw from.
+
+| kind | what happens to the named vehicles | size |
+|---|---|---|
+| outlier | position off in a new random direction each frame | distance [m] |
+| jump | position off along x, the same each frame | distance [m] |
+| flip | body turned half a turn about its x axis: a reflection | - |
+| swap | two vehicles carry each other's name | - |
+| dropout | not in the frame (a long one: a vehicle silently missing) | - |
+| nan | in the frame, position not a number | - |
+| stale | the frame before the fault, under new stamps (all vehicles) | - |
+| repeated | the frame before the fault, under its old stamp (all) | - |
+| late | frames of a time ago, under their own stamps; repeated until then (all) | delay [s] |
+| reordered | every second frame comes after its successor (all) | - |
+| clock_jump | stamps off (all) | time [s] |
+| radio_loss | packets lost | share of packets [-] |
+| battery_sag | thrust fades evenly over the fault and stays weak | share of thrust lost [-] |
+| weak_rotor | rotor 1 gives less | share of its thrust lost [-] |
+
+A fault acts on the ticks with start <= t < start + duration, at least one. No vehicle named means all.
+Faults of processes (a node killed or stopped, messages lost between nodes) are not the room's: see the tools.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from math import isfinite
+
+import numpy as np
+
+from q2q_model.signals.values import Names
+from q2q_sim.plant.random_streams import stream
+
+
+@dataclass(frozen=True, slots=True)
+class FaultKind:
+    """Unit and bounds of the size of one kind of fault."""
+
+    unit: str
+    low: float = 0.0
+    high: float = 0.0
+    """Bounds of the size; both 0: it has none."""
+    whole: bool = False
+    """It strikes the frame, not single vehicles."""
+
+
+KINDS: Mapping[str, FaultKind] = {
+    "outlier": FaultKind("m", 0.001, 100.0),
+    "jump": FaultKind("m", -100.0, 100.0),
+    "flip": FaultKind(""),
+    "swap": FaultKind(""),
+    "dropout": FaultKind(""),
+    "nan": FaultKind(""),
+    "stale": FaultKind("", whole=True),
+    "repeated": FaultKind("", whole=True),
+    "late": FaultKind("s", 0.01, 1.0, whole=True),
+    "reordered": FaultKind("", whole=True),
+    "clock_jump": FaultKind("s", -3600.0, 3600.0, whole=True),
+    "radio_loss": FaultKind("", 0.0, 1.0),
+    "battery_sag": FaultKind("", 0.0, 1.0),
+    "weak_rotor": FaultKind("", 0.0, 1.0),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One fault."""
+
+    kind: str
+    start: float
+    """[s]"""
+    duration: float = 0.0
+    """[s]; 0 is one tick."""
+    vehicles: Names = ()
+    """Empty: all."""
+    size: float = 0.0
+    """By its kind; see the table above."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers; raise ValueError naming what is wrong and what is allowed."""
+        if self.kind not in KINDS:
+            near = get_close_matches(self.kind, KINDS, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(KINDS)}"
+            raise ValueError(f"unknown fault {self.kind!r}; {hint}")
+        for name, value in (("start", self.start), ("duration", self.duration)):
+            if not (isfinite(value) and value >= 0.0):
+                raise ValueError(f"fault {self.kind}: {name} = {value}: 0 s or more is allowed")
+        kind = KINDS[self.kind]
+        if not kind.low <= self.size <= kind.high:
+            bounds = f"{kind.low} to {kind.high} {kind.unit}".rstrip()
+            raise ValueError(f"fault {self.kind}: size = {self.size}: allowed is {bounds}")
+        if self.kind == "swap" and len(self.vehicles) != 2:
+            raise ValueError(f"fault swap: vehicles = {list(self.vehicles)}: name the two that are swapped")
+        if kind.whole and self.vehicles:
+            raise ValueError(f"fault {self.kind} strikes whole frames: name no vehicles")
+
+    def acts_at(self, t: float, tick: float) -> bool:
+        """Return whether the fault acts on the tick at t [s]; `tick` is the time between ticks [s]."""
+        early = 0.5 * tick  # stamps and starts are sums of floats
+        return self.start - early <= t < max(self.start + self.duration, self.start + tick) - early
+
+
+def check_vehicles(faults: Sequence[Fault], names: Names) -> None:
+    """Raise ValueError where a fault names a vehicle that does not fly."""
+    for fault in faults:
+        for name in fault.vehicles:
+            if name not in names:
+                raise ValueError(f"fault {fault.kind}: no vehicle {name!r}; flying are {', '.join(names)}")
+
+
+def fault_from_document(document: object) -> Fault:
+    """Return a fault from parsed YAML: {kind: outlier, start: 10, duration: 0.5, vehicles: [cf1], size: 1}.
+
+    Raises:
+        ValueError: naming the key, the value, and what is allowed.
+    """
+    if not isinstance(document, Mapping):
+        raise ValueError(f"fault {document!r}: expected kind, start and more")  # noqa: TRY004  bad document
+    known = ("kind", "start", "duration", "vehicles", "size")
+    for key in document:
+        if key not in known:
+            raise ValueError(f"fault: unknown key {key!r}; known are {', '.join(known)}")
+    vehicles = document.get("vehicles", [])
+    if not isinstance(vehicles, list) or not all(isinstance(name, str) for name in vehicles):
+        raise ValueError(f"fault: vehicles = {vehicles!r}: a list of names is expected")
+    numbers = {key: _number(key, document.get(key, 0.0)) for key in ("start", "duration", "size")}
+    return Fault(kind=str(document.get("kind")), vehicles=tuple(vehicles), **numbers)
+
+
+def _number(key: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"fault: {key} = {value!r}: a number is expected")  # noqa: TRY004  bad document
+    return float(value)
+
+
+LENGTHS: Mapping[str, tuple[float, float]] = {
+    "outlier": (0.0, 0.1), "jump": (0.5, 3.0), "flip": (0.0, 0.1), "swap": (0.02, 0.2),
+    "dropout": (0.1, 1.0), "nan": (0.0, 0.2), "stale": (0.02, 0.2), "repeated": (0.02, 0.2),
+    "late": (0.05, 1.0), "reordered": (0.1, 1.0), "clock_jump": (0.05, 1.0), "radio_loss": (0.05, 0.4),
+    "battery_sag": (2.0, 10.0), "weak_rotor": (0.1, 5.0),
+}  # fmt: skip
+"""How long random faults last [s]: what rooms report, and up to where a vehicle should come through."""
+SIZES: Mapping[str, tuple[float, float]] = {
+    "outlier": (0.05, 5.0), "jump": (0.05, 0.5), "late": (0.02, 0.1), "clock_jump": (-0.5, 0.5),
+    "radio_loss": (0.3, 1.0), "battery_sag": (0.02, 0.15), "weak_rotor": (0.02, 0.1),
+}  # fmt: skip
+"""How large random faults are, in the kinds' units."""
+
+
+def random_faults(seed: int, names: Names, duration: float, count: int) -> tuple[Fault, ...]:
+    """Return `count` faults of random kinds at random times of a flight of `duration` [s]."""
+    rng = stream(seed, "random faults")
+    kinds = [kind for kind in KINDS if kind != "swap" or len(names) > 1]
+    return tuple(_random_fault(str(rng.choice(kinds)), names, duration, rng) for _ in range(count))
+
+
+def _random_fault(kind: str, names: Names, duration: float, rng: np.random.Generator) -> Fault:
+    chosen = rng.permutation(len(names))[: 2 if kind == "swap" else 1]
+    return Fault(
+        kind=kind,
+        start=float(rng.uniform(0.0, duration)),
+        duration=float(rng.uniform(*LENGTHS[kind])),
+        vehicles=() if KINDS[kind].whole else tuple(names[i] for i in chosen),
+        size=float(rng.uniform(*SIZES[kind])) if kind in SIZES else 0.0,
+    )

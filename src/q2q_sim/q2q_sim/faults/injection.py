@@ -1,0 +1,156 @@
+"""Do to a room what its faults say, tick by tick: to frames, to packets, to rotors.
+
+Frames pass through in two stages. First their capture: outliers, jumps, flips, swaps, absences and NaN of
+their rows, and their stamp. Then their delivery: which frame comes in this tick. One frame comes a tick, so a
+late frame is one of the past, and a frame that does not come is the last one again, stamp and all.
+Deterministic: only outliers draw, from their own stream.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.geometry.rotations import quat_multiply
+from q2q_model.signals.values import Array, MocapFrame, Names
+from q2q_sim.faults.faults import KINDS, Fault
+from q2q_sim.plant.random_streams import stream
+from q2q_sim.sensors.episodes import Mask
+from q2q_sim.sensors.vicon import Flags, Injected
+
+HALF_TURN_ABOUT_X = np.array([1.0, 0.0, 0.0, 0.0])
+MARKS = {
+    "outlier": Injected.OUTLIER,
+    "jump": Injected.OUTLIER,
+    "flip": Injected.FLIP,
+    "swap": Injected.SWAP,
+    "dropout": Injected.DROPOUT,
+    "nan": Injected.NAN,
+    "stale": Injected.STALE,
+    "repeated": Injected.STAMP,
+    "late": Injected.STAMP,
+    "reordered": Injected.STAMP,
+    "clock_jump": Injected.STAMP,
+}
+"""How a struck row is marked in `Room.injected`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Delivery:
+    """Frame that arrives in a tick."""
+
+    frame: MocapFrame
+    stamp_ns: int
+    captured_ns: int
+    """When it was captured, by a clock that does not jump."""
+
+
+class FaultInjection:
+    """Faults of a flight, and the frames that may be repeated."""
+
+    def __init__(self, faults: Sequence[Fault], names: Names, tick_ns: int, seed: int) -> None:
+        """Strike the vehicles `names`, tick by tick of tick_ns [ns]."""
+        self._faults = tuple(faults)
+        self._names = names
+        self._tick_ns = tick_ns
+        self._rng = stream(seed, "fault outlier")
+        self._loss = stream(seed, "fault radio loss")
+        self._past: list[Delivery] = []
+        self._sent: Delivery | None = None
+        longest = max((fault.size for fault in faults if fault.kind == "late"), default=0.0)
+        self._kept = round(longest * 1e9 / tick_ns) + 3
+
+    def deliver(self, frame: MocapFrame, stamp_ns: int, injected: Flags) -> Delivery:
+        """Return what comes in the tick at stamp_ns, marking in `injected` (n,) what was done."""
+        here = Delivery(frame, stamp_ns, stamp_ns)
+        if not self._faults:
+            return here
+        acting = self._acting(stamp_ns)
+        for fault in acting:
+            if fault.kind in MARKS:
+                injected[self._struck(fault)] |= np.uint8(MARKS[fault.kind])
+            here = replace(self._stamped(here, fault), frame=self._with_rows(here.frame, fault))
+        self._past = [*self._past[1 - self._kept :], here]
+        for fault in acting:
+            here = self._arriving(here, fault)
+        here = replace(here, frame=replace(here.frame, t=here.stamp_ns * 1e-9))
+        if all(fault.kind != "stale" for fault in acting):
+            self._sent = here
+        return here
+
+    def jammed(self, stamp_ns: int) -> Mask:
+        """Return which vehicles lose their packet of this tick, (n,)."""
+        lost = np.zeros(len(self._names), dtype=np.bool_)
+        if not self._faults:
+            return lost
+        for fault in self._acting(stamp_ns):
+            if fault.kind == "radio_loss":
+                lost |= self._struck(fault) & (self._loss.random(len(lost)) < fault.size)
+        return lost
+
+    def weakened(self, drive: Array, stamp_ns: int) -> Array:
+        """Return the drive (n, 7) with what sagging batteries and weak rotors still give."""
+        for fault in self._faults:
+            if fault.kind == "battery_sag":
+                drive[self._struck(fault), 3:] *= 1.0 - fault.size * self._elapsed(fault, stamp_ns)
+            if fault.kind == "weak_rotor" and self._acts(fault, stamp_ns):
+                drive[self._struck(fault), 3] *= 1.0 - fault.size
+        return drive
+
+    def _acting(self, stamp_ns: int) -> list[Fault]:
+        return [fault for fault in self._faults if self._acts(fault, stamp_ns)]
+
+    def _acts(self, fault: Fault, stamp_ns: int) -> bool:
+        return fault.acts_at(stamp_ns * 1e-9, self._tick_ns * 1e-9)
+
+    def _elapsed(self, fault: Fault, stamp_ns: int) -> float:
+        """Return which share of the fault's time is over, 0 to 1."""
+        since = stamp_ns * 1e-9 - fault.start
+        return min(max(since / max(fault.duration, self._tick_ns * 1e-9), 0.0), 1.0)
+
+    def _struck(self, fault: Fault) -> Mask:
+        if KINDS[fault.kind].whole or not fault.vehicles:
+            return np.ones(len(self._names), dtype=np.bool_)
+        return np.isin(self._names, fault.vehicles)
+
+    def _with_rows(self, frame: MocapFrame, fault: Fault) -> MocapFrame:
+        rows = np.array(
+            [not fault.vehicles or name in fault.vehicles for name in frame.names], dtype=np.bool_
+        )
+        pos, quat = frame.pos.copy(), frame.quat.copy()
+        if fault.kind == "outlier":
+            away = self._rng.standard_normal((len(self._names), 3))[: len(rows)]
+            away *= fault.size / np.linalg.norm(away, axis=1, keepdims=True)
+            pos[rows] += away[rows]
+        elif fault.kind == "jump":
+            pos[rows, 0] += fault.size
+        elif fault.kind == "nan":
+            pos[rows] = np.nan
+        elif fault.kind == "flip":
+            quat[rows] = quat_multiply(quat[rows], HALF_TURN_ABOUT_X)
+        elif fault.kind == "swap":
+            other = dict(zip(fault.vehicles, reversed(fault.vehicles), strict=True))
+            return replace(frame, names=tuple(other.get(name, name) for name in frame.names))
+        elif fault.kind == "dropout":
+            kept = tuple(name for name, gone in zip(frame.names, rows, strict=True) if not gone)
+            return replace(frame, names=kept, pos=pos[~rows], quat=quat[~rows])
+        return replace(frame, pos=pos, quat=quat)
+
+    def _stamped(self, here: Delivery, fault: Fault) -> Delivery:
+        if fault.kind != "clock_jump":
+            return here
+        return replace(here, stamp_ns=max(here.stamp_ns + round(fault.size * 1e9), 0))
+
+    def _arriving(self, here: Delivery, fault: Fault) -> Delivery:
+        """Return what a fault of delivery lets come instead of `here`."""
+        last = self._sent or here
+        if fault.kind == "stale":
+            return replace(here, frame=last.frame)
+        if fault.kind == "repeated":
+            return last
+        if fault.kind == "late":
+            old = self._past[-1 - min(round(fault.size * 1e9 / self._tick_ns), len(self._past) - 1)]
+            return old if old.captured_ns > last.captured_ns else last
+        if fault.kind == "reordered" and (here.captured_ns // self._tick_ns) % 2 == 0:
+            return self._past[-3] if len(self._past) > 2 else last
+        return here

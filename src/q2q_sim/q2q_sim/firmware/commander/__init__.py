@@ -1,0 +1,1 @@
+"""The firmware's commander and high-level planner."""

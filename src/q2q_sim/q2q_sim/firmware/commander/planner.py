@@ -1,0 +1,182 @@
+"""Plan take-off, landing, go-to, spirals and uploaded trajectories on board.
+
+Source: firmware: modules/src/planner.c, crtp_commander_high_level.c. Three states:
+
+    IDLE -- take-off, go-to, trajectory --> FLYING -- land --> LANDING -- end of the polynomial --> IDLE
+    FLYING, LANDING -- goal that is no number --> DISABLED -- go-to, trajectory, land --> as from IDLE
+
+IDLE asks for motors off, DISABLED asks for nothing: the last setpoint grows old. A new piece starts from the
+goal of the moment, or, when none is flown, from where the vehicle believes to be. Yaw turns the shorter way
+(yaw_turn). A go-to at constant speed in 0 s, or a trajectory of senseless numbers, has a goal that is no
+number.
+"""
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.firmware.commander.piecewise import Piecewise
+from q2q_sim.firmware.commander.polynomial import Goal, Piece, piece_between, resting
+from q2q_sim.firmware.commander.yaw_turn import shortest_turn, wrapped
+
+
+class PlanState(IntEnum):
+    """Name what the planner does."""
+
+    IDLE = 0
+    FLYING = 1
+    LANDING = 3
+    DISABLED = 4
+
+
+MOVING = (PlanState.FLYING, PlanState.LANDING)
+"""A trajectory is under way."""
+
+
+class PlannerAnswer(IntEnum):
+    """Say what became of a command; values as errno on the wire."""
+
+    OK = 0
+    WRONG_STATE = 1
+    UNKNOWN = 8
+    """ENOEXEC."""
+    BLOCKED = 16
+    """EBUSY: the supervisor does not let it fly."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """Say where a go-to ends."""
+
+    pos: tuple[float, float, float]
+    """[m], world."""
+    yaw: float
+    """[rad]"""
+    duration: float
+    """[s]"""
+    relative: bool = False
+    """Position and yaw count from the goal of the moment."""
+    linear: bool = False
+    """Constant speed instead of rest to rest; in 0 s it is no number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Vertical:
+    """Say how a take-off or landing ends."""
+
+    height: float
+    """[m], world."""
+    duration: float
+    """[s]"""
+    yaw: float | None = None
+    """[rad]; None keeps the present one."""
+
+
+class Planner:
+    """Hold the trajectory under way."""
+
+    def __init__(self) -> None:
+        self.state = PlanState.IDLE
+        self._trajectory: Piecewise | None = None
+        self._here = resting(np.zeros(3), 0.0)
+
+    def tell(self, pos: Array, vel: Array, yaw: float) -> None:
+        """Note where the vehicle believes to be: new plans start there when idle."""
+        self._here = Goal(pos, vel, np.zeros(3), yaw, np.zeros(3))
+
+    def finished(self, t: float) -> bool:
+        """Return whether no trajectory is under way at time t [s]."""
+        one = self._trajectory
+        return one is None or t - one.begin >= one.duration
+
+    def goal(self, t: float) -> Goal | None:
+        """Return the goal at time t [s]; None when there is none."""
+        if self.state == PlanState.LANDING and self.finished(t):
+            self.state = PlanState.IDLE
+        if self.state not in MOVING or self._trajectory is None:
+            return None
+        goal = self._trajectory.goal(t)
+        if not np.isfinite(goal.pos).all():
+            self.state = PlanState.DISABLED
+            return None
+        self._here = goal
+        return goal
+
+    def stop(self) -> PlannerAnswer:
+        """Forget the trajectory: motors off."""
+        self.state = PlanState.IDLE
+        return PlannerAnswer.OK
+
+    def take_off(self, end: Vertical, t: float) -> PlannerAnswer:
+        """Rise at once, if idle."""
+        if self.state != PlanState.IDLE:
+            return PlannerAnswer.WRONG_STATE
+        return self._vertical(end, t, PlanState.FLYING)
+
+    def land(self, end: Vertical, t: float) -> PlannerAnswer:
+        """Descend at once, if not landing; the motors stop at the end."""
+        if self.state == PlanState.LANDING:
+            return PlannerAnswer.WRONG_STATE
+        return self._vertical(end, t, PlanState.LANDING)
+
+    @np.errstate(all="ignore")
+    def go_to(self, target: Target, t: float) -> PlannerAnswer:
+        """Fly to a target at once."""
+        start = self._now(t)
+        pos, yaw = np.array(target.pos), target.yaw
+        if target.relative:
+            pos, yaw = pos + start.pos, float(np.float32(yaw) + np.float32(start.yaw))
+        start_yaw = wrapped(start.yaw)
+        turn = shortest_turn(start_yaw, wrapped(yaw))
+        begin = replace(start, yaw=start_yaw)
+        end = resting(pos, start_yaw + turn)
+        if target.linear:
+            duration = np.float64(target.duration)
+            vel, rates = (pos - start.pos) / duration, np.array([0.0, 0.0, turn]) / duration
+            begin = Goal(start.pos, vel, np.zeros(3), start_yaw, rates)
+            end = Goal(pos, vel, np.zeros(3), start_yaw + turn, rates)
+        return self._fly(piece_between(begin, end, target.duration), t, PlanState.FLYING)
+
+    @np.errstate(all="ignore")
+    def follow(self, trajectory: Piecewise, *, from_here: bool, turned: bool) -> PlannerAnswer:
+        """Fly a trajectory; shifted by what its start lacks to here, and turned by what its yaw lacks.
+
+        As in the firmware, the turn is about the world's origin and the shift is not turned with it: the
+        trajectory starts here only if its first point is the origin.
+        """
+        self._trajectory = trajectory
+        if from_here:
+            first = trajectory.goal(trajectory.begin)
+            x, y, z = (self._here.pos - first.pos).tolist()
+            turn = shortest_turn(wrapped(first.yaw), wrapped(self._here.yaw)) if turned else 0.0
+            self._trajectory = replace(trajectory, shift=(x, y, z), turn=turn)
+        self.state = PlanState.FLYING
+        return PlannerAnswer.OK
+
+    def fly_piece(self, piece: Piece, t: float) -> PlannerAnswer:
+        """Fly one piece at once."""
+        return self._fly(piece, t, PlanState.FLYING)
+
+    @property
+    def here(self) -> Goal:
+        """Return the last goal, or where the vehicle believes to be when idle."""
+        return self._here
+
+    def _now(self, t: float) -> Goal:
+        if self.state in MOVING and self._trajectory is not None:
+            return self._trajectory.goal(t)
+        return replace(self._here, acc=np.zeros(3), ang_vel_body=np.zeros(3))
+
+    def _vertical(self, end: Vertical, t: float, state: PlanState) -> PlannerAnswer:
+        pos, yaw = self._here.pos, wrapped(self._here.yaw)
+        top = np.array([pos[0], pos[1], end.height])
+        turn = shortest_turn(yaw, wrapped(self._here.yaw if end.yaw is None else end.yaw))
+        piece = piece_between(resting(pos, yaw), resting(top, yaw + turn), end.duration)
+        return self._fly(piece, t, state)
+
+    def _fly(self, piece: Piece, t: float, state: PlanState) -> PlannerAnswer:
+        self._trajectory = Piecewise((piece,), t)
+        self.state = state
+        return PlannerAnswer.OK

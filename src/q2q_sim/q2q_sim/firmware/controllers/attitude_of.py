@@ -1,0 +1,39 @@
+"""Give the compiled controllers the attitude of a state row: body axes, and the firmware's Euler angles."""
+
+import math
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_sim.firmware.commander.setpoint import Three
+
+Nine = tuple[float, float, float, float, float, float, float, float, float]
+
+DEG = 180.0 / math.pi
+
+
+def _axes(row: Array) -> Nine:
+    """Return body x, y, z in the world of a state row (quadcopter.QUAT): the columns of R."""
+    x, y, z, w = row[6], row[7], row[8], row[9]
+    return (
+        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y),
+        2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x),
+        2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y),
+    )  # fmt: skip
+
+
+def _legacy_degrees(row: Array) -> Three:
+    """Return roll, legacy pitch (nose up), yaw [deg] of a state row."""
+    x, y, z, w = row[6], row[7], row[8], row[9]
+    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
+    return DEG * roll, -DEG * pitch, DEG * yaw_of(x, y, z, w)
+
+
+def _yaw_of(x: float, y: float, z: float, w: float) -> float:
+    """Return yaw [rad] of a quaternion."""
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+yaw_of = compiled(_yaw_of)
+axes = compiled(_axes)
+legacy_degrees = compiled(_legacy_degrees)

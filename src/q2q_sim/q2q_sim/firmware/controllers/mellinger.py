@@ -1,0 +1,213 @@
+"""Control as the firmware's Mellinger controller does, 500 times a second, in compiled code.
+
+Source: firmware: modules/src/controller/controller_mellinger.c, after Mellinger, Kumar, Minimum snap
+trajectory generation and control for quadrotors, ICRA 2011; it adds integrals and the rates' derivative.
+
+    F    = m (a_ref + g e_z) + k_p (r_ref - r) + k_d (v_ref - v) + k_i int(r_ref - r)        position known
+    F    = m g e_z + the same, z only                                                 velocity setpoints
+    T    = massThrust F . z_B                    [PWM]; the setpoint's thrust where z is not controlled
+    z_d  = F / |F|,  y_d = z_d x (cos psi, sin psi, 0) / |..|,  x_d = y_d x z_d
+    e_R  = vee(R_d' R - R' R_d),  e_w = w_ref - w
+    M    = -k_R e_R + k_w e_w + k_i int(-e_R) + k_d,omega d(e_w)/dt     [PWM], whole, each within +-32000
+
+a_ref is the acceleration of the setpoint: with it, `acc = acc_ref - eta` takes the draft eta out of F at once
+(q2q_control.pid.pid says the same of its own law). M is in the firmware's axes: roll right, nose *up*, and
+yaw left; control yaw is -M_z, since motors 1 and 3 turn left and drag the body right.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| m | MASS | ctrlMel.mass [kg] |
+| k_p k_d k_i | KP KD KI | [N/m], [N s/m], [N/(m s)] |
+| k_R k_w | KR KW | [PWM], [PWM s] |
+"""
+
+import math
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.firmware.commander.setpoint import Three
+from q2q_sim.firmware.controllers.attitude_of import Nine, axes, legacy_degrees, yaw_of
+from q2q_sim.firmware.controllers.columns import (
+    CONTROL,
+    I_MOMENT,
+    I_POS,
+    I_RANGE_M_XY,
+    I_RANGE_M_Z,
+    I_RANGE_XY,
+    I_RANGE_Z,
+    KD_OMEGA,
+    KD_XY,
+    KD_Z,
+    KI_M_XY,
+    KI_M_Z,
+    KI_XY,
+    KI_Z,
+    KP_XY,
+    KP_Z,
+    KR_XY,
+    KR_Z,
+    KW_XY,
+    KW_Z,
+    LAST_RATE,
+    LAST_SET_RATE,
+    MASS,
+    MASS_THRUST,
+    MODE_PITCH,
+    MODE_QUAT,
+    MODE_ROLL,
+    MODE_X,
+    MODE_YAW,
+    MODE_Z,
+    SET_ACC,
+    SET_ATTITUDE,
+    SET_POS,
+    SET_QUAT,
+    SET_RATE,
+    SET_THRUST,
+    SET_VEL,
+    Z_WANTED,
+)
+from q2q_sim.firmware.controllers.truncation import whole
+
+DT = 1.0 / 500.0
+"""ATTITUDE_RATE of the firmware [s]."""
+MOMENT_MAX = 32000.0
+"""Largest moment [PWM]."""
+RAD = math.pi / 180.0
+
+
+def _clamp(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
+
+
+def _force(row: Array, drift: Array, wanted: Array, gains: Array, memory: Array) -> Three:
+    """Return F [N], world, and integrate."""
+    ex = wanted[SET_POS] - row[0] - drift[0]
+    ey = wanted[SET_POS + 1] - row[1] - drift[1]
+    ez = wanted[SET_POS + 2] - row[2] - drift[2]
+    memory[I_POS] = clamp(memory[I_POS] + ex * DT, gains[I_RANGE_XY])
+    memory[I_POS + 1] = clamp(memory[I_POS + 1] + ey * DT, gains[I_RANGE_XY])
+    memory[I_POS + 2] = clamp(memory[I_POS + 2] + ez * DT, gains[I_RANGE_Z])
+    fz = (
+        gains[KP_Z] * ez
+        + gains[KD_Z] * (wanted[SET_VEL + 2] - row[5] - drift[5])
+        + gains[KI_Z] * memory[I_POS + 2]
+    )
+    if wanted[MODE_X] != 1.0:
+        return 0.0, 0.0, gains[MASS] * GRAVITY + fz
+    fx = (
+        gains[KP_XY] * ex
+        + gains[KD_XY] * (wanted[SET_VEL] - row[3] - drift[3])
+        + gains[KI_XY] * memory[I_POS]
+    )
+    fy = gains[KP_XY] * ey + gains[KD_XY] * (wanted[SET_VEL + 1] - row[4] - drift[4])
+    fy += gains[KI_XY] * memory[I_POS + 1]
+    mass = gains[MASS]
+    return (
+        mass * wanted[SET_ACC] + fx,
+        mass * wanted[SET_ACC + 1] + fy,
+        mass * (wanted[SET_ACC + 2] + GRAVITY) + fz,
+    )
+
+
+def _wanted_yaw(row: Array, wanted: Array) -> float:
+    """Return psi [rad]."""
+    if wanted[MODE_YAW] == 2.0:
+        return float(legacy_degrees(row)[2] * RAD + wanted[SET_RATE + 2] * RAD * DT)
+    if wanted[MODE_YAW] == 1.0:
+        return float(wanted[SET_ATTITUDE + 2] * RAD)
+    if wanted[MODE_QUAT] == 1.0:
+        q = SET_QUAT
+        return float(yaw_of(wanted[q], wanted[q + 1], wanted[q + 2], wanted[q + 3]))
+    return 0.0
+
+
+def _frame_along(z: Three, yaw: float) -> Nine:
+    """Return x_d, y_d, z_d for a z axis and a yaw."""
+    zx, zy, zz = z
+    cx, cy = math.cos(yaw), math.sin(yaw)
+    yx, yy, yz = -zz * cy, zz * cx, zx * cy - zy * cx
+    length = math.sqrt(yx * yx + yy * yy + yz * yz)
+    if length < 1e-9:  # the thrust lies along the nose: any side will do
+        return 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, zx, zy, zz
+    yx, yy, yz = yx / length, yy / length, yz / length
+    return yy * zz - yz * zy, yz * zx - yx * zz, yx * zy - yy * zx, yx, yy, yz, zx, zy, zz
+
+
+def _frame_of_angles(roll: float, pitch: float, yaw: float) -> Nine:
+    """Return the body axes at Euler angles [rad], Z-Y-X."""
+    cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    return (
+        cp * cy, cp * sy, -sp,
+        sr * sp * cy - cr * sy, sr * sp * sy + cr * cy, sr * cp,
+        cr * sp * cy + sr * sy, cr * sp * sy - sr * cy, cr * cp,
+    )  # fmt: skip
+
+
+def _dot(frame: Nine, i: int, body: Nine, j: int) -> float:
+    return (
+        frame[3 * i] * body[3 * j] + frame[3 * i + 1] * body[3 * j + 1] + frame[3 * i + 2] * body[3 * j + 2]
+    )
+
+
+def _moments(row: Array, wanted: Array, gains: Array, memory: Array, frame: Nine) -> Three:
+    """Return M [PWM]: roll right, nose up, yaw left."""
+    body = axes(row)
+    ex = dot(frame, 2, body, 1) - dot(frame, 1, body, 2)
+    ey = -(dot(frame, 0, body, 2) - dot(frame, 2, body, 0))  # nose up
+    ez = dot(frame, 1, body, 0) - dot(frame, 0, body, 1)
+    set_roll, set_up, set_yaw = (
+        wanted[SET_RATE] * RAD,
+        -wanted[SET_RATE + 1] * RAD,
+        wanted[SET_RATE + 2] * RAD,
+    )
+    roll_rate, up_rate, yaw_rate = row[10], -row[11], row[12]
+    jerk_x = ((set_roll - memory[LAST_SET_RATE]) - (roll_rate - memory[LAST_RATE])) / DT
+    jerk_y = ((set_up - memory[LAST_SET_RATE + 1]) - (up_rate - memory[LAST_RATE + 1])) / DT
+    memory[LAST_RATE], memory[LAST_RATE + 1] = roll_rate, up_rate
+    memory[LAST_SET_RATE], memory[LAST_SET_RATE + 1] = set_roll, set_up
+    memory[I_MOMENT] = clamp(memory[I_MOMENT] - ex * DT, gains[I_RANGE_M_XY])
+    memory[I_MOMENT + 1] = clamp(memory[I_MOMENT + 1] - ey * DT, gains[I_RANGE_M_XY])
+    memory[I_MOMENT + 2] = clamp(memory[I_MOMENT + 2] - ez * DT, gains[I_RANGE_M_Z])
+    mx = -gains[KR_XY] * ex + gains[KW_XY] * (set_roll - roll_rate) + gains[KI_M_XY] * memory[I_MOMENT]
+    my = -gains[KR_XY] * ey + gains[KW_XY] * (set_up - up_rate) + gains[KI_M_XY] * memory[I_MOMENT + 1]
+    mz = -gains[KR_Z] * ez + gains[KW_Z] * (set_yaw - yaw_rate) + gains[KI_M_Z] * memory[I_MOMENT + 2]
+    return mx + gains[KD_OMEGA] * jerk_x, my + gains[KD_OMEGA] * jerk_y, mz
+
+
+def _mellinger(row: Array, drift: Array, wanted: Array, gains: Array, memory: Array) -> None:
+    force = force_of(row, drift, wanted, gains, memory)
+    yaw = wanted_yaw(row, wanted)
+    length = max(math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2), 1e-9)
+    along = (force[0] / length, force[1] / length, force[2] / length)
+    attitude_only = wanted[MODE_X] != 1.0 and wanted[MODE_ROLL] == 1.0 and wanted[MODE_PITCH] == 1.0
+    if attitude_only and wanted[MODE_Z] == 0.0:
+        a = SET_ATTITUDE
+        frame = frame_of_angles(wanted[a] * RAD, -wanted[a + 1] * RAD, yaw)
+    elif wanted[MODE_X] != 1.0:
+        frame = frame_along(along, legacy_degrees(row)[2] * RAD)
+    else:
+        frame = frame_along(along, yaw)
+    mx, my, mz = moments(row, wanted, gains, memory, frame)
+    body = axes(row)
+    thrust = gains[MASS_THRUST] * (force[0] * body[6] + force[1] * body[7] + force[2] * body[8])
+    if wanted[MODE_Z] == 0.0:
+        thrust = wanted[SET_THRUST]
+    memory[Z_WANTED], memory[Z_WANTED + 1], memory[Z_WANTED + 2] = frame[6], frame[7], frame[8]
+    memory[CONTROL + 3] = thrust
+    if thrust > 0.0:
+        memory[CONTROL], memory[CONTROL + 1] = whole(mx, MOMENT_MAX), whole(my, MOMENT_MAX)
+        memory[CONTROL + 2] = whole(-mz, MOMENT_MAX)
+        return
+    memory[CONTROL : CONTROL + 3] = 0.0
+    memory[I_POS : I_MOMENT + 3] = 0.0
+
+
+clamp, dot = compiled(_clamp), compiled(_dot)
+force_of, wanted_yaw = compiled(_force), compiled(_wanted_yaw)
+frame_along, frame_of_angles = compiled(_frame_along), compiled(_frame_of_angles)
+moments = compiled(_moments)
+mellinger = compiled(_mellinger)
+"""Control one vehicle for one step: (state row, drift, wanted, gains, memory); writes memory's outputs."""

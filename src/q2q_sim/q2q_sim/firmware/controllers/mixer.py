@@ -1,0 +1,65 @@
+"""Mix thrust and moments into motor PWM, PWM into duty, and duty into forces, in compiled code.
+
+Source: firmware: modules/src/power_distribution_quadrotor.c (legacy mode), stabilizer.c (controlMotors);
+motors counted as in q2q_control.attitude.allocation:
+
+    m1 = T - r/2 + p/2 + y,  m2 = T - r/2 - p/2 - y,  m3 = T + r/2 - p/2 + y,  m4 = T + r/2 + p/2 - y
+    d  = duty of m at the supply                                     thrust_curve
+    d' = d - max(0, max d - 65535), at least the idle thrust
+
+Everything on the way is a whole number: r/2, p/2 and m drop their fractions, and so does the duty. Shares
+of the airframe scale r, p and y. What a motor gives follows from its duty and the battery's
+true voltage, up to the most that the airframe allows.
+"""
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_sim.firmware.controllers.columns import (
+    ASKED,
+    BATTERY,
+    CONTROL,
+    FORCE_MAX,
+    IDLE,
+    MOTOR,
+    MOTORS_ON,
+    NEWTON_PER_PWM,
+    SHARE_TILT,
+    SHARE_YAW,
+    SUPPLY,
+)
+from q2q_sim.firmware.controllers.truncation import INT32_MAX, whole
+from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensated, thrust_pwm
+
+
+def _mix(memory: Array, frame: Array) -> None:
+    """Write what the motors are asked for [PWM]."""
+    r = frame[SHARE_TILT] * whole(0.5 * memory[CONTROL], INT32_MAX)
+    p = frame[SHARE_TILT] * whole(0.5 * memory[CONTROL + 1], INT32_MAX)
+    y, thrust = frame[SHARE_YAW] * memory[CONTROL + 2], memory[CONTROL + 3]
+    memory[ASKED] = whole(thrust - r + p + y, INT32_MAX)
+    memory[ASKED + 1] = whole(thrust - r - p - y, INT32_MAX)
+    memory[ASKED + 2] = whole(thrust + r - p + y, INT32_MAX)
+    memory[ASKED + 3] = whole(thrust + r + p - y, INT32_MAX)
+
+
+def _cap(duties: Array, idle: float) -> None:
+    """Lower all duties alike until none is above 65535, then lift each to the idle thrust."""
+    excess = max(max(duties[0], duties[1], duties[2], duties[3]) - PWM_TOP, 0.0)
+    for k in range(4):
+        duties[k] = max(duties[k] - excess, idle)
+
+
+def _drive_motors(wanted: Array, memory: Array, frame: Array, forces: Array) -> None:
+    """Write the motors' duties into memory, and the forces [N] that they are asked for."""
+    duties = memory[MOTOR : MOTOR + 4]
+    duties[:] = 0.0
+    mix(memory, frame)
+    if wanted[MOTORS_ON] != 0.0:
+        for k in range(4):
+            duties[k] = whole(compensated(memory[ASKED + k], wanted[SUPPLY]), INT32_MAX)
+        cap(duties, wanted[IDLE])
+    for k in range(4):
+        forces[k] = min(frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], wanted[BATTERY]), frame[FORCE_MAX])
+
+
+mix, cap, drive_motors = compiled(_mix), compiled(_cap), compiled(_drive_motors)

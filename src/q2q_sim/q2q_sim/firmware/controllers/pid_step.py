@@ -1,0 +1,57 @@
+"""Take one step of one of the firmware's PIDs, in compiled code.
+
+Source: firmware: utils/src/pid.c, utils/src/filter.c (lpf2p, second order Butterworth).
+
+    e = wanted - measured,  u = k_p e + k_i int(e) + k_d d(-measured)/dt,  |int(e)| <= limit,  |u| <= u_max
+
+The derivative is of the measurement, so that a step of the setpoint does not kick, and filtered where the
+firmware does so: position and velocity (20 Hz), not attitude and rates. A u_max of 0 is none.
+"""
+
+import math
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+
+INTEGRAL_LIMIT = 5000.0
+"""DEFAULT_PID_INTEGRATION_LIMIT of pid.h."""
+_OHM = math.tan(math.pi * 20.0 / 100.0)
+"""Cutoff 20 Hz at 100 Hz: PID_POS_XY_FILT_CUTOFF and its like."""
+_C = 1.0 + math.sqrt(2.0) * _OHM + _OHM * _OHM
+_B0 = _OHM * _OHM / _C
+_A1, _A2 = 2.0 * (_OHM * _OHM - 1.0) / _C, (1.0 - math.sqrt(2.0) * _OHM + _OHM * _OHM) / _C
+
+How = tuple[int, int, float, float, float]
+"""First column of the PID in memory, of its gains, dt [s], limit of the integral, u_max."""
+
+
+def _slope(memory: Array, at: int, measured: float, dt: float) -> float:
+    """Return d(-measured)/dt and remember the measurement."""
+    rise = memory[at + 1] - measured
+    memory[at + 1] = measured
+    return float(rise / dt)
+
+
+def _filtered(memory: Array, at: int, sample: float) -> float:
+    """Return the low-passed sample of the PID at column `at`."""
+    first, second = memory[at + 2], memory[at + 3]
+    newest = sample - first * _A1 - second * _A2
+    memory[at + 3], memory[at + 2] = first, newest
+    return float(_B0 * (newest + 2.0 * first + second))
+
+
+def _pid(error: float, slope: float, memory: Array, gains: Array, how: How) -> float:
+    """Return the output of one step."""
+    at, gain, dt, integral_max, output_max = how
+    memory[at] = min(max(memory[at] + error * dt, -integral_max), integral_max)
+    out = gains[gain] * error + gains[gain + 1] * memory[at] + gains[gain + 2] * slope
+    return float(min(max(out, -output_max), output_max) if output_max > 0.0 else out)
+
+
+def _pid_reset(memory: Array, at: int, measured: float) -> None:
+    memory[at], memory[at + 1] = 0.0, measured
+    memory[at + 2], memory[at + 3] = 0.0, 0.0
+
+
+slope_of, filtered = compiled(_slope), compiled(_filtered)
+pid, pid_reset = compiled(_pid), compiled(_pid_reset)

@@ -1,0 +1,114 @@
+"""Control position and velocity as the firmware's default controller does, 100 times a second, compiled.
+
+Source: firmware: modules/src/controller/position_controller_pid.c.
+
+    v_d     = PID(position), in the frame turned by the yaw, |v| <= 1.1 velMax        axes with absolute mode
+    pitch_d = -PID(v_x) [deg, legacy: nose down is forward],  roll_d = -PID(v_y)      within rLimit, pLimit
+    T       = 1000 PID(v_z) + thrustBase [PWM], at least thrustMin
+
+Each of the three inner PIDs adds its feed-forward, KFF v_d. The controller reads no
+acceleration: `acc` of a full state does nothing under this controller.
+"""
+
+import math
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.thrust_map import PWM_FULL
+from q2q_sim.firmware.commander.setpoint import Three
+from q2q_sim.firmware.controllers.attitude_of import yaw_of
+from q2q_sim.firmware.controllers.columns import (
+    ATTITUDE_WANTED,
+    MODE_X,
+    MODE_Y,
+    MODE_Z,
+    PID_VX,
+    PID_WIDTH,
+    PID_X,
+    PIDS,
+    PITCH_LIMIT,
+    POS_GAINS,
+    POS_TARGET,
+    ROLL_LIMIT,
+    SET_BODY,
+    SET_POS,
+    SET_VEL,
+    THRUST_BASE,
+    THRUST_MIN,
+    THRUST_WANTED,
+    VEL_FEED,
+    VEL_GAINS,
+    VEL_MAX,
+    VEL_TARGET,
+)
+from q2q_sim.firmware.controllers.pid_step import INTEGRAL_LIMIT, filtered, pid, slope_of
+
+DT = 1.0 / 100.0
+"""POSITION_RATE of the firmware [s]."""
+OVERHEAD = 1.1
+"""velMaxOverhead, rpLimitOverhead."""
+THRUST_SCALE = 1000.0
+LIFT_MAX = 32.767
+"""Half of UINT16_MAX, whole, over the thrust scale."""
+PWM_TOP = float(PWM_FULL)
+
+Which = tuple[int, int, float, float]
+"""Number of a PID, first column of its gains, largest output, feed-forward."""
+
+
+def _axis(error: float, measured: float, memory: Array, gains: Array, which: Which) -> float:
+    """Run one filtered PID."""
+    number, gain, output_max, feed = which
+    at = PIDS + PID_WIDTH * number
+    rise = filtered(memory, at, slope_of(memory, at, measured, DT))
+    out = pid(error, rise, memory, gains, (at, gain, DT, INTEGRAL_LIMIT, 0.0)) + feed
+    return float(min(max(out, -output_max), output_max) if output_max > 0.0 else out)
+
+
+def _wanted_velocity(
+    where: Three, wanted: Array, gains: Array, memory: Array, turn: tuple[float, float]
+) -> Three:
+    """Return v_d forward, left, up [m/s]; `where` is the position believed, `turn` cos and sin of the yaw."""
+    c, s = turn
+    p, v = SET_POS, SET_VEL
+    ahead, left = where[0] * c + where[1] * s, where[1] * c - where[0] * s
+    vx, vy, vz = wanted[v], wanted[v + 1], wanted[v + 2]
+    if wanted[SET_BODY] == 0.0:
+        vx, vy = wanted[v] * c + wanted[v + 1] * s, wanted[v + 1] * c - wanted[v] * s
+    if wanted[MODE_X] == 1.0:
+        memory[POS_TARGET] = wanted[p] * c + wanted[p + 1] * s
+        error = memory[POS_TARGET] - ahead
+        vx = axis(error, ahead, memory, gains, (PID_X, POS_GAINS, OVERHEAD * gains[VEL_MAX], 0.0))
+    if wanted[MODE_Y] == 1.0:
+        memory[POS_TARGET + 1] = wanted[p + 1] * c - wanted[p] * s
+        error = memory[POS_TARGET + 1] - left
+        vy = axis(error, left, memory, gains, (PID_X + 1, POS_GAINS + 3, OVERHEAD * gains[VEL_MAX + 1], 0.0))
+    if wanted[MODE_Z] == 1.0:
+        memory[POS_TARGET + 2] = wanted[p + 2]
+        error, top = wanted[p + 2] - where[2], OVERHEAD * max(gains[VEL_MAX + 2], 0.5)
+        vz = axis(error, where[2], memory, gains, (PID_X + 2, POS_GAINS + 6, top, 0.0))
+    return vx, vy, vz
+
+
+def _position_pid(row: Array, drift: Array, wanted: Array, gains: Array, memory: Array) -> None:
+    yaw = yaw_of(row[6], row[7], row[8], row[9])
+    c, s = math.cos(yaw), math.sin(yaw)
+    where = (row[0] + drift[0], row[1] + drift[1], row[2] + drift[2])
+    vel_x, vel_y, vel_z = row[3] + drift[3], row[4] + drift[4], row[5] + drift[5]
+    ahead, left = vel_x * c + vel_y * s, vel_y * c - vel_x * s
+    vx, vy, vz = wanted_velocity(where, wanted, gains, memory, (c, s))
+    memory[VEL_TARGET], memory[VEL_TARGET + 1], memory[VEL_TARGET + 2] = vx, vy, vz
+    feed = gains[VEL_FEED] * vx, gains[VEL_FEED + 1] * vy, gains[VEL_FEED + 2] * vz
+    pitch_max, roll_max = gains[PITCH_LIMIT], gains[ROLL_LIMIT]
+    pitch = -axis(vx - ahead, ahead, memory, gains, (PID_VX, VEL_GAINS, OVERHEAD * pitch_max, feed[0]))
+    roll = -axis(vy - left, left, memory, gains, (PID_VX + 1, VEL_GAINS + 3, OVERHEAD * roll_max, feed[1]))
+    lift = axis(vz - vel_z, vel_z, memory, gains, (PID_VX + 2, VEL_GAINS + 6, LIFT_MAX, feed[2]))
+    memory[ATTITUDE_WANTED] = min(max(roll, -roll_max), roll_max)
+    memory[ATTITUDE_WANTED + 1] = min(max(pitch, -pitch_max), pitch_max)
+    thrust = max(THRUST_SCALE * lift + gains[THRUST_BASE], gains[THRUST_MIN])
+    memory[THRUST_WANTED] = min(thrust, PWM_TOP)
+
+
+axis, wanted_velocity = compiled(_axis), compiled(_wanted_velocity)
+position_pid = compiled(_position_pid)
+"""Write attitude and thrust wanted into memory: (state row, drift, wanted, gains, memory)."""

@@ -1,0 +1,302 @@
+"""Run one vehicle's firmware: 100 times a second everything above the controllers, which run compiled.
+
+A tick, in the firmware's order (modules/src/stabilizer.c): estimate, high-level commander, commander,
+supervisor (25 Hz), override by the supervisor, then the row that the controllers fly (flight.py).
+The firmware knows time in milliseconds since the room began, and its own rows of the swarm's arrays.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.geometry.rotations import rotate_inverse
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.firmware.commander.commander import Commander, Priority
+from q2q_sim.firmware.commander.planner import MOVING, Planner, PlanState
+from q2q_sim.firmware.commander.polynomial import Goal
+from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
+from q2q_sim.firmware.controllers.attitude_of import DEG, legacy_degrees
+from q2q_sim.firmware.controllers.choice import FirmwareController, chosen, refusal_of, start_controller
+from q2q_sim.firmware.controllers.columns import MOTOR, WANTED_WIDTH, Power, wanted_row
+from q2q_sim.firmware.estimator import DT, Estimator
+from q2q_sim.firmware.motors.airframe import Airframe
+from q2q_sim.firmware.motors.battery import VOLT_FULL, Battery
+from q2q_sim.firmware.parameters.parameter_values import Parameters
+from q2q_sim.firmware.parameters.uploads import Uploads
+from q2q_sim.firmware.supervisor.info import supervisor_info
+from q2q_sim.firmware.supervisor.supervisor import Supervisor, SupervisorInput
+from q2q_sim.plant.quadcopter import ACC, POS, QUAT, RATE, ROTORS, VEL
+
+TICK_MS = 10
+SUPERVISOR_TICKS = 4
+"""RATE_SUPERVISOR of the firmware: 25 Hz."""
+ZERO_EXPIRES_MS = 500
+"""Age at which a standing vehicle forgets a setpoint without thrust, where the build lets it."""
+SUPPLY_SHARE = 1.0 - 0.99**TICK_MS
+"""Of a new voltage in the supply after a tick: the low-pass of stabilizer.c takes 1 % each 1 ms."""
+
+
+@dataclass(frozen=True, slots=True)
+class Build:
+    """Say how the firmware was built and the vehicle equipped."""
+
+    auto_arming: bool = True
+    """False: CONFIG_MOTORS_REQUIRE_ARMING."""
+    number: int = 0
+    """Which of the room's vehicles it is: the last byte of its radio address."""
+    positioning_deck: bool = True
+    """The vehicle knows its position by itself, as with a Lighthouse deck; else from clients only."""
+    flow_deck: bool = False
+    """Without a positioning deck: it measures velocity and height, from where the estimate began."""
+    decks: tuple[str, ...] = ()
+    """Those that clients are told of (parameter_table.DECKS)."""
+    zero_expires: bool = False
+    """Different from the firmware: a client's setpoint without thrust gives way after ZERO_EXPIRES_MS."""
+
+
+@dataclass(frozen=True, slots=True)
+class FirmwareRows:
+    """Hold one vehicle's rows of the swarm's arrays, as views."""
+
+    state: Array
+    """quadcopter, (21,)."""
+    memory: Array
+    """columns, (MEMORY_WIDTH,)."""
+    drift: Array
+    """(6,)"""
+
+
+@dataclass(slots=True)
+class ExternalPose:
+    """Hold the last external pose, for logs."""
+
+    pos: Three = (0.0, 0.0, 0.0)
+    """[m], world."""
+    quat: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """x y z w."""
+    at_ms: int = 0
+
+
+class Firmware:
+    """Hold everything one vehicle remembers."""
+
+    def __init__(self, airframe: Airframe, build: Build, rows: FirmwareRows) -> None:
+        self.build = build
+        self.rows = rows
+        self.uploads = Uploads()
+        self.battery = Battery()
+        self.now_ms = 0
+        self.received = 0
+        """Packets since the room began."""
+        self._airframe = airframe
+        self.boot()
+
+    def boot(self) -> None:
+        """Start anew: what was uploaded or set is forgotten, but for the EEPROM."""
+        self.parameters = Parameters(self._airframe, auto_arming=self.build.auto_arming)
+        for name, value in self.uploads.stored.items():
+            self.parameters.set(name, value)
+        for deck in self.build.decks:
+            self.parameters.set(f"deck.{deck}", 1)
+        self.parameters.set("usd.canLog", int("bcUSD" in self.build.decks))
+        self.uploads = Uploads(stored=self.uploads.stored)
+        self.commander = Commander()
+        self.commander.set_ms = self._boot_ms = self.now_ms
+        self.planner = Planner()
+        self.supervisor = Supervisor(auto_arming=self.build.auto_arming)
+        self.external = ExternalPose()
+        self.rows.memory[:] = 0.0
+        self.thrust_locked = True
+        self.asked: Setpoint = STOP
+        self.flown: Setpoint = STOP
+        self.info = 0
+        self._controller = FirmwareController.PID
+        self._supply = VOLT_FULL
+        self.console = "SYS: Q2Q simulated Crazyflie is up and running!\n"
+        self.estimator = Estimator(self.rows.drift)
+        self.reset_estimate()
+
+    @property
+    def number(self) -> int:
+        """Return the last byte of the radio address."""
+        return self.build.number
+
+    @property
+    def seconds(self) -> float:
+        """Return the time [s]."""
+        return self.now_ms * 1e-3
+
+    @property
+    def pos(self) -> Array:
+        """Return where the vehicle believes to be [m], world, (3,)."""
+        return np.asarray(self.rows.state[POS] + self.rows.drift[:3])
+
+    @property
+    def vel(self) -> Array:
+        """Return the velocity it believes [m/s], world, (3,)."""
+        return np.asarray(self.rows.state[VEL] + self.rows.drift[3:])
+
+    @property
+    def attitude_deg(self) -> Three:
+        """Return roll, legacy pitch, yaw [deg]."""
+        angles: Three = legacy_degrees(self.rows.state)
+        return angles
+
+    @property
+    def specific_force_g(self) -> Array:
+        """Return what the accelerometer reads [g], body, (3,)."""
+        up = np.array([0.0, 0.0, GRAVITY])
+        return np.asarray(rotate_inverse(self.rows.state[QUAT], self.rows.state[ACC] + up) / GRAVITY)
+
+    @property
+    def rates_deg(self) -> Array:
+        """Return what the gyroscope reads [deg/s], body, (3,)."""
+        return np.asarray(DEG * self.rows.state[RATE])
+
+    def reset_estimate(self) -> None:
+        """Forget the position: start from kalman.initialX, Y, Z."""
+        believed = np.array([float(self.parameters[f"kalman.initial{axis}"]) for axis in "XYZ"])
+        self.estimator.forget(believed, self.rows.state[POS])
+
+    def locate(self, measured: Three, quat: tuple[float, float, float, float] | None = None) -> None:
+        """Take an external position [m], world, and, for the log, an attitude."""
+        self.external.pos, self.external.at_ms = measured, self.now_ms
+        if quat is not None:
+            self.external.quat = quat
+        if not self.build.positioning_deck:
+            self._correct(np.array(measured))
+
+    def obey(self, setpoint: Setpoint) -> None:
+        """Take a client's setpoint; a plan under way is forgotten."""
+        self.asked = setpoint
+        if self.commander.offer(setpoint, Priority.CLIENT, self.now_ms):
+            self.planner.stop()
+
+    def relax(self) -> None:
+        """Give the high-level commander way again, from where the vehicle is."""
+        self._tell_planner()
+        self.commander.relax()
+
+    def tick(self) -> Array:
+        """Run one tick; return the rows flown in its first step and in the others, (2, columns.WANTED_WIDTH).
+
+        They differ where the supervisor lets the vehicle fly or stops it: the setpoint of the first step has
+        been taken before its look.
+        """
+        self._estimate()
+        self._choose_controller()
+        self._plan()
+        first = self._setpoint
+        if self.now_ms // TICK_MS % SUPERVISOR_TICKS == 0:
+            self._supervise()
+        first, self.flown = (self.supervisor.overridden(one) for one in (first, self._setpoint))
+        power = self._power()
+        self.now_ms += TICK_MS
+        rows = np.empty((2, WANTED_WIDTH))
+        rows[:] = wanted_row(self.flown, power)
+        if first is not self.flown:
+            rows[0] = wanted_row(first, power)
+        return rows
+
+    @property
+    def idle_pwm(self) -> float:
+        """Return the least duty of a motor that may run [PWM]."""
+        return 0.0 if self.build.auto_arming else float(self.parameters["powerDist.idleThrust"])
+
+    @property
+    def _motors_running(self) -> bool:
+        return bool((self.rows.memory[MOTOR : MOTOR + 4] > self.idle_pwm).any())
+
+    @property
+    def _setpoint(self) -> Setpoint:
+        return self.commander.setpoint if self.supervisor.may_fly else STOP
+
+    def _power(self) -> Power:
+        """Drain the battery by one tick; return what it and the supervisor leave the motors."""
+        hovers = float(self.rows.state[ROTORS].sum()) / (self._airframe.mass * GRAVITY)
+        self.battery.drain(hovers, DT, float(self.parameters["pm.lowVoltage"]))
+        volt = self.battery.volt
+        self._supply += SUPPLY_SHARE * (volt - self._supply)
+        return Power(self.supervisor.motors_may_run, self.idle_pwm, self._supply, volt)
+
+    def _choose_controller(self) -> None:
+        asked = int(self.parameters["stabilizer.controller"])
+        if asked == self._controller:
+            return
+        flown = chosen(asked, self._controller)
+        self.console += refusal_of(asked, flown)
+        if asked <= max(FirmwareController):
+            start_controller(flown, self.rows.memory)
+        self._controller = flown
+        self.parameters.set("stabilizer.controller", int(flown))
+
+    def _estimate(self) -> None:
+        if self.parameters.flag("kalman.resetEstimation"):
+            self.reset_estimate()
+            self.parameters.set("kalman.resetEstimation", 0)
+        xy, z = float(self.parameters["kalman.pNAcc_xy"]), float(self.parameters["kalman.pNAcc_z"])
+        self.estimator.predict(np.array([xy, xy, z]))
+        if self.build.positioning_deck:
+            self._correct(self.rows.state[POS])
+        elif self.build.flow_deck:
+            self.estimator.correct_by_flow(self.rows.state)
+
+    def _correct(self, measured: Array) -> None:
+        std = float(self.parameters["locSrv.extPosStdDev"])
+        self.estimator.correct(measured, self.rows.state[POS], std)
+
+    def _expire(self) -> None:
+        """Let the high-level commander take over from a client that has left the motors off."""
+        one, age_ms = self.commander.setpoint, self.now_ms - self.commander.set_ms
+        off = one.z == Mode.DISABLE and one.thrust_pwm == 0 and not self._motors_running
+        if off and age_ms >= ZERO_EXPIRES_MS and self.commander.priority == Priority.CLIENT:
+            self.relax()
+
+    def _plan(self) -> None:
+        if self.build.zero_expires:
+            self._expire()
+        if not self.supervisor.may_fly:
+            if self.planner.state in MOVING:
+                self.planner.stop()
+            self._tell_planner()
+            return
+        goal = self.planner.goal(self.seconds)
+        if goal is None:
+            self._tell_planner()
+        if self.planner.state != PlanState.DISABLED:
+            wanted = STOP if goal is None else _setpoint_of(goal)
+            self.commander.offer(wanted, Priority.HIGH_LEVEL, self.now_ms)
+
+    def _tell_planner(self) -> None:
+        self.planner.tell(self.pos, self.vel, math.radians(self.attitude_deg[2]))
+
+    def _supervise(self) -> None:
+        x, y, z = self.specific_force_g.tolist()
+        look = SupervisorInput(
+            now_ms=self.now_ms,
+            acc=(x, y, z),
+            setpoint_ms=self.commander.set_ms if self.supervisor.may_fly else self._boot_ms,
+            motors_running=self._motors_running,
+        )
+        self.console += self.supervisor.update(look, self.parameters)
+        self.info = supervisor_info(self.supervisor, self.planner, self.seconds)
+
+
+def _setpoint_of(goal: Goal) -> Setpoint:
+    px, py, pz = goal.pos.tolist()
+    vx, vy, vz = goal.vel.tolist()
+    ax, ay, az = goal.acc.tolist()
+    p, q, r = np.degrees(goal.ang_vel_body).tolist()
+    return Setpoint(
+        x=Mode.ABS,
+        y=Mode.ABS,
+        z=Mode.ABS,
+        yaw=Mode.ABS,
+        pos=(px, py, pz),
+        vel=(vx, vy, vz),
+        acc=(ax, ay, az),
+        attitude_deg=(0.0, 0.0, math.degrees(goal.yaw)),
+        rate_deg=(p, q, r),
+    )

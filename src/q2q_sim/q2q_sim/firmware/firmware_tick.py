@@ -1,0 +1,95 @@
+"""Fly all vehicles of a swarm by their own controllers for one tick of 10 ms, in one compiled loop.
+
+The physics is that of q2q_sim.plant.swarm, step for step: drafts, then each vehicle's controller (500 Hz; the
+position PID in the first step of a tick, 100 Hz), rotor lag, rigid body, ground. Only what asks the rotors
+differs: here it is the firmware's controller and mixer, there the house's attitude loop.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.firmware.controllers.attitude_pid import cascade
+from q2q_sim.firmware.controllers.columns import CONTROLLER
+from q2q_sim.firmware.controllers.mellinger import mellinger
+from q2q_sim.firmware.controllers.mixer import drive_motors
+from q2q_sim.plant.quadcopter import push, stand, turn
+from q2q_sim.plant.swarm import Rows, Swarm, drafts, remember
+
+STEPS = 5
+"""Steps of 2 ms a tick."""
+MELLINGER = 2
+"""stabilizer.controller; any other value is the cascaded PID."""
+
+Brain = tuple[Array, Array, Array, Array, Array]
+"""wanted, gains, memory, frame, drift: columns.py, one row a vehicle."""
+
+
+@dataclass(frozen=True, slots=True)
+class Controllers:
+    """Rows of all vehicles (columns.py)."""
+
+    wanted: Array
+    """Of the first step of a tick, and of the others, (n, 2, WANTED_WIDTH)."""
+    gains: Array
+    memory: Array
+    frame: Array
+    drift: Array
+
+
+def _think(row: Array, brain: Brain, i: int, k: int, forces: Array) -> None:
+    """Let vehicle i decide what its motors should give in step k."""
+    rows, gains, memory, frame, drift = brain
+    wanted = rows[i, min(k, 1)]
+    if gains[i, CONTROLLER] == MELLINGER:
+        mellinger(row, drift[i], wanted, gains[i], memory[i])
+    else:
+        cascade((row, drift[i], wanted), gains[i], memory[i], k == 0)
+    drive_motors(wanted, memory[i], frame[i], forces)
+    for axis in range(3):
+        drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate goes on with its own velocity
+
+
+def _move(row: Array, forces: Array, drive: Array, body: Array) -> None:
+    """Move one vehicle by one step, as q2q_sim.plant.quadcopter.advance does."""
+    for r in range(4):
+        target = drive[3 + r] * forces[r]
+        row[13 + r] = target + (row[13 + r] - target) * body[5, 1]
+    push(row, (drive[0], drive[1], drive[2] + row[20]), body)
+    turn(row, body)
+    if row[2] < 0.0:
+        stand(row, body)
+
+
+def _fly_tick(state: Array, air: tuple[int, Array, Rows], brain: Brain, drive: Array, body: Array) -> None:
+    kind, ring, rows = air
+    n = state.shape[0]
+    forces = np.empty(4)
+    for k in range(STEPS):
+        drafts(state, ring, rows, kind, body[5, 2])
+        for i in range(n):
+            think(state[i], brain, i, k, forces)
+            move(state[i], forces, drive[i], body)
+        rows[n] += 1
+        remember(state, ring, rows[n] % ring.shape[0], body[5, 0] * GRAVITY)
+
+
+think, move = compiled(_think), compiled(_move)
+_fly_tick_compiled = compiled(_fly_tick, nogil=True)
+
+
+def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:
+    """Move a swarm by one tick under its own controllers.
+
+    Args:
+        swarm: the vehicles; their state moves.
+        controllers: what they are asked for and remember; memory and drift move.
+        drive: acceleration by moving air [m/s^2], world, then what each rotor gives of what is asked, (n, 7).
+    """
+    one = controllers
+    brain = (one.wanted, one.gains, one.memory, one.frame, one.drift)
+    air = (int(swarm.air.kind), swarm.air.ring, swarm.air.rows)
+    _fly_tick_compiled(swarm.state, air, brain, drive, swarm.body)

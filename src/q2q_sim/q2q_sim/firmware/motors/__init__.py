@@ -1,0 +1,1 @@
+"""Mixer, motors, battery and airframe."""

@@ -1,0 +1,1 @@
+"""The firmware's parameters: names, types, values, what clients upload."""

@@ -1,0 +1,64 @@
+"""Hold the parameter values of one vehicle, as a client sets them and the firmware reads them."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.firmware.motors.airframe import Airframe
+from q2q_sim.firmware.parameters.parameter_table import GAINS, IDLE_PWM, TABLE, Definition, Value
+
+STIFF = ("kp_xy", "kd_xy", "ki_xy", "kp_z", "kd_z", "ki_z")
+"""Mellinger gains in N/m, N s/m, N/(m s)."""
+
+
+def defaults_of(airframe: Airframe, *, auto_arming: bool) -> dict[str, Value]:
+    """Return every parameter's value after a start of the build made for an airframe."""
+    values = {one.name: one.default for one in TABLE}
+    for name in STIFF:
+        values[f"ctrlMel.{name}"] *= airframe.stiffness_share
+    values["ctrlMel.kd_omega_rp"] *= airframe.share_lag
+    values["ctrlMel.mass"] = airframe.mass
+    values["ctrlMel.massThrust"] = airframe.pwm_per_newton
+    values["powerDist.idleThrust"] = 0 if auto_arming else IDLE_PWM
+    return {name: _as_float32(value) for name, value in values.items()}
+
+
+class Parameters:
+    """Hold the values; `changes` counts every write, so that readers can keep what they derive."""
+
+    def __init__(self, airframe: Airframe, *, auto_arming: bool = True) -> None:
+        self._defaults = defaults_of(airframe, auto_arming=auto_arming)
+        self._values = dict(self._defaults)
+        self.changes = 0
+
+    def __iter__(self) -> Iterator[Definition]:
+        """Walk over the table."""
+        return iter(TABLE)
+
+    def __getitem__(self, name: str) -> Value:
+        """Return the value of `group.name`."""
+        return self._values[name]
+
+    def set(self, name: str, value: Value) -> None:
+        """Set `group.name`."""
+        self._values[name] = _as_float32(value)
+        self.changes += 1
+
+    def default(self, name: str) -> Value:
+        """Return the value after a start."""
+        return self._defaults[name]
+
+    def flag(self, name: str) -> bool:
+        """Return whether `group.name` is not zero."""
+        return self._values[name] != 0
+
+    def gains(self) -> Array:
+        """Return the row that the compiled controllers read, (columns.GAIN_WIDTH,)."""
+        row = [float(self._values[name]) for name in GAINS]
+        return np.array([*row, float(self._values["stabilizer.controller"])])
+
+
+def _as_float32(value: Value) -> Value:
+    """Return what is left of a value in the vehicle's memory: floats have 32 bits there."""
+    return value if isinstance(value, int) else float(np.float32(value))

@@ -1,0 +1,1 @@
+"""The firmware's supervisor: arming, watchdogs, emergency stop."""

@@ -1,0 +1,44 @@
+"""Run one vehicle's firmware on a bench: it hears packets and drives motors, but nothing moves."""
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_sim.crtp.vehicle import CrtpVehicle
+from q2q_sim.firmware.controllers.columns import frame_row, fresh_memory
+from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
+from q2q_sim.firmware.firmware_tick import STEPS, think
+from q2q_sim.firmware.motors.airframe import airframe_of
+from q2q_sim.plant.quadcopter import ACC, state_at_rest
+
+UP = np.array([0.0, 0.0, GRAVITY])
+
+
+class Bench:
+    """Firmware of a vehicle that is held fast, level."""
+
+    def __init__(self, start: Array, *, auto_arming: bool) -> None:
+        """Hold the vehicle at `start`: x, y, z [m], yaw [rad], (4,)."""
+        airframe = airframe_of(CRAZYFLIE_2_0)
+        self._state = state_at_rest(start[None], 0.0)[0]
+        self._memory, self._frame = fresh_memory(1), frame_row(airframe)[None]
+        self._drift = np.zeros((1, 6))
+        rows = FirmwareRows(self._state, self._memory[0], self._drift[0])
+        self.firmware = Firmware(airframe, Build(auto_arming=auto_arming), rows)
+        self._drift[:] = 0.0  # it knows where it is
+        self._vehicle = CrtpVehicle("bench", self.firmware)
+
+    def hear(self, datagram: bytes) -> list[bytes]:
+        """Return the answers to a datagram."""
+        return self._vehicle.handle(datagram)
+
+    def feel(self, specific_force_g: Array) -> None:
+        """Set what the accelerometer reads [g], body, (3,)."""
+        self._state[ACC] = GRAVITY * specific_force_g - UP
+
+    def tick(self) -> None:
+        """Let 10 ms pass."""
+        wanted, gains = self.firmware.tick()[None], self.firmware.parameters.gains()[None]
+        forces = np.empty(4)
+        for k in range(STEPS):
+            think(self._state, (wanted, gains, self._memory, self._frame, self._drift), 0, k, forces)

@@ -1,0 +1,65 @@
+"""Compare the high-level commander: packets in, answers and setpoints out, 100 times a second.
+
+Motors stand still, so that the supervisor lets the vehicle fly all the time.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_sim.firmware.commander.setpoint import Setpoint
+from q2q_sim.firmware_check.bench import Bench
+from q2q_sim.firmware_check.table_rows import Row, Table, cases, numbers
+
+READY_TICKS = 20
+"""After so many the stock build is ready to fly."""
+LONGEST_MS = 65535
+"""Largest value of supervisor.prefltTimeout."""
+POS, VEL, ACC = ("px", "py", "pz"), ("vx", "vy", "vz"), ("ax", "ay", "az")
+START = -1
+"""Tick of the row that says where the vehicle stands."""
+
+
+class PlannerDifference(NamedTuple):
+    """Largest differences of the high-level commander's setpoints, and answers that are others."""
+
+    cases: int
+    max_pos_m: float
+    max_vel_mps: float
+    max_acc_mps2: float
+    answers_differ: int
+
+
+def compare_planner(table: Table) -> PlannerDifference:
+    """Return the largest differences over all cases of planner.csv."""
+    found = [_compare(rows) for rows in cases(table)]
+    worst = np.array([gaps for gaps, _ in found]).max(axis=0)
+    pos, vel, acc = worst.tolist()
+    return PlannerDifference(len(found), pos, vel, acc, sum(wrong for _, wrong in found))
+
+
+def _compare(rows: list[Row]) -> tuple[list[float], int]:
+    """Return the largest differences of position, velocity, acceleration, and how many answers differ."""
+    start, *rows = rows
+    yaw = math.radians(float(start["yaw_deg"]))
+    bench = Bench(np.array([*numbers(start, POS), yaw]), auto_arming=True)
+    bench.firmware.parameters.set("supervisor.prefltTimeout", LONGEST_MS)
+    for _ in range(READY_TICKS):
+        bench.firmware.tick()
+    worst, wrong, now = np.zeros(3), 0, START + 1
+    for row in rows:
+        for _ in range(now, int(row["tick"])):
+            bench.firmware.tick()
+        if row["packet"]:
+            answers = bench.hear(bytes.fromhex(row["packet"]))
+            wrong += [answer[4] for answer in answers] != [int(row["answer"])]
+        bench.firmware.tick()
+        now = int(row["tick"]) + 1
+        worst = np.maximum(worst, _gaps(bench.firmware.flown, row))
+    return worst.tolist(), wrong
+
+
+def _gaps(flown: Setpoint, row: Row) -> list[float]:
+    pairs = (flown.pos, POS), (flown.vel, VEL), (flown.acc, ACC)
+    return [float(np.abs(np.array(ours) - numbers(row, theirs)).max()) for ours, theirs in pairs]

@@ -1,0 +1,44 @@
+"""Compare the supervisor: packets and accelerations in, state and `supervisor.info` out, at 25 Hz."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_sim.firmware.firmware import TICK_MS
+from q2q_sim.firmware.supervisor.info import Info
+from q2q_sim.firmware_check.bench import Bench
+from q2q_sim.firmware_check.table_rows import Row, Table, cases, numbers
+
+ACC = ("accx", "accy", "accz")
+NOT_COMPARED = Info.PLAN_FINISHED
+"""A vehicle that has never flown a trajectory has finished it or not, by what its memory holds."""
+
+
+class SupervisorDifference(NamedTuple):
+    """How many rows have another state, and another `supervisor.info` but for NOT_COMPARED."""
+
+    cases: int
+    states_differ: int
+    info_differ: int
+
+
+def compare_supervisor(table: Table) -> SupervisorDifference:
+    """Return what differs over all cases of supervisor.csv."""
+    found = [_compare(rows) for rows in cases(table)]
+    return SupervisorDifference(len(found), sum(one for one, _ in found), sum(two for _, two in found))
+
+
+def _compare(rows: list[Row]) -> tuple[int, int]:
+    bench = Bench(np.zeros(4), auto_arming=bool(int(rows[0]["info"]) & Info.AUTO_ARMED))
+    states = infos = now_ms = 0
+    for row in rows:
+        for _ in range(now_ms, int(row["time_ms"]), TICK_MS):
+            bench.tick()
+        bench.feel(numbers(row, ACC))
+        for packet in filter(None, row["packets"].split("|")):
+            bench.hear(bytes.fromhex(packet))
+        bench.tick()
+        now_ms = int(row["time_ms"]) + TICK_MS
+        states += bench.firmware.supervisor.state != int(row["state"])
+        infos += bool((bench.firmware.info ^ int(row["info"])) & ~NOT_COMPARED)
+    return states, infos

@@ -1,0 +1,77 @@
+"""Run every comparison and hold its figures to what the tables' own README allows."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from q2q_sim.firmware_check.controller_table import ControllerDifference, compare_controllers
+from q2q_sim.firmware_check.motor_tables import (
+    CompensationDifference,
+    MixerDifference,
+    compare_compensation,
+    compare_mixer,
+)
+from q2q_sim.firmware_check.planner_table import PlannerDifference, compare_planner
+from q2q_sim.firmware_check.supervisor_table import SupervisorDifference, compare_supervisor
+from q2q_sim.firmware_check.table_rows import Table
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """What the real firmware answers."""
+
+    controllers: Table
+    planner: Table
+    supervisor: Table
+    mixer: Table
+    compensation: Table
+
+
+class FirmwareVerdict(NamedTuple):
+    """What differs, table by table."""
+
+    controllers: ControllerDifference
+    planner: PlannerDifference
+    supervisor: SupervisorDifference
+    mixer: MixerDifference
+    compensation: CompensationDifference
+
+
+class Figure(NamedTuple):
+    """One difference beside the largest that is allowed."""
+
+    name: str
+    value: float
+    allowed: float
+
+    @property
+    def within(self) -> bool:
+        """Return whether the difference is allowed; one that is no number is not."""
+        return self.value <= self.allowed
+
+
+def compare(tables: Tables) -> FirmwareVerdict:
+    """Return what differs between the emulation and the tables."""
+    return FirmwareVerdict(
+        compare_controllers(tables.controllers),
+        compare_planner(tables.planner),
+        compare_supervisor(tables.supervisor),
+        compare_mixer(tables.mixer),
+        compare_compensation(tables.compensation),
+    )
+
+
+def figures(verdict: FirmwareVerdict) -> tuple[Figure, ...]:
+    """Return the figures of a verdict beside their tolerances."""
+    controllers, planner, supervisor, mixer, compensation = verdict
+    return (
+        Figure("controllers: moments and thrust [PWM]", controllers.max_pwm, 2.5),
+        Figure("controllers: motors [PWM]", controllers.max_motor_pwm, 6.0),
+        Figure("planner: position [m]", planner.max_pos_m, 1e-4),
+        Figure("planner: velocity [m/s]", planner.max_vel_mps, 1e-3),
+        Figure("planner: acceleration [m/s^2]", planner.max_acc_mps2, 1e-2),
+        Figure("planner: answers that differ", planner.answers_differ, 0),
+        Figure("supervisor: states that differ", supervisor.states_differ, 0),
+        Figure("supervisor: info that differs", supervisor.info_differ, 0),
+        Figure("mixer: motors [PWM]", mixer.max_motor_pwm, 6.0),
+        Figure("compensation: duty [share]", compensation.max_ratio, 1e-5),
+    )

@@ -1,0 +1,1 @@
+"""Flights through the real nodes: start, wire, fly, watch, end, measure."""

@@ -1,0 +1,46 @@
+"""Play the mocap of a bag through the nodes mocap_filter and interference, tick by tick, losing nothing."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.bag import read_flight
+from q2q_model.flights.flight import Flight
+from q2q_sim.flight.running_nodes import RECORDER, running_nodes
+from q2q_sim.processes.processes import NodeSpec
+
+PLAYER = "bag_play"
+
+
+def replay(bag: Path, model: str, folder: Path) -> Flight:
+    """Return what the nodes make of a bag's mocap: filtered states and predicted drafts.
+
+    Args:
+        bag: the recorded flight.
+        model: interaction model: none, a shipped name, or a .q2q file.
+        folder: where parameters, logs and the new bag go.
+
+    Raises:
+        ValueError: the bag cannot be read.
+        NodeDiedError, TimeoutError: a node did not start or ended early.
+    """
+    made = folder / "replayed"
+    specs = node_specs(bag, model, made, read_flight(bag).names)
+    with running_nodes(specs, folder) as running:
+        running.processes.excuse(PLAYER)  # it ends with the bag
+        running.director.start(PLAYER)
+        running.director.wait_playback()
+    return read_flight(made)
+
+
+def node_specs(bag: Path, model: str, made: Path, names: Sequence[str]) -> list[NodeSpec]:
+    """Return the nodes of a replay with their parameters."""
+    return [
+        NodeSpec("q2q_sim", RECORDER, {"bag": str(made), "stamps": "header"}),
+        NodeSpec("q2q_model", "mocap_filter", {"vehicles": tuple(names)}),
+        NodeSpec("q2q_model", "interference", {"model": model}),
+        NodeSpec(
+            "q2q_sim",
+            PLAYER,
+            {"bag": str(bag), "topics": ("mocap",), "answer": "interference", "autostart": False},
+        ),
+    ]

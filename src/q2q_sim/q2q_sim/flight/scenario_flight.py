@@ -1,0 +1,177 @@
+"""Fly one scenario through the real nodes: start them, fly, end them, measure from the bag.
+
+Every node runs as a process of its own and talks over DDS on this machine only. Parameters, plan, logs and
+bag are left in the flight's folder, so that any node of it can be started again by hand.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from q2q_model.bag import FlightFacts, read_flight, words_of
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_model.node.wiring import PROMISE_S
+from q2q_model.trajectory import plan_file
+from q2q_model.vehicle.constants import firmware_of
+from q2q_sim.flight.running_nodes import RECORDER, running_nodes
+from q2q_sim.loop import assembly
+from q2q_sim.loop.flight_clock import FlightTiming, timing_of
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
+from q2q_sim.monitors.metrics import FlightMetrics, measure
+from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.processes.processes import NodeSpec
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario, with_choices
+
+MEASURED = ("mocap", "truth", "reference", "reference_safe", "command")
+"""Topics that the numbers and the verdict of a flight need; a bag that nobody keeps has no others."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightRequest:
+    """Hold what to fly and how."""
+
+    scenario: str
+    mode: str = "aware"
+    """ignoring, aware (with the thrust limit) or aware_unlimited."""
+    controller: str = "pid"
+    replan: str = "none"
+    """none, paper or safe."""
+    plan: str = "none"
+    """none, or avoid: plan around the draft of the interaction model."""
+    live: bool = False
+    seed: int = 0
+    model: str = ""
+    """Interaction model in place of the scenario's; empty keeps that."""
+    stack: bool = False
+    """Run the road from mocap_filter to controller in one process."""
+    record: tuple[str, ...] = ()
+    """Topics that go into the bag; empty is all."""
+    vehicle: str = ""
+    """Vehicle in place of the scenario's; empty keeps that."""
+    wake: str = ""
+    """Air in place of the scenario's; empty keeps that."""
+
+    @property
+    def options(self) -> assembly.Options:
+        """Return the choices between blocks; raise ValueError for one there is not."""
+        return assembly.Options(self.mode, self.controller, self.replan)
+
+
+@dataclass(frozen=True, slots=True)
+class FlightRun:
+    """Hold a flight that was flown."""
+
+    request: FlightRequest
+    flight: Flight
+    metrics: FlightMetrics
+    timing: FlightTiming
+    bag: Path
+    verdict: FlightVerdict
+
+
+def load_scenario(request: FlightRequest) -> Scenario:
+    """Return the scenario with the requested vehicle, air and model; refuse what cannot be flown."""
+    scenario = with_choices(library.load(request.scenario), request.vehicle, request.wake)
+    if request.plan == "avoid" and scenario.plan is not None:
+        raise ValueError(f"{request.scenario} is flown by its own plan: leave out --plan avoid")
+    flown = replace(scenario, model=request.model) if request.model else scenario
+    find_model(flown.model)
+    return flown
+
+
+def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[float], None]) -> FlightRun:
+    """Fly a scenario and measure it.
+
+    Args:
+        request: what to fly and how.
+        folder: where parameters, plan and logs go.
+        bag: where the bag goes; must not exist.
+        progress: called with the flown share, 0 to 1.
+
+    Raises:
+        ValueError: an unknown scenario, vehicle or parameter.
+        NodeDiedError, TimeoutError: a node did not start or ended early.
+    """
+    scenario = load_scenario(request)
+    if bag.exists():
+        raise ValueError(f"bag {bag} exists: choose another folder or delete it")
+    folder.mkdir(parents=True, exist_ok=True)
+    specs = node_specs(scenario, request, folder, bag)
+    total = scenario.duration / assembly.TICK_S
+    with running_nodes(specs, folder, lambda: progress(0.0)) as running:
+        running.director.start()
+        summary = running.director.wait_summary(lambda ticks: progress(ticks / total))
+    flight, timing = read_flight(bag), timing_of(summary)
+    around = Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
+    verdict = verdict_of(flight, around, timing.missed_ticks)
+    return FlightRun(request, flight, measure(flight, scenario.vehicle), timing, bag, verdict)
+
+
+def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:
+    """Return the nodes of a flight with their parameters; write the plan they fly."""
+    plan = folder / "plan.json"
+    if request.plan == "avoid":
+        plan_file.save(plan, assembly.plan_around(scenario, find_model(scenario.model)))
+    else:
+        plan_file.save(plan, assembly.plan_of(scenario))
+    pace = "live" if request.live else "lockstep"
+    nodes = (
+        NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
+        NodeSpec("q2q_model", "interference", {"model": scenario.model}),
+        NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
+        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, request.options)),
+        NodeSpec(
+            "q2q_control",
+            request.controller,
+            assembly.controller_parameters(scenario, request.options) | {"live": request.live},
+        ),
+    )
+    promised = {"promise_s": PROMISE_S} if request.live else {}
+    road = tuple(replace(spec, parameters={**spec.parameters, **promised}) for spec in nodes)
+    return [
+        NodeSpec(
+            "q2q_sim",
+            RECORDER,
+            {
+                "bag": str(bag),
+                "stamps": "receive" if request.live else "header",
+                "topics": request.record,
+                "facts": words_of(facts_of(scenario, request)),
+            },
+        ),
+        *(one_process(road) if request.stack else road),
+        NodeSpec(
+            "q2q_sim",
+            "simulator",
+            {
+                "scenario": request.scenario,
+                "vehicle": request.vehicle,
+                "wake": request.wake,
+                "seed": request.seed,
+                "pace": pace,
+                "autostart": False,
+            },
+        ),
+    ]
+
+
+def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
+    """Return what the bag of a flight says of it."""
+    return FlightFacts(
+        vehicle=scenario.vehicle.name,
+        firmware=firmware_of(scenario.vehicle),
+        scenario=request.scenario,
+        mode=request.mode,
+        controller=request.controller,
+        model=scenario.model,
+        wake=scenario.wake,
+        seed=str(request.seed),
+    )
+
+
+def one_process(road: tuple[NodeSpec, ...]) -> list[NodeSpec]:
+    """Return the process in which these nodes run together."""
+    names = tuple(spec.executable for spec in road)
+    return [NodeSpec("q2q_sim", "stack", {"nodes": names}, inside=road)]

@@ -1,0 +1,1 @@
+"""Launch files: which nodes each starts, and its arguments."""

@@ -1,0 +1,58 @@
+"""Turn arguments and nodes into a launch description; used by the launch files, needs `launch_ros`."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
+from q2q_sim.launching.launch_plan import COMMON_ARGUMENTS, ENDS_ALL, YES, Argument
+from q2q_sim.processes.processes import NodeSpec
+
+
+def describe(
+    arguments: Sequence[Argument],
+    nodes: Callable[[Mapping[str, str]], list[NodeSpec]],
+    renamed: Mapping[str, str] | None = None,
+    others: Callable[[Mapping[str, str]], list[LaunchDescriptionEntity]] = lambda _: [],
+) -> LaunchDescription:
+    """Return the description.
+
+    Args:
+        arguments: those of the launch file; `namespace` and `use_sim_time` are added.
+        nodes: returns the nodes, or raises ValueError before any is started.
+        renamed: maps a topic to the argument that holds its outside name.
+        others: returns what else is to be started, as the launch file of another package.
+    """
+
+    def start(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+        given = {one.name: LaunchConfiguration(one.name).perform(context) for one in every}
+        names = [(topic, given[argument]) for topic, argument in (renamed or {}).items()]
+        return [*(_node(spec, names, given) for spec in nodes(given)), *others(given)]
+
+    every = (*arguments, *COMMON_ARGUMENTS)
+    return LaunchDescription([*map(_declared, every), OpaqueFunction(function=start)])
+
+
+def _declared(one: Argument) -> DeclareLaunchArgument:
+    return DeclareLaunchArgument(
+        one.name, default_value=one.default, description=one.words, choices=list(one.choices) or None
+    )
+
+
+def _node(spec: NodeSpec, names: list[tuple[str, str]], given: Mapping[str, str]) -> Node:
+    values = {
+        key: list(value) if isinstance(value, tuple) else value for key, value in spec.parameters.items()
+    }
+    kept = {key: value for key, value in values.items() if value != []}
+    return Node(
+        package=spec.package,
+        executable=spec.executable,
+        name=spec.executable,
+        namespace=given["namespace"],
+        parameters=[kept | {"use_sim_time": given["use_sim_time"] == YES}],
+        remappings=[(topic, outside) for topic, outside in names if topic != outside],
+        output="screen",
+        on_exit=Shutdown(reason=f"{spec.executable} has ended") if spec.executable in ENDS_ALL else None,
+    )

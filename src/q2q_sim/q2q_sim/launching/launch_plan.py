@@ -1,0 +1,230 @@
+"""Say which nodes a launch file starts, and what its arguments mean; the launch files only pass them on.
+
+Three launch files: `scenario` flies in the simulator, `real_room` flies vehicles over radios by an outside
+motion capture, `crazyswarm` lets Crazyswarm2's server have the radios. Arguments are words, as `ros2 launch`
+gives them.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from q2q_model.bag import FlightFacts, words_of
+from q2q_model.files.find_model import find_model
+from q2q_model.node.wiring import PROMISE_S
+from q2q_model.trajectory import plan_file
+from q2q_model.tunable import ParameterValue
+from q2q_model.vehicle.constants import firmware_of
+from q2q_sim.flight.running_nodes import RECORDER
+from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
+from q2q_sim.processes.processes import NodeSpec
+from q2q_sim.scenarios import library
+
+YES, NO = "true", "false"
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """One argument of a launch file."""
+
+    name: str
+    default: str
+    words: str
+    choices: tuple[str, ...] = ()
+
+
+FOLDER = Argument("folder", "", "where parameters, plan and bag go; empty: out/launch/ and the date")
+VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
+FOXGLOVE = Argument("foxglove", NO, "with view: serve Foxglove on this machine", (YES, NO))
+MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
+
+SCENARIO_ARGUMENTS = (
+    Argument("scenario", "table6", "scenario name or file; `scripts/fly --list` names them"),
+    Argument("mode", "aware", "compensate the draft or not", ("aware", "aware_unlimited", "ignoring")),
+    Argument("controller", "pid", "who computes the commands", ("pid", "mpc")),
+    Argument("pace", "live", "100 Hz of wall time, or as fast as commands come", ("live", "lockstep")),
+    Argument("seed", "0", "seed of everything random"),
+    MODEL,
+    FOLDER,
+    VIEW,
+    FOXGLOVE,
+)
+
+ROOM_ARGUMENTS = (
+    Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
+    Argument("crazyflies", "", "crazyflies.yaml, as Crazyswarm2 reads it"),
+    Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
+    Argument("vehicle", "crazyflie_2_0", "vehicle constants"),
+    Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
+    Argument("model", "measured_law", MODEL.words),
+    FOLDER,
+    VIEW,
+    FOXGLOVE,
+)
+
+COMMON_ARGUMENTS = (
+    Argument("namespace", "", "namespace of all nodes and topics"),
+    Argument("use_sim_time", NO, "stamps by /clock, as beside a simulator", (YES, NO)),
+)
+"""Arguments of every launch file."""
+
+CRAZYSWARM_ARGUMENTS = (
+    Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
+    Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
+    Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
+    Argument("poses_version", "1", "as in motion_capture.yaml: 2 is NamedPoseArrayV2", ("1", "2")),
+    Argument("twin", NO, "the simulator in place of radios and room", (YES, NO)),
+    Argument("scenario", "table6", "with twin: the scenario whose vehicles and air are flown"),
+    Argument("model", "measured_law", MODEL.words),
+    FOLDER,
+    VIEW,
+    FOXGLOVE,
+)
+
+ENDS_ALL = frozenset({RECORDER, "trajectory", "radio", "crazyswarm", "simulator"})
+"""Where one of these ends, all nodes of a launch end."""
+
+
+def scenario_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
+    """Return the nodes that fly a scenario; write its plan into the folder.
+
+    Raises:
+        ValueError: an unknown scenario, model or value.
+    """
+    request = FlightRequest(
+        scenario=given["scenario"],
+        mode=given["mode"],
+        controller=given["controller"],
+        live=given["pace"] == "live",
+        seed=_whole(given["seed"], "seed"),
+        model=given["model"],
+    )
+    folder = folder_of(given["folder"])
+    folder.mkdir(parents=True, exist_ok=True)
+    specs = node_specs(load_scenario(request), request, folder, folder / "bag")
+    return [*map(_at_once, specs), *_viewers(given)]
+
+
+def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
+    """Return the nodes that fly a plan in a real room.
+
+    Raises:
+        ValueError: a file is not given or absent, the bag exists, the model is unknown.
+    """
+    folder = _checked(given)
+    by_stick = given["mode"] == "command"
+    promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
+    flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "aware": True, "live": True}
+    pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", flown | promised)]
+    radio: dict[str, ParameterValue] = {
+        "crazyflies": given["crazyflies"],
+        "mode": given["mode"],
+        "vehicle": given["vehicle"],
+    }
+    return [
+        *_road(given, folder, FlightFacts(vehicle=given["vehicle"], model=given["model"])),
+        *(pid if by_stick else []),
+        NodeSpec("q2q_control", "radio", radio),
+        *_viewers(given),
+    ]
+
+
+def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
+    """Return our nodes beside Crazyswarm2's server; with `twin`, the simulator is its radios and its room.
+
+    Raises:
+        ValueError: a file is not given or absent, the bag exists, the model is unknown.
+    """
+    folder = _checked(given)
+    twin = given["twin"] == YES
+    bridge: dict[str, ParameterValue] = {
+        "crazyflies": given["crazyflies"],
+        "backend": "cflib" if twin else given["backend"],
+        "poses_in": "" if twin else "/poses",
+        "poses_out": "/poses_filtered",
+        "poses_version": _whole(given["poses_version"], "poses_version"),
+    }
+    room: dict[str, ParameterValue] = {"scenario": given["scenario"], "crtp": True}
+    return [
+        *_road(given, folder, _twin_facts(given)),
+        NodeSpec("q2q_control", "crazyswarm", bridge),
+        *([NodeSpec("q2q_sim", "simulator", room)] if twin else []),
+        *_viewers(given),
+    ]
+
+
+def folder_of(asked: str, now: datetime | None = None) -> Path:
+    """Return the folder of a launch: the one asked for, or a new one named by the time `now`."""
+    if asked:
+        return Path(asked)
+    return Path("out", "launch", (now or datetime.now(UTC).astimezone()).strftime("%Y-%m-%d_%H-%M-%S"))
+
+
+def _checked(given: Mapping[str, str]) -> Path:
+    """Return the folder of a launch whose files are there and whose bag is not."""
+    for name in ("plan", "crazyflies"):
+        if not given[name]:
+            raise ValueError(f"give {name}:=FILE")
+        if not Path(given[name]).is_file():
+            raise ValueError(f"{name}:={given[name]}: there is no such file")
+    plan_file.load(Path(given["plan"]))
+    find_model(given["model"])
+    folder = folder_of(given["folder"])
+    if (folder / "bag").exists():
+        raise ValueError(f"bag {folder / 'bag'} exists: choose another folder or delete it")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
+    """Return what is known of a flight beside Crazyswarm2; only a twin's vehicle has a name here."""
+    if given["twin"] != YES:
+        return FlightFacts(model=given["model"])
+    vehicle = library.load(given["scenario"]).vehicle
+    return FlightFacts(
+        vehicle=vehicle.name,
+        firmware=firmware_of(vehicle),
+        scenario=given["scenario"],
+        model=given["model"],
+    )
+
+
+def _road(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[NodeSpec]:
+    """Return recorder and road of a real room; the trajectory waits until it is called."""
+    promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
+    return [
+        NodeSpec(
+            "q2q_sim",
+            RECORDER,
+            {"bag": str(folder / "bag"), "stamps": "receive", "facts": words_of(facts)},
+        ),
+        NodeSpec("q2q_model", "mocap_filter", promised),
+        NodeSpec("q2q_model", "interference", promised | {"model": given["model"]}),
+        NodeSpec("q2q_planner", "trajectory", promised | {"plan": given["plan"], "wait": True}),
+        NodeSpec("q2q_planner", "replanner", promised),
+    ]
+
+
+def defaults(arguments: Sequence[Argument]) -> dict[str, str]:
+    """Return every argument at its default."""
+    return {one.name: one.default for one in arguments}
+
+
+def _at_once(spec: NodeSpec) -> NodeSpec:
+    """Let the simulator start by itself: no flight director waits for the nodes of a launch file."""
+    if spec.executable != "simulator":
+        return spec
+    return NodeSpec(spec.package, spec.executable, {**spec.parameters, "autostart": True})
+
+
+def _viewers(given: Mapping[str, str]) -> list[NodeSpec]:
+    parameters: dict[str, ParameterValue] = {"foxglove": given["foxglove"] == YES}
+    return [NodeSpec("q2q_sim", "view", parameters)] if given["view"] == YES else []
+
+
+def _whole(text: str, name: str) -> int:
+    try:
+        return int(text)
+    except ValueError as wrong:
+        raise ValueError(f"{name}:={text}: a whole number is expected") from wrong

@@ -1,0 +1,1 @@
+"""Simulated Crazyradio link: latency, loss, quantisation."""

@@ -1,0 +1,99 @@
+"""Carry the packets of `q2q_sim.link.radio` in compiled loops: into the air, and from it to the vehicles.
+
+| name | meaning [unit] |
+|---|---|
+| when | arrival [ns] and vehicle of each packet in the air, in the order they were sent, (capacity, 2) |
+| what | thrust [N], roll, pitch [rad], yaw rate [rad/s] of each, (capacity, 4) |
+| next_ns | when each vehicle may be sent the next packet [ns], (n,) |
+| heard_ns | when each vehicle heard the last one [ns], (n,) |
+| locked | whose thrust is locked, (n,) |
+| obeyed | what each vehicle obeys, columns as `what`, (n, 4) |
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+
+LEVEL_AFTER_NS = 500_000_000
+"""COMMANDER_WDT_TIMEOUT_STABILIZE of the firmware [ns]."""
+CUT_AFTER_NS = 2_000_000_000
+"""COMMANDER_WDT_TIMEOUT_SHUTDOWN of the firmware [ns]."""
+
+Flags = NDArray[np.bool_]
+Nanoseconds = NDArray[np.int64]
+Rows = NDArray[np.intp]
+Flying = tuple[Nanoseconds, Array]
+"""when, what."""
+Sent = tuple[Rows, Nanoseconds, Flags, Nanoseconds]
+"""Vehicle of each command; next_ns; whose packets are lost, (n,); how late they come besides [ns], (n,)."""
+Onboard = tuple[Nanoseconds, Flags, Array]
+"""heard_ns, locked, obeyed."""
+
+
+def _put(
+    flying: Flying, count: int, asked: tuple[Array, float], sent: Sent, clock: tuple[int, int, int]
+) -> int:
+    when, what = flying
+    values, thrust_max = asked
+    rows, next_ns, lost, late_ns = sent
+    now_ns, gap_ns, latency_ns = clock
+    for k in range(rows.size):
+        row = rows[k]
+        if next_ns[row] > now_ns:
+            continue
+        next_ns[row] = max(next_ns[row], now_ns - gap_ns) + gap_ns
+        if lost[row]:
+            continue
+        when[count, 0], when[count, 1] = now_ns + latency_ns + late_ns[row], row
+        what[count, 0] = min(max(values[0, k], 0.0), thrust_max)
+        for c in range(1, 4):
+            what[count, c] = values[c, k]
+        count += 1
+    return count
+
+
+def _watch(onboard: Onboard, now_ns: int) -> None:
+    """Let vehicles that have heard nothing for long stand level, then cut their motors."""
+    heard_ns, locked, obeyed = onboard
+    for i in range(heard_ns.size):
+        silent_ns = now_ns - heard_ns[i]
+        if silent_ns > LEVEL_AFTER_NS:
+            obeyed[i, 1:] = 0.0
+        if silent_ns > CUT_AFTER_NS:
+            obeyed[i, 0] = 0.0
+            locked[i] = True
+
+
+def _deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int], out: Array) -> int:
+    when, what = flying
+    heard_ns, locked, obeyed = onboard
+    now_ns, step_ns = clock
+    watch(onboard, now_ns)
+    steps, left = out.shape[0], 0
+    for s in range(steps):
+        out[s] = obeyed
+    for k in range(count):
+        arrival_ns, row = when[k, 0], when[k, 1]
+        if arrival_ns > now_ns + (steps - 1) * step_ns:
+            when[left], what[left] = when[k], what[k]
+            left += 1
+            continue
+        locked[row] = locked[row] and what[k, 0] > 0.0
+        heard_ns[row] = max(arrival_ns, now_ns)
+        for s in range(max(-((now_ns - arrival_ns) // step_ns), 0), steps):  # from arrival on
+            out[s, row] = what[k]
+            if locked[row]:
+                out[s, row, 0] = 0.0
+    obeyed[:] = out[steps - 1]
+    return left
+
+
+watch = compiled(_watch)
+put = compiled(_put)
+"""Send packets, values (4, k): (flying, packets in the air, (values, largest thrust [N]), sent,
+(now, gap, latency) [ns]); return how many are in the air then."""
+deliver = compiled(_deliver)
+"""Write what each vehicle obeys in each physics step from now on into `out` (steps, n, 4):
+(flying, packets in the air, onboard, (now, step) [ns], out); return how many packets are still in the air."""

@@ -1,0 +1,1 @@
+"""The simulation loop: room, blocks, closed loop, lockstep gate, recording."""

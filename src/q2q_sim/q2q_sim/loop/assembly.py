@@ -1,0 +1,189 @@
+"""Build the blocks of a flight from its scenario, and say their parameters: for nodes and for `closed_loop`.
+
+Both roads take plan and parameters from here, so that they fly the same.
+"""
+
+from dataclasses import asdict, dataclass, replace
+from typing import Literal
+
+from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.inputs.controller import Controller
+from q2q_control.inputs.plan_samples import Curve, sampled_preview
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.receding import Mpc
+from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.level_set import peak
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.files.model_file import ModelFile
+from q2q_model.geometry.zone import Zone
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.tunable import ParameterValue
+from q2q_planner.offline.avoidance.joint_plan import avoid
+from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDraft, avoid_draft
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams
+from q2q_planner.online.replanner import Replanner
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_sim.loop.room import TICK_S
+from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
+from q2q_sim.scenarios.scenario import Scenario, block_params
+
+__all__ = ["TICK_S", "Blocks", "Mode", "Options", "blocks_of", "plan_around", "plan_of"]
+
+Mode = Literal["ignoring", "aware", "aware_unlimited"]
+MODES: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
+
+NodeParameters = dict[str, ParameterValue]
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Hold the choices between blocks."""
+
+    mode: str = "aware"
+    controller: str = "pid"
+    replan: str = "none"
+
+    def __post_init__(self) -> None:
+        """Refuse choices there are not."""
+        _check("mode", self.mode, MODES)
+        _check("controller", self.controller, CONTROLLERS)
+        _check("replan", self.replan, REPLANNERS)
+
+    @property
+    def aware(self) -> bool:
+        """Return whether the draft is compensated."""
+        return self.mode != "ignoring"
+
+    @property
+    def limited(self) -> bool:
+        """Return whether the scenario's thrust limit holds."""
+        return self.mode != "aware_unlimited"
+
+
+@dataclass(frozen=True, slots=True)
+class Blocks:
+    """Hold the blocks of one flight, in the order of the road."""
+
+    plan: SwarmPlan
+    mocap_filter: MocapFilter
+    predictor: InteractionPredictor
+    replanner: Replanner
+    controller: Controller
+
+
+def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
+    """Return the plan that the scenario names, else minimum snap; with a zone, proven to keep every pair out.
+
+    Raises:
+        InfeasibleError: no such plan was found.
+    """
+    if zone is None and scenario.plan is not None:
+        return scenario.plan
+    if zone is None:
+        return minimum_snap_plan(scenario.waypoints, scenario.reading)
+    return avoid(scenario.waypoints, zone, scenario.reading).plan
+
+
+def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
+    """Return a plan proven to keep every pair out of the draft of a learned model.
+
+    How much air that is, is chosen by what it brings (`draft_zone`); where the model knows no draft, the
+    zone of its file is taken.
+
+    Raises:
+        InfeasibleError: no such plan was found.
+    """
+    if not peak(known.interaction) > 0.0:
+        return plan_of(scenario, known.zone)
+    draft = LearnedDraft(known.interaction, known.gains or PAPER_LOOP)
+    return avoid_draft(scenario.waypoints, draft, scenario.reading).found.plan
+
+
+def filter_params(scenario: Scenario) -> MocapFilterParams:
+    """Return the mocap filter's parameters."""
+    return block_params("mocap_filter", MocapFilterParams(), scenario.overrides)
+
+
+def replanner_params(scenario: Scenario, *, enabled: bool) -> PotentialFieldParams:
+    """Return the replanner's parameters; not enabled, it passes setpoints through."""
+    return replace(block_params("replanner", PotentialFieldParams(), scenario.overrides), enabled=enabled)
+
+
+def safe_replanner_params(scenario: Scenario) -> SafeReplannerParams:
+    """Return the parameters of the replanner with a promise."""
+    return block_params("safe_replanner", SafeReplannerParams(), scenario.overrides)
+
+
+def pid_params(scenario: Scenario, *, limited: bool) -> PidParams:
+    """Return the PID's parameters, with or without the scenario's thrust limit."""
+    return replace(block_params("pid", PidParams(), scenario.overrides), thrust_limited=limited)
+
+
+def mpc_params(scenario: Scenario, *, limited: bool) -> MpcParams:
+    """Return the MPC's parameters: it knows the room's latency, and the thrust limit where there is one."""
+    latency = scenario.vicon.latency + scenario.radio.latency
+    params = replace(MpcParams(), latency=latency)
+    return replace(block_params("mpc", params, scenario.overrides), thrust_limited=limited)
+
+
+def blocks_of(
+    scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan | None = None
+) -> Blocks:
+    """Return fresh blocks for a flight; `plan` in place of the scenario's own."""
+    flown = plan or plan_of(scenario)
+    return Blocks(
+        plan=flown,
+        mocap_filter=MocapFilter(filter_params(scenario), scenario.names),
+        predictor=InteractionPredictor(model),
+        replanner=_replanner(scenario, options),
+        controller=Guard(
+            _controller(scenario, options, model, flown), FallbackParams(), scenario.vehicle.hover_thrust
+        ),
+    )
+
+
+def _replanner(scenario: Scenario, options: Options) -> Replanner:
+    if options.replan == "safe":
+        return SafeReplanner(safe_replanner_params(scenario))
+    return PotentialField(replanner_params(scenario, enabled=options.replan == "paper"))
+
+
+def _controller(scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan) -> Controller:
+    if options.controller == "pid":
+        return Pid(pid_params(scenario, limited=options.limited), scenario.vehicle)
+    mpc = Mpc(mpc_params(scenario, limited=options.limited), scenario.vehicle, model)
+    curves = [Curve(one.durations, one.coefficients) for one in plan.trajectories]
+    mpc.preview = sampled_preview(plan.names, curves, 0.0)
+    return mpc
+
+
+def _check(what: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise ValueError(f"unknown {what} {value!r}: choose one of {', '.join(known)}")
+
+
+def filter_parameters(scenario: Scenario) -> NodeParameters:
+    """Return the parameters of the node mocap_filter."""
+    return {"vehicles": scenario.names} | asdict(filter_params(scenario))
+
+
+def replanner_parameters(scenario: Scenario, options: Options) -> NodeParameters:
+    """Return the parameters of the node replanner."""
+    safe = {f"safe.{key}": value for key, value in asdict(safe_replanner_params(scenario)).items()}
+    law = "safe" if options.replan == "safe" else "paper"
+    paper = asdict(replanner_params(scenario, enabled=options.replan == "paper"))
+    return {"law": law} | paper | safe
+
+
+def controller_parameters(scenario: Scenario, options: Options) -> dict[str, ParameterValue]:
+    """Return the parameters of the node pid or mpc."""
+    own: dict[str, ParameterValue] = {"vehicle": scenario.vehicle.name, "aware": options.aware}
+    own["vehicles"] = scenario.names
+    if options.controller == "pid":
+        return own | asdict(pid_params(scenario, limited=options.limited))
+    return own | {"model": scenario.model} | asdict(mpc_params(scenario, limited=options.limited))

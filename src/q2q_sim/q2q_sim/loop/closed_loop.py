@@ -1,0 +1,88 @@
+"""Fly a scenario without ROS: the very blocks of the nodes, one after the other, as fast as they compute.
+
+    room.capture -> mocap filter -> predictor -> plan -> replanner -> controller -> room.advance
+
+Order, inputs and stamps are those of the nodes in lockstep; a test holds both to the same numbers.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import SwarmCommand
+from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
+from q2q_sim.loop.assembly import TICK_S, Blocks, Mode, Options, blocks_of
+from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.loop.room import TICK_NS, Room, Tick
+from q2q_sim.scenarios.scenario import Scenario
+
+Listener = Callable[[str, int, Signal], None]
+"""Called with topic, tick's stamp [ns] and signal."""
+
+
+def deaf(_: str, __: int, ___: Signal) -> None:
+    """Hear nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightOptions:
+    """Hold how a scenario is flown."""
+
+    mode: Mode = "aware"
+    controller: str = "pid"
+    replan: str = "none"
+    """none, paper or safe."""
+    seed: int = 0
+    model: InteractionModel = field(default_factory=NoInteraction)
+    """What the predictor is given; the scenario's own is find_model(scenario.model).interaction
+    (q2q_model.files.find_model)."""
+    plan: SwarmPlan | None = None
+    """Flown in place of the scenario's own."""
+    hear: Listener = deaf
+    """Told every signal, as a recorder of the nodes' topics would be."""
+
+
+def fly(scenario: Scenario, options: FlightOptions) -> Flight:
+    """Fly a scenario and return all that happened.
+
+    Raises:
+        ValueError: an unknown mode or controller, or a seed below 0.
+    """
+    choice = Options(options.mode, options.controller, options.replan)
+    blocks = blocks_of(scenario, choice, options.model, options.plan)
+    room = Room(scenario, options.seed)
+    recording = FlightRecording(scenario.names, ticks_of(scenario))
+    while room.tick * TICK_S < scenario.duration:
+        number, tick = room.tick, room.capture()
+        recording.frame(number, tick.stamp_ns, tick.frame)
+        recording.truth(number, tick.truth, tick.truth_interference, tick.imu)
+        options.hear("truth", tick.stamp_ns, tick.truth)
+        room.advance(_answer(blocks, tick, recording, options))
+    return recording.flight(f"{scenario.name} {options.mode} seed {options.seed}")
+
+
+def ticks_of(scenario: Scenario) -> int:
+    """Return how many ticks a flight has."""
+    count = round(scenario.duration / TICK_S)
+    return count + (count * TICK_S < scenario.duration)
+
+
+def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: FlightOptions) -> SwarmCommand:
+    """Return the command of a tick, and write down how it came about."""
+    number = tick.stamp_ns // TICK_NS
+    state = blocks.mocap_filter.update(tick.frame)
+    draft = blocks.predictor.update(state)
+    planned = setpoint_at(blocks.plan, tick.frame.t)
+    given = blocks.replanner.update(planned, state)
+    command = blocks.controller.update(state, given, draft if options.mode != "ignoring" else None)
+    recording.state(number, state, draft)
+    recording.setpoints(number, planned, given)
+    recording.command(number, command)
+    told: dict[str, Signal] = {"mocap": tick.frame, "state": state, "reference_safe": given}
+    told["command"] = command
+    for topic, signal in told.items():
+        options.hear(topic, tick.stamp_ns, signal)
+    return command

@@ -1,0 +1,97 @@
+"""Decide, without ROS, what the simulator does with the commands that arrive and those that do not."""
+
+import numpy as np
+
+from q2q_model.signals.values import Names, SwarmCommand
+
+
+class CommandGate:
+    """Gather a tick's commands until every vehicle has one: one controller for all, or one a vehicle."""
+
+    def __init__(self, names: Names, *, exact: bool = True) -> None:
+        """Take the vehicles; exact: only commands of the awaited tick count, else all newer than the last."""
+        self._names = names
+        self._exact = exact
+        self._stamp_ns = 0
+        self._done_ns = -1
+        self._rows: dict[str, tuple[SwarmCommand, int]] = {}
+
+    def expect(self, stamp_ns: int) -> None:
+        """Wait for the commands of this tick; forget what came for others."""
+        self._stamp_ns = stamp_ns
+        self._rows.clear()
+
+    def offer(self, stamp_ns: int, command: SwarmCommand) -> SwarmCommand | None:
+        """Add a command; return the swarm's once it is complete, None before or for another tick.
+
+        Raises:
+            ValueError: the command names a vehicle that does not exist.
+        """
+        check_known(command.names, self._names)
+        if stamp_ns != self._stamp_ns if self._exact else stamp_ns <= self._done_ns:
+            return None
+        self._rows |= {name: (command, row) for row, name in enumerate(command.names)}
+        if len(self._rows) < len(self._names):
+            return None
+        self._done_ns = stamp_ns
+        return _gathered(self._names, self._rows)
+
+
+class Patience:
+    """When to ask again for a lost message, and when to fly on without it.
+
+    A stalled tick is asked for again every `again_s`. After `give_up_s` without an answer the tick is
+    missed; the ticks after it wait only `again_s`, until an answer comes.
+    """
+
+    def __init__(self, again_s: float, give_up_s: float) -> None:
+        self._again_s = again_s
+        self._give_up_s = give_up_s
+        self._limit = give_up_s
+        self._since = 0.0
+        self._asked = 0.0
+
+    def begin(self, now: float) -> None:
+        """Start waiting for a tick, at wall time now [s]."""
+        self._since = self._asked = now
+
+    def answered(self) -> None:
+        """Note that the tick was answered."""
+        self._limit = self._give_up_s
+
+    def gives_up(self, now: float) -> bool:
+        """Return whether the tick is missed."""
+        if now - self._since < self._limit:
+            return False
+        self._limit = self._again_s
+        return True
+
+    def asks_again(self, now: float) -> bool:
+        """Return whether the tick's frame should be published again."""
+        if now - self._asked < self._again_s:
+            return False
+        self._asked = now
+        return True
+
+
+def check_known(names: Names, known: Names) -> None:
+    """Raise ValueError where a command names a vehicle that does not exist."""
+    strangers = [name for name in names if name not in known]
+    if strangers:
+        raise ValueError(f"command for unknown vehicle {', '.join(strangers)}; flying are {', '.join(known)}")
+
+
+def _gathered(names: Names, rows: dict[str, tuple[SwarmCommand, int]]) -> SwarmCommand:
+    first = rows[names[0]][0]
+    if first.names == names:
+        return first
+    picked = [rows[name] for name in names]
+    return SwarmCommand(
+        t=first.t,
+        names=names,
+        thrust=np.array([command.thrust[row] for command, row in picked]),
+        roll=np.array([command.roll[row] for command, row in picked]),
+        pitch=np.array([command.pitch[row] for command, row in picked]),
+        yaw_rate=np.array([command.yaw_rate[row] for command, row in picked]),
+        status=np.array([command.status[row] for command, row in picked], dtype=np.uint8),
+    )

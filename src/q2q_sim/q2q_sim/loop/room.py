@@ -1,0 +1,166 @@
+"""Stand in for the room: VICON looks, commands come, and 10 ms pass.
+
+    capture()          what VICON and the inertial sensors see now, with the truth beside it
+    advance(command)   give the radio the tick's command, move everything by one tick
+
+Delays: a controller knows capture stamps only, so a frame that is late and a command that is late look the
+same to it. The camera's latency is therefore added to the radio's, and frames come at once.
+Both calls are deterministic: the same scenario, seed and commands give the same numbers to the last bit.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.signals.values import (
+    Array,
+    Interference,
+    MocapFrame,
+    Names,
+    SwarmCommand,
+    SwarmImu,
+    SwarmState,
+    index_of,
+)
+from q2q_sim.faults.injection import FaultInjection
+from q2q_sim.link.radio import Radio, RadioParams, Rows
+from q2q_sim.plant.disturbance import Disturbance
+from q2q_sim.plant.quadcopter import ACC
+from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
+from q2q_sim.plant.wake import wake_by_name
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.sensors.imu import Imu
+from q2q_sim.sensors.vicon import Flags, Vicon
+
+TICK_NS = 10_000_000
+"""VICON's frame period [ns]: 100 Hz."""
+TICK_S = TICK_NS * 1e-9
+STEPS = PHYSICS_RATE // 100
+"""Physics steps a tick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """Hold what can be known of one tick."""
+
+    stamp_ns: int
+    """When it is: it names the tick."""
+    frame_stamp_ns: int
+    """The stamp the frame carries: another one only where a fault makes it late, repeated or wrong."""
+    truth: SwarmState
+    truth_interference: Interference
+    frame: MocapFrame
+    imu: SwarmImu
+
+
+class Room:
+    """Hold vehicles, air, cameras and radio of one flight."""
+
+    def __init__(self, scenario: Scenario, seed: int) -> None:
+        """Place the vehicles at their first waypoints."""
+        if seed < 0:
+            raise ValueError(f"seed = {seed}: 0 or above is allowed")
+        self.names: Names = scenario.names
+        start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
+        n, vehicle = len(start), scenario.vehicle
+        self._swarm = Swarm(scenario.names, vehicle, start, wake_by_name(scenario.wake))
+        self._vicon = Vicon(scenario.vicon, n, TICK_S, seed)
+        self._imu = Imu(scenario.imu, n, seed)
+        self._disturbance = Disturbance(scenario.disturbance, n, TICK_S, seed)
+        self._faults = FaultInjection(scenario.faults, scenario.names, TICK_NS, seed)
+        hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
+        self._radio = Radio(_with_camera_latency(scenario), hover, vehicle, seed)
+        self._commanded: Names = ()
+        self._command_rows: Rows = np.zeros(0, dtype=np.intp)
+        self._valid = np.zeros(n, dtype=np.uint8)  # InterferenceStatus.VALID; ticks share it
+        self._exact = np.zeros((n, 3))
+        self._valid.flags.writeable = self._exact.flags.writeable = False
+        self._tick = 0
+        self._seen: Tick | None = None
+
+    @property
+    def tick(self) -> int:
+        """Return how many ticks have passed."""
+        return self._tick
+
+    @property
+    def injected(self) -> Flags:
+        """Return what was done to each vehicle in the last captured frame: vicon.Injected, (n,)."""
+        return self._vicon.injected
+
+    def capture(self) -> Tick:
+        """Return what is seen now; asked again in the same tick, the same again."""
+        if self._seen is None:
+            stamp_ns = self._tick * TICK_NS
+            truth = self._swarm.truth(stamp_ns * 1e-9)
+            seen = self._vicon.observe(truth)
+            delivery = self._faults.deliver(seen, stamp_ns, self._vicon.injected)
+            self._seen = Tick(
+                stamp_ns=stamp_ns,
+                frame_stamp_ns=delivery.stamp_ns,
+                truth=truth,
+                truth_interference=self._true_draft(truth),
+                frame=delivery.frame,
+                imu=self._imu.read(truth, self._swarm.state[:, ACC]),
+            )
+        return self._seen
+
+    def advance(self, command: SwarmCommand | None) -> None:
+        """Let one tick pass; `command` None means that none came.
+
+        Raises:
+            ValueError: the command is for a vehicle that does not exist, or is not finite; nothing has moved.
+        """
+        self.capture()  # every tick is looked at once, so that its noise does not depend on who asks
+        now_ns = self._tick * TICK_NS
+        if command is not None:
+            self._radio.send(now_ns, self._rows_of(command), command, self._faults.jammed(now_ns))
+        obeyed = self._radio.obeyed(now_ns, TICK_NS // STEPS, STEPS)
+        self._swarm.step(obeyed, self._faults.weakened(self._disturbance.step(), now_ns))
+        self._tick += 1
+        self._seen = None
+
+    @property
+    def swarm(self) -> Swarm:
+        """Return the vehicles, for those who fly them by other means than commands."""
+        return self._swarm
+
+    def fly(self, move: Callable[[Array], None]) -> None:
+        """Let one tick pass in which `move` moves the swarm: it is given the disturbance's drive (n, 7)."""
+        self.capture()
+        move(self._disturbance.step())
+        self._tick += 1
+        self._seen = None
+
+    def _rows_of(self, command: SwarmCommand) -> Rows:
+        if command.names != self._commanded:
+            self._command_rows = self._known_rows(command.names)
+            self._commanded = command.names
+        values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
+        if not math.isfinite(values.sum()):
+            self._check_finite(command.names, values.reshape(4, -1).T)
+        return self._command_rows
+
+    def _known_rows(self, names: Names) -> Rows:
+        rows = index_of(names, self.names)
+        if (rows < 0).any():
+            strangers = ", ".join(name for name in names if name not in self.names)
+            raise ValueError(f"command for {strangers}: no such vehicle; flying are {', '.join(self.names)}")
+        return rows
+
+    def _check_finite(self, names: Names, values: Array) -> None:
+        bad = ~np.isfinite(values).all(axis=1)
+        if bad.any():
+            who = names[int(np.argmax(bad))]
+            raise ValueError(f"command for {who} is not finite: {values[bad][0]}; send finite numbers")
+
+    def _true_draft(self, truth: SwarmState) -> Interference:
+        return Interference(
+            t=truth.t, names=truth.names, acc=self._swarm.draft(), std=self._exact, status=self._valid
+        )
+
+
+def _with_camera_latency(scenario: Scenario) -> RadioParams:
+    return replace(scenario.radio, latency=scenario.radio.latency + scenario.vicon.latency)

@@ -1,0 +1,29 @@
+"""List the topics of a flight and their types: what a bag holds."""
+
+from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.values import (
+    Interference,
+    MocapFrame,
+    SwarmCommand,
+    SwarmImu,
+    SwarmSetpoint,
+    SwarmState,
+)
+
+TICK_TOPICS: dict[str, type[Signal]] = {
+    "mocap": MocapFrame,
+    "truth": SwarmState,
+    "truth_interference": Interference,
+    "imu": SwarmImu,
+    "state": SwarmState,
+    "reference": SwarmSetpoint,
+    "reference_safe": SwarmSetpoint,
+    "interference": Interference,
+    "command": SwarmCommand,
+}
+"""Topic to signal, in the order of the road."""
+
+TYPE_NAMES: dict[str, str] = {
+    topic: f"q2q_msgs/msg/{LAYOUTS[kind].message}" for topic, kind in TICK_TOPICS.items()
+}
+"""Topic to message type."""

@@ -1,0 +1,1 @@
+"""Monitors: metrics, safety policies, verdict of a flight."""

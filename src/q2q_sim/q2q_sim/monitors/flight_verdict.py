@@ -1,0 +1,153 @@
+"""Judge a flight in one line: it went as it was sent, or what went wrong first, where and when.
+
+| finding | judged by |
+|---|---|
+| a vehicle hit the floor | policy `floor` |
+| a vehicle landed blind, or its motors were cut | its commands: LAND on the floor, CUT |
+| two vehicles collided | policy `separation` |
+| a vehicle left the room | policy `room` |
+| commands ended before the flight | the last command is older than the firmware's watchdog, 0.5 s |
+| ticks were missed | more than 1 % of them had no command in time |
+
+The policies that are not here judge the stack's own promises (`policies BAG`), not how the flight went.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import CommandStatus
+from q2q_sim.monitors.metrics import tick_of
+from q2q_sim.monitors.policies import Circumstances, Violation, judge
+from q2q_sim.monitors.policies.closeness import separation
+from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.floor import floor, touches
+from q2q_sim.monitors.policies.flown import evidence_of_flight
+from q2q_sim.monitors.policies.tracking import room
+
+MISSED_SHARE = 0.01
+"""Share of ticks without a command in time from which on a flight was not flown as told [-]."""
+COMMANDS_END_S = 0.5
+"""Silence after which the Crazyflie's firmware levels out by itself [s] (q2q_sim.link.radio)."""
+IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
+"""The policies that say how a flight went."""
+WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left the room"}
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something that went wrong in a flight."""
+
+    t: float
+    """When [s]."""
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class FlightVerdict:
+    """How a flight went: what went wrong, in order of time, and what could not be judged."""
+
+    duration: float
+    """[s]"""
+    findings: tuple[Finding, ...] = ()
+    unjudged: tuple[str, ...] = ()
+    """What the recording lacks, in words."""
+
+    @property
+    def ok(self) -> bool:
+        """Return whether nothing went wrong."""
+        return not self.findings
+
+    def __str__(self) -> str:
+        """Return one line."""
+        if self.findings:
+            return "; ".join(one.words for one in self.findings)
+        known = f"ok: {self.duration:.1f} s flown to the end"
+        return "; ".join([known, *(f"not judged: {one}" for one in self.unjudged)])
+
+
+def verdict_of(
+    flight: Flight, circumstances: Circumstances, missed_ticks: int | None = None
+) -> FlightVerdict:
+    """Return the verdict on a flight.
+
+    Args:
+        flight: what was recorded of it.
+        circumstances: its vehicle and faults, as for the policies.
+        missed_ticks: ticks whose command came too late or not at all; None counts those without a command.
+    """
+    if not len(flight.t):
+        return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
+    evidence = evidence_of_flight(flight)
+    broken = judge(evidence, circumstances, IN_FLIGHT)
+    found = [
+        *(Finding(one.t, _words(one)) for one in broken),
+        *_sent_down(evidence, circumstances),
+        *_commands_ended(evidence),
+        *_missed(evidence, missed_ticks),
+    ]
+    found.sort(key=lambda one: one.t)
+    return FlightVerdict(_duration(flight), tuple(found), tuple(_unjudged(evidence)))
+
+
+def verdict_line(flights: Sequence[tuple[str, FlightVerdict]]) -> str:
+    """Return the verdicts on named flights in one line; the name of a single flight is left out."""
+    if len(flights) == 1:
+        return f"verdict: {flights[0][1]}"
+    return "verdict: " + " | ".join(f"{name}: {verdict}" for name, verdict in flights)
+
+
+def _words(broken: Violation) -> str:
+    said = f"{broken.who} {WORDS[broken.policy]} at {broken.t:.1f} s"
+    if broken.policy == "floor":
+        return said
+    measure = "apart" if broken.policy == "separation" else "from its setpoint"
+    return f"{said}, {broken.value:.2f} m {measure}"
+
+
+def _sent_down(evidence: Evidence, circumstances: Circumstances) -> Iterator[Finding]:
+    """Yield who was brought to the floor by its own controller, away from its plan."""
+    status = evidence.command_status
+    landed = touches(evidence, circumstances.limits)
+    for row, name in enumerate(evidence.names):
+        ends = {
+            "motors were cut": status[:, row] == CommandStatus.CUT,
+            "landed blind": (status[:, row] == CommandStatus.LAND) & landed[:, row],
+        }
+        first = {words: evidence.t[mask][0] for words, mask in ends.items() if mask.any()}
+        for words, t in sorted(first.items(), key=lambda one: one[1])[:1]:
+            owner = f"{name}'s" if words.startswith("motors") else name
+            yield Finding(float(t), f"{owner} {words} at {t:.1f} s")
+
+
+def _commands_ended(evidence: Evidence) -> Iterator[Finding]:
+    t = evidence.t
+    commanded = np.isfinite(evidence.command_status).any(axis=1)
+    if commanded.any() and t[-1] - t[commanded][-1] > COMMANDS_END_S:
+        last = float(t[commanded][-1])
+        yield Finding(last, f"commands ended at {last:.1f} s of {t[-1] - t[0]:.1f} s")
+
+
+def _missed(evidence: Evidence, counted: int | None) -> Iterator[Finding]:
+    """Yield the ticks that were missed, where they are too many."""
+    commanded = np.isfinite(evidence.command_status).any(axis=1)
+    ticks = len(evidence.t)
+    missed = counted if counted is not None else int(ticks - commanded.sum()) if commanded.any() else 0
+    if missed > MISSED_SHARE * ticks:
+        yield Finding(float(evidence.t[-1]), f"{missed} of {ticks} ticks were missed")
+
+
+def _unjudged(evidence: Evidence) -> Iterator[str]:
+    if not np.isfinite(evidence.true_pos).any():
+        yield "floor, room and distances (no positions recorded)"
+    elif not np.isfinite(evidence.sent_pos).any():
+        yield "floor and room (no reference recorded)"
+    if not np.isfinite(evidence.command_status).any():
+        yield "missed ticks (no command recorded)"
+
+
+def _duration(flight: Flight) -> float:
+    tick = tick_of(flight)
+    return float(flight.t[-1] - flight.t[0]) + (tick if np.isfinite(tick) else 0.0)

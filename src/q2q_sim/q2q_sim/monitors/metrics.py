@@ -1,0 +1,104 @@
+"""Measure a flight as the paper's Table 6 does, and how close its vehicles came.
+
+    z RMSE   = sqrt(1/T int (z - z_ref)^2 dt)          against the plan, on the truth where it is known
+    energy   = int U1^2 dt,   above hover: - (m g)^2 T
+    separation = min over pairs and time of |r_i - r_j|
+    zone time  = time with any pair in the zone I(eps, d)
+
+Integrals are sums over ticks times the tick. NaN where a flight lacks what is needed.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.flights.flight import Flight
+from q2q_model.geometry.zone import Cylinder, Zone
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import Vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleMetrics:
+    """Figures of one vehicle; NaN where unknown."""
+
+    z_rmse_m: float
+    xy_rmse_m: float
+    u1_energy: float
+    """[N^2 s]"""
+    u1_energy_above_hover: float
+    """[N^2 s]"""
+    u1_max: float
+    """[N]"""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightMetrics:
+    """Figures of a flight; NaN where unknown."""
+
+    vehicles: Mapping[str, VehicleMetrics]
+    min_separation_m: float
+    zone_time_s: float
+
+
+def measure(flight: Flight, vehicle: Vehicle, zone: Zone | None = None) -> FlightMetrics:
+    """Measure a flight of vehicles like `vehicle`; the zone is the paper's I(0.1, 1.1) unless given."""
+    pos = best_position(flight)
+    dt = tick_of(flight)
+    separation, zone_time = _closeness(pos, dt, zone or Cylinder())
+    weight = vehicle.hover_thrust
+    rows = {
+        name: _vehicle(pos[:, i] - flight.ref_pos[:, i], flight.thrust[:, i], dt, weight)
+        for i, name in enumerate(flight.names)
+    }
+    return FlightMetrics(vehicles=rows, min_separation_m=separation, zone_time_s=zone_time)
+
+
+def best_position(flight: Flight) -> Array:
+    """Return the true positions where known, else the filtered ones [m], (T, n, 3)."""
+    return np.where(np.isfinite(flight.true_pos), flight.true_pos, flight.pos)
+
+
+def tick_of(flight: Flight) -> float:
+    """Return the time between ticks [s]; NaN for fewer than two."""
+    return float(np.median(np.diff(flight.t))) if len(flight.t) > 1 else float("nan")
+
+
+def _vehicle(error: Array, thrust: Array, dt: float, weight: float) -> VehicleMetrics:
+    """Measure one vehicle by its position error (T, 3) and thrust (T,)."""
+    given = held(thrust)
+    known = len(given) > 0
+    energy = float(np.sum(given**2)) * dt if known else float("nan")
+    return VehicleMetrics(
+        z_rmse_m=_rms(error[:, 2]),
+        xy_rmse_m=_rms(np.hypot(error[:, 0], error[:, 1])),
+        u1_energy=energy,
+        u1_energy_above_hover=energy - weight**2 * len(given) * dt,
+        u1_max=float(given.max()) if known else float("nan"),
+    )
+
+
+def held(thrust: Array) -> Array:
+    """Return commanded thrust from the first command on; a tick without one obeys the last, (<= T,)."""
+    known = np.isfinite(thrust)
+    last = np.maximum.accumulate(np.where(known, np.arange(len(thrust)), -1))
+    return np.asarray(thrust[last[last >= 0]])
+
+
+def _rms(error: Array) -> float:
+    known = error[np.isfinite(error)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
+
+
+def _closeness(pos: Array, dt: float, zone: Zone) -> tuple[float, float]:
+    """Return the least distance [m] and the time with any pair in the zone [s]."""
+    ticks, n, _ = pos.shape
+    if n < 2 or ticks == 0:
+        return float("nan"), float("nan")
+    nearest, inside = np.inf, np.zeros(ticks, dtype=np.bool_)
+    for i in range(n - 1):
+        rel = pos[:, i + 1 :] - pos[:, i : i + 1]  # (T, n - 1 - i, 3)
+        nearest = np.fmin(nearest, np.nanmin(np.linalg.norm(rel, axis=-1)))
+        inside |= (zone.signed_distance(rel) < 0.0).any(axis=1)
+    return float(nearest), float(inside.sum() * dt)

@@ -1,0 +1,69 @@
+"""Judge how close vehicles come: never so close that they touch, and never in the zone by accident."""
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.monitors.policies.blindness import blind_lately, lied_to
+from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.violations import Circumstances, Violation
+
+
+def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+    """Return the pairs that came closer than allowed."""
+    limit = circumstances.limits.separation
+    found = []
+    for i, j in _pairs(evidence):
+        distance = np.linalg.norm(_between(evidence.true_pos, i, j), axis=1)  # (T,)
+        nearest = _lowest(distance)
+        if nearest is not None and distance[nearest] < limit:
+            found.append(
+                _violation("separation", evidence, (i, j), (nearest, float(distance[nearest]), limit))
+            )
+    return found
+
+
+def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+    """Return the ordered pairs that were in the zone though their setpoints kept clear of it by `stray`.
+
+    A vehicle flown blind goes where the air takes it, and one whose marker was moved where the marker says:
+    they and their pairs are judged again `settle` later.
+    """
+    found = []
+    settle = circumstances.limits.settle
+    lost = blind_lately(evidence, settle) | lied_to(evidence, circumstances.faults, settle)
+    for i, j in _pairs(evidence):
+        for one, other in ((i, j), (j, i)):
+            real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))
+            meant = circumstances.zone.signed_distance(_between(evidence.sent_pos, one, other))
+            sighted = ~(lost[:, one] | lost[:, other])
+            inside = np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
+            deepest = _lowest(inside)
+            if deepest is not None and inside[deepest] < 0.0:
+                found.append(
+                    _violation("zone", evidence, (one, other), (deepest, float(inside[deepest]), 0.0))
+                )
+    return found
+
+
+def _pairs(evidence: Evidence) -> list[tuple[int, int]]:
+    n = len(evidence.names)
+    return [(i, j) for i in range(n) for j in range(i + 1, n)]
+
+
+def _between(pos: Array, i: int, j: int) -> Array:
+    """Return pos_j - pos_i: i feels, j causes, (T, 3)."""
+    return np.asarray(pos[:, j] - pos[:, i])
+
+
+def _lowest(values: Array) -> int | None:
+    """Return where values are lowest; None where there are none."""
+    known = np.where(np.isfinite(values), values, np.inf)
+    return int(known.argmin()) if len(known) and np.isfinite(known.min()) else None
+
+
+def _violation(
+    policy: str, evidence: Evidence, pair: tuple[int, int], worst: tuple[int, float, float]
+) -> Violation:
+    k, value, limit = worst
+    who = f"{evidence.names[pair[0]]} and {evidence.names[pair[1]]}"
+    return Violation(policy, who, float(evidence.t[k]), value, limit)

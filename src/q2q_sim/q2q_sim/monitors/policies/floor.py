@@ -1,0 +1,28 @@
+"""Judge falls: no vehicle touches the floor that is sent above it."""
+
+import numpy as np
+
+from q2q_sim.monitors.policies.blindness import Mask, sent_down_lately
+from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
+
+
+def floor(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+    """Return the first touch of each vehicle that was not commanded to land or cut.
+
+    Take-off and landing are no falls: there the setpoint itself is near the floor.
+    """
+    limits = circumstances.limits
+    fallen = touches(evidence, limits) & ~sent_down_lately(evidence, limits.settle)
+    return [
+        Violation("floor", name, float(evidence.t[k]), float(evidence.true_pos[k, row, 2]), limits.floor)
+        for row, name in enumerate(evidence.names)
+        for k in np.flatnonzero(fallen[:, row])[:1]
+    ]
+
+
+def touches(evidence: Evidence, limits: Limits) -> Mask:
+    """Return who is on the floor though its setpoint is clear of it at each tick, (T, n)."""
+    on_floor = evidence.true_pos[..., 2] <= limits.floor
+    sent_above = evidence.sent_pos[..., 2] > limits.take_off
+    return np.asarray(on_floor & sent_above)

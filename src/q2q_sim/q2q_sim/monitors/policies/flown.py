@@ -1,0 +1,34 @@
+"""Read the evidence off a recorded flight: what a `Flight` holds of it."""
+
+import numpy as np
+
+from q2q_model.flights.flight import Flight
+from q2q_sim.monitors.metrics import best_position
+from q2q_sim.monitors.policies.evidence import Evidence
+
+
+def evidence_of_flight(flight: Flight) -> Evidence:
+    """Return the evidence in a flight's arrays.
+
+    Positions are the true ones, else the filtered ones. A flight keeps neither when a message was recorded
+    nor how old its states were, so the policies of age, belief and silence find nothing in it.
+    """
+    unknown = np.full(flight.thrust.shape, np.nan)
+    replanned = np.isfinite(flight.safe_pos)
+    return Evidence(
+        t=flight.t,
+        names=flight.names,
+        true_pos=best_position(flight),
+        sent_pos=np.where(replanned, flight.safe_pos, flight.ref_pos),
+        seen=np.asarray(np.isfinite(flight.mocap_pos).all(axis=2)),
+        state_pos=flight.pos,
+        state_age=unknown,
+        state_status=unknown,
+        thrust=flight.thrust,
+        roll=flight.roll,
+        pitch=flight.pitch,
+        command_status=flight.command_status,
+        commanded_at=np.zeros(0),
+        live=False,
+        nonsense=(),
+    )

@@ -1,0 +1,57 @@
+"""Judge where vehicles are: in the room, where their state says, and back on their way after trouble."""
+
+import numpy as np
+
+from q2q_model.signals.values import CommandStatus, TrackStatus
+from q2q_sim.faults.faults import Fault
+from q2q_sim.monitors.policies.blindness import BELIEVED_S, blind, lied_to, misplaced, sent_down_lately
+from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst
+
+
+def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+    """Return who flew away from where it was sent.
+
+    A vehicle that lands blind is sent to the floor, up to 2 m below its setpoint in these rooms: that it is
+    lower is no straying then, nor `settle` later, on its way up again. One whose marker is moved is moved
+    with it: so much farther it may be.
+    """
+    limits = circumstances.limits
+    off_by = evidence.true_pos - evidence.sent_pos  # (T, n, 3)
+    down = sent_down_lately(evidence, limits.settle)
+    off_by[..., 2] = np.where(down, np.maximum(off_by[..., 2], 0.0), off_by[..., 2])
+    off = np.linalg.norm(off_by, axis=2)
+    off = np.maximum(off - misplaced(evidence, circumstances.faults), 0.0)
+    limit = limits.stray_room
+    return worst("room", evidence, off - limit, (off, limit))
+
+
+def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+    """Return whose state was said to be tracked and was false."""
+    off = np.linalg.norm(evidence.state_pos - evidence.true_pos, axis=2)
+    trusted = (evidence.state_status == TrackStatus.TRACKED) & ~lied_to(
+        evidence, circumstances.faults, BELIEVED_S
+    )
+    limit = circumstances.limits.belief
+    return worst("belief", evidence, np.where(trusted, off - limit, np.nan), (off, limit))
+
+
+def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+    """Return who was not back on its way once the last trouble was long enough ago."""
+    limits = circumstances.limits
+    calm = evidence.t > last_trouble(evidence, circumstances.faults) + limits.settle
+    cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # they are on the ground, and stay there
+    off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
+    excess = np.where(calm[:, None] & ~cut, off - limits.back, np.nan)
+    return worst("return", evidence, excess, (off, limits.back))
+
+
+def last_trouble(evidence: Evidence, faults: tuple[Fault, ...]) -> float:
+    """Return when anything was last wrong [s]: a fault, or a command not computed; -inf for never."""
+    wrong = blind(evidence).any(axis=1)
+    noted = [float(evidence.t[wrong][-1])] if wrong.any() else []
+    return max([*noted, *(_end(fault) for fault in faults)], default=-np.inf)
+
+
+def _end(fault: Fault) -> float:
+    return fault.start + fault.duration

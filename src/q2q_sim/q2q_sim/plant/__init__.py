@@ -1,0 +1,1 @@
+"""Simulated vehicles and air, in compiled loops."""

@@ -1,0 +1,69 @@
+"""Disturb the vehicles as a room does: moving air, and rotors that give a little less than is asked.
+
+Air: an acceleration on each axis that wanders with a correlation time T (Ornstein-Uhlenbeck), exact for any
+tick dt, stationary from the first tick on:
+
+    a(t + dt) = a(t) e^(-dt/T) + sigma sqrt(1 - e^(-2 dt/T)) n,    n ~ N(0, 1)
+
+Rotors: each vehicle gives a share k of its thrust, drawn once a flight. Real flights show k of 0.97 to 0.99,
+which is their constant offset of 0.1 to 0.3 m/s^2: (1 - k) g.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| sigma | air_std | standard deviation of a [m/s^2] |
+| T | air_time | correlation time [s] |
+| k | thrust_gain | [-] |
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.plant.random_streams import stream
+
+
+@dataclass(frozen=True, slots=True)
+class DisturbanceParams:
+    """Size of wind and rotor errors; the defaults are still air and perfect rotors."""
+
+    air_std: float = tunable(0.0, "standard deviation of the air's push", unit="m/s^2", low=0.0, high=10.0)
+    air_time: float = tunable(1.0, "correlation time of the air's push", unit="s", low=1e-3, high=100.0)
+    thrust_gain_min: float = tunable(1.0, "least share of its thrust a vehicle gives", low=0.5, high=1.5)
+    thrust_gain_max: float = tunable(1.0, "largest share of its thrust a vehicle gives", low=0.5, high=1.5)
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+        if self.thrust_gain_min > self.thrust_gain_max:
+            raise ValueError(
+                f"DisturbanceParams.thrust_gain_min = {self.thrust_gain_min} is above "
+                f"thrust_gain_max = {self.thrust_gain_max}"
+            )
+
+
+class Disturbance:
+    """Wind around the vehicles and gains of their rotors."""
+
+    def __init__(self, params: DisturbanceParams, vehicles: int, tick: float, seed: int) -> None:
+        """Disturb `vehicles` vehicles every `tick` [s]."""
+        self._rng = stream(seed, "air")
+        self._std = params.air_std
+        self._keep = math.exp(-tick / params.air_time)
+        self._fresh = params.air_std * math.sqrt(-math.expm1(-2.0 * tick / params.air_time))
+        gain = stream(seed, "thrust gain").uniform(
+            params.thrust_gain_min, params.thrust_gain_max, (vehicles, 1)
+        )
+        air = self._std * self._rng.standard_normal((vehicles, 3))
+        self.drive = np.hstack([air, np.repeat(gain, 4, axis=1)])
+        """Acceleration by the air [m/s^2], world, then the gain of each rotor, (n, 7)."""
+
+    def step(self) -> Array:
+        """Return the drive of this tick, (n, 7), and move the air on by one tick."""
+        now = self.drive.copy()
+        if self._std > 0.0:
+            fresh = self._rng.standard_normal((len(now), 3))
+            self.drive[:, :3] = self._keep * now[:, :3] + self._fresh * fresh
+        return now

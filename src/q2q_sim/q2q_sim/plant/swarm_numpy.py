@@ -1,0 +1,125 @@
+"""Move a swarm in plain numpy: the slow twin of `q2q_sim.plant.swarm`, which a test and a benchmark compare.
+
+Written apart from the compiled loop: all vehicles at once, all pairs dense, rotations by
+q2q_model.geometry.rotations, rotors by q2q_control.attitude.allocation, the drafts from the equations of
+q2q_sim.plant.wake.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_control.attitude.allocation import RotorFrame, rotors_of, wrench_of
+from q2q_control.attitude.attitude_law import attitude_torques
+from q2q_model.geometry.rotations import euler_from_quat, integrate_quat, normalised, quat_from_euler, rotate
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.plant import wake as law
+from q2q_sim.plant.quadcopter import ACC, ETA, FRAME_ROW, MASS_ROW, POS, QUAT, RATE, ROTORS, VEL
+from q2q_sim.plant.swarm import Air
+from q2q_sim.plant.wake import Wake
+
+
+def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Array) -> None:
+    """Take one physics step for each row of commands, changing state and air in place.
+
+    Arguments as of Swarm.step; state (n, 21) and body (6, 3) as of q2q_sim.plant.quadcopter.
+    """
+    mass, decay, h = body[MASS_ROW]
+    for command in commands:  # (n, 4)
+        state[:, ETA] = drafts_numpy(state, air, h)
+        wanted = drive[:, 3:] * _wanted_rotors(state, command, body)
+        state[:, ROTORS] = wanted + (state[:, ROTORS] - wanted) * decay
+        _move(state, drive[:, :3], body)
+        _stand(state, h)
+        air.rows[-1] += 1
+        share = state[:, ROTORS].sum(axis=1) / (mass * GRAVITY)
+        air.ring[air.rows[-1] % len(air.ring)] = np.column_stack([state[:, POS], share])
+
+
+def drafts_numpy(state: Array, air: Air, h: float) -> Array:
+    """Return eta_z [m/s^2], (n,), from all pairs; `h` is the physics step [s]."""
+    n = len(state)
+    eta = np.zeros(n)
+    if air.kind == Wake.NONE or n < 2:
+        return eta
+    i, j = (rows[~np.eye(n, dtype=bool)] for rows in np.indices((n, n)))  # every i != j
+    rel = state[j, POS] - state[i, POS]  # (pairs, 3)
+    near = np.hypot(rel[:, 0], rel[:, 1]) <= _reach(air.kind, np.abs(rel[:, 2]))
+    share = np.ones(len(rel))
+    if air.kind == Wake.MEASURED:
+        source = _seen(air, j, _delay(rel[:, 2]) / h)  # (pairs, 4)
+        rel, share = source[:, :3] - state[i, POS], source[:, 3]
+    np.add.at(eta, i, np.where(near, share * _eta_z(air.kind, rel), 0.0))
+    return eta
+
+
+def _reach(kind: Wake, gap: Array) -> Array:
+    travel = law.FASTEST * _delay(gap) if kind == Wake.MEASURED else 0.0
+    return law.EDGE * _width(kind, gap) + travel
+
+
+def _width(kind: Wake, gap: Array) -> Array:
+    if kind == Wake.PAPER:
+        return law.PAPER_S0 + law.PAPER_KS * gap
+    return np.maximum(law.MEASURED_S + law.MEASURED_KS * (gap - law.MEASURED_DZ), law.NARROWEST)
+
+
+def _delay(dz: Array) -> Array:
+    return np.clip(dz / law.MEASURED_SPEED, 0.0, law.MAX_DELAY)
+
+
+def _eta_z(kind: Wake, rel: Array) -> Array:
+    gap, squared = np.abs(rel[:, 2]), rel[:, 0] ** 2 + rel[:, 1] ** 2
+    width = _width(kind, gap)
+    profile = np.where(squared > (law.EDGE * width) ** 2, 0.0, np.exp(-squared / (2.0 * width * width)))
+    if kind == Wake.PAPER:
+        axial = law.PAPER_A * ((law.PAPER_Z0 + law.PAPER_DZ) / (law.PAPER_Z0 + gap)) ** 2
+    else:
+        axial = law.MEASURED_A * np.exp(-law.MEASURED_BETA * (gap - law.MEASURED_DZ))
+    upper = law.PAPER_UPPER if kind == Wake.PAPER else law.MEASURED_UPPER
+    along = np.clip(0.5 * (rel[:, 2] / law.BLEND + 1.0), 0.0, 1.0)
+    lower_share = along**2 * (3.0 - 2.0 * along)
+    return np.asarray(axial * profile * ((1.0 - lower_share) * upper - lower_share))
+
+
+def _seen(air: Air, vehicle: NDArray[np.intp], late: Array) -> Array:
+    whole = np.floor(late).astype(np.intp)
+    share = (late - whole)[:, None]
+    slots, now = len(air.ring), air.rows[-1]
+    after, before = air.ring[(now - whole) % slots, vehicle], air.ring[(now - whole - 1) % slots, vehicle]
+    return np.asarray((1.0 - share) * after + share * before)
+
+
+def _wanted_rotors(state: Array, command: Array, body: Array) -> Array:
+    frame = RotorFrame(*body[FRAME_ROW])
+    torque_now = wrench_of(state[:, ROTORS], frame)[:, 1:]
+    attitude = euler_from_quat(state[:, QUAT])
+    torque = attitude_torques(attitude, state[:, RATE], torque_now, command[:, 1:], body[:FRAME_ROW])
+    wanted = rotors_of(np.column_stack([command[:, 0], torque]), frame)
+    return np.where(command[:, :1] > 0.0, wanted, 0.0)
+
+
+def _move(state: Array, moving_air: Array, body: Array) -> None:
+    (mass, _, h), inertia = body[MASS_ROW], body[2]
+    wrench = wrench_of(state[:, ROTORS], RotorFrame(*body[FRAME_ROW]))
+    up = np.array([0.0, 0.0, 1.0])
+    lift = rotate(state[:, QUAT], wrench[:, :1] / mass * up)
+    state[:, ACC] = lift + moving_air + (state[:, ETA, None] - GRAVITY) * up
+    before = state[:, VEL].copy()
+    state[:, VEL] += h * state[:, ACC]
+    state[:, POS] += 0.5 * h * (before + state[:, VEL])
+    rate = state[:, RATE].copy()
+    state[:, RATE] += h * (wrench[:, 1:] - np.cross(rate, inertia * rate)) / inertia
+    state[:, QUAT] = normalised(integrate_quat(state[:, QUAT], state[:, RATE], h))
+
+
+def _stand(state: Array, h: float) -> None:
+    below = state[:, 2] < 0.0
+    after = np.zeros((len(state), 3))
+    after[:, 2] = np.maximum(state[:, 5], 0.0)
+    state[below, ACC] += (after - state[:, VEL])[below] / h
+    state[below, VEL] = after[below]
+    state[below, RATE] = 0.0
+    state[below, 2] = 0.0
+    yaw = euler_from_quat(state[:, QUAT])[below, 2]
+    state[below, QUAT] = quat_from_euler(np.zeros_like(yaw), np.zeros_like(yaw), yaw)

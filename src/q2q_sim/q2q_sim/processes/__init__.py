@@ -1,0 +1,1 @@
+"""Node processes: start, warm start, cores, ROS domain, interruption."""

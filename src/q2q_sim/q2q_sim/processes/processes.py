@@ -1,0 +1,169 @@
+"""Start the nodes of a flight as processes, watch them, and end them: none outlives its starter."""
+
+import os
+import signal
+from collections.abc import Mapping
+from dataclasses import dataclass
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Self
+
+import yaml
+
+from q2q_model.tunable import ParameterValue
+from q2q_sim.processes.warm_start import NodeStart, fork
+
+END_PATIENCE_S = 10.0
+"""How long a node may take to end after SIGINT before it is killed [s]."""
+
+
+KILLED = -signal.SIGKILL
+
+
+@dataclass(frozen=True, slots=True)
+class NodeSpec:
+    """Hold what a node needs to start."""
+
+    package: str
+    executable: str
+    parameters: Mapping[str, ParameterValue]
+    cores: frozenset[int] = frozenset()
+    """Where it may run; empty is anywhere."""
+    inside: tuple["NodeSpec", ...] = ()
+    """Nodes that run in its process."""
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """Return the names of all nodes of the process."""
+        return (self.executable, *(spec.executable for spec in self.inside))
+
+
+class NodeDiedError(ChildProcessError):
+    """Say which node ended before its flight, and what it said last."""
+
+
+def find_executable(package: str, executable: str) -> Path:
+    """Return an installed executable; raise FileNotFoundError that says how to install it."""
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        found = Path(prefix) / "lib" / package / executable
+        if found.is_file():
+            return found
+    raise FileNotFoundError(
+        f"{package} {executable} is not installed in this shell: run `source scripts/env.sh` first"
+    )
+
+
+class Processes:
+    """Hold the running nodes. Use as a context manager: leaving it ends them all."""
+
+    def __init__(self, folder: Path, environment: Mapping[str, str] | None = None) -> None:
+        """Take the folder for parameter files and logs, and what to add to the nodes' environment."""
+        self._folder = folder
+        self._environment = environment or {}
+        self._running: dict[str, BaseProcess] = {}
+        self._excused: set[str] = set()
+
+    def __enter__(self) -> Self:
+        """Return the set of processes."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End every node."""
+        self.end()
+
+    def start(self, spec: NodeSpec) -> None:
+        """Start a node with its parameters; its output goes to `<executable>.log`."""
+        parameters = self._folder / f"{spec.executable}.yaml"
+        parameters.write_text(yaml.safe_dump(sections(spec)))
+        self._running[spec.executable] = fork(
+            NodeStart(
+                package=spec.package,
+                executable=spec.executable,
+                command=(
+                    str(find_executable(spec.package, spec.executable)),
+                    "--ros-args",
+                    "--params-file",
+                    str(parameters),
+                ),
+                environment={**os.environ, **self._environment},
+                log=self._log(spec.executable),
+                cores=spec.cores,
+            )
+        )
+
+    @property
+    def excused(self) -> frozenset[str]:
+        """Return the nodes that may be gone."""
+        return frozenset(self._excused)
+
+    def excuse(self, executable: str) -> None:
+        """Let a node be gone from now on."""
+        self._excused.add(executable)
+
+    def expect(self, executable: str) -> None:
+        """Let a node be gone no longer."""
+        self._excused.discard(executable)
+
+    def pid(self, executable: str) -> int:
+        """Return a node's process id."""
+        pid = self._running[executable].pid
+        if pid is None:
+            raise ValueError(f"{executable} has not started")
+        return pid
+
+    def check(self) -> None:
+        """Raise NodeDiedError if a node has ended that is not excused."""
+        for name, process in self._running.items():
+            if name not in self._excused and process.exitcode is not None:
+                words = self._last_words(name)
+                raise NodeDiedError(f"{name} ended with status {process.exitcode}: {words}")
+
+    def end(self) -> dict[str, int]:
+        """Send SIGINT to every node, wait, kill what stays; return the exit statuses."""
+        for name, process in self._running.items():
+            if process.exitcode is None:
+                os.kill(self.pid(name), signal.SIGINT)
+        statuses = {name: _wait(process) for name, process in self._running.items()}
+        self._running.clear()
+        return statuses
+
+    def _log(self, name: str) -> Path:
+        return self._folder / f"{name}.log"
+
+    def _last_words(self, name: str) -> str:
+        lines = [line for line in self._log(name).read_text(errors="replace").splitlines() if line.strip()]
+        return lines[-1] if lines else "it said nothing"
+
+
+def sections(spec: NodeSpec) -> dict[str, object]:
+    """Return the parameter file of a process: one section, or one for each of its nodes."""
+    if not spec.inside:
+        return {"/**": {"ros__parameters": _plain(spec.parameters)}}
+    return {
+        f"/**/{one.executable}": {"ros__parameters": _plain(one.parameters)} for one in (spec, *spec.inside)
+    }
+
+
+def _plain(parameters: Mapping[str, ParameterValue]) -> dict[str, object]:
+    """Return what YAML can say; an empty list is left out, as ROS cannot tell its type."""
+    lists = {key: list(value) if isinstance(value, tuple) else value for key, value in parameters.items()}
+    return _nested({key: value for key, value in lists.items() if value != []})
+
+
+def _nested(flat: Mapping[str, object]) -> dict[str, object]:
+    """Return parameters named `a.b` as {a: {b: ...}}, as parameter files want them."""
+    made: dict[str, object] = {key: value for key, value in flat.items() if "." not in key}
+    for group in dict.fromkeys(key.partition(".")[0] for key in flat if "." in key):
+        prefix = f"{group}."
+        made[group] = {
+            key.removeprefix(prefix): value for key, value in flat.items() if key.startswith(prefix)
+        }
+    return made
+
+
+def _wait(process: BaseProcess) -> int:
+    process.join(END_PATIENCE_S)
+    if process.exitcode is None:
+        process.kill()
+        process.join()
+    return KILLED if process.exitcode is None else process.exitcode

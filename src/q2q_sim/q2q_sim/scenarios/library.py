@@ -1,0 +1,64 @@
+"""Load scenarios: the shipped YAML files, `swarmN` for any N, and files of the user's own.
+
+A user's file is a scenario, waypoints alone, or a plan; what it does not name has the scenario's default.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import yaml
+
+from q2q_model.trajectory import plan_file
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
+from q2q_sim.scenarios.scenario_files import FOLDER, PLAN, names, path_of, swarm_size
+from q2q_sim.scenarios.swarm_scenario import swarm_scenario
+
+__all__ = ["Scenario", "describe", "document", "load", "names"]
+
+
+def describe(name: str) -> str:
+    """Return one line on a scenario."""
+    return load(name).description
+
+
+def load(name_or_path: str) -> Scenario:
+    """Return a scenario by its name, or from a YAML file or plan file.
+
+    Raises:
+        ValueError: no such scenario (with the nearest right name), or a value that is not allowed.
+    """
+    count = swarm_size(name_or_path)
+    return swarm_scenario(count) if count is not None else _read(path_of(name_or_path))
+
+
+def document(name: str) -> Mapping[str, object]:
+    """Return a shipped scenario as its YAML says it; raise ValueError where there is no such file."""
+    return _parsed(FOLDER / f"{name}.yaml")
+
+
+def _read(path: Path) -> Scenario:
+    parsed = {"plan": path.name} if path.suffix == PLAN else _parsed(path)
+    try:
+        return scenario_from_document(path.stem, parsed, _plan(parsed, path.parent))
+    except ValueError as error:
+        raise ValueError(f"scenario {path.stem}: {error}") from error
+
+
+def _plan(parsed: object, folder: Path) -> SwarmPlan | None:
+    """Return the plan that a document names; its path is taken from the document's folder."""
+    if not isinstance(parsed, Mapping) or "plan" not in parsed:
+        return None
+    if not isinstance(parsed["plan"], str):
+        raise ValueError(f"plan = {parsed['plan']!r}: the path of a plan file is expected")  # noqa: TRY004  a bad document
+    return plan_file.load(folder / parsed["plan"])
+
+
+def _parsed(path: Path) -> Mapping[str, object]:
+    try:
+        found: Mapping[str, object] = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ValueError(f"scenario file {path}: cannot be read ({error.strerror})") from error
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+        raise ValueError(f"scenario file {path}: is no YAML ({error})") from error
+    return found

@@ -1,0 +1,253 @@
+"""Hold one scenario: who flies where, in which room, with which draft, and what the blocks are told.
+
+A document (parsed YAML) becomes a Scenario here, every value checked; `q2q_sim.scenarios.library` finds the
+files.
+
+    description: one line
+    duration: 50.0            # [s]; default: to the last waypoint
+    vehicle: textbook_065     # q2q_model.vehicle.constants
+    firmware: stock           # its thrust per PWM: q2q_model.vehicle.thrust_map
+    wake: paper               # the true draft: none, paper, measured
+    model: paper_law          # what a controller is given: none, a shipped name, a .q2q file
+    room: ideal               # q2q_sim.scenarios.settings; vicon, radio, imu, disturbance below override
+    single values reading: stop_and_go      # of eq. (17): stop_and_go or free
+    vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}   # times that `plan` would give where there is no t
+    plan: mine.json           # in place of vehicles: a plan file, beside this file
+    overrides: {pid: {thrust_max: 6.6}}
+    faults: [{kind: outlier, start: 10, duration: 0.1, vehicles: [cf1], size: 1}, ...]   #
+    q2q_sim.faults.faults
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from math import isfinite
+from typing import TypeVar
+
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.pid.pid import PidParams
+from q2q_model.estimation.mocap_filter import MocapFilterParams
+from q2q_model.signals.values import Names
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
+from q2q_model.vehicle.constants import Vehicle, firmware_of, on_firmware, vehicle_by_name
+from q2q_model.vehicle.thrust_map import STOCK
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, timed_document, with_limits_of
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, swarm_from_document
+from q2q_planner.online.potential_field import PotentialFieldParams
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_sim.faults.faults import Fault, check_vehicles, fault_from_document
+from q2q_sim.link.radio import RadioParams
+from q2q_sim.plant.disturbance import DisturbanceParams
+from q2q_sim.plant.wake import wake_by_name
+from q2q_sim.scenarios.settings import Overrides, setting_by_name
+from q2q_sim.sensors.imu import ImuParams
+from q2q_sim.sensors.vicon import ViconParams
+
+P = TypeVar("P", bound=ParamsClass)
+
+BLOCKS: dict[str, ParamsClass] = {
+    "mocap_filter": MocapFilterParams(),
+    "replanner": PotentialFieldParams(),
+    "safe_replanner": SafeReplannerParams(),
+    "pid": PidParams(),
+    "mpc": MpcParams(),
+}
+"""Blocks whose parameters a scenario may override."""
+LONGEST = 3600.0
+"""Longest flight [s]."""
+READINGS: dict[str, Reading] = {"stop_and_go": "stop_and_go", "free": "free"}
+KEYS = (
+    "description", "duration", "vehicle", "firmware", "wake", "model", "room", "reading", "vehicles", "plan",
+    "overrides", "vicon", "radio", "imu", "disturbance", "faults",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """Hold everything that is decided before a flight, but its seed."""
+
+    name: str
+    description: str
+    duration: float
+    """[s]"""
+    vehicle: Vehicle
+    waypoints: tuple[VehicleWaypoints, ...]
+    """One a vehicle."""
+    plan: SwarmPlan | None = None
+    """Flown as it is; None: planned through the waypoints."""
+    reading: Reading = "stop_and_go"
+    wake: str = "none"
+    model: str = "none"
+    """The interaction model that controllers are given."""
+    vicon: ViconParams = field(default_factory=ViconParams)
+    radio: RadioParams = field(default_factory=RadioParams)
+    imu: ImuParams = field(default_factory=ImuParams)
+    disturbance: DisturbanceParams = field(default_factory=DisturbanceParams)
+    faults: tuple[Fault, ...] = ()
+    overrides: Overrides = field(default_factory=dict)
+    """Parameters of blocks that differ from their defaults: {block: {parameter: value}}."""
+
+    def __post_init__(self) -> None:
+        """Check what no part checks by itself; raise ValueError naming the value and what is allowed."""
+        if not (isfinite(self.duration) and 0.0 < self.duration <= LONGEST):
+            raise ValueError(f"{self.name}: duration = {self.duration}: above 0 to {LONGEST} s is allowed")
+        wake_by_name(self.wake)
+        for vehicle in self.waypoints:
+            height = vehicle.waypoints[0].pos[2]
+            if height < 0.0:
+                raise ValueError(f"{vehicle.name}, waypoint 0: z = {height} m: the ground is at 0")
+        check_vehicles(self.faults, self.names)
+        for block, values in self.overrides.items():
+            overridden(BLOCKS[block], values, block)
+
+    @property
+    def names(self) -> Names:
+        """Return the vehicles' names."""
+        return tuple(vehicle.name for vehicle in self.waypoints)
+
+
+def scenario_from_document(name: str, document: object, plan: SwarmPlan | None = None) -> Scenario:
+    """Return the scenario a parsed YAML document describes; `plan` is what its plan file holds.
+
+    All but `vehicles`, or `plan`, has a default: a file of waypoints alone is a scenario.
+
+    Raises:
+        ValueError: naming the key, the value, and what is allowed there.
+    """
+    entries = _mapping(document, name)
+    for key in entries:
+        if key not in KEYS:
+            raise ValueError(f"{name}: unknown key {key!r}; {_nearest(key, KEYS)}")
+    room = setting_by_name(str(entries.get("room", "ideal")))
+    vehicle = vehicle_by_name(
+        str(entries.get("vehicle", "crazyflie_2_0")), str(entries.get("firmware", STOCK))
+    )
+    reading = _reading(entries.get("reading", "stop_and_go"))
+    waypoints = _waypoints(entries, with_limits_of(FlightLimits(), vehicle), reading, plan)
+    last = max(float(one.times[-1]) for one in waypoints)
+    return Scenario(
+        name=name,
+        description=str(entries.get("description", "")),
+        duration=_number(entries.get("duration", last), f"{name}: duration"),
+        vehicle=vehicle,
+        waypoints=waypoints,
+        plan=plan,
+        reading=reading,
+        wake=str(entries.get("wake", "none")),
+        model=str(entries.get("model", "none")),
+        vicon=overridden(room.vicon, entries.get("vicon", {}), "vicon"),
+        radio=overridden(room.radio, entries.get("radio", {}), "radio"),
+        imu=overridden(room.imu, entries.get("imu", {}), "imu"),
+        disturbance=overridden(room.disturbance, entries.get("disturbance", {}), "disturbance"),
+        faults=_faults(entries.get("faults", [])),
+        overrides=_merged(room.overrides, entries.get("overrides", {})),
+    )
+
+
+def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
+    """Return the scenario with its vehicles on a firmware; an empty name keeps theirs.
+
+    Raises:
+        ValueError: a firmware that the vehicle does not have.
+    """
+    if not firmware:
+        return scenario
+    return replace(scenario, vehicle=on_firmware(scenario.vehicle, firmware))
+
+
+def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
+    """Return the scenario with another vehicle, on its firmware, and another air; empty names keep its own.
+
+    Raises:
+        ValueError: a vehicle or wake there is not, or a firmware that the vehicle does not have.
+    """
+    firmware = firmware_of(scenario.vehicle) or STOCK
+    chosen = vehicle_by_name(vehicle, firmware) if vehicle else scenario.vehicle
+    return replace(scenario, vehicle=chosen, wake=wake or scenario.wake)
+
+
+def _waypoints(
+    entries: Mapping[str, object], limits: FlightLimits, reading: Reading, plan: SwarmPlan | None
+) -> tuple[VehicleWaypoints, ...]:
+    if plan is None:
+        document = timed_document({"vehicles": entries.get("vehicles")}, limits, reading)
+        return swarm_from_document(document)
+    if "vehicles" in entries:
+        raise ValueError("vehicles and plan are both given: a plan names its vehicles; leave one out")
+    return waypoints_of(plan)
+
+
+def block_params(block: str, default: P, overrides: Overrides) -> P:
+    """Return a block's parameters with a scenario's overrides."""
+    return overridden(default, overrides.get(block, {}), block)
+
+
+def overridden(params: P, values: object, where: str) -> P:
+    """Return `params` with values of a document.
+
+    Raises:
+        ValueError: an unknown parameter, a value of another type, or one out of bounds.
+    """
+    return with_overrides(params, _values(params, values, where))
+
+
+def _values(params: ParamsClass, values: object, where: str) -> dict[str, ParameterValue]:
+    """Return a document's values as parameters; an unknown name is left for `with_overrides` to refuse."""
+    entries = _mapping(values, where)
+    return {
+        key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in entries.items()
+    }
+
+
+def _value(value: object, default: object, where: str) -> ParameterValue:
+    """Return a document's value as a parameter's: 1 is a float where a float is meant, a list a tuple."""
+    if isinstance(default, tuple | list) and isinstance(value, list | tuple):
+        return tuple(_number(one, where) for one in value)
+    if isinstance(default, float):
+        return _number(value, where)
+    if isinstance(value, bool | int | str) and type(value) is type(default):
+        return value
+    raise ValueError(f"{where} = {value!r}: a {type(default).__name__} is expected")
+
+
+def _merged(room: Overrides, own: object) -> Overrides:
+    entries = _mapping(own, "overrides")
+    for block in entries:
+        if block not in BLOCKS:
+            raise ValueError(f"overrides: unknown block {block!r}; {_nearest(block, tuple(BLOCKS))}")
+    blocks = {
+        block: _values(BLOCKS[block], values, f"overrides.{block}") for block, values in entries.items()
+    }
+    return {block: {**room.get(block, {}), **blocks.get(block, {})} for block in sorted({*room, *blocks})}
+
+
+def _faults(value: object) -> tuple[Fault, ...]:
+    if not isinstance(value, list):
+        raise ValueError(f"faults = {value!r}: a list is expected")  # noqa: TRY004  a bad document
+    return tuple(fault_from_document(one) for one in value)
+
+
+def _reading(value: object) -> Reading:
+    if not isinstance(value, str) or value not in READINGS:
+        raise ValueError(f"reading = {value!r}: choose one of {', '.join(READINGS)}")
+    return READINGS[value]
+
+
+def _number(value: object, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{where} = {value!r}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
+    return float(value)
+
+
+def _mapping(value: object, where: str) -> Mapping[str, object]:
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise ValueError(f"{where}: got {value!r}, expected names with values")
+    return value
+
+
+def _nearest(key: str, known: tuple[str, ...]) -> str:
+    near = get_close_matches(key, known, n=1)
+    return f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"

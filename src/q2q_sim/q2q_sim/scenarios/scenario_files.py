@@ -1,0 +1,59 @@
+"""Find the file of a scenario by its name, without reading it: shipped ones, `swarmN`, and a user's own."""
+
+import re
+from difflib import get_close_matches
+from pathlib import Path
+
+FOLDER = Path(__file__).parent
+"""Where the shipped scenarios lie."""
+SWARM = re.compile(r"swarm([0-9]+)")
+EXAMPLE_SWARM = "swarm10"
+"""Stands for all `swarmN` in the list."""
+PLAN = ".json"
+"""Ending of a plan file."""
+OWN = (".yaml", ".yml", PLAN)
+"""Endings of a user's files: a scenario or waypoints, or a plan."""
+MOST = 1000
+"""Most vehicles of a swarm; the room is then 100 m wide."""
+
+
+def names() -> list[str]:
+    """Return the names of scenarios; `swarm10` stands for any `swarmN`."""
+    return [*sorted(path.stem for path in FOLDER.glob("*.yaml")), EXAMPLE_SWARM]
+
+
+def check(name_or_path: str) -> None:
+    """Raise ValueError where there is no such scenario."""
+    count = swarm_size(name_or_path)
+    if count is None:
+        path_of(name_or_path)
+
+
+def swarm_size(name: str) -> int | None:
+    """Return the N of `swarmN`, None for another name; raise ValueError for none or too many."""
+    swarm = SWARM.fullmatch(name)
+    count = int(swarm[1]) if swarm else None
+    if count is not None and not 1 <= count <= MOST:
+        raise ValueError(f"swarm{count}: 1 to {MOST} vehicles are allowed")
+    return count
+
+
+def path_of(name_or_path: str) -> Path:
+    """Return the file of a scenario.
+
+    Raises:
+        ValueError: no such scenario (with the nearest right name), or no such file.
+    """
+    shipped, own = FOLDER / f"{name_or_path}.yaml", Path(name_or_path)
+    if own.suffix in OWN:
+        if not own.exists():
+            raise ValueError(f"scenario file {own}: cannot be read (No such file or directory)")
+        return own
+    if own.name == name_or_path and shipped.is_file():
+        return shipped
+    near = get_close_matches(name_or_path, names(), n=1)
+    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(names())}"
+    raise ValueError(
+        f"unknown scenario {name_or_path!r}; {hint} (swarmN: 1 to {MOST} vehicles; "
+        "or a file: .yaml of a scenario or waypoints, .json of a plan)"
+    )

@@ -1,0 +1,1 @@
+"""Simulated sensors: motion capture and IMU."""

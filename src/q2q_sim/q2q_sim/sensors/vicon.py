@@ -1,0 +1,223 @@
+"""See the vehicles as motion capture does: 100 frames a second, noisy, and now and then wrong.
+
+What happens to a frame, in this order, each from its own random stream:
+
+| effect | what the frame shows | injected flag |
+|---|---|---|
+| noise | position off by 0.15 mm rms, attitude by a few mrad | - |
+| flip | body axes turned half a turn about x, y or z: reflections | FLIP |
+| swap | the nearest vehicle's pose under this name, and the other way round | SWAP |
+| outlier | position off by a step in a random direction, one frame | OUTLIER |
+| stale | the frame before the burst again, under a new stamp, all vehicles | STALE |
+| dropout, missing | the vehicle is not in the frame: for 0.1-0.3 s, or for seconds | DROPOUT |
+
+Rates and sizes are what rooms report (docs and issue trackers of Crazyswarm users); VICON's static noise is
+0.15 mm. `injected` tells tests, and only tests, what was done to the last frame.
+The camera's latency is not made here: a controller knows stamps only, so late frames and late commands are
+the same to it, and the room adds both delays to the radio's (q2q_sim.loop.room).
+"""
+
+import math
+from dataclasses import dataclass
+from enum import IntFlag
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.compiled import compiled
+from q2q_model.geometry.rotations import quat_multiply
+from q2q_model.signals.values import Array, MocapFrame, SwarmState
+from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.plant.random_streams import stream
+from q2q_sim.sensors.episodes import Episodes, Frequency, Mask
+
+
+class Injected(IntFlag):
+    """What was done to a vehicle's row of a frame."""
+
+    NOTHING = 0
+    OUTLIER = 1
+    FLIP = 2
+    SWAP = 4
+    DROPOUT = 8
+    STALE = 16
+    NAN = 32
+    STAMP = 64
+    """The frame came late, again, out of order, or with a wrong stamp (q2q_sim.faults.faults)."""
+
+
+Flags = NDArray[np.uint8]
+
+_SMALL_ANGLE = 1e-8
+"""Below this sin(x)/x is 1 to the last digit [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ViconParams:
+    """Noise, dropout and outliers of motion capture; the defaults are perfect."""
+
+    latency: float = tunable(0.0, "exposure to frame at the computer", unit="s", low=0.0, high=0.5)
+    pos_noise: float = tunable(0.0, "standard deviation of position", unit="m", low=0.0, high=0.1)
+    angle_noise: float = tunable(0.0, "standard deviation of attitude", unit="rad", low=0.0, high=0.5)
+    outlier_rate: float = tunable(0.0, "outliers a vehicle", unit="1/s", low=0.0, high=100.0)
+    outlier_min: float = tunable(0.2, "smallest outlier", unit="m", low=0.0, high=100.0)
+    outlier_max: float = tunable(2.0, "largest outlier", unit="m", low=0.0, high=100.0)
+    dropout_rate: float = tunable(0.0, "dropouts a vehicle", unit="1/s", low=0.0, high=10.0)
+    dropout_min: float = tunable(0.1, "shortest dropout", unit="s", low=0.0, high=10.0)
+    dropout_max: float = tunable(0.3, "longest dropout", unit="s", low=0.0, high=10.0)
+    missing_rate: float = tunable(0.0, "long absences a vehicle", unit="1/s", low=0.0, high=10.0)
+    missing_min: float = tunable(1.0, "shortest long absence", unit="s", low=0.0, high=100.0)
+    missing_max: float = tunable(3.0, "longest long absence", unit="s", low=0.0, high=100.0)
+    flip_rate: float = tunable(0.0, "axis flips a vehicle", unit="1/s", low=0.0, high=10.0)
+    flip_max: float = tunable(0.05, "longest axis flip", unit="s", low=0.0, high=10.0)
+    swap_rate: float = tunable(0.0, "marker swaps a vehicle", unit="1/s", low=0.0, high=10.0)
+    swap_max: float = tunable(0.1, "longest marker swap", unit="s", low=0.0, high=10.0)
+    stale_rate: float = tunable(0.0, "bursts of stale frames", unit="1/s", low=0.0, high=10.0)
+    stale_max: float = tunable(0.1, "longest stale burst", unit="s", low=0.0, high=10.0)
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+        for name in ("outlier", "dropout", "missing"):
+            low, high = (getattr(self, f"{name}_{end}") for end in ("min", "max"))
+            if low > high:
+                raise ValueError(f"ViconParams.{name}_min = {low} is above {name}_max = {high}")
+
+
+class Vicon:
+    """Motion capture: true states to frames, one a tick."""
+
+    def __init__(self, params: ViconParams, vehicles: int, tick: float, seed: int) -> None:
+        """See `vehicles` vehicles every `tick` [s]."""
+        self._params = params
+        self._rng = {name: stream(seed, f"vicon {name}") for name in ("noise", "flip axis", "outlier size")}
+        self._happens = {
+            name: Episodes(frequency, 1 if name == "stale" else vehicles, tick, stream(seed, f"vicon {name}"))
+            for name, frequency in _frequencies(params).items()
+            if frequency.rate > 0.0
+        }
+        self._never = np.zeros(vehicles, dtype=np.bool_)
+        self._turn = np.zeros((vehicles, 4))
+        self._partner = np.arange(vehicles)
+        self._last: tuple[Array, Array] | None = None
+        self.injected: Flags = np.zeros(vehicles, dtype=np.uint8)
+        """What was done to each vehicle in the last frame: Injected, (n,)."""
+
+    def observe(self, truth: SwarmState) -> MocapFrame:
+        """Return the frame of a tick; each call is one tick."""
+        self.injected = np.zeros(len(truth.names), dtype=np.uint8)
+        pos, quat = self._noisy(truth)
+        if not self._happens:
+            return MocapFrame(t=truth.t, names=truth.names, pos=pos, quat=quat)
+        quat = self._flipped(quat)
+        pos, quat = self._swapped(truth.pos, pos, quat)
+        pos = self._with_outliers(pos)
+        pos, quat = self._stale(pos, quat)
+        seen = self._present()
+        names = tuple(name for name, here in zip(truth.names, seen, strict=True) if here)
+        return MocapFrame(t=truth.t, names=names, pos=pos[seen], quat=quat[seen])
+
+    def _noisy(self, truth: SwarmState) -> tuple[Array, Array]:
+        params = self._params
+        if params.pos_noise == 0.0 and params.angle_noise == 0.0:
+            return truth.pos, truth.quat
+        noise = self._rng["noise"].standard_normal((2, *truth.pos.shape))
+        pos, quat = np.empty(truth.pos.shape), np.empty(truth.quat.shape)
+        blur((truth.pos, truth.quat), noise, (params.pos_noise, params.angle_noise), pos, quat)
+        return pos, quat
+
+    def _flipped(self, quat: Array) -> Array:
+        flips, begins = self._step("flip")
+        if begins.any():
+            axis = self._rng["flip axis"].integers(0, 3, len(quat))
+            self._turn[begins] = np.eye(3, 4)[axis[begins]]  # half a turn about x, y or z
+        if not flips.any():
+            return quat
+        self._mark(flips, Injected.FLIP)
+        return np.where(flips[:, None], quat_multiply(quat, self._turn), quat)
+
+    def _swapped(self, true_pos: Array, pos: Array, quat: Array) -> tuple[Array, Array]:
+        swaps, begins = self._step("swap")
+        if len(pos) < 2 or not swaps.any():
+            return pos, quat
+        for row in np.flatnonzero(begins):
+            away = np.linalg.norm(true_pos - true_pos[row], axis=1)
+            away[row] = np.inf
+            self._partner[row] = np.argmin(away)
+        rows = np.arange(len(pos))
+        for row in np.flatnonzero(swaps):
+            rows[[row, self._partner[row]]] = rows[[self._partner[row], row]]
+        self._mark(rows != np.arange(len(pos)), Injected.SWAP)
+        return pos[rows], quat[rows]
+
+    def _with_outliers(self, pos: Array) -> Array:
+        outliers, _ = self._step("outlier")
+        if not outliers.any():
+            return pos
+        params, rng = self._params, self._rng["outlier size"]
+        direction = rng.standard_normal(pos.shape)
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        size = rng.uniform(params.outlier_min, params.outlier_max, (len(pos), 1))
+        self._mark(outliers, Injected.OUTLIER)
+        return np.where(outliers[:, None], pos + size * direction, pos)
+
+    def _stale(self, pos: Array, quat: Array) -> tuple[Array, Array]:
+        stale, _ = self._step("stale")
+        if stale[0] and self._last is not None:
+            self._mark(np.ones(len(pos), dtype=np.bool_), Injected.STALE)
+            return self._last
+        self._last = pos, quat
+        return pos, quat
+
+    def _step(self, name: str) -> tuple[Mask, Mask]:
+        """Return which rows something happens to, and which it begins with; it moves one tick on."""
+        happens = self._happens.get(name)
+        return happens.step() if happens else (self._never, self._never)
+
+    def _mark(self, rows: Mask, what: Injected) -> None:
+        self.injected[rows] |= np.uint8(what)
+
+    def _present(self) -> Mask:
+        absent = self._step("dropout")[0] | self._step("missing")[0]
+        self._mark(absent, Injected.DROPOUT)
+        return ~absent
+
+
+def _blur(
+    truth: tuple[Array, Array], noise: Array, sizes: tuple[float, float], pos: Array, quat: Array
+) -> None:
+    true_pos, true_quat = truth
+    for i in range(true_pos.shape[0]):
+        squared = 0.0
+        for k in range(3):
+            pos[i, k] = true_pos[i, k] + sizes[0] * noise[0, i, k]
+            squared += (sizes[1] * noise[1, i, k]) ** 2
+        angle = math.sqrt(squared)
+        scale = sizes[1] * (0.5 if angle < _SMALL_ANGLE else math.sin(0.5 * angle) / angle)
+        a, b, c, d = (
+            scale * noise[1, i, 0],
+            scale * noise[1, i, 1],
+            scale * noise[1, i, 2],
+            math.cos(0.5 * angle),
+        )
+        x, y, z, w = true_quat[i, 0], true_quat[i, 1], true_quat[i, 2], true_quat[i, 3]
+        quat[i, 0] = w * a + x * d + y * c - z * b
+        quat[i, 1] = w * b + y * d + z * a - x * c
+        quat[i, 2] = w * c + z * d + x * b - y * a
+        quat[i, 3] = w * d - x * a - y * b - z * c
+
+
+blur = compiled(_blur)
+"""Write poses off by noise: ((pos, quat), normal numbers (2, n, 3), their sizes [m], [rad], pos, quat); the
+attitude turns by exp of a rotation vector, as q2q_model.geometry.rotations has it."""
+
+
+def _frequencies(params: ViconParams) -> dict[str, Frequency]:
+    return {
+        "flip": Frequency(params.flip_rate, 0.0, params.flip_max),
+        "swap": Frequency(params.swap_rate, 0.0, params.swap_max),
+        "outlier": Frequency(params.outlier_rate),
+        "stale": Frequency(params.stale_rate, 0.0, params.stale_max),
+        "dropout": Frequency(params.dropout_rate, params.dropout_min, params.dropout_max),
+        "missing": Frequency(params.missing_rate, params.missing_min, params.missing_max),
+    }

@@ -1,0 +1,50 @@
+"""Compare the emulated firmware with a folder of tables of the real one."""
+
+import csv
+import json
+from argparse import Namespace
+from pathlib import Path
+
+from q2q_sim.firmware_check.table_rows import Table
+from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, figures
+from q2q_sim.scenarios.choices import STDOUT
+
+
+def run(asked: Namespace) -> int:
+    """Compare with the tables of the folder; return 1 where a figure is out of its tolerance."""
+    verdict = compare(tables_in(asked.folder))
+    words = json.dumps({name: part._asdict() for name, part in verdict._asdict().items()}, indent=1)
+    if asked.json not in {None, STDOUT}:
+        Path(asked.json).write_text(words + "\n")
+    print(words if asked.json == STDOUT else report(verdict))
+    return int(not all(one.within for one in figures(verdict)))
+
+
+def tables_in(folder: Path) -> Tables:
+    """Return the tables of a folder; raise OSError or ValueError where one is missing or empty."""
+    return Tables(
+        controllers=_table(folder / "controllers.csv"),
+        planner=_table(folder / "planner.csv"),
+        supervisor=_table(folder / "supervisor.csv"),
+        mixer=_table(folder / "mixer.csv"),
+        compensation=_table(folder / "compensation.csv"),
+    )
+
+
+def _table(file: Path) -> Table:
+    with file.open(newline="") as text:
+        rows = list(csv.DictReader(text))
+    if not rows:
+        raise ValueError(f"{file.name} has no rows")
+    return rows
+
+
+def report(verdict: FirmwareVerdict) -> str:
+    """Return each figure beside its tolerance, one a line."""
+    counts = (verdict.controllers.cases, verdict.planner.cases, verdict.supervisor.cases)
+    head = "cases: {} of controllers, {} of the planner, {} of the supervisor".format(*counts)
+    lines = [
+        f"{one.name:40}{one.value:12.4g}  allowed {one.allowed:7g}  {'' if one.within else 'OUT'}".rstrip()
+        for one in figures(verdict)
+    ]
+    return "\n".join([head, *lines])

@@ -1,0 +1,54 @@
+"""Open a room that speaks CRTP without ROS, and fly it at the pace of the wall clock."""
+
+import signal
+from argparse import Namespace
+from contextlib import suppress
+from time import monotonic, sleep
+from types import FrameType
+
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
+from q2q_sim.crtp.packets.link_model import LinkParams
+from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
+from q2q_sim.loop.room import TICK_S, Room
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import with_firmware
+
+LATE_S = 0.5
+"""A room that falls behind the wall clock by this counts from anew [s]."""
+
+
+def run(asked: Namespace) -> int:
+    """Open the room and fly it until SIGINT or SIGTERM; return the exit status."""
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, _interrupt)
+    with suppress(KeyboardInterrupt):
+        _open(asked)
+    return 0
+
+
+def _open(asked: Namespace) -> None:
+    scenario = with_firmware(library.load(asked.scenario), asked.firmware)
+    room = Room(scenario, asked.seed)
+    waiting = CrtpRoomParams(
+        start=asked.start, positioning=asked.positioning, zero_expires=asked.zero_expires
+    )
+    fleet = fleet_in(room, scenario, waiting)
+    link = LinkParams(latency=asked.latency, loss=asked.loss, rate=asked.rate)
+    room.fly(fleet.fly)  # compiles
+    with CrtpEndpoint(fleet, scenario.names, asked.port, link) as endpoint:
+        for name, uri in zip(scenario.names, endpoint.uris, strict=True):
+            print(f"{name} {uri}", flush=True)
+        print("ready", flush=True)
+        _fly(room, endpoint)
+
+
+def _fly(room: Room, endpoint: CrtpEndpoint) -> None:
+    due = monotonic()
+    while True:
+        room.fly(endpoint.fly)
+        due = max(due + TICK_S, monotonic() - LATE_S)
+        sleep(max(due - monotonic(), 0.0))
+
+
+def _interrupt(_: int, __: FrameType | None) -> None:
+    raise KeyboardInterrupt

@@ -1,0 +1,92 @@
+"""Fly one scenario as the command line asks, show how far it is, and print how it went."""
+
+import json
+import tempfile
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from q2q_sim.flight.run_json import runs_json
+from q2q_sim.flight.scenario_flight import MEASURED, FlightRequest, FlightRun, fly
+from q2q_sim.processes.interruption import Interruption
+from q2q_sim.report.run_table import run_notes, run_table, run_verdicts
+from q2q_sim.scenarios import library
+
+
+def run(asked: Namespace) -> int:
+    """Fly, and print and write how it went; return the exit status."""
+    if asked.list:
+        for name in library.names():
+            print(f"{name:14} {library.describe(name)}")
+        return 0
+    if asked.real:
+        from q2q_sim.tools.real import fly_real
+
+        return fly_real(asked.real, asked.model, asked.json)
+    flown = _fly(asked)
+    show([flown])
+    if asked.json:
+        asked.json.parent.mkdir(parents=True, exist_ok=True)
+        asked.json.write_text(json.dumps(runs_json([flown]), indent=1) + "\n")
+    return conclude([flown])
+
+
+def conclude(runs: Sequence[FlightRun]) -> int:
+    """Print the verdict on some flights as the last line; return the exit status, 1 where one is not ok."""
+    print(run_verdicts(runs))
+    return int(not all(run.verdict.ok for run in runs))
+
+
+def show(runs: Sequence[FlightRun]) -> None:
+    """Print the table of some flights, and their timing."""
+    console = Console()
+    console.print(run_table(runs))
+    for note in run_notes(runs):
+        console.print(note, highlight=False)
+
+
+def request_of(asked: Namespace) -> FlightRequest:
+    """Return what the command line asks for."""
+    mode = "ignoring" if not asked.aware else "aware" if asked.limit else "aware_unlimited"
+    return FlightRequest(
+        scenario=asked.scenario,
+        mode=mode,
+        controller=asked.controller,
+        replan=asked.replan,
+        plan=asked.plan,
+        live=asked.live,
+        stack=not asked.live if asked.stack is None else asked.stack,
+        seed=asked.seed,
+        model=asked.model,
+        vehicle=asked.vehicle,
+        wake=asked.wake,
+        record=tuple(asked.record) or (() if asked.bag else MEASURED),
+    )
+
+
+def _fly(asked: Namespace) -> FlightRun:
+    request = request_of(asked)
+    interruption = Interruption()
+    with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
+        bag = asked.bag or Path(scratch) / "bag"
+        return fly_with_progress(request, Path(scratch) / "nodes", bag, interruption)
+
+
+def fly_with_progress(
+    request: FlightRequest, folder: Path, bag: Path, interruption: Interruption
+) -> FlightRun:
+    """Fly with a progress bar on the terminal; a signal ends the flight."""
+    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task(f"{request.scenario} {request.mode}", total=1.0)
+
+        def follow(share: float) -> None:
+            interruption.check()
+            bar.update(task, completed=share)
+
+        run = fly(request, folder, bag, follow)
+        bar.update(task, completed=1.0)
+    return run

@@ -1,0 +1,111 @@
+"""Write one page a node into docs/nodes: topics, types, qualities of service, services, parameters.
+
+Nothing in the pages is typed: the words are the node module's docstring, the rest is what the node declares.
+The documents' pictures are drawn anew with `--images`.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_sim.ros.node_survey import NodeInterface, survey
+from q2q_sim.ros.stand_in import Declared, RecordedPort
+from q2q_sim.tools.docs_images import write_images
+
+MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then run it again. -->"
+
+
+def run(asked: Namespace) -> int:
+    """Write or check the pages; return the exit status."""
+    wanted = pages(survey())
+    stale = out_of_date(wanted, asked.out)
+    if asked.check:
+        for name in stale:
+            print(f"docs: {asked.out / name} is out of date: run scripts/docs", file=sys.stderr)
+        return 1 if stale else 0
+    write(wanted, asked.out)
+    print(f"docs: {len(wanted)} pages in {asked.out}, {len(stale)} new or changed")
+    if asked.images:
+        print(*(f"docs: {path}" for path in write_images()), sep="\n")
+    return 0
+
+
+def pages(nodes: Sequence[NodeInterface]) -> dict[str, str]:
+    """Return the text of every page by its file name; `README.md` lists them."""
+    return {f"{node.executable}.md": page(node) for node in nodes} | {"README.md": index(nodes)}
+
+
+def out_of_date(wanted: dict[str, str], folder: Path) -> list[str]:
+    """Return the pages in `folder` that are missing, differ from `wanted`, or belong to no node."""
+    there = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.md")}
+    return sorted(name for name in {*wanted, *there} if wanted.get(name) != there.get(name))
+
+
+def write(wanted: dict[str, str], folder: Path) -> None:
+    """Write every page, and delete pages of nodes that are no more."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in folder.glob("*.md"):
+        if path.name not in wanted:
+            path.unlink()
+    for name, text in wanted.items():
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+def index(nodes: Sequence[NodeInterface]) -> str:
+    """Return the list of the nodes."""
+    rows = [
+        (f"[`{node.executable}`]({node.executable}.md)", f"`{node.package}`", node.words.splitlines()[0])
+        for node in nodes
+    ]
+    return f"{MADE}\n# Nodes\n\n{table(('node', 'package', 'what it does'), rows)}"
+
+
+def page(node: NodeInterface) -> str:
+    """Return a node's page."""
+    command = f"    ros2 run {node.package} {node.executable}"
+    topics = [_port_row(port, when) for port, when in node.ports if port.way != "serves"]
+    services = [_port_row(port, when)[1:] for port, when in node.ports if port.way == "serves"]
+    parameters = [_parameter_row(one, heeded=heeded) for one, heeded in node.parameters]
+    return "\n".join(
+        [
+            f"{MADE}\n# {node.executable}\n\n{node.words}\n\n{command}\n\n## Topics\n",
+            table(("", "topic", "type", "quality of service", "only with"), topics),
+            "## Services\n",
+            table(("service", "type", "", "only with"), services),
+            "## Parameters\n",
+            table(("parameter", "default", "allowed", "in flight", "meaning"), parameters)
+            if parameters
+            else "None.\n",
+        ]
+    )
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a Markdown table; columns that are empty in every row are left out."""
+    kept = [column for column in range(len(head)) if any(row[column] for row in rows)]
+    lines = [[cells[column] for column in kept] for cells in (head, ["---"] * len(head), *rows)]
+    return "".join(f"| {' | '.join(map(_in_cell, cells))} |\n" for cells in lines)
+
+
+def _in_cell(text: str) -> str:
+    """Return text whose bars end no cell, and whose <name> is no HTML."""
+    parts = text.replace("|", r"\|").split("`")
+    return "`".join(part if inside % 2 else part.replace("<", "&lt;") for inside, part in enumerate(parts))
+
+
+def _port_row(port: RecordedPort, when: str) -> tuple[str, ...]:
+    return port.way, f"`{port.name}`", f"`{port.kind}`", port.quality, when
+
+
+def _parameter_row(one: Declared, *, heeded: bool) -> tuple[str, ...]:
+    changes = "may change" if heeded and not one.read_only else "fixed"
+    return f"`{one.name}`", f"`{_default(one.default)}`", one.allowed, changes, one.words
+
+
+def _default(default: object) -> str:
+    if isinstance(default, bool):
+        return str(default).lower()
+    if isinstance(default, str):
+        return f'"{default}"'
+    return str(default) if isinstance(default, int | float | list) else "[]"

@@ -1,0 +1,1 @@
+"""Live view: scene of plain shapes, trails, Foxglove server."""

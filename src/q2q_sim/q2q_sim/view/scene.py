@@ -1,0 +1,211 @@
+"""Build the picture of a flight from its signals: plain shapes that any viewer can draw.
+
+| group | shape | what it shows |
+|---|---|---|
+| vehicle | box | pose; grey while it coasts, dark when lost |
+| name | text | name, above the vehicle |
+| zone | cylinder | I(eps, d) about the vehicle; red while another vehicle is in it |
+| wake | line | where the air is that left the rotors: r(t - tau) - b(t - tau) w tau, b body z, w its speed |
+| force | arrow | eta, `force_scale` metres for each m/s^2 |
+| plan | line | the planned path; the recent reference where no plan is known |
+| replanned | line | what the replanner lets through, of the last `trail_s` |
+| flown | line | where the vehicle was, of the last `trail_s` |
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.geometry.rotations import rotate
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import (
+    Array,
+    Interference,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+    index_of,
+)
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.plant.wake import MEASURED_SPEED
+from q2q_sim.view.shapes import Colour, Point, Scene, Shape, ShapeKind
+from q2q_sim.view.trails import AirTrail, Span, Trail, point_of
+
+COLOURS: tuple[Colour, ...] = (
+    (0.12, 0.47, 0.71, 1.0),
+    (0.17, 0.63, 0.33, 1.0),
+    (0.84, 0.47, 0.09, 1.0),
+    (0.56, 0.27, 0.68, 1.0),
+)
+"""One a vehicle, in turn."""
+COASTING: Colour = (0.6, 0.6, 0.6, 1.0)
+LOST: Colour = (0.2, 0.2, 0.2, 1.0)
+CLEAR: Colour = (0.4, 0.6, 0.9, 0.12)
+BREACHED: Colour = (0.85, 0.1, 0.1, 0.3)
+AIR: Colour = (0.3, 0.75, 0.9, 0.8)
+FORCE: Colour = (0.9, 0.15, 0.15, 1.0)
+TEXT: Colour = (0.1, 0.1, 0.1, 1.0)
+REPLANNED: Colour = (0.95, 0.6, 0.1, 1.0)
+
+BODY: Point = (0.092, 0.092, 0.029)
+"""A Crazyflie's motor diagonal and height [m] (Bitcraze)."""
+TEXT_HEIGHT = 0.08
+"""[m]"""
+TEXT_ABOVE = 0.12
+"""How far above a vehicle its name stands [m]."""
+FORCE_SHOWN = 0.01
+"""The least draft that is drawn [m/s^2]: a thousandth of g."""
+PLAN_STEP = 0.1
+"""Between points of a planned path [s]."""
+THIN, THICK = 0.008, 0.02
+"""Widths of lines and arrows [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneParams:
+    """Parameters of the drawing."""
+
+    eps: float = tunable(Cylinder().eps, "radius of the zone", unit="m", low=0.01, high=10.0)
+    d: float = tunable(Cylinder().d, "half height of the zone", unit="m", low=0.01, high=10.0)
+    wake_speed: float = tunable(
+        MEASURED_SPEED, "speed at which the draft travels", unit="m/s", low=0.1, high=100.0
+    )
+    force_scale: float = tunable(0.3, "length of an arrow for 1 m/s^2", unit="m", low=0.0, high=10.0)
+    trail_s: float = tunable(10.0, "how much of the past is drawn", unit="s", low=0.1, high=600.0)
+    trail_hz: float = tunable(20.0, "points of the past for a second", unit="Hz", low=0.1, high=100.0)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds."""
+        check_bounds(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Glimpse:
+    """Signals known at one time; what is missing is not drawn."""
+
+    state: SwarmState
+    interference: Interference | None = None
+    reference: SwarmSetpoint | None = None
+    reference_safe: SwarmSetpoint | None = None
+
+
+class SceneBuilder:
+    """Builder of scenes; it keeps paths and air between ticks."""
+
+    def __init__(self, params: SceneParams) -> None:
+        """Take what is drawn how."""
+        self._params = params
+        self._plans: dict[str, tuple[Point, ...]] = {}
+        self._air: dict[str, AirTrail] = {}
+        self._trails: dict[tuple[str, str], Trail] = {}
+
+    def reset(self) -> None:
+        """Forget the past, and the plan."""
+        self._plans.clear()
+        self._air.clear()
+        self._trails.clear()
+
+    def take_plan(self, plan: SwarmPlan) -> None:
+        """Draw this plan from now on."""
+        for name, curve in zip(plan.names, plan.trajectories, strict=True):
+            times = np.arange(0.0, curve.duration + PLAN_STEP, PLAN_STEP).clip(max=curve.duration)
+            self._plans[name] = tuple(point_of(row) for row in curve.at(times)[:, :3])
+
+    def update(self, seen: Glimpse) -> Scene:
+        """Return the scene at the time of `seen.state`; call it in the order of time."""
+        state = seen.state
+        known = [row for row in range(len(state.names)) if np.isfinite(state.pos[row]).all()]
+        shapes = [
+            *(shape for row in known for shape in self._vehicle(state, row)),
+            *self._zones(state, known),
+            *(shape for row in known for shape in self._forces(seen, row)),
+            *self._paths(seen, known),
+        ]
+        return Scene(state.t, state.names, tuple(shapes))
+
+    def _vehicle(self, state: SwarmState, row: int) -> list[Shape]:
+        where, name = point_of(state.pos[row]), state.names[row]
+        x, y, z, w = state.quat[row].tolist()
+        above = (where[0], where[1], where[2] + TEXT_ABOVE)
+        colour = _colour(row, int(state.status[row]))
+        size = (0.0, 0.0, TEXT_HEIGHT)
+        return [
+            Shape(ShapeKind.BOX, "vehicle", row, colour, (where,), BODY, (x, y, z, w)),
+            Shape(ShapeKind.TEXT, "name", row, TEXT, (above,), size, text=name),
+            Shape(ShapeKind.LINE, "wake", row, AIR, self._blown(state, row), (THICK, 0.0, 0.0)),
+        ]
+
+    def _blown(self, state: SwarmState, row: int) -> tuple[Point, ...]:
+        air = self._air.setdefault(state.names[row], AirTrail())
+        axis = rotate(state.quat[row], np.array([0.0, 0.0, 1.0]))
+        air.add(state.t, state.pos[row], axis, self._params.d / self._params.wake_speed)
+        return air.at(state.t, self._params.wake_speed)
+
+    def _zones(self, state: SwarmState, known: list[int]) -> list[Shape]:
+        zone = Cylinder(self._params.eps, self._params.d)
+        inside = breached(state.pos[known], zone)
+        size = (2.0 * zone.eps, 2.0 * zone.eps, 2.0 * zone.d)
+        return [
+            Shape(
+                ShapeKind.CYLINDER, "zone", row, BREACHED if bad else CLEAR, (point_of(state.pos[row]),), size
+            )
+            for row, bad in zip(known, inside.tolist(), strict=True)
+        ]
+
+    def _forces(self, seen: Glimpse, row: int) -> list[Shape]:
+        eta = _of(seen.interference, seen.state.names[row])
+        if eta is None or not np.linalg.norm(eta) >= FORCE_SHOWN:
+            return []
+        tail = seen.state.pos[row]
+        ends = (point_of(tail), point_of(tail + self._params.force_scale * eta))
+        return [Shape(ShapeKind.ARROW, "force", row, FORCE, ends, (THICK, 0.0, 0.0))]
+
+    def _paths(self, seen: Glimpse, known: list[int]) -> list[Shape]:
+        made = []
+        for row in known:
+            name, own = seen.state.names[row], COLOURS[row % len(COLOURS)]
+            planned = self._trail("plan", name, seen.state.t, _setpoint_of(seen.reference, name))
+            safe = self._trail("replanned", name, seen.state.t, _setpoint_of(seen.reference_safe, name))
+            flown = self._trail("flown", name, seen.state.t, seen.state.pos[row])
+            faint = (*own[:3], 0.35)
+            made += [
+                Shape(ShapeKind.LINE, "plan", row, faint, self._plans.get(name, planned), (THIN, 0.0, 0.0)),
+                Shape(ShapeKind.LINE, "replanned", row, REPLANNED, safe, (THIN, 0.0, 0.0)),
+                Shape(ShapeKind.LINE, "flown", row, own, flown, (THIN, 0.0, 0.0)),
+            ]
+        return [shape for shape in made if len(shape.points) > 1]
+
+    def _trail(self, group: str, name: str, t: float, pos: Array | None) -> tuple[Point, ...]:
+        trail = self._trails.setdefault((group, name), Trail())
+        if pos is not None:
+            trail.add(t, point_of(pos), Span(self._params.trail_s, self._params.trail_hz))
+        return trail.as_points()
+
+
+def breached(pos: Array, zone: Cylinder) -> NDArray[np.bool_]:
+    """Return which vehicles at pos [m], (n, 3), have another in their zone, (n,)."""
+    inside = zone.signed_distance(pos[None, :] - pos[:, None]) < 0.0  # (n, n)
+    np.fill_diagonal(inside, val=False)
+    return np.asarray(inside.any(axis=1))
+
+
+def _of(signal: Interference | None, name: str) -> Array | None:
+    if signal is None:
+        return None
+    row = int(index_of((name,), signal.names)[0])
+    return signal.acc[row] if row >= 0 else None
+
+
+def _setpoint_of(signal: SwarmSetpoint | None, name: str) -> Array | None:
+    if signal is None:
+        return None
+    row = int(index_of((name,), signal.names)[0])
+    return signal.pos[row] if row >= 0 else None
+
+
+def _colour(row: int, status: int) -> Colour:
+    if status == TrackStatus.LOST:
+        return LOST
+    return COASTING if status == TrackStatus.COASTING else COLOURS[row % len(COLOURS)]

@@ -1,0 +1,60 @@
+"""Remember where vehicles were, and the air they blew, for pictures."""
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from q2q_model.signals.values import Array
+from q2q_sim.view.shapes import Point
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Length and resolution of the past that is kept."""
+
+    seconds: float
+    rate_hz: float
+
+
+@dataclass(slots=True)
+class Trail:
+    """Recent positions of one vehicle, each with its time [s]."""
+
+    points: deque[tuple[float, Point]] = field(default_factory=deque)
+
+    def add(self, t: float, point: Point, span: Span) -> None:
+        """Add a point if the last is old enough; forget what is too old, or all if time jumps back."""
+        if self.points and t < self.points[-1][0]:
+            self.points.clear()
+        if not self.points or t - self.points[-1][0] >= (1.0 - 1e-6) / span.rate_hz:
+            self.points.append((t, point))
+        while self.points and t - self.points[0][0] > span.seconds:
+            self.points.popleft()
+
+    def as_points(self) -> tuple[Point, ...]:
+        """Return the points, oldest first."""
+        return tuple(point for _, point in self.points)
+
+
+@dataclass(slots=True)
+class AirTrail:
+    """Recent rotor positions and blowing directions of one vehicle, each with its time [s]."""
+
+    parcels: deque[tuple[float, Array, Array]] = field(default_factory=deque)
+
+    def add(self, t: float, pos: Array, axis: Array, longest: float) -> None:
+        """Add the air that leaves now; forget what left longer ago than `longest` [s]."""
+        if self.parcels and t <= self.parcels[-1][0]:
+            self.parcels.clear()
+        self.parcels.append((t, pos, axis))
+        while t - self.parcels[0][0] > longest:
+            self.parcels.popleft()
+
+    def at(self, t: float, speed: float) -> tuple[Point, ...]:
+        """Return where the air is at time t [s], the youngest first."""
+        return tuple(point_of(pos - axis * speed * (t - left)) for left, pos, axis in reversed(self.parcels))
+
+
+def point_of(pos: Array) -> Point:
+    """Return a position (3,) as plain numbers."""
+    x, y, z = pos.tolist()
+    return x, y, z
