@@ -27,7 +27,7 @@ from q2q_control.flight_procedure.supervisor_info import READY
 from q2q_control.radio.cflib_link import OnboardPose
 from q2q_control.radio.firmware_params import difference
 from q2q_control.radio.link import CflibSender, LinkHealth
-from q2q_control.ros import radio_node, radio_topics, server_vehicles
+from q2q_control.ros import procedure_services, radio_node, radio_topics, server_vehicles
 from q2q_control.ros.crazyswarm_node import Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
 from q2q_control.ros.radio_node import RadioNode
