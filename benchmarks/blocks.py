@@ -1,8 +1,8 @@
 """Time one tick of every block of a flight, in turn as `closed_loop` runs them: with caches as cold as there.
 
-table6 and a swarm are flown aware of the draft, in ideal rooms, without replanning. A block's figure is the
-median over the flight's ticks; beside it the least. Lockstep adds up these and the transport. The reference
-is the tick itself: how often a block could run within the 10 ms that a tick has in real time.
+table6 and a swarm are flown aware of the downwash, in ideal rooms, without replanning. A block's figure is
+the median over the flight's ticks; beside it the least. Lockstep adds up these and the transport. The
+reference is the tick itself: how often a block could run within the 10 ms that a tick has in real time.
 """
 
 from collections import defaultdict
@@ -64,9 +64,9 @@ def _flown(name: str, ticks: int) -> dict[str, list[float]]:
     for _ in range(ticks):
         tick = timed("room capture", room.capture)
         state = timed("mocap filter", blocks.mocap_filter.update, tick.frame)
-        draft = timed("interference", blocks.predictor.update, state)
+        downwash = timed("interference", blocks.predictor.update, state)
         planned = timed("trajectory", setpoint_at, blocks.plan, tick.frame.t)
         given = timed("replanner", blocks.replanner.update, planned, state)
-        command = timed("pid", blocks.controller.update, state, given, draft)
+        command = timed("pid", blocks.controller.update, state, given, downwash)
         timed("room advance", room.advance, command)
     return dict(spent)

@@ -16,7 +16,7 @@ from q2q_control.explicit.teacher import Teacher, seen
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_downwash
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
@@ -32,7 +32,7 @@ from row import Row
 DT = 0.01
 """The house's tick [s]."""
 STEPS = 300
-"""Ticks of a measured flight: 3 s, the draft's rise, its limit and its end."""
+"""Ticks of a measured flight: 3 s, the downwash's rise, its limit and its end."""
 PARAMS = MpcParams(latency=0.0, thrust_limited=True)
 
 
@@ -118,7 +118,7 @@ def _cost_of(problem: LqProblem, inputs: Array) -> float:
 
 
 def _problem() -> LqProblem:
-    """Return the joint problem of a pair two seconds before the draft's middle."""
+    """Return the joint problem of a pair two seconds before the downwash's middle."""
     stages = PARAMS.steps
     up = chain(0.0, PARAMS.step, ChainWeights(PARAMS.bandwidth_z, PARAMS.jerk))
     times = np.linspace(0.0, PARAMS.horizon, stages + 1)
@@ -126,14 +126,14 @@ def _problem() -> LqProblem:
     reference[0, :, 2], reference[1, :, 2], reference[1, :, 1] = 1.5, 2.0, 0.1 - 0.05 * times
     axis = np.tile([0.0, 0.0, 1.0], (2, stages, 1))
     path = np.ascontiguousarray(reference[..., :3].transpose(1, 0, 2))
-    drafts = predict_drafts(PAPER_LAW, Tracks(times, path, axis, np.ones(2), 0), SlopeRule((2,), 10.0))
+    downwash = predict_downwash(PAPER_LAW, Tracks(times, path, axis, np.ones(2), 0), SlopeRule((2,), 10.0))
     start = np.zeros((2, 3, 3))
     start[:, 2, 0] = [1.49, 2.0]
     high = np.full((2, 3), 6.6 / 0.65 - 9.81)
     asked = Horizon(
-        start, reference, drafts.eta, reference[..., :3].copy(), high - 10.0, high, np.full(3, np.inf)
+        start, reference, downwash.eta, reference[..., :3].copy(), high - 10.0, high, np.full(3, np.inf)
     )
-    return joint_problem(group_shape(2, (2,), (up, up, up), stages), np.arange(2), asked, drafts)
+    return joint_problem(group_shape(2, (2,), (up, up, up), stages), np.arange(2), asked, downwash)
 
 
 def _condensed(problem: LqProblem) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
 """Time the fast training loss beside the paper's, and the fits beside what the paper does.
 
-One run, one core, the same flights: six passes as in Table 2, with a known loop and draft. The paper's way is
-measured by the iteration (q2q_model.identification.networks.torch_training, torch, Dormand-Prince) and
+One run, one core, the same flights: six passes as in Table 2, with a known loop and downwash. The paper's
+way is measured by the iteration (q2q_model.identification.networks.torch_training, torch, Dormand-Prince) and
 reckoned with as many iterations as ours takes, for both take the same steps of Adam on the same loss. For
 the same held-out error it is reckoned with the steps that Adam needs to come down to the error of our fit,
 at most `LONGEST`.
@@ -21,7 +21,7 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.gains.trajectory_gains import gains_by_powell, gains_from_trajectories
 from q2q_model.identification.networks.fit import NetworkFitParams, adam, random_weights, ridge_start
 from q2q_model.identification.networks.gradient import unpack
@@ -129,7 +129,7 @@ def _whole_identify() -> Row:
 
 
 def _calm(record: AltitudeRecord) -> AltitudeRecord:
-    """Return the same flight without drafts, begun 0.3 m above its reference."""
+    """Return the same flight without downwash, begun 0.3 m above its reference."""
     start = np.array([[0.3, 0.3], [0.0, 0.0]])
     pos = record.pos.copy()
     pos[..., 2] = record.ref[..., 0] + free_response(LOOP, DT, start, np.zeros(record.lift.shape))
@@ -154,10 +154,10 @@ def _flight(number: int, gap: float, speed: float) -> AltitudeRecord:
     ref = np.zeros((ticks, 2, 3))
     ref[:, :, 0] = [1.0, 1.0 + gap]
     z, eta = ref[..., 0].copy(), np.zeros((ticks, 2))
-    for _ in range(20):  # the altitudes that their own drafts make
+    for _ in range(20):  # the altitudes that their own downwash make
         rel = np.stack([0.0 * t, y, z[:, 1] - z[:, 0]], axis=-1)
         eta = np.stack([PAPER_LAW.acceleration(s * rel, at_rest(rel))[:, 2] for s in (1.0, -1.0)], axis=1)
-        z = ref[..., 0] + draft_response(LOOP, DT, eta)
+        z = ref[..., 0] + downwash_response(LOOP, DT, eta)
     pos = np.zeros((ticks, 2, 3))
     pos[:, 1, 1], pos[..., 2] = y, z + NOISE * np.random.default_rng(number).standard_normal(z.shape)
     still = np.zeros_like(pos)

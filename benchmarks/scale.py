@@ -1,6 +1,6 @@
 """Time the whole road for swarms of many sizes: live and in lockstep, one process a node and `stack`.
 
-Vehicles fly in pairs on a grid of 2 m, the upper half a metre over the lower, which feels its draft.
+Vehicles fly in pairs on a grid of 2 m, the upper half a metre over the lower, which feels its downwash.
 CPU is that of all nodes, simulator and recorder among them, in cores (1 is one core fully used), between a
 fifth of the flight and its end. A virtual machine's host may take the processor away for milliseconds, and
 ticks are missed then: how much it took is told. The reference of live latency is the tick of 10 ms, that of

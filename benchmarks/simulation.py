@@ -1,8 +1,8 @@
 """Time the bare simulator: drone-steps a second for 1 to 1000 vehicles, compiled beside plain numpy.
 
-A drone-step is one vehicle moved by one 2 ms physics step: attitude loop, rotors, rigid body and the drafts
+A drone-step is one vehicle moved by one 2 ms physics step: attitude loop, rotors, rigid body and the downwash
 of all its neighbours. Vehicles start as `swarmN` does (two rings, half a metre above each other, 0.6 m apart)
-and tilt in turn, so that drafts are near. Both simulators take the same steps, by turns in the same run, and
+and tilt in turn, so that downwash is near. Both simulators take the same steps, by turns in the same run, and
 each counts its fastest round in processor time, so that other programs disturb little. Beside them, how much
 faster than real time one core flies the swarm.
 """

@@ -37,7 +37,7 @@ from q2q_sim.tools.compile_kernels import import_kernels
 from q2q_sim.view.scene import Glimpse, SceneBuilder, SceneParams
 
 SHORT_ROOM = library.load(str(ROOT / "test" / "scenarios" / "short_room.yaml"))
-Heard = list[dict[str, Signal]]
+RecordedSignal = list[dict[str, Signal]]
 
 
 def main() -> None:
@@ -73,9 +73,9 @@ def faults_in_turn(scenario: Scenario) -> list[Fault]:
     return made
 
 
-def flown(scenario: Scenario, controller: str, replan: str) -> Heard:
+def flown(scenario: Scenario, controller: str, replan: str) -> RecordedSignal:
     """Fly without ROS; return what was heard at each tick."""
-    heard: Heard = []
+    heard: RecordedSignal = []
 
     def hear(topic: str, _: int, signal: Signal) -> None:
         if topic == "truth":
@@ -87,7 +87,7 @@ def flown(scenario: Scenario, controller: str, replan: str) -> Heard:
     return heard
 
 
-def drawn(heard: Heard) -> None:
+def drawn(heard: RecordedSignal) -> None:
     """Draw a flight as the view does."""
     builder = SceneBuilder(SceneParams())
     for tick in heard:
@@ -97,7 +97,7 @@ def drawn(heard: Heard) -> None:
         builder.update(Glimpse(state, reference_safe=reference))
 
 
-def controlled_explicitly(heard: Heard) -> None:
+def controlled_explicitly(heard: RecordedSignal) -> None:
     """Distil an explicit law, fly it through encounters, and let it answer a flight."""
     rng = np.random.default_rng(0)
     known = find_model("paper_law").interaction

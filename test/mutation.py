@@ -49,11 +49,18 @@ ROOMS = (
     Room(
         tuple(
             f"q2q_control.{name}"
-            for name in ("fallback", "transit", "blind_braking", "making_way", "guard", "tick_watch")
+            for name in (
+                "fallback",
+                "transit",
+                "dead_reckoned_braking",
+                "descent_evasion",
+                "guard",
+                "tick_watch",
+            )
         ),
         tuple(
             f"src/q2q_control/test/test_{name}.py"
-            for name in ("guard", "fallback", "blind_braking", "making_way")
+            for name in ("guard", "fallback", "dead_reckoned_braking", "descent_evasion")
         ),
         "not mpc",
     ),
@@ -79,7 +86,7 @@ ROOMS = (
         "not no_gate and not no_numbers",
     ),
     Room(
-        tuple(f"q2q_planner.{name}" for name in ("safe_replanner", "sightings", "held_motion", "scene")),
+        tuple(f"q2q_planner.{name}" for name in ("safe_replanner", "sightings", "committed_motion", "scene")),
         tuple(
             f"src/q2q_planner/test/test_{name}.py"
             for name in ("scene", "safe_tick", "safe_replanner", "encounters")

@@ -258,13 +258,13 @@ class ProcedureRoom:
         stamp = seen.frame_stamp_ns
         self.mocap(seen.frame, stamp)
         state = self.blocks.mocap_filter.update(seen.frame)
-        draft = self.blocks.predictor.update(state)
+        downwash = self.blocks.predictor.update(state)
         wanted = self.player.update(seen.frame)
         self.give("state", state, stamp)
-        self.give("interference", draft, stamp)
+        self.give("interference", downwash, stamp)
         self.give("reference_safe", wanted, stamp)
         if self.node is not None and "command" in self.node.takers:
-            self.give("command", self.blocks.controller.update(state, wanted, draft), stamp)
+            self.give("command", self.blocks.controller.update(state, wanted, downwash), stamp)
         if self.node is not None and self.room.tick % 2 == 0:
             for period, act in self.node.timers:
                 if period < 0.1:

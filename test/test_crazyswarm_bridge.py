@@ -141,20 +141,20 @@ def test_the_writer_of_poses_offers_the_deadline_that_the_servers_ask_for() -> N
 
 
 @pytest.mark.usefixtures("packages")
-def test_full_states_carry_setpoint_and_draft_once_the_procedure_lets_them(
+def test_full_states_carry_setpoint_and_downwash_once_the_procedure_lets_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     node = _Node(poses_in="", aware=True)
     Crazyswarm(node)
     monkeypatch.setattr(ProcedureServices, "follows", lambda *_: True)
-    setpoint, draft = (rehearsal(kind, 0.0, NAMES) for kind in (SwarmSetpoint, Interference))
+    setpoint, downwash = (rehearsal(kind, 0.0, NAMES) for kind in (SwarmSetpoint, Interference))
     setpoint = replace(
         setpoint, pos=np.arange(6.0).reshape(2, 3), acc=np.ones((2, 3)), yaw_rate=np.array([0.1, 0.2])
     )
-    draft = replace(draft, acc=np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.25]]))
+    downwash = replace(downwash, acc=np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.25]]))
     node.give(setpoint)
     assert node.out["cf1/cmd_full_state"].messages == []
-    node.give(draft)
+    node.give(downwash)
     (message,) = node.out["cf2/cmd_full_state"].messages
     assert message.pose.position == Point(x=3.0, y=4.0, z=5.0)
     assert (message.acc.x, message.acc.y, message.acc.z) == (1.0, 1.0, 0.75)

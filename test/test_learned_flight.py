@@ -1,4 +1,4 @@
-"""Fly Table 6 with the draft that `identify` learned from recorded flights: model and plant differ."""
+"""Fly Table 6 with the downwash that `identify` learned from recorded flights: model and plant differ."""
 
 from pathlib import Path
 

@@ -137,7 +137,7 @@ class _Server:
     """Crazyswarm2's server, as far as the procedure goes: cflib's encoders behind its services and topics."""
 
     room: ProcedureRoom
-    deaf: set[str] = field(default_factory=set)
+    ignore_signals: set[str] = field(default_factory=set)
     """Services that answer and do nothing."""
     tells: set[str] = field(default_factory=lambda: {"status", "onboard", "parameters"})
     """What it was set up to tell."""
@@ -205,7 +205,7 @@ class _Server:
         def serve(request: object) -> object:
             self.room.log.append(name)
             for row in range(2):
-                if name not in self.deaf:
+                if name not in self.ignore_signals:
                     act(row, request)
             return object()
 
@@ -443,11 +443,11 @@ def test_a_landing_that_does_not_happen_is_not_a_success(monkeypatch: pytest.Mon
     room, server = by_bridge(monkeypatch, SHORT)
     room.wait(1.5)
     assert room.call(Call.TAKE_OFF).granted
-    server.deaf.add("land")
+    server.ignore_signals.add("land")
     reply = room.call(Call.LAND)
     assert not reply.granted
     assert "not on the ground: cf1 is at 0.5" in reply.reason
-    server.deaf.clear()
+    server.ignore_signals.clear()
     assert room.call(Call.LAND).granted
 
 

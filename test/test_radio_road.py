@@ -22,7 +22,7 @@ from q2q_control.radio.link import CflibSender, LinkHealth
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_pilot import Phase, RadioPilot
 from q2q_control.radio.rpyt_scale import LegacyScale
-from q2q_control.radio.setpoints import full_states, level_stick, sticks
+from q2q_control.radio.setpoints import full_states, level_rpyt, rpyt_setpoints
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
@@ -98,7 +98,7 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
     pilot = RadioPilot(
         {name: road.link(k) for k, name in enumerate(names)},
         RadioPilotParams(),
-        level_stick(scenario.vehicle.hover_thrust, scale) if by == "stick" else None,
+        level_rpyt(scenario.vehicle.hover_thrust, scale) if by == "stick" else None,
     )
     for vehicle in road.fleet.vehicles:
         vehicle.firmware.parameters.set("stabilizer.controller", MELLINGER if by == "full state" else 1)
@@ -107,9 +107,9 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
         tick = road.room.capture()
         t = tick.frame.t
         state = blocks.mocap_filter.update(tick.frame)
-        draft = blocks.predictor.update(state)
+        downwash = blocks.predictor.update(state)
         wanted = setpoint_at(blocks.plan, t)
-        aware = draft if mode != "ignoring" else None
+        aware = downwash if mode != "ignoring" else None
         pilot.watch(t)
         pilot.places(state, t)
         if k == 1:  # the filter trusts no first sample
@@ -118,7 +118,7 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
                 pilot.watch(t)
         if by == "stick":
             command = blocks.controller.update(state, wanted, aware)
-            pilot.fly_sticks(names, sticks(command, scale), t)
+            pilot.fly_rpyt(names, rpyt_setpoints(command, scale), t)
         else:
             pilot.fly_full_states(names, full_states(wanted, aware), t)
         errors.append(tick.truth.pos[:, 2] - wanted.pos[:, 2])

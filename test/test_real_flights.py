@@ -50,7 +50,7 @@ def test_gains_from_thrust_commands_are_those_that_flew(recordings: dict[str, Re
     found = gains_from_commands([recorded_altitudes(recordings[name], CRAZYFLIE_2_0) for name in KNOWN_GAINS])
     assert found.k_p.value == pytest.approx(10.0, rel=0.1)  # issue 3 asks for 10 %
     assert found.k_d.value == pytest.approx(5.0, rel=0.1)
-    assert found.needs_offset  # each flight's constant, which a PD law without offset takes for draft
+    assert found.needs_offset  # each flight's constant, which a PD law without offset takes for downwash
 
 
 @needs_flights

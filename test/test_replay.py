@@ -41,14 +41,14 @@ def replayed(frames: list[MocapFrame], tmp_path_factory: pytest.TempPathFactory)
     return replay(folder / "bag", "measured_law", folder / "nodes")
 
 
-def test_every_frame_is_answered_with_the_states_and_drafts_of_the_blocks(
+def test_every_frame_is_answered_with_the_states_and_downwashs_of_the_blocks(
     frames: list[MocapFrame], replayed: Flight
 ) -> None:
     block = MocapFilter(MocapFilterParams(), ("cf1", "cf2"))
     predictor = InteractionPredictor(find_model("measured_law").interaction)
     states = [block.update(frame) for frame in frames]
-    drafts = [predictor.update(state) for state in states]
+    felt = [predictor.update(state) for state in states]
     assert len(replayed.t) == TICKS
     np.testing.assert_array_equal(replayed.pos, [state.pos for state in states])
     np.testing.assert_array_equal(replayed.vel, [state.vel for state in states])
-    np.testing.assert_array_equal(replayed.eta, [draft.acc for draft in drafts])
+    np.testing.assert_array_equal(replayed.eta, [downwash.acc for downwash in felt])

@@ -68,10 +68,10 @@ def shown(node: StandInNode, flight: Flight, tick: int) -> None:
     t, n = float(flight.t[tick]), len(flight.names)
     flags = np.zeros(n, dtype=np.uint8)
     spread = np.full((n, 3), np.nan)
-    draft = Interference(t, flight.names, flight.eta[tick], spread, flags)
+    downwash = Interference(t, flight.names, flight.eta[tick], spread, flags)
     zeros = np.zeros((n, 3))
     state = SwarmState(t, flight.names, flight.pos[tick], zeros, flight.quat[tick], zeros, np.zeros(n), flags)
-    node.hear(draft, round(t * 1e9))
+    node.hear(downwash, round(t * 1e9))
     node.hear(state, round(t * 1e9))
 
 
@@ -90,7 +90,7 @@ def test_markers_stand_where_the_state_says_in_every_tick_of_a_flight(flight: Fl
         assert at == flight.pos[tick].tolist()
 
 
-def test_force_arrows_are_the_predicted_draft(flight: Flight):
+def test_force_arrows_are_the_predicted_downwash(flight: Flight):
     node = Viewed(scene_hz=100.0)
     View(node)
     worst = int(np.argmin(flight.eta[:, 0, 2]))

@@ -11,10 +11,10 @@ from q2q_control.mpc.horizon_solver import groups_of
 from q2q_control.mpc.prediction.downwash_horizon import (
     DELTA,
     FAINT,
-    DraftHorizon,
+    DownwashHorizon,
     SlopeRule,
     Tracks,
-    predict_drafts,
+    predict_downwash,
 )
 from q2q_control.mpc.prediction.downwash_stages import extent, gather, meeting
 from q2q_control.mpc.problem.horizon import Horizon
@@ -55,7 +55,7 @@ def horizon_of(n: int, seed: int) -> Horizon:
     )
 
 
-def drafts_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array, Array, bool]:
+def downwash_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array, Array, bool]:
     """Return one pair's law (N, 3), its slope along z (N, 3), whether it counts: no compiled loop."""
     path = tracks.pos[tracks.first :]
     middle, step = 0.5 * (path[1:] + path[:-1]), np.diff(tracks.times[tracks.first :])[:, None]
@@ -75,16 +75,16 @@ def drafts_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array, 
 
 @pytest.mark.parametrize("model", [MEASURED_LAW, MOVING_LAW])
 @pytest.mark.parametrize("n", [2, 3, 6])  # all pairs, all pairs, the sweep over x
-def test_drafts_are_those_of_numpy_pair_by_pair(model: Jet, n: int):
+def test_downwashs_are_those_of_numpy_pair_by_pair(model: Jet, n: int):
     tracks = stacked_tracks(n, n)
-    found = predict_drafts(model, tracks, SlopeRule((2,), 10.0))
+    found = predict_downwash(model, tracks, SlopeRule((2,), 10.0))
     pairs = set(zip(found.i.tolist(), found.j.tolist(), strict=True))
     total = np.zeros((n, STAGES, 3))
     for i in range(n):
         for j in range(n):
             if i == j:
                 continue
-            law, slope, counts = drafts_by_numpy(model, tracks, i, j)
+            law, slope, counts = downwash_by_numpy(model, tracks, i, j)
             assert ((i, j) in pairs) is counts
             if (i, j) in pairs:
                 total[i] += law
@@ -118,14 +118,14 @@ def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
     n, group = 4, np.array([1, 3])
     shape, horizon = group_shape(2, (0, 2), MODELS, STAGES), horizon_of(n, 3)
     slope = rng.normal(size=(2, STAGES, 3, 3))
-    drafts = DraftHorizon(horizon.push, np.array([1, 3]), np.array([3, 1]), slope)
+    downwash = DownwashHorizon(horizon.push, np.array([1, 3]), np.array([3, 1]), slope)
     guess = rng.integers(0, 3, (n, STAGES, 3)).astype(np.int8)
     pos, inputs = np.full((n, STAGES + 1, 3), np.nan), np.full((n, STAGES, 3), np.nan)
     pattern = np.zeros((n, STAGES, 3), np.int8)
-    slopes = (drafts.i, drafts.j, drafts.slope)
+    slopes = (downwash.i, downwash.j, downwash.slope)
     used, converged, finite = solve_group((shape, group), horizon, slopes, (guess, pos, inputs, pattern), 30)
     start = np.stack([guess[v, :, axis] for v in group for axis in (0, 2)], axis=1)
-    apart = solve(joint_problem(shape, group, horizon, drafts), start, 30)
+    apart = solve(joint_problem(shape, group, horizon, downwash), start, 30)
     assert (used, converged, finite) == (apart.iterations, apart.converged, True)
     for c, (v, axis) in enumerate((v, axis) for v in group for axis in (0, 2)):
         assert np.array_equal(pos[v, :, axis], apart.states[:, 3 * c])

@@ -24,9 +24,9 @@ from q2q_control.explicit.law import (
     to_text,
 )
 from q2q_control.explicit.situations import random_encounters, random_situations
-from q2q_control.explicit.teacher import Teacher, answers, drafts_between, seen
+from q2q_control.explicit.teacher import Teacher, answers, downwash_between, seen
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_downwash
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.solver.chain_sweep import sweep_gains
@@ -139,18 +139,18 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
         reference[..., 5] = start[:, 2, 1, None] - asked.states[k, :, 1, None]
         for _ in range(2):
             tracks = Tracks(times, np.ascontiguousarray(path.transpose(1, 0, 2)), axis, np.ones(2), 0)
-            drafts = predict_drafts(PAPER_LAW, tracks, SlopeRule((2,), PARAMS.slope_max))
-            push = drafts.eta.copy()
+            downwash = predict_downwash(PAPER_LAW, tracks, SlopeRule((2,), PARAMS.slope_max))
+            push = downwash.eta.copy()
             push[..., 2] += asked.extra[k]
             low, rate = np.full((2, 3), TEACHER.bounds[0]), np.full(3, np.inf)
             horizon = Horizon(start, reference, push, path, np.minimum(low, bound), bound, rate)
-            found = solve(joint_problem(shape, np.array([0, 1]), horizon, drafts), None, 60)
+            found = solve(joint_problem(shape, np.array([0, 1]), horizon, downwash), None, 60)
             path[..., 2] = found.states[:, 0::3].T
-        # faint drafts are none there; they are below 1e-4 m/s^2
+        # faint downwash is none there; they are below 1e-4 m/s^2
         assert np.allclose(found.inputs[0], said.inputs[k], atol=5e-4)
 
 
-def test_drafts_come_from_where_their_source_was():
+def test_downwashs_come_from_where_their_source_was():
     teacher = Teacher(PARAMS, CRAZYFLIE_2_0, MEASURED_LAW, 0.6)
     gliding = random_situations(1, PARAMS.step, np.random.default_rng(0))
     t = np.arange(STAGES + 1) * PARAMS.step
@@ -159,7 +159,9 @@ def test_drafts_come_from_where_their_source_was():
     still, moving = paths.copy(), paths.copy()
     still[0, 0, :, 1] = 0.5 * t - 0.5  # the lower one glides under a hovering one
     moving[0, 1, :, 1] = -0.5 * t + 0.5  # the upper one glides over a hovering one
-    (eta_still, _), (eta_moving, _) = (drafts_between(path, np.zeros(1), teacher) for path in (still, moving))
+    (eta_still, _), (eta_moving, _) = (
+        downwash_between(path, np.zeros(1), teacher) for path in (still, moving)
+    )
     # at the middle of stage 19, 0.975 s, the two are 12.5 mm apart; the air takes 0.1 s = 50 mm of glide
     width = MEASURED_LAW.width
     peak = MEASURED_LAW.strength * np.exp(-MEASURED_LAW.decay_rate * 0.35)
@@ -172,7 +174,7 @@ def test_where_no_bound_is_met_the_law_is_the_optimum():
     asked = random_situations(200, PARAMS.step, np.random.default_rng(7))
     law = distil(calm, replace(SHORT, situations=200), np.random.default_rng(8))
     off = evaluate(law, seen(asked, calm)) - answers(asked, calm).inputs[:, 0]
-    # slopes are not in the linear law: a draft changes by 1 m/s^2 a metre, errors of cm pass within 0.2 s
+    # slopes are not in the linear law: downwash changes by 1 m/s^2 a metre, errors of cm pass within 0.2 s
     assert np.percentile(np.abs(off), 95) < 0.02
     assert not law.last.any()
 
@@ -197,22 +199,24 @@ def test_in_unseen_encounters_the_law_costs_at_most_five_percent_more_than_the_h
 
 def test_a_vehicle_alone_hovers_and_a_broken_state_is_survived():
     flown = explicit_controller(random_law(), PARAMS, TEXTBOOK_065, PAPER_LAW)
-    state, setpoint, draft = alone()
-    assert flown.update(state, setpoint, draft).thrust[0] == pytest.approx(0.65 * GRAVITY)
+    state, setpoint, downwash = alone()
+    assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(0.65 * GRAVITY)
     broken = replace(state, t=0.01, pos=np.full((1, 3), np.nan))
-    command = flown.update(broken, replace(setpoint, t=0.01), replace(draft, t=0.01))
+    command = flown.update(broken, replace(setpoint, t=0.01), replace(downwash, t=0.01))
     assert np.isfinite(command.thrust).all()
 
 
 def test_a_bound_below_hover_and_a_reference_out_of_reach_are_survived():
     low = replace(random_law(), bounds=np.array([-9.0, 6.0 / 0.65 - GRAVITY]))
     flown = explicit_controller(low, replace(PARAMS, thrust_max=6.0), TEXTBOOK_065, PAPER_LAW)
-    state, setpoint, draft = alone()
-    assert flown.update(state, setpoint, draft).thrust[0] == pytest.approx(6.0)
+    state, setpoint, downwash = alone()
+    assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(6.0)
     far = replace(setpoint, t=0.01, pos=np.array([[0.0, 0.0, 100.0]]))
-    assert flown.update(replace(state, t=0.01), far, replace(draft, t=0.01)).thrust[0] == pytest.approx(6.0)
+    assert flown.update(replace(state, t=0.01), far, replace(downwash, t=0.01)).thrust[0] == pytest.approx(
+        6.0
+    )
     deep = replace(setpoint, t=0.02, pos=np.array([[0.0, 0.0, -100.0]]))
-    assert 0.0 <= flown.update(replace(state, t=0.02), deep, replace(draft, t=0.02)).thrust[0] < 6.0
+    assert 0.0 <= flown.update(replace(state, t=0.02), deep, replace(downwash, t=0.02)).thrust[0] < 6.0
 
 
 def test_a_law_of_another_vehicle_or_horizon_is_refused():

@@ -42,7 +42,7 @@ class _Bench:
     seen_at: float = 100.0
     heard_at: float = 100.0
     blind: bool = False
-    deaf: bool = False
+    ignore_signals: bool = False
     reports: tuple[VehicleReport, ...] = (WELL, replace(WELL, name="cf2"))
     plan: PlanOutline | None = PLAN
     refuses: dict[Act, str] = field(default_factory=dict)
@@ -69,7 +69,7 @@ class _Bench:
         for _ in range(round(seconds / STEP)):
             self.t += STEP
             self.seen_at = self.seen_at if self.blind else self.t
-            if not self.deaf:
+            if not self.ignore_signals:
                 self.heard_at = self.t
                 self.procedure.follows(self.wanted)
             self.procedure.update(self.observe(), self.outcome, self.t)
@@ -301,7 +301,7 @@ def test_a_setpoint_that_jumps_in_flight_is_not_flown_and_all_land() -> None:
 
 def test_setpoints_that_stay_away_land_all() -> None:
     bench = up_to(Step.FLIGHT)
-    bench.deaf = True
+    bench.ignore_signals = True
     bench.wait(8.0)
     assert bench.acts == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
     assert any("no setpoint for 2.0" in line for line in bench.said)

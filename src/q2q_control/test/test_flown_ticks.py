@@ -29,7 +29,7 @@ class _Procedure:
         return self.grants
 
 
-def test_a_setpoint_waits_for_the_draft_of_its_own_tick() -> None:
+def test_a_setpoint_waits_for_the_downwash_of_its_own_tick() -> None:
     health = Health()
     ticks = FlownTicks("setpoint", health, aware=True)
     ticks.procedure = _Procedure()
@@ -37,16 +37,16 @@ def test_a_setpoint_waits_for_the_draft_of_its_own_tick() -> None:
     assert ticks.take("interference", 20, DRAFT) is None
     whole = ticks.take("interference", 10, DRAFT)
     assert whole is not None
-    assert (whole.flown, whole.command, whole.setpoint, whole.draft) == (True, None, SETPOINT, DRAFT)
+    assert (whole.flown, whole.command, whole.setpoint, whole.downwash) == (True, None, SETPOINT, DRAFT)
     assert health.ticks == 1
 
 
-def test_a_setpoint_alone_is_a_tick_where_no_draft_is_compensated() -> None:
+def test_a_setpoint_alone_is_a_tick_where_no_downwash_is_compensated() -> None:
     ticks = FlownTicks("setpoint", Health(), aware=False)
     ticks.procedure = _Procedure()
     whole = ticks.take("reference_safe", 10, SETPOINT)
     assert whole is not None
-    assert (whole.flown, whole.setpoint, whole.draft) == (True, SETPOINT, None)
+    assert (whole.flown, whole.setpoint, whole.downwash) == (True, SETPOINT, None)
 
 
 @pytest.mark.parametrize("grants", [True, False])

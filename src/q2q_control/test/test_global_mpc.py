@@ -6,7 +6,7 @@ import pytest
 from q2q_control.global_mpc import networks
 from q2q_control.global_mpc.collocation import solve_collocation
 from q2q_control.global_mpc.networks import NetworkSolutionParams, solve_networks
-from q2q_control.global_mpc.problem import GlobalProblem, drafts, thrust_acceleration, z_rmse
+from q2q_control.global_mpc.problem import GlobalProblem, downwash, thrust_acceleration, z_rmse
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
@@ -14,7 +14,7 @@ from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 
 def slow_pass(count: int = 81, seconds: float = 8.0) -> GlobalProblem:
-    """Return cf1 hovering and cf2 gliding over it at 0.05 m/s: more draft than 6.6 N can carry."""
+    """Return cf1 hovering and cf2 gliding over it at 0.05 m/s: more downwash than 6.6 N can carry."""
     t = np.linspace(0.0, seconds, count)
     reference = np.zeros((2, count, 9))
     reference[0, :, 2] = 1.5
@@ -38,7 +38,7 @@ def test_networks_and_collocation_reach_the_same_flight():
     by_networks = solve_networks(
         problem, NetworkSolutionParams(hidden=12, iterations=25), np.random.default_rng(1)
     )
-    hover = drafts(PAPER_LAW, problem.reference[..., :3])[0, :, 2].min()
+    hover = downwash(PAPER_LAW, problem.reference[..., :3])[0, :, 2].min()
     assert hover < -0.38  # beyond the 0.344 m/s^2 that 6.6 N leave
     for solution in (by_collocation, by_networks):
         assert z_rmse(problem, solution).max() < 0.012
@@ -49,7 +49,7 @@ def test_networks_and_collocation_reach_the_same_flight():
     assert np.abs(by_collocation.pos - by_networks.pos).max() < 0.02
 
 
-def test_without_draft_the_reference_itself_is_the_solution():
+def test_without_downwash_the_reference_itself_is_the_solution():
     problem = slow_pass(41)
     calm = GlobalProblem(problem.times, problem.reference, TEXTBOOK_065, 6.6, NoInteraction())
     solution = solve_collocation(calm)

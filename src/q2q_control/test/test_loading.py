@@ -1,9 +1,9 @@
-"""A source that carries a draft of its own throws more air: the horizon may count that."""
+"""A source that carries downwash of its own throws more air: the horizon may count that."""
 
 import numpy as np
 
 from q2q_control.inputs.alignment import align
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_downwash
 from q2q_control.mpc.prediction.surroundings import Surroundings
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
@@ -28,9 +28,9 @@ def tracks_of(loading: float, lift: float) -> Tracks:
     return surroundings.tracks(align(state, setpoint, None), state, (times, path, inputs), 0.0)
 
 
-def test_a_draft_grows_with_its_sources_thrust_as_far_as_the_loading_says():
+def test_a_downwash_grows_with_its_sources_thrust_as_far_as_the_loading_says():
     rule = SlopeRule((2,), 100.0)
-    paper, loaded = (predict_drafts(PAPER_LAW, tracks_of(share, 2.0), rule) for share in (0.0, 0.5))
+    paper, loaded = (predict_downwash(PAPER_LAW, tracks_of(share, 2.0), rule) for share in (0.0, 0.5))
     growth = 1.0 + 0.5 * 2.0 / GRAVITY  # half of what the thrust exceeds the weight by
     assert paper.eta[0, 0, 2] < -0.1
     assert np.allclose(loaded.eta[0], growth * paper.eta[0], rtol=1e-12)
@@ -39,7 +39,7 @@ def test_a_draft_grows_with_its_sources_thrust_as_far_as_the_loading_says():
     assert np.allclose(loaded.slope[feels], growth * paper.slope[feels], rtol=1e-12)
 
 
-def test_hovering_sources_have_the_drafts_of_the_law_whatever_the_loading():
+def test_hovering_sources_have_the_downwashs_of_the_law_whatever_the_loading():
     rule = SlopeRule((2,), 100.0)
-    paper, loaded = (predict_drafts(PAPER_LAW, tracks_of(share, 0.0), rule) for share in (0.0, 1.0))
+    paper, loaded = (predict_downwash(PAPER_LAW, tracks_of(share, 0.0), rule) for share in (0.0, 1.0))
     assert np.allclose(loaded.eta, paper.eta, rtol=1e-12)

@@ -1,4 +1,4 @@
-"""The receding-horizon controller sees drafts coming, keeps its limits, and falls back as documented."""
+"""The receding-horizon controller sees downwash coming, keeps its limits, and falls back as documented."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -8,7 +8,7 @@ import pytest
 
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_drafts
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_downwash
 from q2q_control.mpc.prediction.predictions import Predictions
 from q2q_control.mpc.receding import Mpc
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, at_rest
@@ -35,7 +35,7 @@ PAIR = ("cf1", "cf2")
 
 @dataclass
 class Air:
-    """Move vehicles along z only: thrust, draft, and what the controller does not know."""
+    """Move vehicles along z only: thrust, downwash, and what the controller does not know."""
 
     preview: SampledPreview
     latency: int = 0
@@ -54,13 +54,13 @@ class Air:
         acting = [np.full(n, TEXTBOOK_065.hover_thrust)] * self.latency
         errors, thrusts = [], []
         for k in range(ticks):
-            state, setpoint, draft = signals(k * DT, names, pos, vel, samples[:, k])
-            draft = replace(draft, acc=self.draft(pos))
-            command = mpc.update(state if spoil is None else spoil(k, state), setpoint, draft)
+            state, setpoint, downwash = signals(k * DT, names, pos, vel, samples[:, k])
+            downwash = replace(downwash, acc=self.downwash(pos))
+            command = mpc.update(state if spoil is None else spoil(k, state), setpoint, downwash)
             acting.append(command.thrust)
             lift = self.gain * acting.pop(0) / TEXTBOOK_065.mass - GRAVITY
             for _ in range(2):
-                acc = self.draft(pos)[:, 2] + lift
+                acc = self.downwash(pos)[:, 2] + lift
                 pos[:, 2] += 0.5 * DT * vel[:, 2] + 0.125 * DT**2 * acc
                 vel[:, 2] += 0.5 * DT * acc
             pos[:, :2], vel[:, :2] = samples[:, k + 1, :2], samples[:, k + 1, 3:5]
@@ -68,8 +68,8 @@ class Air:
             thrusts.append(command.thrust)
         return np.array(errors), np.array(thrusts)
 
-    def draft(self, pos: Array) -> Array:
-        """Return every vehicle's draft, (n, 3)."""
+    def downwash(self, pos: Array) -> Array:
+        """Return every vehicle's downwash, (n, 3)."""
         total = np.zeros_like(pos)
         for i in range(len(pos)):
             for j in range(len(pos)):
@@ -80,7 +80,7 @@ class Air:
 
 
 def signals(t: float, names: Names, pos: Array, vel: Array, ref: Array):
-    """Return state, setpoint and a draft of zero."""
+    """Return state, setpoint and downwash of zero."""
     n = len(names)
     zero, flag, level = np.zeros((n, 3)), np.zeros(n, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
     state = SwarmState(t, names, pos.copy(), vel.copy(), level, zero, np.zeros(n), flag)
@@ -120,8 +120,8 @@ def rms(errors: Array) -> Array:
     return np.sqrt((errors**2).mean(axis=0))
 
 
-def test_it_climbs_before_a_draft_beyond_its_limit_comes_and_the_upper_vehicle_makes_room():
-    preview = pass_over(speed=0.05, start=0.2)  # under the draft's middle for two seconds at tick 400
+def test_it_climbs_before_a_downwash_beyond_its_limit_comes_and_the_upper_vehicle_makes_room():
+    preview = pass_over(speed=0.05, start=0.2)  # under the downwash's middle for two seconds at tick 400
     joint, thrust = Air(preview).fly(controller(IDEAL, preview), 800)
     alone, _ = Air(preview).fly(controller(replace(IDEAL, joint=False), preview), 800)
     assert thrust.max() <= 6.6
@@ -131,7 +131,7 @@ def test_it_climbs_before_a_draft_beyond_its_limit_comes_and_the_upper_vehicle_m
     assert (rms(joint) ** 2).sum() < 0.4 * (rms(alone) ** 2).sum()  # what (26) minimises
 
 
-def test_without_limit_nothing_of_the_draft_is_left():
+def test_without_limit_nothing_of_the_downwash_is_left():
     preview = pass_over()
     errors, _ = Air(preview).fly(controller(replace(IDEAL, thrust_limited=False), preview), 800)
     # 0.39 m/s^2 at 5 rad/s would be 16 mm; what is left is the trend within a stage, some 5 % of it
@@ -167,7 +167,7 @@ def test_a_full_problem_may_step_aside_and_a_vertical_one_does_not(mode: str, mo
     assert bool(np.abs(mpc.told.pos[..., :2] - straight).max() > 1e-3) is moves
 
 
-def test_the_predicted_drafts_are_those_that_come_with_their_delay():
+def test_the_predicted_downwashs_are_those_that_come_with_their_delay():
     model = replace(MEASURED_LAW, strength=0.3)
     glide, when = pass_over(gap=0.6), np.arange(0.0, 2.05, 0.05)
     predictor, eta = InteractionPredictor(model), []
@@ -183,39 +183,39 @@ def test_the_predicted_drafts_are_those_that_come_with_their_delay():
     times = np.concatenate([past, 2.0 + when])
     pos = glide.at(PAIR, times)[..., :3].transpose(1, 0, 2)
     axis = np.tile([0.0, 0.0, 1.0], (2, when.size - 1, 1))
-    found = predict_drafts(model, Tracks(times, pos, axis, np.ones(2), past.size), SlopeRule((2,), 10.0))
+    found = predict_downwash(model, Tracks(times, pos, axis, np.ones(2), past.size), SlopeRule((2,), 10.0))
     # the predictor goes by samples 5 ms apart: a peak 0.05 m wide at 0.25 m/s bends by 1e-4
     assert np.abs(found.eta[0].T - exact).max() < 1e-3 * np.abs(exact).max()
     assert np.abs(exact).max() > 0.1
 
 
-def test_slopes_are_the_derivative_of_the_draft():
+def test_slopes_are_the_derivative_of_the_downwash():
     rel = np.array([0.03, 0.02, 0.5])
     pos = np.zeros((5, 2, 3))
     pos[:, 1] = rel
     tracks = Tracks(np.arange(5) * 0.05, pos, np.tile([0.0, 0.0, 1.0], (2, 4, 1)), np.ones(2), 0)
-    drafts = predict_drafts(PAPER_LAW, tracks, SlopeRule((0, 1, 2), 100.0))
-    row = int(np.flatnonzero(drafts.i == 0)[0])
+    downwash = predict_downwash(PAPER_LAW, tracks, SlopeRule((0, 1, 2), 100.0))
+    row = int(np.flatnonzero(downwash.i == 0)[0])
     for axis in range(3):
         nudge = np.zeros(3)
         nudge[axis] = 1e-5
         up, down = (PAPER_LAW.acceleration(rel + s * nudge, at_rest(rel)) for s in (1.0, -1.0))
-        assert np.allclose(drafts.slope[row, 0, :, axis], (up - down) / 2e-5, rtol=1e-3, atol=1e-6)
+        assert np.allclose(downwash.slope[row, 0, :, axis], (up - down) / 2e-5, rtol=1e-3, atol=1e-6)
 
 
 def test_neighbours_of_another_controller_count_as_they_say_or_straight_on():
     preview = pass_over()
-    state, setpoint, draft = first_tick(preview, 300)
+    state, setpoint, downwash = first_tick(preview, 300)
     own = SampledPreview(("cf1",), 0.0, DT, preview.samples[:1])
     mpc = Mpc(IDEAL, TEXTBOOK_065, PAPER_LAW, ("cf1",))
     mpc.preview = own
-    straight = mpc.update(state, setpoint, draft)
+    straight = mpc.update(state, setpoint, downwash)
     assert mpc.report.pairs == 2  # it feels and is felt
     assert straight.names == ("cf1",)
     away = Predictions(("cf2",), np.array([3.0, 9.0]), np.full((1, 2, 3), 50.0))
     mpc.reset()
     mpc.hear(away)
-    mpc.update(state, setpoint, draft)
+    mpc.update(state, setpoint, downwash)
     assert mpc.report.pairs == 0
 
 
@@ -278,9 +278,9 @@ def test_a_state_that_is_no_number_holds_then_levels_and_the_other_flies_on(bad:
     errors, thrust = Air(preview).fly(mpc, 60, spoil)
     assert np.isfinite(thrust).all()
     assert np.abs(errors[:, 1]).max() < 1e-9
-    state, setpoint, draft = first_tick(preview, 60)
+    state, setpoint, downwash = first_tick(preview, 60)
     lost = replace(state, status=np.array([TrackStatus.LOST, 0], np.uint8))
-    assert mpc.update(lost, setpoint, draft).status[0] == CommandStatus.LEVEL
+    assert mpc.update(lost, setpoint, downwash).status[0] == CommandStatus.LEVEL
 
 
 def test_a_thrust_bound_below_hover_saturates_and_sinks_without_winding_up():
@@ -288,9 +288,9 @@ def test_a_thrust_bound_below_hover_saturates_and_sinks_without_winding_up():
     mpc = controller(replace(IDEAL, thrust_max=6.0), preview)
     _, thrust = Air(preview).fly(mpc, 100)
     assert np.all(thrust == 6.0)
-    state, setpoint, draft = first_tick(preview, 100)
+    state, setpoint, downwash = first_tick(preview, 100)
     mpc.configure(IDEAL)
-    assert mpc.update(state, setpoint, draft).thrust[0] == pytest.approx(TEXTBOOK_065.hover_thrust)
+    assert mpc.update(state, setpoint, downwash).thrust[0] == pytest.approx(TEXTBOOK_065.hover_thrust)
 
 
 def test_a_reference_that_no_vehicle_can_follow_is_approached_within_the_limits():

@@ -86,18 +86,18 @@ def test_thrust_lag_and_tilt_are_explained_and_not_taken_for_disturbance():
 
 
 def test_compensated_acceleration_is_the_papers_compensation_on_stock_firmware():
-    _, setpoint, draft = rest(("cf1", "cf2"), 0.0)
+    _, setpoint, downwash = rest(("cf1", "cf2"), 0.0)
     setpoint = replace(setpoint, acc=np.array([[0.1, 0.2, 0.3], [0.0, 0.0, 0.0]]))
-    draft = replace(draft, names=("cf2", "cf1"), acc=np.array([[0.0, 0.0, 0.1], [0.0, 0.0, -0.4]]))
-    out = compensated_setpoint(setpoint, draft)
+    downwash = replace(downwash, names=("cf2", "cf1"), acc=np.array([[0.0, 0.0, 0.1], [0.0, 0.0, -0.4]]))
+    out = compensated_setpoint(setpoint, downwash)
     assert np.allclose(out.acc, [[0.1, 0.2, 0.7], [0.0, 0.0, -0.1]])
-    aware = Pid(GAINS, TEXTBOOK_065).update(rest(("cf1", "cf2"), 0.0)[0], setpoint, draft)
+    aware = Pid(GAINS, TEXTBOOK_065).update(rest(("cf1", "cf2"), 0.0)[0], setpoint, downwash)
     stock = Pid(GAINS, TEXTBOOK_065).update(rest(("cf1", "cf2"), 0.0)[0], out, None)
     assert np.allclose(stock.thrust, aware.thrust, rtol=1e-14)
 
 
-def test_a_draft_that_is_missing_or_no_number_leaves_the_acceleration():
-    _, setpoint, draft = rest(("cf1", "cf2"), 0.0)
+def test_a_downwash_that_is_missing_or_no_number_leaves_the_acceleration():
+    _, setpoint, downwash = rest(("cf1", "cf2"), 0.0)
     assert compensated_setpoint(setpoint, None) is setpoint
-    half = replace(draft, names=("cf1",), acc=np.array([[np.nan, 0.0, -1.0]]))
+    half = replace(downwash, names=("cf1",), acc=np.array([[np.nan, 0.0, -1.0]]))
     assert np.array_equal(compensated_setpoint(setpoint, half).acc, [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])

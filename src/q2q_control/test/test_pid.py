@@ -86,7 +86,7 @@ def test_compiled_rows_equal_the_numpy_equations(seed: int, exact: bool, limited
 
 
 @given(seed=st.integers(0, 10_000))
-def test_an_aware_vehicle_climbs_as_wanted_whatever_its_tilt_and_draft(seed: int):
+def test_an_aware_vehicle_climbs_as_wanted_whatever_its_tilt_and_downwash(seed: int):
     state, setpoint, eta = random_swarm(seed)
     calm = replace(setpoint, pos=state.pos, vel=state.vel)  # no feedback: a = r'' - eta
     command = Pid(PidParams(), replace(TEXTBOOK_065, thrust_max=99.0)).update(state, calm, eta)
@@ -235,7 +235,7 @@ def test_a_lost_vehicle_or_one_without_state_or_a_nan_setpoint_is_not_flown_on()
     assert list(missing.status) == [CommandStatus.LEVEL, CommandStatus.LEVEL, CommandStatus.OK]
 
 
-def test_a_draft_that_is_not_a_number_is_ignored():
+def test_a_downwash_that_is_not_a_number_is_ignored():
     state, setpoint, eta = swarm(("cf1", "cf2"))
     broken = replace(eta, acc=np.array([[0.0, 0.0, np.nan], [0.0, 0.0, -0.3]]))
     command = Pid(PidParams(), TEXTBOOK_065).update(state, setpoint, broken)
@@ -253,22 +253,22 @@ def test_integrals_stay_with_their_names_when_vehicles_come_and_go():
     assert lift == pytest.approx(PidParams().k_p_z * 0.1 + 2 * DT * 0.1)  # two steps before this one
 
 
-def recovery_from_a_draft_beyond_the_limit(k_i_z: float) -> Array:
+def recovery_from_a_downwash_beyond_the_limit(k_i_z: float) -> Array:
     """Return the height of a vehicle that 0.6 m/s^2 press down for 2 s; 6.6 N leave it 0.344 m/s^2."""
     params = PidParams(k_p_z=4.0, k_d_z=4.0, k_i_z=k_i_z, thrust_limited=True)
     pid, height, climb, seen = Pid(params, TEXTBOOK_065), 0.0, 0.0, []
     for k in range(2000):
         state, setpoint, _ = swarm(("cf1",), k * DT)
         state = replace(state, pos=np.array([[0, 0, height]]), vel=np.array([[0, 0, climb]]))
-        draft = -0.6 if k < 200 else 0.0
-        acc = pid.update(state, setpoint, None).thrust[0] / TEXTBOOK_065.mass - GRAVITY + draft
+        downwash = -0.6 if k < 200 else 0.0
+        acc = pid.update(state, setpoint, None).thrust[0] / TEXTBOOK_065.mass - GRAVITY + downwash
         height, climb = height + DT * climb, climb + DT * acc
         seen.append(height)
     return np.array(seen)
 
 
 def test_seconds_of_saturation_wind_nothing_up():
-    without, integrating = (recovery_from_a_draft_beyond_the_limit(k_i) for k_i in (0.0, 1.0))
+    without, integrating = (recovery_from_a_downwash_beyond_the_limit(k_i) for k_i in (0.0, 1.0))
     # integrating all the while would store 1.0 m s of error, 1 m/s^2, and overshoot by half the dip
     assert integrating.max() < without.max() + 0.2 * abs(without.min())
     assert abs(integrating[-1]) < 0.01 * abs(without.min())

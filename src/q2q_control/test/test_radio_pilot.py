@@ -22,9 +22,9 @@ from q2q_control.radio.setpoints import (
     FullState,
     RpytSetpoint,
     full_states,
-    level_stick,
+    level_rpyt,
     names_cut,
-    sticks,
+    rpyt_setpoints,
 )
 from q2q_model.geometry.rotations import euler_from_quat
 from q2q_model.node.reply import Reply
@@ -56,7 +56,7 @@ class _FakeLink:
     def health(self) -> LinkHealth:
         return self.now
 
-    def send_stick(self, stick: RpytSetpoint) -> None:
+    def send_rpyt(self, stick: RpytSetpoint) -> None:
         self.sent.append(stick)
 
     def send_full_state(self, wanted: FullState) -> None:
@@ -110,8 +110,8 @@ class _Bench:
         assert reply is not None
         return reply
 
-    def sticks(self) -> None:
-        self.pilot.fly_sticks(NAMES, [RpytSetpoint(1.0, 2.0, 3.0, 30000)] * 2, self.t)
+    def rpyt_setpoints(self) -> None:
+        self.pilot.fly_rpyt(NAMES, [RpytSetpoint(1.0, 2.0, 3.0, 30000)] * 2, self.t)
 
     def silent_until(self, age: float, *, seen: bool) -> list[object]:
         """Look every 20 ms until the last command is `age` old; return what cf1 was sent."""
@@ -140,14 +140,14 @@ def test_sticks_have_cflibs_signs_and_the_houses_scale(
     command = SwarmCommand(
         0.0, ("cf1",), thrust * one, roll * one, pitch * one, yaw_rate * one, np.zeros(1, np.uint8)
     )
-    (stick,) = sticks(command, LegacyScale(0.48))
+    (stick,) = rpyt_setpoints(command, LegacyScale(0.48))
     assert stick.roll_deg == pytest.approx(math.degrees(roll))
     assert stick.pitch_deg == pytest.approx(math.degrees(pitch))
     assert stick.yaw_rate_deg == pytest.approx(-math.degrees(yaw_rate))
     assert stick.pwm == pytest.approx(thrust * 65535.0 / 0.48, abs=0.5)
 
 
-def test_full_states_carry_the_acceleration_less_the_draft_of_the_same_vehicle() -> None:
+def test_full_states_carry_the_acceleration_less_the_downwash_of_the_same_vehicle() -> None:
     rows = np.arange(6.0).reshape(2, 3)
     setpoint = SwarmSetpoint(
         0.0,
@@ -159,14 +159,14 @@ def test_full_states_carry_the_acceleration_less_the_draft_of_the_same_vehicle()
         np.array([0.1, 0.2]),
         np.zeros(2, np.uint8),
     )
-    draft = Interference(
+    downwash = Interference(
         0.0,
         ("cf2", "cf9"),
         np.array([[0.0, 0.0, -1.5], [9.0, 9.0, 9.0]]),
         np.zeros((2, 3)),
         np.zeros(2, np.uint8),
     )
-    first, second = full_states(setpoint, draft)
+    first, second = full_states(setpoint, downwash)
     assert first.acc == (20.0, 21.0, 22.0)
     assert second.acc == (23.0, 24.0, 26.5)
     assert (second.pos, second.vel, second.ang_vel) == ((3.0, 4.0, 5.0), (13.0, 14.0, 15.0), (0.0, 0.0, 0.2))
@@ -174,7 +174,7 @@ def test_full_states_carry_the_acceleration_less_the_draft_of_the_same_vehicle()
     assert full_states(setpoint, None)[1].acc == (23.0, 24.0, 25.0)
 
 
-def test_a_draft_that_is_no_number_is_none_and_large_numbers_are_cut() -> None:
+def test_a_downwash_that_is_no_number_is_none_and_large_numbers_are_cut() -> None:
     rows = np.full((1, 3), 40.0)
     setpoint = SwarmSetpoint(
         0.0, ("cf1",), rows, -rows, rows, np.zeros(1), np.zeros(1), np.zeros(1, np.uint8)
@@ -186,14 +186,14 @@ def test_a_draft_that_is_no_number_is_none_and_large_numbers_are_cut() -> None:
 
 def test_arming_unlocks_and_only_streamed_vehicles_are_sent_commands() -> None:
     bench = _Bench()
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert bench.done(Act.ARM).granted
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert bench.done(Act.TAKE_OFF).granted
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert set(bench.pilot.phases.values()) == {Phase.CLIMBING}
     bench.done(Act.STREAM)
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert bench.links["cf2"].sent == [
         "arm",
         ZERO_STICK,
@@ -239,10 +239,10 @@ def test_a_link_lost_in_flight_is_silent_until_a_new_start_and_the_other_flies_o
     bench.links["cf1"].now = LinkHealth(connected=False)
     bench.pilot.watch(bench.t)
     count = len(bench.links["cf1"].sent)
-    bench.sticks()
+    bench.rpyt_setpoints()
     bench.links["cf1"].now = WELL
     bench.pilot.watch(bench.t)
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert len(bench.links["cf1"].sent) == count
     assert bench.pilot.phases == {"cf1": Phase.READY, "cf2": Phase.FLYING}
     assert any("cf1 is lost in flight" in line for line in bench.pilot.said())
@@ -262,7 +262,7 @@ def test_a_low_battery_lands_its_vehicle_after_a_while_whatever_is_commanded() -
     assert bench.pilot.phases["cf2"] is Phase.FLYING
     bench.pilot.watch(bench.t + 3.5)
     assert bench.pilot.phases == {"cf1": Phase.FLYING, "cf2": Phase.LANDING}
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert bench.links["cf2"].sent[-1] == ("land", LANDING_S[1])
     bench.pilot.watch(bench.t + 3.5 + LANDING_S[1] - 0.1)
     assert bench.pilot.phases["cf2"] is Phase.LANDING
@@ -273,7 +273,7 @@ def test_a_low_battery_lands_its_vehicle_after_a_while_whatever_is_commanded() -
 def test_a_vehicle_without_commands_is_levelled_within_60_ms_and_lands_after_a_second() -> None:
     bench = _Bench()
     bench.fly()
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert bench.silent_until(0.02, seen=True) == []
     assert set(bench.silent_until(0.04, seen=True)) == {HOVER}  # 40 and 60 ms after the last command
     assert set(bench.silent_until(0.92, seen=True)) == {HOVER}
@@ -286,7 +286,7 @@ def test_a_vehicle_without_commands_is_levelled_within_60_ms_and_lands_after_a_s
 def test_a_word_that_none_will_come_levels_a_look_earlier_and_never_after_a_fresh_command() -> None:
     bench = _Bench()
     bench.fly()
-    bench.sticks()
+    bench.rpyt_setpoints()
     bench.pilot.watch(bench.t + 0.01, ahead=0.02)
     assert bench.links["cf1"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
     bench.pilot.watch(bench.t + 0.021, ahead=0.02)
@@ -296,7 +296,7 @@ def test_a_word_that_none_will_come_levels_a_look_earlier_and_never_after_a_fres
 def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_stopped() -> None:
     bench = _Bench()
     bench.fly()
-    bench.sticks()
+    bench.rpyt_setpoints()
     bench.silent_until(1.02, seen=False)
     sink = RpytSetpoint(0.0, 0.0, 0.0, 28200)  # 0.94 of hover: q2q_control.failsafe.ladder
     assert set(bench.silent_until(3.9, seen=False)) == {sink}
@@ -307,9 +307,9 @@ def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_stopp
 def test_a_command_that_comes_before_the_landing_flies_on() -> None:
     bench = _Bench()
     bench.fly()
-    bench.sticks()
+    bench.rpyt_setpoints()
     bench.silent_until(0.9, seen=True)
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert bench.links["cf1"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
     assert bench.silent_until(0.02, seen=True) == []
 
@@ -341,7 +341,7 @@ def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
     status = np.array([CommandStatus.CUT, CommandStatus.OK], dtype=np.uint8)
     names = names_cut(SwarmCommand(0.0, NAMES, zero, zero, zero, zero, status))
     bench.pilot.cut((*names, "stranger"), bench.t)
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert bench.links["cf1"].sent[-1] == "stop"
     assert bench.links["cf2"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
     assert bench.pilot.phases["cf1"] is Phase.READY
@@ -365,7 +365,7 @@ def test_times_of_silence_out_of_order_are_refused() -> None:
 
 
 def test_the_level_stick_is_the_thrust_on_the_houses_scale() -> None:
-    assert level_stick(0.034 * 9.81, LegacyScale(0.48)) == RpytSetpoint(0.0, 0.0, 0.0, 45539)
+    assert level_rpyt(0.034 * 9.81, LegacyScale(0.48)) == RpytSetpoint(0.0, 0.0, 0.0, 45539)
 
 
 def test_a_battery_that_is_unknown_lands_nobody() -> None:
@@ -385,7 +385,7 @@ def test_land_lands_those_who_fly_and_stop_stops_all() -> None:
     assert set(bench.pilot.phases.values()) == {Phase.LANDING}
     bench.pilot.stop(bench.t)
     assert all(link.sent[-1] == "stop" for link in bench.links.values())
-    bench.sticks()
+    bench.rpyt_setpoints()
     assert all(link.sent[-1] == "stop" for link in bench.links.values())
 
 

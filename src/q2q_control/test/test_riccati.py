@@ -6,7 +6,7 @@ from scipy.linalg import expm
 from scipy.optimize import lsq_linear, minimize
 
 from q2q_control.mpc.chain import ChainWeights, chain, transition
-from q2q_control.mpc.prediction.downwash_horizon import DraftHorizon
+from q2q_control.mpc.prediction.downwash_horizon import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
@@ -33,14 +33,14 @@ def horizon(rng: np.random.Generator, n: int, stages: int, bound: float, step: A
     return Horizon(start, reference, rng.normal(size=(n, stages, 3)) * 0.1, path, -limit, limit, step)
 
 
-def pairs(rng: np.random.Generator, n: int, stages: int, slope: float) -> DraftHorizon:
+def pairs(rng: np.random.Generator, n: int, stages: int, slope: float) -> DownwashHorizon:
     """Return slopes between all pairs."""
     i, j = np.nonzero(~np.eye(n, dtype=bool))
-    return DraftHorizon(np.zeros((n, stages, 3)), i, j, rng.normal(size=(len(i), stages, 3, 3)) * slope)
+    return DownwashHorizon(np.zeros((n, stages, 3)), i, j, rng.normal(size=(len(i), stages, 3, 3)) * slope)
 
 
 def problem(seed: int, n: int, stages: int, bound: float, step: Array = FREE_RATE) -> LqProblem:
-    """Return a joint problem of n vehicles on z, coupled by slopes of drafts."""
+    """Return a joint problem of n vehicles on z, coupled by slopes of downwash."""
     rng = np.random.default_rng(seed)
     asked = horizon(rng, n, stages, bound, step)
     shape = group_shape(n, (2,), MODELS, stages)
@@ -155,7 +155,7 @@ def test_the_sweep_of_separate_chains_equals_the_general_recursion():
     vehicles, axes = np.arange(4), np.full(4, 2)
     inside = sweep(asked, (vehicles, axes), sweep_gains(MODELS[2]), (pos, inputs))
     shape = group_shape(1, (2,), MODELS, 40)
-    none = DraftHorizon(np.zeros((4, 40, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros((0, 40, 3, 3)))
+    none = DownwashHorizon(np.zeros((4, 40, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros((0, 40, 3, 3)))
     assert inside.all()
     for v in range(4):
         answer = solve(joint_problem(shape, np.array([v]), asked, none))

@@ -35,9 +35,9 @@ WAKE = Jet(
     travel_speed=7.5,
     range=1.2,
 )
-"""The true draft: as late and narrow as measured, half as strong, so that 12 N carry it."""
+"""The true downwash: as late and narrow as measured, half as strong, so that 12 N carry it."""
 TIGHT = 7.2
-"""A bound on U1 [N] that carries 1.27 m/s^2 of draft barely, with some left [N]."""
+"""A bound on U1 [N] that carries 1.27 m/s^2 of downwash barely, with some left [N]."""
 
 Spoil = Callable[[int, SwarmState], SwarmState]
 Controller = Pid | ObservedPid | Mpc
@@ -139,8 +139,8 @@ def height_errors(kind: str, case: Case, *, aware: bool) -> Array:
     for k in range(TICKS):
         real = whole_state(k * DT, pos, vel)
         seen = case.spoil(k, real)
-        draft = belief.update(seen) if aware else None
-        thrust = controller.update(seen, setpoint(k * DT, preview.samples[:, k]), draft).thrust
+        downwash = belief.update(seen) if aware else None
+        thrust = controller.update(seen, setpoint(k * DT, preview.samples[:, k]), downwash).thrust
         acc = truth.update(real).acc[:, 2] + thrust / TEXTBOOK_065.mass - GRAVITY
         acc[1] = 0.0  # the upper one keeps to its path
         pos[:, 2], vel[:, 2] = pos[:, 2] + DT * vel[:, 2] + 0.5 * DT**2 * acc, vel[:, 2] + DT * acc
@@ -173,7 +173,7 @@ def test_it_is_never_worse_than_ignoring_by_more_than_five_percent(kind: str, na
     assert np.abs(aware).max() <= 1.05 * np.abs(ignoring).max()
 
 
-def test_what_looks_ahead_and_does_not_look_back_climbs_for_a_draft_that_never_comes():
+def test_what_looks_ahead_and_does_not_look_back_climbs_for_a_downwash_that_never_comes():
     kind, name = CREDULOUS
     aware, ignoring = (height_errors(kind, CASES[name], aware=aware) for aware in (True, False))
     # 1.65 m/s^2 are believed, 1.27 can be carried, 1.09 come: it climbs ahead for 0.4 m/s^2 too much
@@ -182,9 +182,9 @@ def test_what_looks_ahead_and_does_not_look_back_climbs_for_a_draft_that_never_c
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", CASES)
-def test_no_wind_up_and_no_limit_cycle_are_left_when_the_draft_has_gone(kind: str, name: str):
+def test_no_wind_up_and_no_limit_cycle_are_left_when_the_downwash_has_gone(kind: str, name: str):
     errors = height_errors(kind, CASES[name], aware=True)
-    after = errors[1000:]  # 1.6 s after the draft's end, four widths away
+    after = errors[1000:]  # 1.6 s after the downwash's end, four widths away
     # the integral's slow pole is at K_i / K_p = 0.3 rad/s: it still unloads, without turning round
     left = 0.25 if kind == "pid with integral" else 0.05
     assert np.abs(after).max() < left * np.abs(errors).max() + 1e-6

@@ -1,4 +1,4 @@
-"""Make flights with a known draft, gains and lag, by small steps that know nothing of (14)'s solution."""
+"""Make flights with a known downwash, gains and lag, by small steps that know nothing of (14)'s solution."""
 
 from dataclasses import dataclass
 from functools import cache

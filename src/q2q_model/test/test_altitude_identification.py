@@ -13,7 +13,7 @@ from q2q_model.identification.deviation import DeviationParams, fit_decay, overl
 from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.gains.command_gains import gains_from_commands
-from q2q_model.identification.gains.impulse_response import draft_response, free_response, impulse_response
+from q2q_model.identification.gains.impulse_response import downwash_response, free_response, impulse_response
 from q2q_model.identification.gains.trajectory_gains import (
     gains_by_powell,
     gains_from_trajectories,
@@ -42,23 +42,23 @@ def test_the_loops_exact_response_is_that_of_an_accurate_solver(loop: AltitudeLo
 
     def rate(when: float, x: np.ndarray) -> list[float]:
         wanted = -loop.k_p * x[0] - loop.k_d * x[1] + loop.k_i * x[2] + loop.offset
-        draft = np.interp(when, t, eta)
+        downwash = np.interp(when, t, eta)
         lift = x[3] if loop.lag else wanted
-        return [x[1], lift + draft, -x[0], (wanted - x[3]) / loop.lag if loop.lag else 0.0]
+        return [x[1], lift + downwash, -x[0], (wanted - x[3]) / loop.lag if loop.lag else 0.0]
 
     settled = loop.offset - loop.k_p * 0.1 + loop.k_d * 0.05
     exact = {"rtol": 1e-9, "atol": 1e-11, "max_step": 0.05}
     solved = solve_ivp(rate, (0.0, t[-1]), [0.1, -0.05, 0.0, settled], t_eval=t, **exact)
-    found = free_response(loop, dt, start, np.zeros((ticks, 1))) + draft_response(loop, dt, eta[:, None])
+    found = free_response(loop, dt, start, np.zeros((ticks, 1))) + downwash_response(loop, dt, eta[:, None])
     np.testing.assert_allclose(found[:, 0], solved.y[0], atol=1e-7)  # the solver's own error
 
 
-def test_the_response_to_any_draft_is_its_convolution_with_the_impulse_response():
+def test_the_response_to_any_downwash_is_its_convolution_with_the_impulse_response():
     eta = np.random.default_rng(12).standard_normal((300, 2))
     eta[0] = 0.0
     h = impulse_response(RICH, 0.01, 300)
     expected = np.stack([np.convolve(h, eta[:, k])[:300] for k in range(2)], axis=1)
-    np.testing.assert_allclose(draft_response(RICH, 0.01, eta), expected, atol=1e-12)
+    np.testing.assert_allclose(downwash_response(RICH, 0.01, eta), expected, atol=1e-12)
 
 
 def test_a_vehicle_that_starts_beside_its_moving_reference_catches_up_without_knowing_its_jerk():

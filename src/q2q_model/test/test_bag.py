@@ -28,10 +28,10 @@ from q2q_model.bag import (
     BagWriter,
     FlightFacts,
     OfferedQos,
-    facts_from_words,
+    facts_as_text,
+    facts_from_text,
     read_facts,
     read_flight,
-    words_of,
 )
 from q2q_model.bag.storage.definitions import definition_of
 from q2q_model.signals.layout import LAYOUTS, Signal
@@ -189,7 +189,7 @@ def test_what_is_no_bag_or_not_in_it_is_named(tmp_path: Path):
 
 def test_the_facts_of_a_flight_are_read_back_here_and_by_an_independent_reader(tmp_path: Path):
     facts = FlightFacts(vehicle="textbook_065", scenario="table6", seed="3")
-    assert facts_from_words(words_of(facts)) == facts
+    assert facts_from_text(facts_as_text(facts)) == facts
     with BagWriter(tmp_path / "bag", facts=facts):
         pass
     assert read_facts(tmp_path / "bag") == facts
@@ -234,7 +234,7 @@ def test_facts_that_are_not_there_are_empty_and_those_of_others_passed_over(
 )
 def test_a_fact_there_is_not_is_refused_with_those_there_are(words: list[str], says: str):
     with pytest.raises(ValueError, match=says):
-        facts_from_words(words)
+        facts_from_text(words)
 
 
 def test_an_empty_bag_is_a_bag_without_a_flight(tmp_path: Path):

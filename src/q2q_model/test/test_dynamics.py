@@ -46,7 +46,7 @@ def test_rates_of_the_angles_differ_from_body_rates_by_tilt_times_rate():
     assert error(0.02) == pytest.approx(0.1 * 0.02, rel=0.05)  # next order: q phi^2 / 2, 2 % of it
 
 
-def test_a_level_vehicle_with_its_weight_as_thrust_hovers_and_a_draft_adds_to_it():
+def test_a_level_vehicle_with_its_weight_as_thrust_hovers_and_a_downwash_adds_to_it():
     hover = linear_acceleration(np.zeros(3), np.array(CRAZYFLIE_2_0.hover_thrust), CRAZYFLIE_2_0.mass)
     np.testing.assert_allclose(hover, 0.0, atol=ROUNDING)
     eta = np.array([0.1, -0.2, -0.3])

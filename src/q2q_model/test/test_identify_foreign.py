@@ -106,7 +106,7 @@ def write(path: Path, flight: Flight, ticks: int = 400) -> Path:
 
 
 @needs_bags
-def test_a_flight_without_encounters_teaches_no_draft_and_keeps_every_key(
+def test_a_flight_without_encounters_teaches_no_downwash_and_keeps_every_key(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     flight = read_flight(BAGS / "table2_1")
@@ -126,7 +126,7 @@ def test_a_flight_without_encounters_teaches_no_draft_and_keeps_every_key(
     assert (report["model"]["type"], report["model"]["parameters"]) == ("none", 0)
     for name in ("train_mse_m2", "heldout_mse_m2", "heldout_r2"):
         assert set(report["model"][name]) == ROLES
-    assert any("draft" in remark for remark in report["remarks"])
+    assert any("downwash" in remark for remark in report["remarks"])
 
 
 def said_by_identify(bag: Path, capsys: pytest.CaptureFixture[str], *more: str) -> str:

@@ -50,7 +50,7 @@ def test_the_report_holds_what_its_contract_names(found: Path):
 
 
 @needs_bags
-def test_the_learned_draft_is_that_of_the_simulators_air(found: Path):
+def test_the_learned_downwash_is_that_of_the_simulators_air(found: Path):
     law = load(found / "model.q2q").interaction
     missed = total = 0.0
     for bag in FLIGHTS:
@@ -65,7 +65,7 @@ def test_the_learned_draft_is_that_of_the_simulators_air(found: Path):
 @needs_bags
 def test_every_figure_is_drawn(found: Path):
     pictures = sorted(path.name for path in found.glob("*.png"))
-    figures = ("fig4_dev", "fig5_gains", "fig6_7_altitude", "fig8_9_draft")
+    figures = ("fig4_dev", "fig5_gains", "fig6_7_altitude", "fig8_9_downwash")
     assert pictures == [f"report_{name}.png" for name in figures]
     assert all((found / name).stat().st_size > 10_000 for name in pictures)
 

@@ -1,4 +1,4 @@
-"""Prove the training loss (16), its gradient, and that fits find the draft that flew."""
+"""Prove the training loss (16), its gradient, and that fits find the downwash that flew."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ from q2q_model.identification.force.downwash_force import ForceSamples, force_sa
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
 from q2q_model.identification.force.recorded_force import push_of_sensors
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
-from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.identification import ProcedureParams, Recording, identify
 from q2q_model.identification.networks import trajectory_loss as trajectory_loss_module
 from q2q_model.identification.networks.fit import (
@@ -123,7 +123,7 @@ def test_the_loss_is_that_of_the_whole_trajectory_simulated_with_its_own_heights
         near = (across < REACH[0])[:, None]
         both = np.stack([evaluate(model, across, gap).eta, evaluate(model, across, -gap).eta], axis=1)
         eta = np.where(near, both, 0.0)
-        z = record.ref[..., 0] + free + draft_response(LOOP, record.dt, eta)
+        z = record.ref[..., 0] + free + downwash_response(LOOP, record.dt, eta)
     by_hand = ((record.pos[..., 2] - z) ** 2).mean(axis=0)
     np.testing.assert_allclose(value.mse[0], by_hand, rtol=1e-6)  # the fixed point's own tolerance
     assert value.loss == pytest.approx(by_hand.sum(), rel=1e-6)
@@ -182,7 +182,7 @@ def test_a_candidate_that_cannot_be_fitted_is_left_out_with_a_remark():
         fit_best([late], flights)
 
 
-def test_ridge_regression_and_l_bfgs_lower_the_loss_and_find_the_draft():
+def test_ridge_regression_and_l_bfgs_lower_the_loss_and_find_the_downwash():
     flights = passages()
     nothing = trajectory_loss(unpack(np.zeros(322), 0.1, 1.1), flights).loss
     start = ridge_start(flights, NetworkFitParams())
@@ -238,7 +238,7 @@ def test_the_jet_that_flew_is_found_from_altitudes_alone():
     assert eta_error(fit.jet, FLOWN[0]) < 0.10
 
 
-def test_a_late_draft_is_found_with_its_speed():
+def test_a_late_downwash_is_found_with_its_speed():
     late = [
         replace(one, law=MEASURED_LAW, speed=speed) for one, speed in zip(FLOWN, (0.5, 1.0, 0.8), strict=True)
     ]

@@ -122,7 +122,7 @@ def test_a_parameter_out_of_bounds_is_refused_by_name():
         Network(np.zeros((3, 2)), np.zeros(2), np.zeros(2), 0.0)
 
 
-def test_a_source_leaning_to_x_aims_its_draft_to_minus_x():
+def test_a_source_leaning_to_x_aims_its_downwash_to_minus_x():
     """Body z leans to +x by 0.2, so the air goes to -x: 0.1 m aside after half a metre."""
     leaning = replace(LEVEL, source_axis=np.array([0.2, 0.0, 1.0]))
     hit = CARRYING.acceleration(np.array([0.1, 0.0, 0.5]), leaning)  # source 0.1 m ahead in x
@@ -132,7 +132,7 @@ def test_a_source_leaning_to_x_aims_its_draft_to_minus_x():
 
 
 def test_air_thrown_from_a_moving_source_moves_on_with_it():
-    """With c = 1 at steady speed the draft stays under its source: retarded place plus v tau."""
+    """With c = 1 at steady speed the downwash stays under its source: retarded place plus v tau."""
     vel = np.array([0.8, -0.4, 0.0])
     tau = 0.5 / MEASURED_LAW.travel_speed
     moving = replace(LEVEL, source_vel=vel)
@@ -140,7 +140,7 @@ def test_air_thrown_from_a_moving_source_moves_on_with_it():
     np.testing.assert_allclose(under, CARRYING.acceleration(ABOVE, LEVEL), rtol=1e-12)
 
 
-def test_an_upside_down_source_throws_no_draft_to_infinity():
+def test_an_upside_down_source_throws_no_downwash_to_infinity():
     tumbled = replace(LEVEL, source_axis=np.array([1.0, 0.0, -0.1]))
     assert np.isfinite(CARRYING.acceleration(ABOVE, tumbled)).all()
 

@@ -50,7 +50,7 @@ def test_a_right_model_stays_as_it_is():
     assert max(abs(gain - 1.0) for gain in gains) < 0.05
 
 
-def test_a_constant_of_one_vehicle_is_an_offset_and_no_draft():
+def test_a_constant_of_one_vehicle_is_an_offset_and_no_downwash():
     live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
     for state, command, imu in ticks(made_flight(FLOWN)):
         biased = imu.specific_force_body + np.array([[0.0, 0.0, 0.3], [0.0, 0.0, 0.0]])
@@ -68,7 +68,7 @@ def test_a_broken_sensor_cannot_turn_the_model_around():
     assert (np.abs(estimate.offset) <= EAGER.offset_max).all()
 
 
-def test_before_any_draft_the_gain_is_one_and_repeated_stamps_change_nothing():
+def test_before_any_downwash_the_gain_is_one_and_repeated_stamps_change_nothing():
     live = LiveRefinement(PAPER_LAW, VEHICLE)
     first = next(ticks(made_flight(FLOWN)))
     once = live.update(*first)

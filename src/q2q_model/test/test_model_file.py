@@ -110,7 +110,7 @@ def test_a_jet_of_version_1_is_read_as_one_without_a_floor_of_its_deviation():
         ({"gains": {"k_p": 1.0}}, r"gains\.k_d is missing"),
         ({"gains": [1.0, 2.0]}, "expected an object"),
         ({"fit": {"method": 1, "flights": []}}, r"fit\.method is 1: expected a text"),
-        ({"zone": {"type": "level_set", "parameters": {"threshold": 50.0}}}, "the draft's peak"),
+        ({"zone": {"type": "level_set", "parameters": {"threshold": 50.0}}}, "the downwash's peak"),
     ],
 )
 def test_every_wrong_entry_is_named(change: dict[str, object], says: str):

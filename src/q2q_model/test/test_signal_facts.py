@@ -62,13 +62,13 @@ def test_the_smallest_separation_is_that_of_the_closest_of_all_pairs(offset: flo
     assert smallest_separation(pos + offset) == pytest.approx(wanted, abs=1e-15 + 1e-15 * offset)
 
 
-def test_a_draft_tells_its_largest_length():
+def test_a_downwash_tells_its_largest_length():
     acc = np.array([[0.0, 0.0, 0.0], [0.0, -3.0, -4.0], [0.0, 0.0, 1.0]])
     status = np.array(
         [InterferenceStatus.NO_MODEL, InterferenceStatus.STALE_SOURCE, InterferenceStatus.VALID]
     )
     told = facts(Interference(t=0.0, names=NAMES, acc=acc, std=acc, status=status.astype(np.uint8)))
-    assert told == {"draft_max_m_s2": "5", "stale_sources": "1", "no_model": "1"}
+    assert told == {"downwash_max_m_s2": "5", "stale_sources": "1", "no_model": "1"}
 
 
 @pytest.mark.parametrize(

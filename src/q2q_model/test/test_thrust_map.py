@@ -20,7 +20,7 @@ STICK = 60000 / 65535
 )
 def test_the_largest_stick_gives_what_the_firmware_gives(firmware: str, newtons: float) -> None:
     vehicle = vehicle_by_name("crazyflie_2_0", firmware)
-    assert vehicle.stick_thrust_max == pytest.approx(newtons, abs=5e-5)  # four decimals
+    assert vehicle.rpyt_thrust_max == pytest.approx(newtons, abs=5e-5)  # four decimals
     assert vehicle.thrust_max == vehicle.full_pwm_thrust == pytest.approx(newtons / STICK, abs=1e-4)
 
 
@@ -33,7 +33,7 @@ def test_every_vehicle_hovers_within_its_sticks_on_every_firmware_it_has() -> No
     for name, vehicle in VEHICLES.items():
         for firmware in MOTOR_THRUST.get(name, ("stock",)):
             one = on_firmware(vehicle, firmware)
-            assert one.hover_thrust < one.stick_thrust_max <= one.thrust_max
+            assert one.hover_thrust < one.rpyt_thrust_max <= one.thrust_max
             assert (one.mass, one.inertia) == (vehicle.mass, vehicle.inertia)
 
 
@@ -56,7 +56,7 @@ def test_the_right_mass_thrust_makes_both_agree_on_every_vehicle_and_firmware() 
 
 
 def test_the_textbook_vehicle_has_a_map_of_its_own() -> None:
-    assert TEXTBOOK_065.stick_thrust_max == pytest.approx(TEXTBOOK_065.thrust_max, rel=1e-15)
+    assert TEXTBOOK_065.rpyt_thrust_max == pytest.approx(TEXTBOOK_065.thrust_max, rel=1e-15)
     assert on_firmware(TEXTBOOK_065, "stock") is TEXTBOOK_065
 
 

@@ -62,7 +62,7 @@ def test_a_signed_distance_changes_no_faster_than_the_place(
     assert change <= np.linalg.norm(first - second) + STEP  # the table is good to half a step at each end
 
 
-def test_a_level_sets_boundary_is_where_the_draft_is_the_threshold():
+def test_a_level_sets_boundary_is_where_the_downwash_is_the_threshold():
     gap = np.linspace(0.15, 0.9, 16)
     width = PAPER_LAW.width + PAPER_LAW.spread * gap
     axis = np.stack([0 * gap, 0 * gap, gap], axis=-1)
@@ -86,8 +86,8 @@ def test_beyond_its_table_a_level_set_never_claims_more_than_the_true_distance()
     assert (claimed > 0.5 * np.array(true)).all()
 
 
-def test_a_threshold_above_the_drafts_peak_is_refused():
-    with pytest.raises(ValueError, match=r"allowed is 0 to the draft's peak, 0\.\d"):
+def test_a_threshold_above_the_downwashs_peak_is_refused():
+    with pytest.raises(ValueError, match=r"allowed is 0 to the downwash's peak, 0\.\d"):
         level_set(Jet(strength=0.1), 5.0)
 
 

@@ -13,7 +13,7 @@ from q2q_planner.online.safe.braking import (
     motion_after_plain,
     stays_out_plain,
 )
-from q2q_planner.online.safe.broad_phase import meetings
+from q2q_planner.online.safe.broad_phase import broad_phase
 
 BRAKE = 3.0
 LAW = (0.2, 1.1, BRAKE)
@@ -94,7 +94,7 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
         fast * (0.1 + 0.5 * fast / BRAKE) + growth[:, 0] + growth[:, 1] * (0.1 + (fast.max() + 0.1) / BRAKE)
     )
     limits = 12, 0.2, 1.1, 100.0, 2.0, 2.0 * BRAKE
-    found = set(zip(*(rows.tolist() for rows in meetings(pos, vel, (ways, growth), limits)), strict=True))
+    found = set(zip(*(rows.tolist() for rows in broad_phase(pos, vel, (ways, growth), limits)), strict=True))
     bound = np.minimum(np.abs(acc), BRAKE / np.sqrt(3.0)) * np.sign(acc)
     for i in range(12):
         for j in range(i + 1, 12):

@@ -61,7 +61,7 @@ def test_more_thrust_than_there_is_names_vehicle_waypoint_and_bound() -> None:
 
 
 def test_limits_are_cut_to_what_thrust_allows() -> None:
-    spare = CRAZYFLIE_2_0.stick_thrust_max / CRAZYFLIE_2_0.mass - GRAVITY
+    spare = CRAZYFLIE_2_0.rpyt_thrust_max / CRAZYFLIE_2_0.mass - GRAVITY
     assert with_limits_of(FlightLimits(acceleration=50.0), CRAZYFLIE_2_0).acceleration == pytest.approx(spare)
 
 

@@ -114,7 +114,7 @@ def test_the_zone_is_chosen_by_what_it_spares(
     assert main([*asked, "0.5", "--json", str(facts), "--starts", "1"]) == 0
     told = json.loads(facts.read_text())
     assert told["certified"] is True
-    assert told["snap_cost"] <= 1.1 * told["snap_infimum"]  # half of the draft costs less than 88 % of it
+    assert told["snap_cost"] <= 1.1 * told["snap_infimum"]  # half of the downwash costs less than 88 % of it
     assert "spares 5" in capsys.readouterr().out  # 50 to 60 %
     assert main([*asked, "1.5"]) == 1
     assert "cut = 1.5: allowed is 0 to 1" in capsys.readouterr().err
@@ -133,7 +133,7 @@ def test_figures_are_drawn(tmp_path: Path) -> None:
     assert {path.name for path in figures.iterdir()} == drawn
 
 
-def test_a_level_set_of_a_learned_draft_is_a_zone(crossing: Path, tmp_path: Path) -> None:
+def test_a_level_set_of_a_learned_downwash_is_a_zone(crossing: Path, tmp_path: Path) -> None:
     out = tmp_path / "plan.json"
     zone = ["--model", "paper_law", "--threshold", "0.1"]
     assert main([str(crossing), *zone, "--out", str(out)]) == 0

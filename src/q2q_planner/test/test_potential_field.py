@@ -166,7 +166,7 @@ def test_a_vehicle_that_joins_starts_on_its_reference() -> None:
 
 
 def test_the_papers_law_leaves_section_4_1_inside_the_zone() -> None:
-    """NOTES.md found 6.1 of 6.75 s inside I(0.1, 1.1) in its own draft: the paper's claim does not hold."""
+    """NOTES.md found 6.1 of 6.75 s inside I(0.1, 1.1) in its own wake: the paper's claim does not hold."""
     first = Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0))
     second = Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0))
     plan = minimum_snap_plan((VehicleWaypoints("cf1", first), VehicleWaypoints("cf2", second)))
@@ -177,5 +177,5 @@ def test_the_papers_law_leaves_section_4_1_inside_the_zone() -> None:
         return 0.01 * float((Cylinder(0.1, 1.1).signed_distance(rel) < 0.0).sum())
 
     before, after = inside([setpoint_at(plan, float(t)) for t in times]), inside(flown(plan, times))
-    assert before == pytest.approx(6.75, abs=0.05)  # the draft's sampling is not known
+    assert before == pytest.approx(6.75, abs=0.05)  # the downwash's sampling is not known
     assert after == pytest.approx(6.1, abs=0.1)

@@ -16,7 +16,7 @@ from q2q_planner.online.safe.committed_motion import (
 )
 from q2q_planner.online.safe.last_known_states import LastKnownStates, Word
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.traffic import GRACE, Traffic, astray, own_doubts, scene_of
+from q2q_planner.online.safe.traffic import GRACE, Traffic, astray, own_uncertainty, scene_of
 
 PARAMS = SafeReplannerParams(
     eps=0.25, d=1.0, margin=0.02, acc_max=3.0, hold=0.02, approach=2.0, tracking=0.05, drift=0.2,
@@ -154,9 +154,9 @@ def word(ages: list[float], x: list[float], speed: float = 1.0) -> Word:
 def test_doubts_of_our_own_grow_with_the_time_that_a_measurement_is_missing() -> None:
     motion = held(np.zeros((2, 3)), np.zeros((2, 3)))
     sure = [PARAMS.tracking + SNAP_POS, SNAP_VEL]
-    assert own_doubts(motion, None, PARAMS).tolist() == [sure, sure]
-    assert own_doubts(motion, word([0.0, GRACE], [0.0, 0.0]), PARAMS).tolist() == [sure, sure]
-    some = own_doubts(motion, word([GRACE + 0.5, np.inf], [0.0, 0.0]), PARAMS)
+    assert own_uncertainty(motion, None, PARAMS).tolist() == [sure, sure]
+    assert own_uncertainty(motion, word([0.0, GRACE], [0.0, 0.0]), PARAMS).tolist() == [sure, sure]
+    some = own_uncertainty(motion, word([GRACE + 0.5, np.inf], [0.0, 0.0]), PARAMS)
     drifted = PARAMS.drift * np.array([0.5, PARAMS.forget - GRACE])
     np.testing.assert_allclose(some[:, 0], PARAMS.tracking + SNAP_POS + drifted, rtol=1e-15)
     np.testing.assert_allclose(some[:, 1], SNAP_VEL + PARAMS.drift, rtol=1e-15)

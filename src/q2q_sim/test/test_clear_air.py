@@ -13,7 +13,7 @@ def test_clear_air_shows_the_real_flights_altitude_error() -> None:
     base = library.load("stack3")
     spots = [
         (3.0 * (i % 6), 3.0 * (i // 6), 1.0) for i in range(24)
-    ]  # far apart: no draft, 24 samples at once
+    ]  # far apart: no downwash, 24 samples at once
     hover = tuple(
         VehicleWaypoints(f"cf{i + 1}", (Waypoint(0.0, spot), Waypoint(30.0, spot)))
         for i, spot in enumerate(spots)

@@ -49,8 +49,8 @@ def test_energies_are_those_of_the_notes() -> None:
 def _impulse_bound(flight: Flight, vehicle: int, mass: float) -> float:
     """Return (m (g T - I + dv))^2 / T: by Cauchy and Schwarz, what thrust at least spends to end at dv."""
     duration = len(flight.t) * TICK
-    draft = flight.true_eta[:, vehicle, 2]
-    impulse = float(np.sum(0.5 * (draft[1:] + draft[:-1])) * TICK)
+    downwash = flight.true_eta[:, vehicle, 2]
+    impulse = float(np.sum(0.5 * (downwash[1:] + downwash[:-1])) * TICK)
     gained = float(flight.true_vel[-1, vehicle, 2] - flight.true_vel[0, vehicle, 2])
     return (mass * (GRAVITY * duration - impulse + gained)) ** 2 / duration
 

@@ -132,15 +132,15 @@ EXACT = 65535 / CRAZYFLIE_2_0.full_pwm_thrust
 def under_a_source(aware: bool) -> Array:
     """Return the height of a vehicle that holds 1 m on Mellinger's loop while another hovers 0.5 m above."""
     pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.5, 0.0]]), wake=Wake.PAPER)
-    sticks = [commander(pilot.wire(k)) for k in (0, 1)]
+    rpyt_setpoints = [commander(pilot.wire(k)) for k in (0, 1)]
     for k in (0, 1):
         pilot.firmware(k).parameters.set("stabilizer.controller", MELLINGER)
         pilot.firmware(k).parameters.set("ctrlMel.massThrust", EXACT)
     heights: list[float] = []
 
     def hold(_: float) -> None:
-        eta = pilot.swarm.draft()
-        for k, stick in enumerate(sticks):
+        eta = pilot.swarm.downwash()
+        for k, stick in enumerate(rpyt_setpoints):
             acc = -eta[k] if aware else np.zeros(3)
             stick.send_full_state_setpoint(
                 (0.0, 0.0, 1.0 + 0.5 * k), (0, 0, 0), acc, identity_quat(), 0, 0, 0
@@ -151,7 +151,7 @@ def under_a_source(aware: bool) -> Array:
     return np.array(heights)
 
 
-def test_acc_minus_eta_on_mellingers_loop_takes_the_draft_out() -> None:
+def test_acc_minus_eta_on_mellingers_loop_takes_the_downwash_out() -> None:
     ignoring, aware = (under_a_source(one) for one in (False, True))
     rms = [float(np.sqrt(np.mean((one - 1.0) ** 2))) for one in (ignoring, aware)]
     assert rms[0] > 0.008  # 0.392 m/s^2 over a stiffness of 37 /s^2 is 1 cm

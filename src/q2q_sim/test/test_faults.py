@@ -120,9 +120,9 @@ def test_a_weak_rotor_and_a_sagging_battery_cost_their_share_of_thrust() -> None
         fault = Fault(kind, start=0.0, duration=0.01, vehicles=("cf1",), size=0.1)
         tick = _ticks(replace(fault, duration=0.5 if kind == "weak_rotor" else 0.01))[2][0]
         force = tick.imu.specific_force_body[:, 2] * CALM.vehicle.mass
-        # the draft of half a metre away is not felt by the sensor's thrust, but pushes: 0.25 N
-        draft = tick.truth_interference.acc[:, 2] * CALM.vehicle.mass
-        np.testing.assert_allclose(force - draft, [hover * (1.0 - share), hover], rtol=2e-3)
+        # the downwash of half a metre away is not felt by the sensor's thrust, but pushes: 0.25 N
+        downwash = tick.truth_interference.acc[:, 2] * CALM.vehicle.mass
+        np.testing.assert_allclose(force - downwash, [hover * (1.0 - share), hover], rtol=2e-3)
 
 
 def test_radio_loss_cuts_off_the_vehicles_it_names() -> None:

@@ -292,7 +292,7 @@ def test_a_wanted_tilt_is_reached_with_the_signs_of_the_house(controller: int) -
 def test_acceleration_of_the_setpoint_takes_a_constant_push_out_under_mellinger_only(
     vehicle: Vehicle,
 ) -> None:
-    push = 0.5  # [m/s^2], downwards, as a draft
+    push = 0.5  # [m/s^2], downwards, as downwash
     exact = 65535.0 / vehicle.full_pwm_thrust  # [1/N]: the stock value is 3 % less
     drive = STILL + np.array([0.0, 0.0, -push, 0.0, 0.0, 0.0, 0.0])
     error = {}

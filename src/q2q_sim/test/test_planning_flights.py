@@ -1,4 +1,4 @@
-"""Section 4.1 flown in the paper's wake: planning around what was learned, and replanning, spare the draft.
+"""Section 4.1 flown in the paper's wake: planning around what was learned, and replanning, avoid it.
 
 The model is learned from the recorded flights of Table 2 alone; the wake flown in is the simulator's own.
 """
@@ -42,7 +42,7 @@ def learned() -> ModelFile:
     return identify(recordings, ProcedureParams(model_type="jet"), lambda _: None).file
 
 
-def test_planning_around_the_learned_draft_spares_both_85_percent(
+def test_planning_around_the_learned_downwash_spares_both_85_percent(
     original: Flight, learned: ModelFile
 ) -> None:
     plan = assembly.plan_around(SCENARIO, learned)
@@ -65,7 +65,7 @@ def test_the_safe_replanner_spares_both_95_percent_and_never_enters_the_zone(ori
     assert not moved[-1].any()
 
 
-def test_a_model_without_draft_is_planned_around_by_its_zone() -> None:
+def test_a_model_without_downwash_is_planned_around_by_its_zone() -> None:
     none = find_model("none")
     plan = assembly.plan_around(SCENARIO, none)
     assert plan_cost(plan) == plan_cost(assembly.plan_of(SCENARIO, none.zone))

@@ -22,22 +22,22 @@ from q2q_sim.commands import policies as tool
 from q2q_sim.faults.faults import Fault
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.policies import POLICIES, Circumstances, Heard, evidence_of, judge
+from q2q_sim.monitors.policies import POLICIES, Circumstances, RecordedSignal, evidence_of, judge
 from q2q_sim.scenarios import library
 from q2q_sim.sensors.vicon import ViconParams
 
 SCENARIO = replace(library.load("stack3"), duration=8.0, vicon=ViconParams(), radio=RadioParams())
 AROUND = Circumstances(vehicle=SCENARIO.vehicle)
-Change = Callable[[Heard], Heard]
+Change = Callable[[RecordedSignal], RecordedSignal]
 
 
 @cache
-def heard() -> tuple[Heard, ...]:
+def heard() -> tuple[RecordedSignal, ...]:
     """Return what a flight of three vehicles without faults says."""
-    found: list[Heard] = []
+    found: list[RecordedSignal] = []
     options = FlightOptions(
         model=find_model(SCENARIO.model).interaction,
-        hear=lambda topic, stamp_ns, signal: found.append(Heard(topic, stamp_ns * 1e-9, signal)),
+        hear=lambda topic, stamp_ns, signal: found.append(RecordedSignal(topic, stamp_ns * 1e-9, signal)),
     )
     fly(SCENARIO, options)
     return tuple(found)
@@ -50,7 +50,7 @@ def broken(change: Change, around: Circumstances = AROUND) -> set[str]:
 def changed(kind: type, since: float, until: float, **columns: Callable[[np.ndarray], np.ndarray]) -> Change:
     """Return a change of signals of a kind from a time to another."""
 
-    def change(one: Heard) -> Heard:
+    def change(one: RecordedSignal) -> RecordedSignal:
         if not isinstance(one.signal, kind) or not since <= one.signal.t < until:
             return one
         new = {key: edit(getattr(one.signal, key).copy()) for key, edit in columns.items()}
@@ -160,7 +160,7 @@ def test_an_unseen_vehicle_flown_as_usual_breaks_the_action_after_60_ms() -> Non
         # NaN: seen as nowhere
         return changed(MocapFrame, 3.0, 3.0 + ticks * 0.01 - 0.005, pos=with_row(0, np.nan))
 
-    def gone_and_marked(one: Heard) -> Heard:
+    def gone_and_marked(one: RecordedSignal) -> RecordedSignal:
         late = changed(SwarmCommand, 3.06, 3.5, status=with_row(0, CommandStatus.HOLD))
         return late(gone(7)(one))
 
@@ -206,7 +206,7 @@ def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
 
 
 def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
-    def told_late(one: Heard) -> Heard:
+    def told_late(one: RecordedSignal) -> RecordedSignal:
         return replace(one, at=one.at + 100.0)
 
     silent = [one for one in heard() if not (one.topic == "command" and 3.0 <= one.signal.t < 3.065)]

@@ -118,7 +118,7 @@ def test_a_room_without_commands_cuts_its_motors_after_two_seconds() -> None:
     room = Room(library.load("table6"), seed=0)
     for _ in range(201):
         room.advance(None)
-    assert room.capture().truth.pos[0, 2] > 1.0  # pushed by nothing but a far draft
+    assert room.capture().truth.pos[0, 2] > 1.0  # pushed by nothing but a far downwash
     for _ in range(100):
         room.advance(None)
     np.testing.assert_array_equal(room.capture().truth.pos[:, 2], 0.0)

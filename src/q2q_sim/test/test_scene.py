@@ -55,7 +55,7 @@ def test_one_vehicle_is_in_nobodys_zone():
     assert scene.group("zone")[0].colour == CLEAR
 
 
-def test_air_falls_at_the_speed_of_the_draft_along_the_body_of_when_it_left():
+def test_air_falls_at_the_speed_of_the_downwash_along_the_body_of_when_it_left():
     builder = SceneBuilder(SceneParams(wake_speed=5.0, d=1.0))
     tilted = quat_from_euler(np.array([0.3]), np.array([0.0]), np.array([0.0]))
     for t, x in ((0.0, 0.0), (0.1, 0.2), (0.2, 0.4)):
@@ -72,20 +72,22 @@ def test_air_older_than_its_way_through_the_zone_is_gone():
     assert min(z for _, _, z in scene.group("wake")[0].points) >= 1.0 - ROUNDING
 
 
-def test_a_force_starts_at_the_vehicle_and_is_as_long_as_the_draft_is_strong():
+def test_a_force_starts_at_the_vehicle_and_is_as_long_as_the_downwash_is_strong():
     eta = np.array([[0.1, 0.0, -2.0], [0.0, 0.0, 0.001]])
-    draft = Interference(0.0, NAMES, eta, np.full((2, 3), np.nan), np.zeros(2, dtype=np.uint8))
+    downwash = Interference(0.0, NAMES, eta, np.full((2, 3), np.nan), np.zeros(2, dtype=np.uint8))
     (arrow,) = (
-        SceneBuilder(SceneParams(force_scale=0.5)).update(Glimpse(state(0.0, apart()), draft)).group("force")
+        SceneBuilder(SceneParams(force_scale=0.5))
+        .update(Glimpse(state(0.0, apart()), downwash))
+        .group("force")
     )
-    assert arrow.row == 0  # the other's draft is too small to be seen
+    assert arrow.row == 0  # the other's downwash is too small to be seen
     np.testing.assert_allclose(arrow.points, [[0.0, 0.0, 1.0], [0.05, 0.0, 0.0]], atol=ROUNDING)
 
 
 def test_signals_are_matched_by_name_not_by_row():
     eta = np.array([[0.0, 0.0, -2.0], [0.0, 0.0, 0.0]])
-    draft = Interference(0.0, ("cf2", "cf1"), eta, np.full((2, 3), np.nan), np.zeros(2, dtype=np.uint8))
-    (arrow,) = SceneBuilder(SceneParams()).update(Glimpse(state(0.0, apart()), draft)).group("force")
+    downwash = Interference(0.0, ("cf2", "cf1"), eta, np.full((2, 3), np.nan), np.zeros(2, dtype=np.uint8))
+    (arrow,) = SceneBuilder(SceneParams()).update(Glimpse(state(0.0, apart()), downwash)).group("force")
     assert arrow.row == 1
 
 

@@ -16,7 +16,7 @@ class CrazyswarmParams:
     poses_in: str = tunable("/poses", "poses of motion capture; empty is none", read_only=True)
     poses_out: str = tunable("", "filtered poses for Crazyswarm2's server; empty is none", read_only=True)
     mode: str = tunable("setpoint", "what is sent", choices=("setpoint", "command"), read_only=True)
-    aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
+    aware: bool = tunable(True, "setpoint: compensate the predicted downwash", read_only=True)  # noqa: FBT003
     backend: str = tunable("cpp", "server that takes cmd_vel_legacy", choices=BACKENDS, read_only=True)
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
     firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.disturbance.thrust_acceleration import lift_of_command, lift_of_quat
+from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_command, thrust_acc_of_quat
 from q2q_model.signals.values import Array, Names, SwarmCommand, index_of
 from q2q_model.vehicle.constants import Vehicle
 
@@ -81,7 +81,7 @@ class Actuation:
     def accelerations(self, quat: Array) -> tuple[Array, Array]:
         """Return the acceleration by thrust now, and its mean since the last tick [m/s^2], world, (n, 3)."""
         quat, mass = np.ascontiguousarray(quat), self._vehicle.mass
-        return lift_of_quat(quat, self.thrust, mass), lift_of_quat(quat, self.mean_thrust, mass)
+        return thrust_acc_of_quat(quat, self.thrust, mass), thrust_acc_of_quat(quat, self.mean_thrust, mass)
 
     def pending(self) -> Pending:
         """Return what acts until a command sent now takes over."""
@@ -91,7 +91,7 @@ class Actuation:
     def sent(self, command: SwarmCommand, quat: Array) -> None:
         """Remember a command of the tick last advanced to; `quat` (n, 4) tells the vehicles' yaw."""
         angles = (command.thrust, command.roll, command.pitch)
-        acc = lift_of_command(angles, np.ascontiguousarray(quat), self._vehicle.mass)
+        acc = thrust_acc_of_command(angles, np.ascontiguousarray(quat), self._vehicle.mass)
         self._sent.append(_Sent(self._t, command.thrust, acc))
         while len(self._sent) > 1 and self._sent[1].t + self._latency <= self._t:
             self._sent.pop(0)  # the next one acts already

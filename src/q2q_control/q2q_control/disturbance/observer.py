@@ -1,10 +1,10 @@
 """Estimate position, velocity and the acceleration that nothing explains, from positions and known thrust.
 
-    r+ = r + h v + h^2/2 (a + d),  v+ = v + h (a + d),  d+ = d        a: by thrust, and by the predicted draft
-    r, v, d += L (r_measured - r)
+    r+ = r + h v + h^2/2 (a + d),  v+ = v + h (a + d),  d+ = d        a: by thrust, and by the predicted
+    downwash r, v, d += L (r_measured - r)
 
 L puts two poles at exp(-w_s h), for position and velocity, and one at exp(-w_d h) (Luenberger): what a wrong
-draft model, a weak battery or moving air push goes into d within some 3 / w_d, while position and velocity
+downwash model, a weak battery or moving air push goes into d within some 3 / w_d, while position and velocity
 follow their measurements sooner. With the poles' sums s1, s2, s3 (of one, two, three of them):
 
     L = (l1, l2 / h, l3 / h^2),  l1 = 1 - s3,  l3 = 1 - s1 + s2 - s3,  l2 = 3 - s1 - l1 - l3 / 2
@@ -46,7 +46,7 @@ class Measurement:
     vel: Array
     """[m/s], world, (n, 3); it only starts a vehicle."""
     acc: Array
-    """By thrust and predicted draft, mean since the last tick [m/s^2], world, (n, 3)."""
+    """By thrust and predicted downwash, mean since the last tick [m/s^2], world, (n, 3)."""
     fresh: NDArray[np.bool_]
     """Rows whose position was measured at this tick, (n,); the others follow the model."""
 

@@ -12,7 +12,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
 
-def _lift_of_quat_py(quat: Array, thrust: Array, mass: float) -> Array:
+def _thrust_acc_of_quat_py(quat: Array, thrust: Array, mass: float) -> Array:
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
         x, y, z, w = quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3]
@@ -23,7 +23,7 @@ def _lift_of_quat_py(quat: Array, thrust: Array, mass: float) -> Array:
     return acc
 
 
-def _lift_of_command_py(command: tuple[Array, Array, Array], quat: Array, mass: float) -> Array:
+def _thrust_acc_of_command_py(command: tuple[Array, Array, Array], quat: Array, mass: float) -> Array:
     thrust, roll, pitch = command
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
@@ -37,7 +37,7 @@ def _lift_of_command_py(command: tuple[Array, Array, Array], quat: Array, mass: 
     return acc
 
 
-lift_of_quat = compiled(_lift_of_quat_py)
+thrust_acc_of_quat = compiled(_thrust_acc_of_quat_py)
 """Return the acceleration by thrust (n,) [N] of attitudes `quat` (n, 4) [m/s^2], world, (n, 3)."""
-lift_of_command = compiled(_lift_of_command_py)
+thrust_acc_of_command = compiled(_thrust_acc_of_command_py)
 """Return the same of commands: thrust [N], roll, pitch [rad], (n,) each, at the yaw of `quat` (n, 4)."""

@@ -1,6 +1,6 @@
 """Fly encounters in the height of both vehicles, stage by stage, many at once, and say what they cost.
 
-The plant is the teacher's: its chain, its draft where the vehicles truly are, nothing unknown. The cost is
+The plant is the teacher's: its chain, its downwash where the vehicles truly are, nothing unknown. The cost is
 the stage cost of the receding horizon, on what really happened:
 
     J = mean over stages of  sum over both of  e^2 + R (u + p)^2 + S (u - a)^2
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.explicit.situations import Encounters, Situations
-from q2q_control.explicit.teacher import Teacher, answers, drafts_between
+from q2q_control.explicit.teacher import Teacher, answers, downwash_between
 from q2q_model.signals.values import Array
 
 Policy = Callable[[Situations], Array]
@@ -57,7 +57,7 @@ def fly(
     for k in range(encounters.length):
         asked = encounters.ahead(states, k)
         u = np.clip(policy(asked), low, high)
-        eta, _ = drafts_between(asked.paths[:, :, :2], states[..., :1], teacher)
+        eta, _ = downwash_between(asked.paths[:, :, :2], states[..., :1], teacher)
         push = eta[..., 0] + asked.extra[..., 0]
         stage = states[..., 0] ** 2 + effort * (u + push) ** 2 + jerk * (u - states[..., 2]) ** 2
         costs.append(stage.sum(axis=1))

@@ -2,7 +2,7 @@
 
 All else is the receding horizon's: where vehicles are when a command acts, what pushes along the horizon,
 fallbacks. Chains are swept without bounds; the height of each vehicle is then the law's, which looks at it
-and at the neighbour whose draft changes most with their heights. A vehicle that no draft touches gets a
+and at the neighbour whose downwash changes most with their heights. A vehicle that no downwash touches gets a
 neighbour on whom nothing acts. So the law needs a vehicle's own state, its neighbour's and both references:
 distributed, no solver.
 """
@@ -16,7 +16,7 @@ from q2q_control.explicit.features import STAGES
 from q2q_control.explicit.law import ExplicitLaw, evaluate_all, packed, scratch_of
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import DraftHorizon
+from q2q_control.mpc.prediction.downwash_horizon import DownwashHorizon
 from q2q_control.mpc.prediction.present import axis_lags
 from q2q_control.mpc.problem.horizon import SOLVED, Horizon, HorizonSolution
 from q2q_control.mpc.receding import Mpc
@@ -39,7 +39,11 @@ class ExplicitSolver:
         self._scratch = scratch_of(law)
 
     def solve(
-        self, horizon: Horizon, drafts: DraftHorizon, guess: NDArray[np.int8], in_time: Callable[[], bool]
+        self,
+        horizon: Horizon,
+        downwash: DownwashHorizon,
+        guess: NDArray[np.int8],
+        in_time: Callable[[], bool],
     ) -> HorizonSolution:
         """Return the answer; there is nothing to start from and nothing that could be late."""
         del guess, in_time
@@ -54,20 +58,20 @@ class ExplicitSolver:
         everyone = np.arange(n)
         for axis, gains in zip((0, 1, 2), (self._gains[0], *self._gains), strict=True):
             sweep(horizon, (everyone, np.full(n, axis)), gains, (answer.pos, answer.inputs))
-        answer.inputs[:, 0, 2] = self._lifts(horizon, drafts)
+        answer.inputs[:, 0, 2] = self._lifts(horizon, downwash)
         np.clip(answer.inputs, horizon.low[:, None], horizon.high[:, None], out=answer.inputs)
-        # the next drafts are looked up where the vehicles are now: so the law was taught
+        # the next downwash is looked up where the vehicles are now: so the law was taught
         answer.pos[..., 2] = (
             horizon.reference[..., 2] + (horizon.start[:, 2, 0] - horizon.reference[:, 0, 2])[:, None]
         )
         return answer
 
-    def _lifts(self, horizon: Horizon, drafts: DraftHorizon) -> Array:
+    def _lifts(self, horizon: Horizon, downwash: DownwashHorizon) -> Array:
         """Return each vehicle's first command along z [m/s^2], (n,)."""
         ref = horizon.reference
         states = horizon.start[:, 2] - np.stack([ref[:, 0, 2], ref[:, 0, 5], np.zeros(len(ref))], axis=1)
         push = horizon.push[..., 2] - ref[:, :-1, 8]
-        other, slope = _neighbours(drafts, len(ref))
+        other, slope = _neighbours(downwash, len(ref))
         known = (other >= 0)[:, None]
         pairs = (
             np.stack([states, np.where(known, states[other], 0.0)], axis=1),
@@ -96,14 +100,14 @@ def explicit_controller(
     return controller
 
 
-def _neighbours(drafts: DraftHorizon, n: int) -> tuple[Rows, Array]:
-    """Return each vehicle's neighbour, -1 where none, (n,), and the slopes of both drafts, (n, 2, N)."""
-    other, both = neighbours((drafts.i, drafts.j, np.ascontiguousarray(drafts.slope[..., 2, 2])), n)
+def _neighbours(downwash: DownwashHorizon, n: int) -> tuple[Rows, Array]:
+    """Return each vehicle's neighbour or -1, (n,), and the slopes of both interactions, (n, 2, N)."""
+    other, both = neighbours((downwash.i, downwash.j, np.ascontiguousarray(downwash.slope[..., 2, 2])), n)
     return other, both
 
 
-def _neighbours_py(drafts: tuple[Rows, Rows, Array], n: int) -> tuple[Rows, Array]:
-    i, j, slope = drafts
+def _neighbours_py(downwash: tuple[Rows, Rows, Array], n: int) -> tuple[Rows, Array]:
+    i, j, slope = downwash
     other, strongest = np.full(n, -1), np.zeros(n)
     both = np.zeros((n, 2, slope.shape[1]))
     for pair in range(i.size):

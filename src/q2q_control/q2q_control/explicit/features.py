@@ -19,8 +19,8 @@ neighbour matters because it may make room: G says how much that brings.
 | symbol | name | meaning [unit] |
 |---|---|---|
 | e e' a | states | height error [m], climb error [m/s], acceleration by thrust [m/s^2] |
-| p | push | draft, disturbance and minus the reference's acceleration, a stage each [m/s^2] |
-| G | slope | what a draft changes by if its source is higher above [1/s^2] |
+| p | push | downwash, disturbance and minus the reference's acceleration, a stage each [m/s^2] |
+| G | slope | what downwash changes by if its source is higher above [1/s^2] |
 | o | offsets | what a chain's unbounded optimum does about the pushes alone [m/s^2] |
 """
 

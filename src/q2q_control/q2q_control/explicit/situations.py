@@ -2,7 +2,7 @@
 
 A second vehicle passes 0.25 to 1 m above or below the first, straight or curved, quickly or so slowly that
 it stays; both may move, both are off their references, and other things push as well: a disturbance, a
-reference's acceleration, the draft of a third vehicle. Encounters are longer: a glide, or a stop above the
+reference's acceleration, the downwash of a third vehicle. Encounters are longer: a glide, or a stop above the
 other, of either vehicle.
 """
 
@@ -32,7 +32,7 @@ class Situations:
     paths: Array
     """References [m], world, (K, 2, N + 1, 3)."""
     extra: Array
-    """What pushes besides the drafts between the two [m/s^2], (K, 2, N)."""
+    """What pushes besides the downwash between the two [m/s^2], (K, 2, N)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """Answer situations as the receding horizon does: many pairs at once, in one compiled loop.
 
-Each situation is solved with the drafts linearised again along its answer, so answers do not depend on how
+Each situation is solved with the downwash linearised again along its answer, so answers do not depend on how
 the horizon was reached; after two rounds they stand to 1e-4 m/s^2. Heights are errors from the references
 (q2q_control.explicit.features). A source pushes from where it was a delay ago, by its speed at that stage.
 """
@@ -79,20 +79,20 @@ def answers(asked: Situations, teacher: Teacher, errors: Array | None = None) ->
     )
     modes = np.zeros((count, STAGES, 2), np.int8)
     for _ in range(ROUNDS):
-        eta, slope = drafts_between(asked.paths, found.errors, teacher)
+        eta, slope = downwash_between(asked.paths, found.errors, teacher)
         pushed = PairHorizon(asked.states, eta + asked.extra, slope)
         _solve_all(shape, pushed, (*teacher.bounds, rate), (found.inputs, found.errors, modes))
     return found
 
 
 def seen(asked: Situations, teacher: Teacher) -> PairHorizon:
-    """Return what the law is shown of situations: drafts along the references, off them as they are now."""
-    eta, slope = drafts_between(asked.paths, asked.states[..., :1], teacher)
+    """Return what the law is shown of situations: downwash along the references, off them as they are now."""
+    eta, slope = downwash_between(asked.paths, asked.states[..., :1], teacher)
     return PairHorizon(asked.states, eta + asked.extra, slope)
 
 
-def drafts_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Array, Array]:
-    """Return the drafts of pairs at the stages' middles, and their slopes, (..., 2, N) each.
+def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Array, Array]:
+    """Return the downwash of pairs at the stages' middles, and their slopes, (..., 2, N) each.
 
     `paths` (..., 2, N + 1, 3) are references, `errors` (..., 2, N + 1 or 1) heights above them [m].
     """

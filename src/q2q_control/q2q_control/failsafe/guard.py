@@ -111,7 +111,7 @@ class Guard:
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
     ) -> SwarmCommand:
-        """Return the tick's command; `interference` None means ignoring the draft."""
+        """Return the tick's command; `interference` None means ignoring the downwash."""
         last = self._last
         if last is not None and setpoint.t < last.t:
             if last.t - setpoint.t <= RESTART and not self._old.rise(setpoint.t):

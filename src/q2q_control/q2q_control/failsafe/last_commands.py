@@ -34,7 +34,7 @@ class HoldThenLevel:
     """[N]"""
 
 
-class RowMemory:
+class LastCommands:
     """Last computed command of every vehicle and its time."""
 
     def __init__(self, rule: HoldThenLevel) -> None:

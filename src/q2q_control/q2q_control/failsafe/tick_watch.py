@@ -2,7 +2,7 @@
 
 | what stays away | what is sent |
 |---|---|
-| draft or reference, for hold_s, while states come | the controller's answer to a hover at the setpoint |
+| downwash or reference, for hold_s, while states come | the controller's answer to a hover at the setpoint |
 | states, for hold_s | the guard's ladder by age: hold, level, land, cut |
 | nothing, but stamps stand still: repeated frames | the same ladder: only a newer stamp is news |
 

@@ -24,8 +24,8 @@ def tick_topics(mode: str, *, aware: bool) -> dict[str, type[Signal]]:
     """Return the topics of which a tick is made."""
     if mode == "command":
         return {"command": SwarmCommand}
-    drafts: dict[str, type[Signal]] = {"interference": Interference} if aware else {}
-    return {"reference_safe": SwarmSetpoint, **drafts}
+    downwash: dict[str, type[Signal]] = {"interference": Interference} if aware else {}
+    return {"reference_safe": SwarmSetpoint, **downwash}
 
 
 class Pilotage(Protocol):
@@ -40,13 +40,13 @@ class Pilotage(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class FlownTick:
-    """One tick for the vehicles: a command, or a setpoint with the draft to compensate."""
+    """One tick for the vehicles: a command, or a setpoint with the downwash to compensate."""
 
     flown: bool
     """Whether the procedure lets it be flown."""
     command: SwarmCommand | None = None
     setpoint: SwarmSetpoint | None = None
-    draft: Interference | None = None
+    downwash: Interference | None = None
 
 
 class FlownTicks:
@@ -82,5 +82,5 @@ class FlownTicks:
         self._health.ticks += 1
         command = next((one for one in whole if isinstance(one, SwarmCommand)), None)
         setpoint = next((one for one in whole if isinstance(one, SwarmSetpoint)), None)
-        draft = next((one for one in whole if isinstance(one, Interference)), None)
-        return FlownTick(self._follows, command, setpoint, draft)
+        downwash = next((one for one in whole if isinstance(one, Interference)), None)
+        return FlownTick(self._follows, command, setpoint, downwash)

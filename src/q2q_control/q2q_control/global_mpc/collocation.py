@@ -4,14 +4,15 @@
     v_{k+1} - v_k = h/2 (a_k + a_{k+1})
     a_k = U_k / m b(phi_k, theta_k) - g e_z + eta_k,   0 <= U_k <= U_max
 
-The draft enters as a cubic spline over horizontal distance and height difference, made from the model once,
-so that any model that looks at nothing else can be used, and IPOPT gets exact derivatives of a smooth law.
+The downwash enters as a cubic spline over horizontal distance and height difference, made from the model
+once, so that any model that looks at nothing else can be used, and IPOPT gets exact derivatives of a smooth
+law.
 """
 
 import casadi
 import numpy as np
 
-from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, drafts, thrust_acceleration
+from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, downwash, thrust_acceleration
 from q2q_model.downwash.interaction_model import InteractionModel, at_rest
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
@@ -41,7 +42,7 @@ def solve_collocation(problem: GlobalProblem, iterations: int = 200) -> GlobalSo
     for j in range(n):
         acc = _acceleration(inputs[j])
         for i in range(n):
-            acc = acc if i == j else acc + _draft(law, pos[i] - pos[j])
+            acc = acc if i == j else acc + _downwash(law, pos[i] - pos[j])
         here, after = slice(0, count - 1), slice(1, count)
         mean = 0.5 * step * (vel[j][:, here] + vel[j][:, after])
         bend = step**2 / 12.0 * (acc[:, after] - acc[:, here])
@@ -57,7 +58,7 @@ def solve_collocation(problem: GlobalProblem, iterations: int = 200) -> GlobalSo
     tilt, thrust = found[2][..., :2], found[2][..., 2] * problem.vehicle.hover_thrust
     climb = np.gradient(found[1], step, axis=1)
     lift = thrust_acceleration(thrust, tilt, problem.vehicle.mass)
-    return GlobalSolution(found[0], thrust, climb - lift - drafts(problem.model, found[0]))
+    return GlobalSolution(found[0], thrust, climb - lift - downwash(problem.model, found[0]))
 
 
 QUIET: dict[str, object] = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
@@ -101,7 +102,7 @@ def _acceleration(inputs: casadi.MX) -> casadi.MX:
     )
 
 
-def _draft(law: casadi.Function, rel: casadi.MX) -> casadi.MX:
+def _downwash(law: casadi.Function, rel: casadi.MX) -> casadi.MX:
     across = casadi.sqrt(casadi.sum1(rel[:2, :] ** 2) + 1e-8)  # smooth where the distance is zero
     eta = law(casadi.vertcat(across, rel[2, :]))
     return casadi.vertcat(casadi.MX.zeros(2, rel.shape[1]), eta)

@@ -24,14 +24,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, drafts, thrust_acceleration
+from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, downwash, thrust_acceleration
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
 OUTPUTS = 6
 """Of a vehicle: x y z [m], phi theta [rad], U1 [m g]."""
 NUDGE = 1e-5
-"""Step of the draft's central differences [m]."""
+"""Step of the downwash's central differences [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ class _Fit:
         """Return all residuals, one vector."""
         pos, acc, tilt, thrust = self._flight(weights)
         vehicle, params = self._problem.vehicle, self._params
-        defect = acc - thrust_acceleration(thrust, tilt, vehicle.mass) - drafts(self._problem.model, pos)
+        defect = acc - thrust_acceleration(thrust, tilt, vehicle.mass) - downwash(self._problem.model, pos)
         off = pos - self._problem.reference[..., :3]
         excess = np.maximum(thrust - self._problem.thrust_max, 0.0) - np.maximum(-thrust, 0.0)
         first = np.concatenate(
@@ -172,7 +172,7 @@ class _Fit:
     def _chain(self, weights: Array, values: Array, seconds: Array) -> Array:
         n, count, own = self._n, self._count, values.shape[-1]
         pos, _, tilt, thrust = self._flight(weights)
-        by_draft = self._draft_slopes(pos)  # (n, n, T, 3, 3)
+        by_downwash = self._downwash_slopes(pos)  # (n, n, T, 3, 3)
         by_tilt, by_thrust = _lift_slopes(thrust, tilt, self._problem.vehicle.mass)
         weight = self._problem.vehicle.hover_thrust
         off, defect = np.zeros((n, count, 3, n, own)), np.zeros((n, count, 3, n, own))
@@ -186,7 +186,7 @@ class _Fit:
             excess[i, :, i] = active[i][:, None] * weight * values[i, :, 5]
             for j in range(n):
                 defect[i, :, :, j] -= np.einsum(
-                    "tab,tbw->taw", by_draft[i, j], values[j, :, :3]
+                    "tab,tbw->taw", by_downwash[i, j], values[j, :, :3]
                 )  # d eta / d r
         step = self._problem.times[1] - self._problem.times[0]
         first = np.concatenate([off[:, 0], (off[:, 1] - off[:, 0]) / step], axis=1)
@@ -207,14 +207,14 @@ class _Fit:
         parts = (columns[:, : 3 * h], columns[:, 3 * h : 6 * h], columns[:, 6 * h :])
         return np.concatenate([part.ravel() for part in parts])
 
-    def _draft_slopes(self, pos: Array) -> Array:
+    def _downwash_slopes(self, pos: Array) -> Array:
         """Return d eta_i / d r_j, (n, n, T, 3 feels, 3 moves)."""
         slopes = np.empty((self._n, self._n, self._count, 3, 3))
         for j in range(self._n):
             for axis in range(3):
                 nudge = np.zeros_like(pos)
                 nudge[j, :, axis] = NUDGE
-                up, down = (drafts(self._problem.model, pos + sign * nudge) for sign in (1.0, -1.0))
+                up, down = (downwash(self._problem.model, pos + sign * nudge) for sign in (1.0, -1.0))
                 slopes[:, j, :, :, axis] = (up - down) / (2.0 * NUDGE)
         return slopes
 
@@ -222,7 +222,7 @@ class _Fit:
         """Return the flight of the networks."""
         pos, acc, tilt, thrust = self._flight(weights)
         lift = thrust_acceleration(thrust, tilt, self._problem.vehicle.mass)
-        return GlobalSolution(pos, thrust, acc - lift - drafts(self._problem.model, pos))
+        return GlobalSolution(pos, thrust, acc - lift - downwash(self._problem.model, pos))
 
 
 _NETS = ((0, 1, 2), (3, 4), (5,))

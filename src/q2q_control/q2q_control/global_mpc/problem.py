@@ -4,7 +4,7 @@
     s.t. r_j'' = U_j / m b(phi_j, theta_j) - g e_z + eta(r_1 - r_2)          psi_j = 0
          0 <= U_j <= U_max,  r and r' given at the start
 
-Readings: the draft belongs into the second constraint and is missing in print; only the bound on U1 is
+Readings: the downwash belongs into the second constraint and is missing in print; only the bound on U1 is
 given. So U2 to U4 are free, any twice differentiable phi, theta can be had by (1)-(3), and those inputs and
 constraints drop out without moving the optimum.
 """
@@ -53,7 +53,7 @@ class GlobalSolution:
     thrust: Array
     """U1 [N], (n, T)."""
     defect: Array
-    """How far r'' is from what thrust and draft give [m/s^2], (n, T, 3)."""
+    """How far r'' is from what thrust and downwash give [m/s^2], (n, T, 3)."""
 
 
 def thrust_acceleration(thrust: Array, tilt: Array, mass: float) -> Array:
@@ -63,8 +63,8 @@ def thrust_acceleration(thrust: Array, tilt: Array, mass: float) -> Array:
     return np.asarray(axis * (thrust / mass)[..., None] - [0.0, 0.0, GRAVITY])
 
 
-def drafts(model: InteractionModel, pos: Array) -> Array:
-    """Return every vehicle's draft by all others [m/s^2], world, (n, T, 3), of paths (n, T, 3) [m]."""
+def downwash(model: InteractionModel, pos: Array) -> Array:
+    """Return every vehicle's downwash by all others [m/s^2], world, (n, T, 3), of paths (n, T, 3) [m]."""
     total = np.zeros_like(pos)
     for i in range(len(pos)):
         for j in range(len(pos)):

@@ -46,7 +46,7 @@ class Aligned:
     """(n,)"""
     table: Array
     """Columns POS, VEL, QUAT of the state, REF_POS, REF_VEL, REF_ACC, YAW, YAW_RATE of the setpoint, the
-    draft's acceleration ETA (0 where none is predicted), and the state's TRACK status: units and frames of
+    downwash's acceleration ETA (0 where none is predicted), and the state's TRACK status: units and frames of
     the signals, (n, 25)."""
 
 
@@ -55,7 +55,7 @@ def align(
 ) -> Aligned:
     """Return the tick of the vehicles of `setpoint`, or of `vehicles` where given.
 
-    Vehicles that are absent from a signal get unusable rows; a draft that is absent or not finite is 0.
+    Vehicles that are absent from a signal get unusable rows; downwash that is absent or not finite is 0.
     """
     names = vehicles or setpoint.names
     table, usable = np.empty((len(names), _WIDTH)), np.empty(len(names), dtype=np.bool_)
@@ -81,7 +81,7 @@ def _columns(
     """Return the columns of a table, in order, with the names of their rows; None are the table's own."""
     yaw, yaw_rate = setpoint.yaw[:, None], setpoint.yaw_rate[:, None]
     plan = setpoint.pos, setpoint.vel, setpoint.acc, yaw, yaw_rate
-    draft = (
+    downwash = (
         (None, (np.zeros((vehicles, 3)),))
         if interference is None
         else (interference.names, (interference.acc,))
@@ -89,7 +89,7 @@ def _columns(
     return (
         (state.names, (state.pos, state.vel, state.quat)),
         (setpoint.names, plan),
-        draft,
+        downwash,
         (state.names, (state.status[:, None],)),
     )
 

@@ -1,4 +1,4 @@
-"""Say what a controller is: state, setpoint and predicted draft in, command out, once a tick."""
+"""Say what a controller is: state, setpoint and predicted downwash in, command out, once a tick."""
 
 from typing import Protocol
 
@@ -11,7 +11,7 @@ class Controller(Protocol):
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
     ) -> SwarmCommand:
-        """Return the tick's command; `interference` None means ignoring the draft.
+        """Return the tick's command; `interference` None means ignoring the downwash.
 
         Rows are matched by name; a vehicle without a state gets the documented fallback.
         """

@@ -1,11 +1,11 @@
-"""Let a predicted draft fade when its source has not been seen for a while.
+"""Fade predicted downwash when its source has not been seen for a while.
 
-A source that coasts or is lost stays, for the predictor, where it was; compensating its draft for ever would
-push a vehicle that nothing pushes. So a draft marked STALE_SOURCE counts less and less:
+A source that coasts or is lost stays, for the predictor, where it was; compensating its downwash for ever
+would push a vehicle that nothing pushes. So downwash marked STALE_SOURCE counts less and less:
 
     eta_used = eta exp(-(t - t_valid) / fade_time)         t_valid: when it was last not stale
 
-A source that is gone for a dropout of 0.1 to 0.3 s keeps most of its draft.
+A source that is gone for a dropout of 0.1 to 0.3 s keeps most of its downwash.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from q2q_model.signals.values import Interference, InterferenceStatus
 
 FIRST = 0.01
-"""A draft that is stale when it is first heard of counts as valid a tick ago [s]."""
+"""Downwash that is stale when it is first heard of counts as valid a tick ago [s]."""
 _STALE = int(InterferenceStatus.STALE_SOURCE)
 
 
@@ -21,7 +21,7 @@ class DownwashTrust:
     """Time at which each vehicle's predicted downwash was last based on sources that were seen."""
 
     def __init__(self, fade_time: float) -> None:
-        """Let stale drafts fade with a time constant of `fade_time` [s]."""
+        """Fade stale downwash with a time constant of `fade_time` [s]."""
         self._fade_time = fade_time
         self._valid: dict[str, float] = {}
         self._t = -np.inf
@@ -32,7 +32,7 @@ class DownwashTrust:
         self._t = -np.inf
 
     def faded(self, interference: Interference | None) -> Interference | None:
-        """Return the drafts to be used at this tick."""
+        """Return the downwash to be used at this tick."""
         if interference is None or not interference.status.any():
             self._valid = {}
             self._t = -np.inf if interference is None else interference.t

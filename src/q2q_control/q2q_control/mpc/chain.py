@@ -14,7 +14,7 @@ poles are those of s^2 + sqrt 2 w s + w^2. The weight beyond the horizon is the 
 |---|---|---|
 | p v a | | position [m], velocity [m/s], acceleration by thrust [m/s^2] |
 | u | | commanded acceleration [m/s^2] |
-| w | | draft and disturbance [m/s^2]; in the weights: bandwidth [rad/s] |
+| w | | downwash and disturbance [m/s^2]; in the weights: bandwidth [rad/s] |
 | T | lag | [s] |
 | h | step | [s] |
 """

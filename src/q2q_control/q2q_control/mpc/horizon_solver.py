@@ -1,7 +1,7 @@
 """Solve one tick's horizon for all vehicles: groups, problems, answers.
 
-Vehicles whose drafts matter to each other within the horizon form a group and are solved together, or each
-by itself against the others' predicted paths. Axes that no draft couples are swept all at once; of those,
+Vehicles whose downwash matter to each other within the horizon form a group and are solved together, or each
+by itself against the others' predicted paths. Axes that no downwash couples are swept all at once; of those,
 the ones that meet a bound are solved one by one.
 """
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from q2q_control.mpc.chain import Chain
 from q2q_control.mpc.group_solve import solve_group
-from q2q_control.mpc.prediction.downwash_horizon import DraftHorizon
+from q2q_control.mpc.prediction.downwash_horizon import DownwashHorizon
 from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, SOLVED, Horizon, HorizonSolution
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
 from q2q_control.mpc.solver.chain_sweep import sweep_free, sweep_gains
@@ -40,7 +40,7 @@ class Solver(Protocol):
     """Solver of one tick's problem."""
 
     def solve(
-        self, horizon: Horizon, drafts: DraftHorizon, guess: NDArray[np.int8], in_time: InTime
+        self, horizon: Horizon, downwash: DownwashHorizon, guess: NDArray[np.int8], in_time: InTime
     ) -> HorizonSolution:
         """Return the answer."""
 
@@ -55,11 +55,11 @@ class HorizonSolver:
         stages: int,
         rules: SolveRules,
     ) -> None:
-        """Solve with the chains of x, y, z; drafts couple the axes `coupled`.
+        """Solve with the chains of x, y, z; downwash couples the axes `coupled`.
 
         Args:
             models: x and y must be alike.
-            coupled: axes whose inputs are found together with their drafts.
+            coupled: axes whose inputs are found together with their downwash.
             stages: N.
             rules: how groups are solved.
         """
@@ -70,7 +70,7 @@ class HorizonSolver:
         self._shapes: dict[tuple[int, tuple[int, ...]], GroupShape] = {}
 
     def solve(
-        self, horizon: Horizon, drafts: DraftHorizon, guess: NDArray[np.int8], in_time: InTime
+        self, horizon: Horizon, downwash: DownwashHorizon, guess: NDArray[np.int8], in_time: InTime
     ) -> HorizonSolution:
         """Return the answer; `guess` (n, N, 3) is a pattern of active bounds to start from.
 
@@ -84,18 +84,18 @@ class HorizonSolver:
             ended=np.full(n, SOLVED, np.int8),
             iterations=1,
         )
-        groups = groups_of(drafts.i, drafts.j, n, joint=self._rules.joint)
+        groups = groups_of(downwash.i, downwash.j, n, joint=self._rules.joint)
         problems = [(group, self._coupled) for group in groups]
         problems += self._swept(horizon, answer, [vehicle for group in groups for vehicle in group])
         most = 1
         for group, axes in problems:
-            most = max(most, self._solve(horizon, drafts, (group, axes), (guess, answer, in_time)))
+            most = max(most, self._solve(horizon, downwash, (group, axes), (guess, answer, in_time)))
         return HorizonSolution(answer.pos, answer.inputs, answer.pattern, answer.ended, most)
 
     def _swept(
         self, horizon: Horizon, answer: HorizonSolution, grouped: list[int]
     ) -> list[tuple[list[int], tuple[int, ...]]]:
-        """Sweep all chains that no draft couples; return those that cross a bound, each by itself."""
+        """Sweep all chains that no downwash couples; return those that cross a bound, each by itself."""
         free = np.ones((len(answer.ended), 3), np.bool_)
         for axis in self._coupled if grouped else ():
             free[grouped, axis] = False
@@ -107,7 +107,7 @@ class HorizonSolver:
     def _solve(
         self,
         horizon: Horizon,
-        drafts: DraftHorizon,
+        downwash: DownwashHorizon,
         chains: tuple[list[int], tuple[int, ...]],
         io: tuple[NDArray[np.int8], HorizonSolution, InTime],
     ) -> int:
@@ -120,7 +120,7 @@ class HorizonSolver:
         used, converged, finite = solve_group(
             (self._shape(group.size, chains[1]), group),
             horizon,
-            (drafts.i, drafts.j, drafts.slope),
+            (downwash.i, downwash.j, downwash.slope),
             (guess, answer.pos, answer.inputs, answer.pattern),
             self._rules.iterations,
         )
@@ -139,7 +139,7 @@ class HorizonSolver:
 
 
 def groups_of(i: Rows, j: Rows, n: int, *, joint: bool) -> list[list[int]]:
-    """Return the vehicles below `n` that feel a draft, those that pairs join together where `joint`."""
+    """Return the vehicles below `n` that feel downwash, those that pairs join together where `joint`."""
     roots: dict[int, list[int]] = {}
     for vehicle, root in enumerate(_roots(i, j, n, joint).tolist()):
         if root >= 0:

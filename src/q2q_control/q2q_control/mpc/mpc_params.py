@@ -13,8 +13,8 @@ class MpcParams:
     steps: int = tunable(40, "stages of the horizon", low=4, high=400, read_only=True)
     mode: str = tunable(
         "vertical",
-        "altitude: z only, x and y by the PID's law; vertical: all axes, drafts couple z; "
-        "full: all axes, drafts couple all",
+        "altitude: z only, x and y by the PID's law; vertical: all axes, downwash couples z; "
+        "full: all axes, downwash couples all",
         choices=("altitude", "vertical", "full"),
     )
     joint: bool = tunable(default=True, description="solve interacting vehicles together; else each alone")
@@ -27,11 +27,11 @@ class MpcParams:
         high=10.0,
     )
     jerk: float = tunable(0.2, "weight of a changing input over that of an input", low=0.0, high=100.0)
-    slope_max: float = tunable(10.0, "largest slope of a draft believed", unit="1/s^2", low=0.0, high=100.0)
+    slope_max: float = tunable(10.0, "largest slope of downwash believed", unit="1/s^2", low=0.0, high=100.0)
     loading: float = tunable(
         0.0,
-        "share of a source's thrust beyond its weight that strengthens its draft: 1 by momentum theory, "
-        "0 as in the paper; where not 0 drafts of now are the horizon's own",
+        "share of a source's thrust beyond its weight that strengthens its downwash: 1 by momentum theory, "
+        "0 as in the paper; where not 0, present downwash is the horizon's own",
         low=0.0,
         high=2.0,
     )

@@ -1,17 +1,17 @@
-"""Control with a receding horizon that holds the draft: (26), solved anew every tick.
+"""Control with a receding horizon that holds the downwash: (26), solved anew every tick.
 
 Every tick: where will the vehicles be when a command given now acts (latency, lags, disturbance: `present`);
-where do the references go (`preview`); which drafts lie ahead on the last predicted paths
-(`draft_horizon`); the inputs that keep the vehicles nearest to their references within thrust, tilt and their
-rates (`planner`); the first of them as thrust, roll and pitch.
+where do the references go (`preview`); which downwash lie ahead on the last predicted paths
+(`downwash_horizon`); the inputs that keep the vehicles nearest to their references within thrust, tilt and
+their rates (`planner`); the first of them as thrust, roll and pitch.
 
     minimise sum_k sum_j (r_j(t_k) - r_j,ref(t_k))^2 + (effort)      of (26), for all vehicles that interact
-    v' = a + eta(r, r(t - tau)) + d,   a' = (u - a) / T              drafts linear along the last prediction
+    v' = a + eta(r, r(t - tau)) + d,   a' = (u - a) / T              downwash linear along the last prediction
     0 <= U1 <= U_max, |tilt| <= tilt_max, both with bounded rates
 
 One linearisation and one solve a tick (real-time iteration; Diehl, Bock, Schloeder, SIAM J. Control Optim.
-43, 2005): the next tick goes on from this one's paths. The draft depends on where the others go, so the upper
-vehicle may rise to spare the lower one: that is what joint control buys (Table 7).
+43, 2005): the next tick goes on from this one's paths. The downwash depends on where the others go, so the
+upper vehicle may rise to spare the lower one: that is what joint control buys (Table 7).
 
 | a vehicle's horizon | is flown by | counted as |
 |---|---|---|
@@ -27,13 +27,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_control.failsafe.last_commands import HoldThenLevel, RowMemory
+from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import ETA, QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.horizon_solver import HorizonSolver, Solver, SolveRules
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import DraftHorizon, SlopeRule, no_drafts, predict_drafts
+from q2q_control.mpc.prediction.downwash_horizon import (
+    DownwashHorizon,
+    SlopeRule,
+    no_downwash,
+    predict_downwash,
+)
 from q2q_control.mpc.prediction.plan_memory import Plan, PlanMemory
 from q2q_control.mpc.prediction.predictions import Predictions
 from q2q_control.mpc.prediction.present import Present, PresentEstimator, axis_lags
@@ -70,7 +75,7 @@ class MpcReport:
     iterations: int = 0
     """Most recursions that one problem took."""
     pairs: int = 0
-    """Pairs whose drafts matter on the horizon."""
+    """Pairs whose downwash matter on the horizon."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +86,7 @@ class Outlook:
     """Position [m], velocity [m/s], acceleration [m/s^2], world, (n, N + 1, 9)."""
     plan: Plan
     """The last one, shifted to now."""
-    drafts: DraftHorizon
+    downwash: DownwashHorizon
     everyone: Array
     """Predicted positions [m], world, of the n and of others, (n or more, N + 1, 3)."""
 
@@ -102,7 +107,7 @@ class Mpc:
         Args:
             params: horizon, weights, limits.
             vehicle: constants of every vehicle.
-            model: the draft as the controller knows it.
+            model: the downwash as the controller knows it.
             vehicles: who is controlled; empty is all of the setpoint.
             in_time: asked before each problem of a tick; False ends the tick's solving.
         """
@@ -125,9 +130,9 @@ class Mpc:
         rules = SolveRules(params.joint, params.terminal, params.iterations)
         self.solver: Solver = HorizonSolver(models, coupled, params.steps, rules)
         self._slopes = SlopeRule(coupled, params.slope_max)
-        allowed = params.thrust_max if params.thrust_limited else self._vehicle.stick_thrust_max
+        allowed = params.thrust_max if params.thrust_limited else self._vehicle.rpyt_thrust_max
         self._limits = ThrustLimits(
-            self._vehicle.mass, min(allowed, self._vehicle.stick_thrust_max), params.tilt_max, exact=True
+            self._vehicle.mass, min(allowed, self._vehicle.rpyt_thrust_max), params.tilt_max, exact=True
         )
         self._numbers = packed_numbers(np.zeros((4, 3)), self._limits, (params.k_yaw, params.yaw_rate_max))
         self._nearly_full = self._limits.thrust_max * (1.0 - 1e-9)
@@ -136,7 +141,7 @@ class Mpc:
         self._step_max = rates * params.step / np.array(share)
         self._ahead = params.step * np.arange(params.steps + 1)
         hover = min(self._vehicle.hover_thrust, self._limits.thrust_max)
-        self._rows = RowMemory(HoldThenLevel(params.hold_time, hover))
+        self._rows = LastCommands(HoldThenLevel(params.hold_time, hover))
         self.reset()
 
     def reset(self) -> None:
@@ -156,7 +161,7 @@ class Mpc:
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
     ) -> SwarmCommand:
-        """Return the tick's command; `interference` None means ignoring the draft."""
+        """Return the tick's command; `interference` None means ignoring the downwash."""
         last, names = self._last, self._vehicles or setpoint.names
         if last is not None and last.t == setpoint.t and last.names == names:
             return last
@@ -165,7 +170,7 @@ class Mpc:
         tick = align(state, setpoint, interference, names)
         outlook = self._outlook(tick, (state, setpoint), aware=interference is not None)
         if interference is not None and (self._params.loading > 0.0 or interference.status.any()):
-            self._mend_drafts(tick, interference, outlook.drafts)
+            self._correct_downwash(tick, interference, outlook.downwash)
         present = self._present.update(tick, state)
         horizon = self._horizon(tick, present, outlook)
         acc = self._answered(tick, horizon, outlook)
@@ -182,25 +187,25 @@ class Mpc:
         path = reference[..., :3] + plan.offset
         span = self.model.max_delay if aware else 0.0
         tracks = self._surroundings.tracks(tick, state, (times, path, plan.inputs), span)
-        drafts = predict_drafts(self.model, tracks, self._slopes) if aware else no_drafts(tracks)
+        downwash = predict_downwash(self.model, tracks, self._slopes) if aware else no_downwash(tracks)
         everyone = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
-        return Outlook(reference, plan, drafts, everyone)
+        return Outlook(reference, plan, downwash, everyone)
 
-    def _mend_drafts(self, tick: Aligned, interference: Interference, drafts: DraftHorizon) -> None:
-        """Put our own drafts of now where the predictor's are not valid, or do not know the sources' thrust.
+    def _correct_downwash(self, tick: Aligned, interference: Interference, downwash: DownwashHorizon) -> None:
+        """Replace the predictor's present downwash where it is not valid or ignores the sources' thrust.
 
         It cannot know who is lost to us.
         """
         status = np.append(interference.status, InterferenceStatus.NO_MODEL)
         doubtful = status[index_of(tick.names, interference.names)] != InterferenceStatus.VALID
         doubtful |= self._params.loading > 0.0
-        eta = drafts.eta[: len(tick.names)]
+        eta = downwash.eta[: len(tick.names)]
         early = 0.5 + self._params.latency / self._params.step  # stages from now to the first one's middle
         now = eta[:, 0] - early * (eta[:, 1] - eta[:, 0])
         tick.table[:, ETA] = np.where(doubtful[:, None], now, tick.table[:, ETA])
 
     def _horizon(self, tick: Aligned, present: Present, outlook: Outlook) -> Horizon:
-        push = outlook.drafts.eta[: len(tick.names)] + present.disturbance[:, None]
+        push = outlook.downwash.eta[: len(tick.names)] + present.disturbance[:, None]
         low, high = self._bounds(tick)
         return Horizon(present.chains, outlook.reference, push, outlook.everyone, low, high, self._step_max)
 
@@ -224,8 +229,8 @@ class Mpc:
 
     def _answered(self, tick: Aligned, horizon: Horizon, outlook: Outlook) -> Array:
         """Return each vehicle's commanded acceleration [m/s^2], world, (n, 3), and keep its plan."""
-        plan, drafts = outlook.plan, outlook.drafts
-        answer = self.solver.solve(horizon, drafts, plan.pattern, self._in_time)
+        plan, downwash = outlook.plan, outlook.downwash
+        answer = self.solver.solve(horizon, downwash, plan.pattern, self._in_time)
         failed = (answer.ended == INTERRUPTED) | ~np.isfinite(answer.inputs).all(axis=(1, 2))
         age = plan.start - plan.solved
         shifted = failed & (age <= self._params.shift_time)
@@ -243,15 +248,15 @@ class Mpc:
             shifted=int(shifted.sum()),
             pid=int(by_pid.sum()),
             iterations=answer.iterations,
-            pairs=len(drafts.i),
+            pairs=len(downwash.i),
         )
         return acc
 
     def _lead(self, horizon: Horizon) -> Array:
         """Return what is added to the first inputs because they act for a tick and not for their stage.
 
-        An input answers the mean draft and reference of its stage, half a stage ahead; the command acts half
-        a tick ahead. What lies between is taken from the trend of u*, (n, 3) [m/s^2].
+        An input answers the mean downwash and reference of its stage, half a stage ahead; the command acts
+        half a tick ahead. What lies between is taken from the trend of u*, (n, 3) [m/s^2].
         """
         step = self._params.step
         early = 0.5 * max(step - TICK, 0.0) / step
@@ -275,7 +280,7 @@ class Mpc:
         self.told = Predictions(tick.names, self._stages(old.start), told)
 
     def _pid_acceleration(self, horizon: Horizon) -> Array:
-        """Return the acceleration by a PD law of the same bandwidths, draft and disturbance taken off."""
+        """Return the acceleration by a PD law of the same bandwidths, downwash and disturbance taken off."""
         w = np.array([self._params.bandwidth_xy, self._params.bandwidth_xy, self._params.bandwidth_z])
         ref, now = horizon.reference[:, 0], horizon.start
         feedback = w**2 * (ref[:, :3] - now[..., 0]) + np.sqrt(2.0) * w * (ref[:, 3:6] - now[..., 1])

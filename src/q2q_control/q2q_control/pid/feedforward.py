@@ -1,4 +1,4 @@
-"""Compensate the draft on stock firmware: hand out setpoints whose acceleration already takes it off.
+"""Compensate the downwash on stock firmware: hand out setpoints whose acceleration already takes it off.
 
 Crazyswarm2's FullState goes to the firmware's Mellinger controller, whose thrust is
 m (acc + K_p e + K_d e' + g e_z): so the paper's compensation, -eta in U1 and in (24)-(25), is exactly
@@ -14,9 +14,9 @@ from q2q_model.signals.values import Interference, SwarmSetpoint, index_of
 
 
 def compensated_setpoint(setpoint: SwarmSetpoint, interference: Interference | None) -> SwarmSetpoint:
-    """Return the setpoint with the predicted draft taken off its acceleration, row by name.
+    """Return the setpoint with the predicted downwash taken off its acceleration, row by name.
 
-    A vehicle whose draft is not predicted, or is not a number, keeps its acceleration.
+    A vehicle whose downwash is not predicted, or is not a number, keeps its acceleration.
     """
     if interference is None or not interference.names:
         return setpoint

@@ -1,10 +1,10 @@
-"""Track setpoints with the PID, and cancel what neither thrust nor predicted draft explains.
+"""Track setpoints with the PID, and cancel what neither thrust nor predicted downwash explains.
 
     a = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') - eta - d      d of q2q_control.disturbance.observer
 
 d replaces the integral: it is quicker, and thrust that a limit cuts never enters it. Without a predicted
-draft (eta = 0) the draft itself is what d finds, a time constant late; with one, d holds what the model is
-wrong by. Position and velocity are the observer's too.
+downwash (eta = 0) the downwash itself is what d finds, a time constant late; with one, d holds what the
+model is wrong by. Position and velocity are the observer's too.
 """
 
 import numpy as np
@@ -40,7 +40,7 @@ class ObservedPid:
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
     ) -> SwarmCommand:
-        """Return the tick's command; `interference` None means that no draft is predicted."""
+        """Return the tick's command; `interference` None means that no downwash is predicted."""
         last, names = self._last, self._vehicles or setpoint.names
         if last is not None and last.t == setpoint.t and last.names == names:
             return last

@@ -1,12 +1,13 @@
-"""Track setpoints with the PID of section 5.1, knowing the draft or not: eqs (22)-(25).
+"""Track setpoints with the PID of section 5.1, knowing the downwash or not: eqs (22)-(25).
 
     a     = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') + K_i xi - eta       on x, y, z
     xi'   = r_ref - r                                                          (23)
     U1, phi_d, theta_d from a by q2q_control.pid.thrust_vector
     r_d   = psi'_ref + k_psi (psi_ref - psi)                                   yaw rate
 
-eta is 0 without an Interference: the controller ignores the draft. Every vehicle uses its own row only (its
-draft already contains what it knows of its neighbours), so one node may fly all vehicles or each its own.
+eta is 0 without an Interference: the controller ignores the downwash. Every vehicle uses its own row only
+(its downwash already contains what it knows of its neighbours), so one node may fly all vehicles or each its
+own.
 
 The memory is K_i xi [m/s^2], so that a changed gain does not jump. Against wind-up: no integration while a
 limit cuts in the direction of the error (conditional integration; Astrom, Hagglund, Advanced PID Control,
@@ -20,7 +21,7 @@ the position: 2 rad/s at a damping of 0.9, a seventh of the attitude loop's freq
 |---|---|---|
 | K_p K_d K_i | k_p k_d k_i | [1/s^2], [1/s], [1/s^3] |
 | K_i xi | integral | [m/s^2], (n, 3) |
-| eta | eta | draft acceleration [m/s^2], (n, 3) |
+| eta | eta | downwash acceleration [m/s^2], (n, 3) |
 | k_psi | k_yaw | [1/s] |
 """
 
@@ -28,7 +29,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.failsafe.last_commands import HoldThenLevel, RowMemory
+from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import ETA, POS, REF_ACC, REF_POS, REF_VEL, VEL, Aligned, align
 from q2q_control.inputs.downwash_trust import DownwashTrust
 from q2q_control.pid.pid_kernel import packed_numbers, pid_rows
@@ -72,7 +73,7 @@ class PidParams:
     exact_inverse: bool = tunable(default=False, description="exact attitude instead of small angles")
     stale_fade: float = tunable(
         0.5,
-        "time constant at which the draft of an unseen source is given up",
+        "time constant at which the downwash of an unseen source is given up",
         unit="s",
         low=0.01,
         high=100.0,
@@ -94,7 +95,7 @@ class Pid:
         """Control vehicles like `vehicle`: those named, or all of the setpoint."""
         self._vehicle = vehicle
         self._vehicles = vehicles
-        self._rows = RowMemory(HoldThenLevel(params.hold_time, vehicle.hover_thrust))
+        self._rows = LastCommands(HoldThenLevel(params.hold_time, vehicle.hover_thrust))
         self._trust = DownwashTrust(params.stale_fade)
         self.configure(params)
         self.reset()
@@ -117,7 +118,7 @@ class Pid:
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
     ) -> SwarmCommand:
-        """Return the tick's command; `interference` None means ignoring the draft."""
+        """Return the tick's command; `interference` None means ignoring the downwash."""
         last = self._last
         names = self._vehicles or setpoint.names
         if last is not None and last.t == setpoint.t and last.names == names:
@@ -149,9 +150,9 @@ def pid_gains(params: PidParams) -> Array:
 
 def pid_limits(params: PidParams, vehicle: Vehicle) -> ThrustLimits:
     """Return the limits of a vehicle: what it can give, and what the parameters allow."""
-    allowed = params.thrust_max if params.thrust_limited else vehicle.stick_thrust_max
+    allowed = params.thrust_max if params.thrust_limited else vehicle.rpyt_thrust_max
     return ThrustLimits(
-        vehicle.mass, min(allowed, vehicle.stick_thrust_max), params.tilt_max, params.exact_inverse
+        vehicle.mass, min(allowed, vehicle.rpyt_thrust_max), params.tilt_max, params.exact_inverse
     )
 
 

@@ -1,6 +1,6 @@
 """Turn a wanted acceleration into collective thrust, roll and pitch: (22)-(25) with their limits.
 
-With a the wanted acceleration (the reference's, plus feedback, minus the draft eta):
+With a the wanted acceleration (the reference's, plus feedback, minus the downwash eta):
 
     U1      = m (g + a_z) / (cos phi cos theta)            before (22), and 5.1 with v - eta^z for a_z
     u_x, u_y = m / U1 [a_x, a_y]                           (24), (25)

@@ -184,12 +184,12 @@ class CflibLink:
             wrong=self._wrong(),
         )
 
-    def send_stick(self, stick: RpytSetpoint) -> None:
+    def send_rpyt(self, stick: RpytSetpoint) -> None:
         """Send roll, pitch, yaw rate, thrust; a stick without thrust is never replaced by a newer one."""
         if stick.pwm == 0:
-            self._mailbox.put_once(lambda: self._sender.send_stick(stick))
+            self._mailbox.put_once(lambda: self._sender.send_rpyt(stick))
         else:
-            self._mailbox.put("setpoint", lambda: self._sender.send_stick(stick))
+            self._mailbox.put("setpoint", lambda: self._sender.send_rpyt(stick))
 
     def send_full_state(self, wanted: FullState) -> None:
         """Send a full state."""

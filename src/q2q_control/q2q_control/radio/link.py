@@ -40,7 +40,7 @@ class VehicleLink(Protocol):
     def health(self) -> LinkHealth:
         """Return how the link and the vehicle are."""
 
-    def send_stick(self, stick: RpytSetpoint) -> None:
+    def send_rpyt(self, stick: RpytSetpoint) -> None:
         """Send roll, pitch, yaw rate, thrust."""
 
     def send_full_state(self, wanted: FullState) -> None:
@@ -123,7 +123,7 @@ class CflibSender:
     place: Localization
     supervisor: CflibSupervisor
 
-    def send_stick(self, stick: RpytSetpoint) -> None:
+    def send_rpyt(self, stick: RpytSetpoint) -> None:
         """Send roll, pitch, yaw rate, thrust."""
         self.commander.send_setpoint(stick.roll_deg, stick.pitch_deg, stick.yaw_rate_deg, stick.pwm)
 

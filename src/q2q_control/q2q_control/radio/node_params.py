@@ -14,7 +14,7 @@ class RadioNodeParams:
     vehicles: tuple[str, ...] = tunable((), "names of the vehicles", read_only=True)
     uris: tuple[str, ...] = tunable((), "their URIs, in the same order", read_only=True)
     mode: str = tunable("command", "what is sent", choices=("command", "setpoint"), read_only=True)
-    aware: bool = tunable(True, "setpoint: compensate the predicted draft", read_only=True)  # noqa: FBT003
+    aware: bool = tunable(True, "setpoint: compensate the predicted downwash", read_only=True)  # noqa: FBT003
     places: bool = tunable(True, "send external poses from `state`", read_only=True)  # noqa: FBT003
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
     firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)

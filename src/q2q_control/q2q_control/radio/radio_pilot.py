@@ -188,12 +188,12 @@ class RadioPilot:
             if not again and self._vehicles[name].phase is not Phase.OFFLINE:
                 self._links[name].send_place(state.pos[row].tolist(), state.quat[row].tolist())
 
-    def fly_sticks(self, names: Names, sticks: list[RpytSetpoint], t: float) -> None:
+    def fly_rpyt(self, names: Names, rpyt_setpoints: list[RpytSetpoint], t: float) -> None:
         """Send a tick's sticks, that came at time t [s], to the vehicles that fly."""
-        for name, stick in zip(names, sticks, strict=True):
+        for name, stick in zip(names, rpyt_setpoints, strict=True):
             if self._flies(name):
                 self._vehicles[name].heard = t
-                self._links[name].send_stick(stick)
+                self._links[name].send_rpyt(stick)
 
     def fly_full_states(self, names: Names, wanted: list[FullState], t: float) -> None:
         """Send a tick's full states, that came at time t [s], to the vehicles that fly."""
@@ -261,7 +261,7 @@ class RadioPilot:
     def _arm(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
         if health.armed:
             if self._hover is not None:
-                self._links[name].send_stick(ZERO_STICK)
+                self._links[name].send_rpyt(ZERO_STICK)
             self._enter(name, Phase.ARMED, t)
         elif t - one.since > self._params.arm_s:
             self._enter(name, Phase.READY, t)
@@ -287,7 +287,7 @@ class RadioPilot:
             self._land(name, t)
         elif silent < limits.silent_stop_s:
             share = FallbackParams().land_share
-            self._links[name].send_stick(replace(self._hover, pwm=round(share * self._hover.pwm)))
+            self._links[name].send_rpyt(replace(self._hover, pwm=round(share * self._hover.pwm)))
         else:
             self._said.append(f"{name} has no command for {limits.silent_stop_s} s and sank blind")
             self.cut((name,), t)
@@ -295,7 +295,7 @@ class RadioPilot:
     def _hold(self, name: str, one: _Vehicle) -> None:
         """Send what keeps a vehicle where it is."""
         if self._hover is not None:
-            self._links[name].send_stick(self._hover)
+            self._links[name].send_rpyt(self._hover)
         elif one.wanted is not None:
             zero = (0.0, 0.0, 0.0)
             self._links[name].send_full_state(replace(one.wanted, vel=zero, acc=zero, ang_vel=zero))

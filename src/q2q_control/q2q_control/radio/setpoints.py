@@ -64,7 +64,7 @@ class FullState:
     """[rad/s], body."""
 
 
-def sticks(command: SwarmCommand, scale: LegacyScale) -> list[RpytSetpoint]:
+def rpyt_setpoints(command: SwarmCommand, scale: LegacyScale) -> list[RpytSetpoint]:
     """Return every vehicle's stick, in the order of the command."""
     rows = legacy_setpoints(command, scale).tolist()  # pitch, roll, yaw rate [deg, deg/s], PWM
     return [RpytSetpoint(roll, pitch, -yaw_rate, int(pwm)) for pitch, roll, yaw_rate, pwm in rows]
@@ -77,16 +77,16 @@ def names_cut(command: SwarmCommand) -> Names:
     )
 
 
-def level_stick(thrust: float, scale: LegacyScale) -> RpytSetpoint:
+def level_rpyt(thrust: float, scale: LegacyScale) -> RpytSetpoint:
     """Return the level stick of a thrust [N]."""
     one, zero = np.array([thrust]), np.zeros(1)
-    (level,) = sticks(SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8)), scale)
+    (level,) = rpyt_setpoints(SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8)), scale)
     return level
 
 
 def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState]:
-    """Return every vehicle's full state; its acceleration is the setpoint's, less the predicted draft's."""
-    acc = setpoint.acc - _drafts(setpoint.names, interference)
+    """Return every vehicle's full state; its acceleration is the setpoint's less eta."""
+    acc = setpoint.acc - _downwash(setpoint.names, interference)
     level = np.zeros(len(setpoint.names))
     quat = quat_from_euler(level, level, setpoint.yaw)
     return [
@@ -101,7 +101,7 @@ def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> l
     ]
 
 
-def _drafts(names: Names, interference: Interference | None) -> Array:
+def _downwash(names: Names, interference: Interference | None) -> Array:
     """Return eta of each vehicle [m/s^2], (n, 3); 0 where none is predicted."""
     if interference is None:
         return np.zeros((len(names), 3))

@@ -33,10 +33,10 @@ class CrazyswarmCommands:
             name: node.create_publisher(self._full_state, f"{name}/{topic}", QUEUE) for name in names
         }
 
-    def send_setpoint(self, stamp_ns: int, setpoint: SwarmSetpoint, draft: Interference | None) -> None:
+    def send_setpoint(self, stamp_ns: int, setpoint: SwarmSetpoint, downwash: Interference | None) -> None:
         """Publish every known vehicle's full state."""
         header = header_at(stamp_ns)
-        for name, wanted in zip(setpoint.names, full_states(setpoint, draft), strict=True):
+        for name, wanted in zip(setpoint.names, full_states(setpoint, downwash), strict=True):
             if name in self._writers:
                 self._writers[name].publish(self._message(header, wanted))
 

@@ -110,8 +110,8 @@ class Crazyswarm:
             self._listen(topic, signal)
 
     def _wire_procedure(self) -> None:
-        crew = CrazyswarmExecutor(self._node, _vehicles(self._asked))
-        self._ticks.procedure = desk = ProcedureServices(self._node, self._names, crew, self._params)
+        executor = CrazyswarmExecutor(self._node, _vehicles(self._asked))
+        self._ticks.procedure = desk = ProcedureServices(self._node, self._names, executor, self._params)
         for name, act in (
             ("arm", Act.ARM),
             ("disarm", Act.DISARM),
@@ -135,7 +135,7 @@ class Crazyswarm:
         if tick.command is not None:
             self._commands.send_command(tick.command)
         elif tick.setpoint is not None:
-            self._commands.send_setpoint(stamp_ns, tick.setpoint, tick.draft)
+            self._commands.send_setpoint(stamp_ns, tick.setpoint, tick.downwash)
 
     def _on_poses(self, message: PosesMessage) -> None:
         if self._poses is None:

@@ -32,7 +32,7 @@ class GuardedCommands:
     def __init__(
         self, controller: Controller, params: FallbackParams, hover_thrust: float, *, live: bool
     ) -> None:
-        self._transit = StampDelayMonitor()
+        self._stamp_delay = StampDelayMonitor()
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._watch = TickWatch(self._guard, params) if live else None
         self._heard: SwarmState | None = None
@@ -63,10 +63,10 @@ class GuardedCommands:
         self._guard.reset()
         if self._watch is not None:
             self._watch = TickWatch(self._guard, self._watch.params)
-        self._transit = StampDelayMonitor()
+        self._stamp_delay = StampDelayMonitor()
 
     def _lateness(self, stamp: float) -> float:
-        return self._transit.lateness(stamp, monotonic())
+        return self._stamp_delay.lateness(stamp, monotonic())
 
     def _hear(self, _: int, state: Signal) -> None:
         if isinstance(state, SwarmState):

@@ -41,7 +41,7 @@ class MpcNodeParams:
     vehicles: tuple[str, ...] = tunable(
         (), "vehicles to command; empty is all of the setpoint", read_only=True
     )
-    aware: bool = tunable(default=True, description="hold the draft in the model", read_only=True)
+    aware: bool = tunable(default=True, description="hold the downwash in the model", read_only=True)
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
     live: bool = tunable(default=False, description="fall back by the wall clock", read_only=True)
     budget_s: float = tunable(
@@ -86,8 +86,10 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         block.preview = preview_of(message)
         plan_came()
 
-    def answer(state: SwarmState, setpoint: SwarmSetpoint, draft: Interference | None = None) -> SwarmCommand:
-        command = guarded.update(state, setpoint, draft)
+    def answer(
+        state: SwarmState, setpoint: SwarmSetpoint, downwash: Interference | None = None
+    ) -> SwarmCommand:
+        command = guarded.update(state, setpoint, downwash)
         report = block.report
         wiring.health.fallbacks += int(report.shifted + report.pid > 0)
         wiring.health.extra["iterations"] = str(report.iterations)

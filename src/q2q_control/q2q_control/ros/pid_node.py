@@ -28,7 +28,7 @@ class PidNodeParams:
     vehicles: tuple[str, ...] = tunable(
         (), "vehicles to command; empty is all of the setpoint", read_only=True
     )
-    aware: bool = tunable(True, "compensate the predicted draft", read_only=True)  # noqa: FBT003
+    aware: bool = tunable(True, "compensate the predicted downwash", read_only=True)  # noqa: FBT003
     live: bool = tunable(False, "watch the wall clock and fall back when ticks stay away", read_only=True)  # noqa: FBT003
     legacy_hz: float = tunable(
         10.0,

@@ -38,11 +38,11 @@ class ProcedureServices:
         self,
         node: Node,
         names: Names,
-        crew: OrderExecutor,
+        executor: OrderExecutor,
         params: tuple[FlightProcedureParams, LandingParams],
     ) -> None:
         """Serve the procedure of some vehicles."""
-        self._node, self._crew = node, crew
+        self._node, self._executor = node, executor
         self._procedure = FlightProcedure(*params)
         self._view = FlightView(names)
         self._trajectory = TrajectoryClient(node)
@@ -74,7 +74,7 @@ class ProcedureServices:
             if step not in ON_GROUND or self._single is not None:
                 return Reply(granted=False, reason=f"the step is {step.value}: {name} is for the ground")
             self._single = service
-            self._crew.begin(Order(act), monotonic())
+            self._executor.begin(Order(act), monotonic())
             return None
 
         service = LateReplyService(self._node, f"~/{name}", ask)
@@ -86,7 +86,7 @@ class ProcedureServices:
     def move_on(self) -> None:
         """Let the procedure move on, and tell what happened."""
         now = monotonic()
-        outcome = self._crew.outcome(now) or self._trajectory.outcome()
+        outcome = self._executor.outcome(now) or self._trajectory.outcome()
         if self._single is not None and outcome is not None:
             self._single.answer(outcome)
             self._single, outcome = None, None
@@ -110,7 +110,7 @@ class ProcedureServices:
             if order.act in CALLS:
                 self._trajectory.begin(order.act)
             else:
-                self._crew.begin(order, now)
+                self._executor.begin(order, now)
         for line in self._procedure.said():
             self._node.get_logger().info(line)
         for call, reply in self._procedure.replies():
@@ -138,7 +138,7 @@ class ProcedureServices:
         )
 
     def _observed(self, now: float) -> Observation:
-        return self._view.observe(self._crew.reports(), now)
+        return self._view.observe(self._executor.reports(), now)
 
     def _take_plan(self, message: Plan) -> None:
         self._view.plan = outline(tuple(message.names), curves_of(message))

@@ -32,7 +32,7 @@ from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import LegacyScale
-from q2q_control.radio.setpoints import full_states, level_stick, names_cut, sticks
+from q2q_control.radio.setpoints import full_states, level_rpyt, names_cut, rpyt_setpoints
 from q2q_control.ros.dry_run import dry_run_as_parameter
 from q2q_control.ros.guarded_commands import EMERGENCY
 from q2q_control.ros.procedure_services import ProcedureServices
@@ -73,18 +73,18 @@ class RadioNode:
         vehicle = vehicle_by_name(asked.vehicle, asked.firmware)
         self._scale = LegacyScale(vehicle.full_pwm_thrust)
         self._links = open_links(asked)
-        hover = level_stick(vehicle.hover_thrust, self._scale)
+        hover = level_rpyt(vehicle.hover_thrust, self._scale)
         self._pilot = RadioPilot(self._links, limits, hover if asked.mode == "command" else None, landing)
         self._silent_s = limits.silent_s
         self._health = Health()
         self._ticks = FlownTicks(asked.mode, self._health, aware=asked.aware)
         self._topics = RadioTopics(node, tuple(self._links), asked.pose_hz)
-        crew = RadioExecutor(self._pilot, self._links, vehicle)
-        self._desk = ProcedureServices(
-            node, tuple(self._links), crew, (declare(node, FlightProcedureParams()), landing)
+        executor = RadioExecutor(self._pilot, self._links, vehicle)
+        self._services = ProcedureServices(
+            node, tuple(self._links), executor, (declare(node, FlightProcedureParams()), landing)
         )
-        self._desk.guard = self._other_radios
-        self._ticks.procedure = self._desk
+        self._services.guard = self._other_radios
+        self._ticks.procedure = self._services
         self._subscribe()
         node.create_service(Trigger, "~/stop", self._on_stop)
         steady_timer(node, WATCH_S, self._watch)
@@ -119,9 +119,9 @@ class RadioNode:
         if tick is not None and tick.command is not None:
             self._pilot.cut(names_cut(tick.command), now)
             if tick.flown:
-                self._pilot.fly_sticks(tick.command.names, sticks(tick.command, self._scale), now)
+                self._pilot.fly_rpyt(tick.command.names, rpyt_setpoints(tick.command, self._scale), now)
         elif tick is not None and tick.setpoint is not None and tick.flown:
-            self._pilot.fly_full_states(tick.setpoint.names, full_states(tick.setpoint, tick.draft), now)
+            self._pilot.fly_full_states(tick.setpoint.names, full_states(tick.setpoint, tick.downwash), now)
 
     def _on_silence(self) -> None:
         self._pilot.watch(monotonic(), WATCH_S)
@@ -142,11 +142,11 @@ class RadioNode:
         return f"another radio node runs: {others}" if others else ""
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
-        self._desk.emergency()
+        self._services.emergency()
         return response
 
     def _on_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._desk.emergency()
+        self._services.emergency()
         response.success, response.message = True, "motors stopped; restart the vehicles"
         return response
 

@@ -5,7 +5,7 @@ zstd and checksummed, every channel with its ros2msg definition, type hash and o
 record` of ROS 2 Jazzy does. Read: that, other rosbag2 bags (MCAP, sqlite3), and ROS 1 bags by a topic map.
 """
 
-from q2q_model.bag.flight_facts import FlightFacts, facts_from_words, read_facts, words_of
+from q2q_model.bag.flight_facts import FlightFacts, facts_as_text, facts_from_text, read_facts
 from q2q_model.bag.foreign.mapped_flight import read_mapped_flight
 from q2q_model.bag.foreign.mapped_messages import MappedBag
 from q2q_model.bag.foreign.topic_map import TopicMap, load_topic_map
@@ -28,13 +28,13 @@ __all__ = [
     "RawMessage",
     "TimedSignal",
     "TopicMap",
-    "facts_from_words",
+    "facts_as_text",
+    "facts_from_text",
     "is_bag",
     "load_topic_map",
     "read_facts",
     "read_flight",
     "read_flight_log",
     "read_mapped_flight",
-    "words_of",
     "write_log_row",
 ]

@@ -41,7 +41,7 @@ class FlightFacts:
 NAMES = tuple(entry.name for entry in fields(FlightFacts))
 
 
-def facts_from_words(words: Iterable[str]) -> FlightFacts:
+def facts_from_text(words: Iterable[str]) -> FlightFacts:
     """Return the facts in words such as `vehicle=crazyflie_2_1`.
 
     Raises:
@@ -58,8 +58,8 @@ def facts_from_words(words: Iterable[str]) -> FlightFacts:
     return FlightFacts(**found)
 
 
-def words_of(facts: FlightFacts) -> tuple[str, ...]:
-    """Return the facts that are known as words; `facts_from_words` reads them back."""
+def facts_as_text(facts: FlightFacts) -> tuple[str, ...]:
+    """Return the facts that are known as words; `facts_from_text` reads them back."""
     return tuple(f"{name}={value}" for name, value in facts.known.items())
 
 

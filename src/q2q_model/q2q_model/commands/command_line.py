@@ -51,7 +51,7 @@ class CommandLine(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}{self._hint(message)}; see --help\n")
 
     def _hint(self, message: str) -> str:
-        near = nearest(wrong_words(message), self.words())
+        near = nearest(unknown_words(message), self.words())
         return f"; did you mean {near}?" if near else ""
 
     def words(self) -> list[str]:
@@ -109,7 +109,7 @@ def without_ros(arguments: Sequence[str] | None) -> list[str]:
     return words[: words.index(ROS_ARGS)] if ROS_ARGS in words else words
 
 
-def wrong_words(message: str) -> list[str]:
+def unknown_words(message: str) -> list[str]:
     """Return the words that an argparse message complains of, without their values."""
     unknown = UNKNOWN.search(message)
     words = unknown[1].split() if unknown else WRONG_CHOICE.findall(message)

@@ -1,1 +1,1 @@
-"""Interaction models: the acceleration eta that one vehicle's draft puts on another."""
+"""Interaction models: the acceleration eta that one vehicle's downwash puts on another."""

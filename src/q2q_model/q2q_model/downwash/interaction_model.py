@@ -3,7 +3,7 @@
 eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau), v_i(t)),
 tau = delay(r_j(t) - r_i(t)),
 
-with b the body z axis: a rotor throws its air along -b, so a tilted source aims its draft aside.
+with b the body z axis: a rotor throws its air along -b, so a tilted source aims its downwash aside.
 
 i feels, j causes; rel_pos = pos_j - pos_i, so a source above has rel_pos z > 0. Laws act on arrays of
 pairs of any batch shape; memory of past states is kept outside, by `StateHistory` online and by the
@@ -55,7 +55,7 @@ class InteractionModel(Protocol):
 
     @property
     def reach(self) -> Reach:
-        """Return how far the draft acts."""
+        """Return how far the downwash acts."""
 
     @property
     def max_delay(self) -> float:

@@ -1,4 +1,4 @@
-"""Describe the draft as a round jet with a handful of named numbers.
+"""Describe the downwash as a round jet with a handful of named numbers.
 
     eta_lower = -A decay(gap) exp(-r^2 / (2 s(gap)^2)) (1 + c v_i,z tau / gap),   s(gap) = s0 + ks gap
     eta_upper = -ratio eta_lower
@@ -15,7 +15,7 @@ paper does. A vehicle that climbs at v_i,z meets the air, which comes at travel_
 On real flights c = 1 fits: left free, the share of slope kept came out at 0.997 (family dc21) and 1.13
 (dc19). It explains more than a third of what a straight fall leaves unexplained.
 
-Only z is pushed. `PAPER_LAW` is the synthetic draft that reproduces the paper's Table 6; `MEASURED_LAW` is
+Only z is pushed. `PAPER_LAW` is the synthetic downwash that reproduces the paper's Table 6; `MEASURED_LAW` is
 the three-parameter law with delay of two Crazyflie 2.1 (flights recorded for Neural-Swarm2, T-RO 2021) whose
 feed-forward was off.
 

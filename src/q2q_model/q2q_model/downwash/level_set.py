@@ -1,4 +1,4 @@
-"""Give the zone where a learned draft is stronger than a threshold, with its signed distance.
+"""Give the zone where a learned downwash is stronger than a threshold, with its signed distance.
 
     L = { dr : |eta(dr)| >= threshold or |eta(-dr)| >= threshold }
 
@@ -62,17 +62,19 @@ class LevelSet:
 
 
 def level_set(model: InteractionModel, threshold: float) -> LevelSet:
-    """Return the zone of a law's draft above `threshold` [m/s^2], for a level source at rest.
+    """Return the zone of a law's downwash above `threshold` [m/s^2], for a level source at rest.
 
     Raises:
-        ValueError: the draft is nowhere that strong, so the zone would be empty.
+        ValueError: the downwash is nowhere that strong, so the zone would be empty.
     """
     from scipy.spatial import cKDTree  # half a second that nodes with a zone of their own are spared
 
     excess = _strength(model) - threshold
     if not (excess > 0.0).any():
         peak = float(excess.max()) + threshold
-        raise ValueError(f"zone threshold = {threshold} m/s^2: allowed is 0 to the draft's peak, {peak:.3g}")
+        raise ValueError(
+            f"zone threshold = {threshold} m/s^2: allowed is 0 to the downwash's peak, {peak:.3g}"
+        )
     nodes = np.indices(excess.shape).reshape(2, -1).T
     distance, _ = cKDTree(_crossings(excess)).query(nodes.astype(np.float64))
     table = np.where(excess > 0.0, -1.0, 1.0) * STEP * distance.reshape(excess.shape)
@@ -80,7 +82,7 @@ def level_set(model: InteractionModel, threshold: float) -> LevelSet:
 
 
 def peak(model: InteractionModel) -> float:
-    """Return the strongest draft of a law anywhere [m/s^2]; 0 where it knows none."""
+    """Return the strongest downwash of a law anywhere [m/s^2]; 0 where it knows none."""
     return float(_strength(model).max())
 
 

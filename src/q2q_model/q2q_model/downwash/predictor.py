@@ -1,4 +1,4 @@
-"""Predict every vehicle's draft, tick by tick, from an interaction model and the swarm's states.
+"""Predict every vehicle's downwash, tick by tick, from an interaction model and the swarm's states.
 
     eta_i(t) = sum over j in reach of law(r_j(t - tau_ij) - r_i(t), v_j(t - tau_ij), b_j(t - tau_ij), v_i(t))
 
@@ -48,7 +48,7 @@ class InteractionPredictor:
         self.model = model
 
     def update(self, state: SwarmState) -> Interference:
-        """Return the draft on every vehicle of `state`, in its order."""
+        """Return the downwash on every vehicle of `state`, in its order."""
         if self._last is not None and state.t == self._last.t and state.names == self._last.names:
             return self._last
         states = np.concatenate(

@@ -268,7 +268,7 @@ class MocapFilter:
     def _count_unusual(self, verdict: SampleFates) -> int:
         """Count what became of samples; return how many there were."""
         counts = self._counts
-        if verdict.honest:
+        if verdict.none_rejected:
             return int(verdict.accepted.sum())
         present = np.isfinite(self._pose[:, :3]).all(axis=1)
         used = np.zeros(len(self._names), dtype=np.bool_)

@@ -94,7 +94,7 @@ class PositionTracks:
         self._time: Array = np.zeros(count)
         self._state: Array = np.zeros((count, 3, 3))
         self._cov: Array = np.zeros((count, 3, 3))
-        self._rivals = Reacquisition(count, params.limits)
+        self._reacquisition = Reacquisition(count, params.limits)
         self._right = np.zeros(count, dtype=np.int64)  # samples taken under its own name
         self._swapped = np.zeros(count, dtype=np.int64)  # samples taken from others since
         limits = params.limits
@@ -115,7 +115,7 @@ class PositionTracks:
         self._proven = padded(self._proven, extra)
         self._state, self._cov = padded(self._state, extra), padded(self._cov, extra)
         self._right, self._swapped = padded(self._right, extra), padded(self._swapped, extra)
-        self._rivals.grow(extra)
+        self._reacquisition.grow(extra)
         self._settle_rows(len(self._seen))
 
     def _settle_rows(self, count: int) -> None:
@@ -193,9 +193,9 @@ class PositionTracks:
             self._time[taken] = t
             self._right += taken
             self._swapped[taken] = 0
-            self._rivals.forget(taken)
+            self._reacquisition.forget(taken)
         pos, vel, source = self._out[:, :3].copy(), self._out[:, 3:].copy(), np.where(taken, self._rows, -1)
-        return SampleFates(pos, vel, taken, source, ~self._every, taken, plain=plain, honest=True)
+        return SampleFates(pos, vel, taken, source, ~self._every, taken, plain=plain, none_rejected=True)
 
     def _note_steady(self, t: float, since: Array, before: Array) -> None:
         """Note the gains of a whole tick, where they are the last one's."""
@@ -220,7 +220,7 @@ class PositionTracks:
         self._proven[:] = True
         self._right += ticks
         self._swapped[:] = 0
-        self._rivals.forget(self._every)
+        self._reacquisition.forget(self._every)
 
     def _expect(self, t: float) -> _Ahead:
         elapsed = np.where(self._seen, t - self._time, 0.0)
@@ -245,15 +245,15 @@ class PositionTracks:
         gate = np.minimum(ahead.gate, ahead.reach)
         lent = swapped_sources(measured, ahead.state[:, 0], gate, orphans, trusting)
         source = np.where(lent >= 0, lent, np.where(fits | began, self._rows, -1))
-        self._rivals.forget(source >= 0)
+        self._reacquisition.forget(source >= 0)
         lending = ~self._every
         lending[lent[lent >= 0]] = True
         refused = orphans & (source < 0) & ~lending
         lacking = Lacking(~present & self._seen, refused)
         usual, longest = self._params.reacquire_s, max(self._params.coast_s, self._params.reacquire_s)
-        doubtful = self._rivals.doubtful(t, measured, (self._state[:, 0], self._time), lacking)
+        doubtful = self._reacquisition.doubtful(t, measured, (self._state[:, 0], self._time), lacking)
         doubtful &= self._swapped < self._right
-        jumped = self._rivals.offer(t, measured, refused, np.where(doubtful, longest, usual))
+        jumped = self._reacquisition.offer(t, measured, refused, np.where(doubtful, longest, usual))
         source = np.where(jumped, self._rows, source)
         self._proven = (self._proven | jumped | fits) & ~began
         self._count(fits, lent >= 0, jumped | began)
@@ -271,13 +271,15 @@ class PositionTracks:
             ahead.state[on], ahead.cov[on], samples[on], self._noise_var
         )
         if fresh.any():
-            velocity = np.where(jumped[:, None], self._rivals.velocity(), self._since_first(t, samples))
+            velocity = np.where(
+                jumped[:, None], self._reacquisition.velocity(), self._since_first(t, samples)
+            )
             self._state[fresh], self._cov[fresh] = white_jerk.start(
                 samples[fresh], velocity[fresh], self._noise_var
             )
         self._time[taken] = t
         self._seen |= taken
-        self._rivals.forget(jumped)
+        self._reacquisition.forget(jumped)
 
     def _since_first(self, t: float, samples: Array) -> Array:
         """Return the velocity from the last samples to these [m/s], (n, 3); zero beyond belief."""
@@ -291,4 +293,6 @@ class PositionTracks:
         state = np.where(taken[:, None, None], self._state, ahead.state)
         vel = np.where((ahead.lost & ~taken)[:, None], 0.0, state[:, 1])
         trusted = taken & self._proven
-        return SampleFates(state[:, 0].copy(), vel, taken, source, jumped, trusted, plain=False, honest=False)
+        return SampleFates(
+            state[:, 0].copy(), vel, taken, source, jumped, trusted, plain=False, none_rejected=False
+        )

@@ -26,7 +26,7 @@ class SampleFates:
     """Accepted, and not the only sample that says so: the first of a track is not."""
     plain: bool
     """Every vehicle's own sample was taken."""
-    honest: bool
+    none_rejected: bool
     """No sample was refused or taken for another's: some may be absent."""
 
     @property

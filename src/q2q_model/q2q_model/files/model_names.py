@@ -4,7 +4,7 @@ from pathlib import Path
 
 SUFFIX = ".q2q"
 NONE = "none"
-"""The model without a file: no draft."""
+"""The model without a file: no downwash."""
 
 
 class ModelFileError(ValueError):

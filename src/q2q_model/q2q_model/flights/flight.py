@@ -37,7 +37,7 @@ class Flight:
     true_vel: Array
     """True velocity [m/s], (T, n, 3)."""
     true_eta: Array
-    """True draft acceleration [m/s^2], (T, n, 3)."""
+    """True downwash acceleration [m/s^2], (T, n, 3)."""
     ref_pos: Array
     """Planned position [m], (T, n, 3)."""
     ref_vel: Array
@@ -51,7 +51,7 @@ class Flight:
     safe_acc: Array
     """Acceleration the controller was given [m/s^2], (T, n, 3)."""
     eta: Array
-    """Predicted draft acceleration [m/s^2], (T, n, 3)."""
+    """Predicted downwash acceleration [m/s^2], (T, n, 3)."""
     thrust: Array
     """Commanded collective thrust U1 [N], (T, n)."""
     roll: Array

@@ -1,8 +1,8 @@
-"""Describe where a draft harms: the set I(eps, d) of section 3.1, other shapes, and their signed distances.
+"""Describe where downwash harms: the set I(eps, d) of section 3.1, other shapes, and their signed distances.
 
 I(eps, d) = { dr : dx^2 + dy^2 <= eps^2, |dz| <= d }. A zone is symmetric: rel_pos and -rel_pos are both
 in it or both out. `Ellipsoid` is smooth, as a planner's convex steps like it; the level set of a learned
-draft is in q2q_model.downwash.level_set.
+downwash is in q2q_model.downwash.level_set.
 """
 
 import math

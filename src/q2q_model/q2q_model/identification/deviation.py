@@ -6,7 +6,7 @@
 Readings. The sum is over both absolute values. Each vehicle's median deviation in clear air is taken off
 first: on real flights it is 15-40 mm and would be a floor. Intervals come from drawing whole flights anew
 (Efron, Tibshirani, An introduction to the bootstrap, 1993). dev measures the time of overlap more than the
-distance, so d is a rough number: beside it stands the zone as a threshold on the learned draft.
+distance, so d is a rough number: beside it stands the zone as a threshold on the learned downwash.
 
 | symbol | name | meaning [unit] |
 |---|---|---|

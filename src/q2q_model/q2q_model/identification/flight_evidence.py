@@ -1,4 +1,4 @@
-"""Hold what one flight tells about drafts, and say who is the lower and who the upper vehicle in it."""
+"""Hold what one flight tells about downwash, and say who is the lower and who the upper vehicle in it."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ NEAR = 0.5
 
 
 UNDER = 0.15
-"""Horizontal distance within which a draft is felt; the scoring rule's (draft_force) [m]."""
+"""Horizontal distance within which downwash is felt; the scoring rule's (downwash_force) [m]."""
 GAPS = (0.1, 1.2)
 """Height differences of the scoring rule [m]."""
 
@@ -36,8 +36,8 @@ class FlightEvidence:
         return Motion(self.record.t, self.record.pos, self.record.vel, self.record.axis)
 
 
-def shows_draft(record: AltitudeRecord) -> bool:
-    """Return whether some vehicle ever flies under another, so that a draft can be seen at all."""
+def shows_downwash(record: AltitudeRecord) -> bool:
+    """Return whether some vehicle ever flies under another, so that downwash can be seen at all."""
     rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
     gap = np.abs(rel[..., 2])
     return bool(((np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0]) & (gap < GAPS[1])).any())

@@ -169,7 +169,7 @@ def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:
             rms=float(found.mse.mean() ** 0.5),
             from_commands=False,
         )
-        return fit, [f"gains are from trajectories, drafts and lag included: {missing}"]
+        return fit, [f"gains are from trajectories, downwash and lag included: {missing}"]
 
 
 def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str]]:
@@ -189,4 +189,4 @@ def _learned_zone(model: InteractionModel, threshold: float) -> tuple[LevelSet |
     try:
         return level_set(model, threshold), []
     except ValueError as empty:
-        return None, [f"no zone from the learned draft, the paper's is kept: {empty}"]
+        return None, [f"no zone from the learned downwash, the paper's is kept: {empty}"]

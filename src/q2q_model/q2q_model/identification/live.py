@@ -1,4 +1,4 @@
-"""Refine a draft model's gain and the vehicles' offsets while flying.
+"""Refine downwash model's gain and the vehicles' offsets while flying.
 
     y_i = (R f_body)_z - lagged(U1) b_z / m = g eta_i + b_i + noise
 
@@ -13,7 +13,7 @@ fails can turn the model around.
 | symbol | name | meaning [unit] |
 |---|---|---|
 | y | push | vertical acceleration that no rotor explains [m/s^2] |
-| g | gain | true over predicted draft [-] |
+| g | gain | true over predicted downwash [-] |
 | b | offset | constant acceleration of a vehicle [m/s^2], (n,) |
 | P | prior | information that g is 1, as a sum of eta^2 [m^2/s^4] |
 """
@@ -137,7 +137,7 @@ class LiveRefinement:
 
 
 def scaled(model: InteractionModel, gain: float) -> InteractionModel:
-    """Return a model whose drafts are `gain` times as strong."""
+    """Return a model whose downwash is `gain` times as strong."""
     if isinstance(model, Jet):
         return replace(model, strength=gain * model.strength)
     if isinstance(model, EnvelopeNetwork):

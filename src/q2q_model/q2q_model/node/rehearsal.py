@@ -8,7 +8,7 @@ from q2q_model.signals.layout import LAYOUTS, Column, Signal
 from q2q_model.signals.values import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
 
 SPACING = 0.5
-"""Height between the rehearsal's vehicles [m]: near enough that a model sees a draft."""
+"""Height between the rehearsal's vehicles [m]: near enough that a model sees downwash."""
 STOREYS = 4
 """So many vehicles stand above each other, the next beside them: all are within a room."""
 DRIFT = 0.01

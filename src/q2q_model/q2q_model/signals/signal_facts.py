@@ -4,7 +4,7 @@
 |---|---|
 | SwarmState | vehicles, how many coast or are lost, oldest age, smallest separation |
 | SwarmSetpoint | vehicles, smallest separation asked for |
-| Interference | largest draft, how many vehicles lean on stale sources or on no model |
+| Interference | largest downwash, how many vehicles lean on stale sources or on no model |
 | SwarmCommand | how many vehicles are saturated, and how many are in fallback |
 """
 
@@ -56,7 +56,7 @@ def _(signal: SwarmSetpoint) -> Mapping[str, str]:
 def _(signal: Interference) -> Mapping[str, str]:
     largest = float(np.linalg.norm(signal.acc, axis=-1).max(initial=0.0))
     return {
-        "draft_max_m_s2": _number(largest),
+        "downwash_max_m_s2": _number(largest),
         "stale_sources": _count(signal.status == InterferenceStatus.STALE_SOURCE),
         "no_model": _count(signal.status == InterferenceStatus.NO_MODEL),
     }

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from q2q_model.downwash.interaction_model import InteractionModel, at_rest
 from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
 from q2q_model.identification.force.along_flight import eta_along
-from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.identification import Identification
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -25,11 +25,11 @@ def draw_all(found: Identification, stem: Path) -> list[Path]:
     flight = max(found.evidence, key=_largest_push)
     if loop is not None:
         calm = min(found.evidence, key=_largest_push)
-        figures["fig5_gains"] = _altitude_figure(calm, loop, None, "learned loop, no draft")
+        figures["fig5_gains"] = _altitude_figure(calm, loop, None, "learned loop, no downwash")
         figures["fig6_7_altitude"] = _altitude_figure(
-            flight, loop, found.file.interaction, "learned loop and draft"
+            flight, loop, found.file.interaction, "learned loop and downwash"
         )
-    figures["fig8_9_draft"] = _draft_figure(found.file.interaction)
+    figures["fig8_9_downwash"] = _downwash_figure(found.file.interaction)
     paths = [stem.with_name(f"{stem.name}_{name}.png") for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
         figure.savefig(path, dpi=DPI, pil_kwargs={"compress_level": 1})
@@ -61,7 +61,7 @@ def _altitude_figure(
     record, n = flight.record, len(flight.record.names)
     deviation = free_response(loop, record.dt, record.start, record.jerk)
     if model is not None:
-        deviation = deviation + draft_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
+        deviation = deviation + downwash_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
     figure = Figure(figsize=(9.0, 2.8 * n))
     figure.subplots_adjust(left=0.09, right=0.98, top=1.0 - 0.2 / n, bottom=0.18 / n, hspace=0.08)
     figure.suptitle(f"{record.name}: {title}")
@@ -77,7 +77,7 @@ def _altitude_figure(
     return figure
 
 
-def _draft_figure(model: InteractionModel) -> Figure:
+def _downwash_figure(model: InteractionModel) -> Figure:
     """Draw eta of the lower and the upper vehicle over where the other is (Figs 8 and 9)."""
     figure = Figure(figsize=(10.0, 4.2))
     figure.subplots_adjust(left=0.07, right=0.97, top=0.92, bottom=0.13, wspace=0.32)
@@ -87,7 +87,9 @@ def _draft_figure(model: InteractionModel) -> Figure:
         eta = _grid(model, across, sign * gap)
         drawn = axes.pcolormesh(across, gap, eta, cmap="viridis", shading="auto")
         figure.colorbar(drawn, ax=axes, label="eta z [m/s²]")
-        axes.set(title=f"draft on the {title} vehicle", xlabel="across [m]", ylabel="height difference [m]")
+        axes.set(
+            title=f"downwash on the {title} vehicle", xlabel="across [m]", ylabel="height difference [m]"
+        )
     return figure
 
 

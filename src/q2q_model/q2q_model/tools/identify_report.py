@@ -64,12 +64,12 @@ def summary(found: Identification) -> str:
         lines.append(f"zone from dev: d {d.value:.2f} m [{d.low:.2f}, {d.high:.2f}]")
     if found.zone is not None:
         lines.append(
-            f"zone from the draft, |eta| >= {found.zone.threshold} m/s^2: "
+            f"zone from the downwash, |eta| >= {found.zone.threshold} m/s^2: "
             f"{found.zone.eps:.2f} m sideways, {found.zone.d:.2f} m up and down"
         )
     lines.append(f"model: {found.chosen.name} ({found.chosen.parameters} parameters)")
     if held.r2.lower is not None:
-        lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's draft")
+        lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's downwash")
     lines += [f"  {name} {_ranged(one)}" for name, one in found.spread]
     if found.loading is not None:
         lines.append(f"loading {_ranged(found.loading)}: {believed(found.loading):.2f} is used")

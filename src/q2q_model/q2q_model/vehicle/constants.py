@@ -56,7 +56,7 @@ class Vehicle:
         return self.mass * GRAVITY
 
     @property
-    def stick_thrust_max(self) -> float:
+    def rpyt_thrust_max(self) -> float:
         """Return the largest collective thrust that an RPYT setpoint can ask for [N]."""
         return min(self.thrust_max, self.full_pwm_thrust * PWM_STICK_MAX / PWM_FULL)
 

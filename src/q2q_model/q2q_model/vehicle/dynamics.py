@@ -18,7 +18,7 @@ make it a force.
 | U1 | thrust | collective thrust along body z [N], (...) |
 | U2 U3 U4 | moments | force difference about roll and pitch [N], torque about yaw [N m], (..., 3) |
 | Omega_r | rotor_speed_sum | signed sum of the rotors' speeds [rad/s], (...) |
-| eta | eta | acceleration by neighbours' drafts, F / m [m/s^2], world, (..., 3) |
+| eta | eta | acceleration by neighbours' downwash, F / m [m/s^2], world, (..., 3) |
 """
 
 import numpy as np

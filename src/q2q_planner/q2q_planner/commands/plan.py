@@ -1,4 +1,4 @@
-"""Turn waypoints into a plan file: minimum snap, and out of each other's draft, proven for every t."""
+"""Turn waypoints into a plan file: minimum snap, and out of each other's downwash, proven for every t."""
 
 import argparse
 import sys
@@ -64,8 +64,12 @@ def _add_zone(made: CommandLine) -> None:
     zone.add_argument("--eps", type=float, default=0.1, help="radius of the zone [m] (default 0.1)")
     zone.add_argument("--d", type=float, default=1.1, help="half height of the zone [m] (default 1.1)")
     zone.add_argument("--model", help="take this interaction model's zone: a shipped name or a .q2q file")
-    zone.add_argument("--threshold", type=float, help="with --model: where its draft is above this [m/s^2]")
-    zone.add_argument("--cut", type=float, help="with --model: so large that this share of the draft is gone")
+    zone.add_argument(
+        "--threshold", type=float, help="with --model: where its downwash is above this [m/s^2]"
+    )
+    zone.add_argument(
+        "--cut", type=float, help="with --model: so large that this share of the downwash is gone"
+    )
 
 
 def _add_limits(made: CommandLine) -> None:

@@ -1,4 +1,4 @@
-"""Predict how far drafts push vehicles off a plan: the closed altitude loop (13) under a learned draft (14).
+"""Predict how far downwash pushes vehicles off a plan: altitude loop (13) under learned downwash (14).
 
     e_i'' = -K_d e_i' - K_p e_i + sum_j eta(r_j - r_i),    z_i = z_i,ref + e_i
 
@@ -22,7 +22,7 @@ def altitude_errors(pos: Array, step: float, model: InteractionModel, loop: Alti
     Args:
         pos: references [m], (T, n, 3).
         step: time between them [s].
-        model: the draft.
+        model: the downwash.
         loop: its K_p and K_d are used.
     """
     ticks, n, _ = pos.shape

@@ -18,7 +18,7 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.signals.values import Array
 
 LARGEST = 5.0
-"""How far a zone is searched for, outwards and upwards [m]: far beyond any draft measured."""
+"""How far a zone is searched for, outwards and upwards [m]: far beyond any downwash measured."""
 
 HEIGHT_STEP = 0.01
 """Slices of a zone of unknown shape [m]; each slice takes the larger radius of its two faces."""

@@ -1,12 +1,12 @@
-"""Choose how much air to keep clear of: the smallest zone whose plan spares a swarm a share of its draft.
+"""Choose how much air to keep clear of: the smallest zone whose plan spares a swarm a share of its downwash.
 
-A learned draft eta has no edge, and where it is as strong as some threshold says little of the harm it does:
-that depends on how long vehicles stay in it and on how their altitude loop answers. So the threshold is
+A learned downwash eta has no edge, and where it is as strong as some threshold says little of the harm it
+does: that depends on how long vehicles stay in it and on how their altitude loop answers. So the threshold is
 chosen by what it brings. For the level sets { |eta| >= threshold } (`q2q_model.downwash.level_set`) the
-swarm is planned around the set, and the height errors of the loop (13) in the draft (14) are predicted along
-that plan and along the one without avoidance (`draft_response`). Weaker thresholds are larger zones, cost
-more snap and leave less error; halving log(threshold) finds the strongest threshold at which, for every
-vehicle,
+swarm is planned around the set, and the height errors of the loop (13) in the downwash (14) are predicted
+along that plan and along the one without avoidance (`downwash_response`). Weaker thresholds are larger
+zones, cost more snap and leave less error; halving log(threshold) finds the strongest threshold at which,
+for every vehicle,
 
     rms(z) with avoidance <= (1 - cut) rms(z) without,    or below HARMLESS.
 
@@ -29,27 +29,27 @@ from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidanceP
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 
-__all__ = ["PAPER_LOOP", "AltitudeLoop", "DraftPlan", "LearnedDraft", "avoid_draft"]
+__all__ = ["PAPER_LOOP", "AltitudeLoop", "DownwashPlan", "LearnedDownwash", "avoid_downwash"]
 
 HARMLESS = 1e-3
 """A height error that needs no cut [m]: below VICON's 2 mm dynamic error."""
 STEP = 0.02
 """Step of the prediction [s]: 1/350 of the learned loop's period."""
 STRONGEST, FAINTEST = 0.5, 0.005
-"""Thresholds tried, as shares of the draft's peak."""
+"""Thresholds tried, as shares of the downwash's peak."""
 HALVINGS = 7
 """The threshold is found within (STRONGEST / FAINTEST)^(1 / 2^7): 4 %."""
 
 
 @dataclass(frozen=True, slots=True)
-class LearnedDraft:
+class LearnedDownwash:
     """Learned downwash model and altitude loop."""
 
     model: InteractionModel
     loop: AltitudeLoop = PAPER_LOOP
     cut: float = 0.88
     """Share of the height error to take away, 0 to 1, both excluded; 0.85 is asked of a flight, which a
-    learned draft foretells within 0.01."""
+    learned downwash foretells within 0.01."""
 
     def __post_init__(self) -> None:
         """Raise ValueError where the share is out of bounds."""
@@ -58,7 +58,7 @@ class LearnedDraft:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class DraftPlan:
+class DownwashPlan:
     """Plan around a downwash zone."""
 
     found: AvoidancePlan
@@ -75,48 +75,48 @@ class DraftPlan:
         return float((1.0 - self.after[harmed] / self.before[harmed]).min(initial=1.0))
 
 
-def avoid_draft(
+def avoid_downwash(
     swarm: Sequence[VehicleWaypoints],
-    draft: LearnedDraft,
+    downwash: LearnedDownwash,
     reading: Reading = "stop_and_go",
     params: AvoidanceParams | None = None,
-) -> DraftPlan:
+) -> DownwashPlan:
     """Return the cheapest plan that spares every vehicle a share of its height error.
 
     Where no plan spares that much, the certified one that spares most is returned: look at `cut`.
 
     Raises:
         InfeasibleError: where no plan was found around any zone tried.
-        ValueError: the model knows no draft, or the waypoints cannot be flown.
+        ValueError: the model knows no downwash, or the waypoints cannot be flown.
     """
-    before = _predicted(minimum_snap_plan(swarm, reading), draft)
-    strong, faint = np.log(np.array([STRONGEST, FAINTEST]) * peak(draft.model))
-    tried: list[DraftPlan] = []
+    before = _predicted(minimum_snap_plan(swarm, reading), downwash)
+    strong, faint = np.log(np.array([STRONGEST, FAINTEST]) * peak(downwash.model))
+    tried: list[DownwashPlan] = []
     refusals: list[InfeasibleError] = []
     for _ in range(HALVINGS):
         middle = 0.5 * (strong + faint)
-        zone = level_set(draft.model, float(np.exp(middle)))
+        zone = level_set(downwash.model, float(np.exp(middle)))
         try:
             found = avoid(swarm, zone, reading, params)
         except InfeasibleError as refusal:
             refusals.append(refusal)
             faint = middle  # too large
             continue
-        tried.append(DraftPlan(found, zone, before, _predicted(found.plan, draft)))
-        if tried[-1].cut >= draft.cut:
+        tried.append(DownwashPlan(found, zone, before, _predicted(found.plan, downwash)))
+        if tried[-1].cut >= downwash.cut:
             faint = middle
         else:
             strong = middle
     if not tried:
         raise refusals[-1]
-    enough = [one for one in tried if one.cut >= draft.cut]
+    enough = [one for one in tried if one.cut >= downwash.cut]
     if enough:
         return min(enough, key=lambda one: one.found.cost)
     return max(tried, key=lambda one: one.cut)
 
 
-def _predicted(plan: SwarmPlan, draft: LearnedDraft) -> Array:
+def _predicted(plan: SwarmPlan, downwash: LearnedDownwash) -> Array:
     """Return the rms of each vehicle's height error along a plan [m], (n,)."""
     t = np.arange(0.0, plan.duration, STEP)
     pos = np.stack([curve.at(t)[:, :3] for curve in plan.trajectories], axis=1)
-    return altitude_rms(pos, STEP, draft.model, draft.loop)
+    return altitude_rms(pos, STEP, downwash.model, downwash.loop)

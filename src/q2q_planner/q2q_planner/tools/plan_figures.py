@@ -37,7 +37,7 @@ def draw_all(
         plan: the plan that avoids.
         free: minimum snap without avoidance; the online replanner starts from it.
         zone: what is avoided.
-        model: the draft in which heights are simulated.
+        model: the downwash in which heights are simulated.
     """
     folder.mkdir(parents=True, exist_ok=True)
     t = np.arange(0.0, plan.duration + TICK, TICK)
@@ -69,7 +69,7 @@ def replanned(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
 
 
 def _heights(plan: SwarmPlan, curves: dict[str, Array], model: InteractionModel) -> Figure:
-    """Draw z of each vehicle with its reference, in the draft under the learned loop, one column a curve."""
+    """Draw z of each vehicle and its reference, in the downwash, by the learned loop; one column a curve."""
     shape = len(plan.names), len(curves)
     figure, axes = plt.subplots(*shape, sharex=True, figsize=(5.5 * shape[1], 2.4 * shape[0]), squeeze=False)
     for column, (title, pos) in enumerate(curves.items()):

@@ -16,7 +16,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
 from q2q_planner.offline.certificate import Certificate, certify
-from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDraft, avoid_draft
+from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_flyable, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
@@ -24,10 +24,10 @@ from q2q_planner.tools.export import write_samples, write_uploads
 from q2q_planner.tools.waypoint_file import read_waypoints
 
 LARGEST = 5.0
-"""Largest zone [m]: far beyond any draft measured."""
+"""Largest zone [m]: far beyond any downwash measured."""
 
 DRAFT = "paper_law"
-"""The draft in which Figs 11 and 13 are drawn where --model names none."""
+"""The downwash in which Figs 11 and 13 are drawn where --model names none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, 
     if asked.model:
         return find_model(asked.model).zone, f"the zone of {asked.model}"
     if asked.threshold is not None:
-        raise ValueError(f"--threshold {asked.threshold} needs --model: a threshold of which draft?")
+        raise ValueError(f"--threshold {asked.threshold} needs --model: a threshold of which downwash?")
     for name in ("eps", "d"):
         value = getattr(asked, name)
         if not 0.0 < value < LARGEST:
@@ -80,8 +80,8 @@ def _zone_by_cut(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Z
     if not asked.model or asked.threshold is not None:
         raise ValueError(f"--cut {asked.cut} needs --model, and no --threshold: it chooses that")
     file = find_model(asked.model)
-    draft = LearnedDraft(file.interaction, file.gains or PAPER_LOOP, asked.cut)
-    made = avoid_draft(swarm, draft, asked.reading, AvoidanceParams(starts=asked.starts))
+    downwash = LearnedDownwash(file.interaction, file.gains or PAPER_LOOP, asked.cut)
+    made = avoid_downwash(swarm, downwash, asked.reading, AvoidanceParams(starts=asked.starts))
     if made.cut < asked.cut:
         raise ValueError(
             f"--cut {asked.cut}: at most {made.cut:.3f} was found; ask for less, or allow more time"

@@ -1,4 +1,4 @@
-"""Compare controllers that know the draft with ones that do not, and write one table of it."""
+"""Compare controllers that know the downwash with ones that do not, and write one table of it."""
 
 import sys
 from argparse import Namespace

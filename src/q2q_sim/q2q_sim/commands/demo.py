@@ -1,8 +1,8 @@
-"""Fly one Crazyflie over another three times: ignoring the draft, aware of it, aware without the limit.
+"""Fly one Crazyflie over another three times: ignoring the downwash, aware of it, aware without the limit.
 
 The flight is the one of the paper's sections 5.1 and 5.2 (scenario table6): Q1 hovers at 1.5 m, Q2 passes
 0.5 m above it. Beside the table stands what the paper's Table 6 found. The last line is the verdict on each
-flight; the status is 1 where one is not ok. Ignoring the draft, Q1 sags and touches nothing: that is ok.
+flight; the status is 1 where one is not ok. Ignoring the downwash, Q1 sags and touches nothing: that is ok.
 """
 
 import sys

@@ -51,7 +51,7 @@ def parser() -> CommandLine:
     )
     made.add_argument("--list", action="store_true", help="name the scenarios, one line each")
     made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="who computes the commands")
-    _either(made, "aware", "ignoring", "compensate the draft, or ignore it", default=True)
+    _either(made, "aware", "ignoring", "compensate the downwash, or ignore it", default=True)
     _either(
         made, "limit", "no-limit", "hold the scenario's thrust limit, or only the vehicle's", default=True
     )
@@ -68,7 +68,7 @@ def parser() -> CommandLine:
         "--plan",
         default="none",
         choices=("none", "avoid"),
-        help="plan ahead around the model's draft, or not",
+        help="plan ahead around the model's downwash, or not",
     )
     _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as the commands come", default=False)
     _either(

@@ -1,4 +1,4 @@
-"""Report any recorded flight as one HTML page: tracking, drafts, commands, separation, mocap quality.
+"""Report any recorded flight as one HTML page: tracking, downwash, commands, separation, mocap quality.
 
 `report BAG --compare OTHER` lays flights over each other, the first one as what the others differ from.
 """

@@ -1,8 +1,8 @@
 """Fly all vehicles of a swarm by their own controllers for one tick of 10 ms, in one compiled loop.
 
-The physics is that of q2q_sim.plant.swarm, step for step: drafts, then each vehicle's controller (500 Hz; the
-position PID in the first step of a tick, 100 Hz), rotor lag, rigid body, ground. Only what asks the rotors
-differs: here it is the firmware's controller and mixer, there the house's attitude loop.
+The physics is that of q2q_sim.plant.swarm, step for step: downwash, then each vehicle's controller (500 Hz;
+the position PID in the first step of a tick, 100 Hz), rotor lag, rigid body, ground. Only what asks the
+rotors differs: here it is the firmware's controller and mixer, there the house's attitude loop.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from q2q_sim.firmware.controllers.columns import CONTROLLER
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
 from q2q_sim.plant.quadcopter import push, stand, turn
-from q2q_sim.plant.swarm import Rows, Swarm, drafts, remember
+from q2q_sim.plant.swarm import Rows, Swarm, downwash, remember
 
 STEPS = 5
 """Steps of 2 ms a tick."""
@@ -69,7 +69,7 @@ def _fly_tick(state: Array, air: tuple[int, Array, Rows], brain: Brain, drive: A
     n = state.shape[0]
     forces = np.empty(4)
     for k in range(STEPS):
-        drafts(state, ring, rows, kind, body[5, 2])
+        downwash(state, ring, rows, kind, body[5, 2])
         for i in range(n):
             think(state[i], brain, i, k, forces)
             move(state[i], forces, drive[i], body)

@@ -12,7 +12,7 @@ PLAYER = "bag_play"
 
 
 def replay(bag: Path, model: str, folder: Path) -> Flight:
-    """Return what the nodes make of a bag's mocap: filtered states and predicted drafts.
+    """Return what the nodes make of a bag's mocap: filtered states and predicted downwash.
 
     Args:
         bag: the recorded flight.

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from q2q_model.bag import FlightFacts, read_flight, words_of
+from q2q_model.bag import FlightFacts, facts_as_text, read_flight
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.node.wiring import PROMISE_S
@@ -39,7 +39,7 @@ class FlightRequest:
     replan: str = "none"
     """none, paper or safe."""
     plan: str = "none"
-    """none, or avoid: plan around the draft of the interaction model."""
+    """none, or avoid: plan around the downwash of the interaction model."""
     live: bool = False
     seed: int = 0
     model: str = ""
@@ -138,7 +138,7 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
                 "bag": str(bag),
                 "stamps": "receive" if request.live else "header",
                 "topics": request.record,
-                "facts": words_of(facts_of(scenario, request)),
+                "facts": facts_as_text(facts_of(scenario, request)),
             },
         ),
         *(one_process(road) if request.stack else road),

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from q2q_model.bag import FlightFacts, words_of
+from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.node.wiring import PROMISE_S
 from q2q_model.trajectory import plan_file
@@ -41,7 +41,7 @@ MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2
 
 SCENARIO_ARGUMENTS = (
     Argument("scenario", "table6", "scenario name or file; `scripts/fly --list` names them"),
-    Argument("mode", "aware", "compensate the draft or not", ("aware", "aware_unlimited", "ignoring")),
+    Argument("mode", "aware", "compensate the downwash or not", ("aware", "aware_unlimited", "ignoring")),
     Argument("controller", "pid", "who computes the commands", ("pid", "mpc")),
     Argument("pace", "live", "100 Hz of wall time, or as fast as commands come", ("live", "lockstep")),
     Argument("seed", "0", "seed of everything random"),
@@ -197,7 +197,7 @@ def _road(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[No
         NodeSpec(
             "q2q_sim",
             RECORDER,
-            {"bag": str(folder / "bag"), "stamps": "receive", "facts": words_of(facts)},
+            {"bag": str(folder / "bag"), "stamps": "receive", "facts": facts_as_text(facts)},
         ),
         NodeSpec("q2q_model", "mocap_filter", promised),
         NodeSpec("q2q_model", "interference", promised | {"model": given["model"]}),

@@ -55,7 +55,7 @@ class Radio:
         """Start with every vehicle obeying a thrust [N] of `at_start` (n,), level."""
         n = len(at_start)
         self._params = params
-        self._scale, self._stick_max = LegacyScale(vehicle.full_pwm_thrust), vehicle.stick_thrust_max
+        self._scale, self._rpyt_thrust_max = LegacyScale(vehicle.full_pwm_thrust), vehicle.rpyt_thrust_max
         self._loss, self._jitter = stream(seed, "radio loss"), stream(seed, "radio jitter")
         self._gap_ns, self._latency_ns = round(1e9 / params.rate), round(1e9 * params.latency)
         self._next_ns = np.zeros(n, dtype=np.int64)
@@ -67,7 +67,7 @@ class Radio:
         self._onboard = np.zeros(n, dtype=np.int64), locked, obeyed
         sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
         put(
-            self._flying, 0, (np.zeros((4, 0)), self._stick_max), sent, (0, 0, 0)
+            self._flying, 0, (np.zeros((4, 0)), self._rpyt_thrust_max), sent, (0, 0, 0)
         )  # loads it before the first tick
 
     def send(self, now_ns: int, rows: Rows, command: SwarmCommand, jammed: Mask) -> None:
@@ -75,7 +75,7 @@ class Radio:
 
         Packets to vehicles that are `jammed` (n,) are lost besides those that are lost anyway.
         """
-        asked = self._coded(command), self._stick_max
+        asked = self._coded(command), self._rpyt_thrust_max
         while self._count + len(rows) > len(self._flying[0]):
             when, what = self._flying
             self._flying = np.vstack([when, np.zeros_like(when)]), np.vstack([what, np.zeros_like(what)])

@@ -22,7 +22,7 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import ParameterValue
 from q2q_planner.offline.avoidance.joint_plan import avoid
-from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDraft, avoid_draft
+from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams
 from q2q_planner.online.replanner import Replanner
@@ -56,7 +56,7 @@ class Options:
 
     @property
     def aware(self) -> bool:
-        """Return whether the draft is compensated."""
+        """Return whether the downwash is compensated."""
         return self.mode != "ignoring"
 
     @property
@@ -90,18 +90,18 @@ def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
 
 
 def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
-    """Return a plan proven to keep every pair out of the draft of a learned model.
+    """Return a plan proven to keep every pair out of the downwash of a learned model.
 
-    How much air that is, is chosen by what it brings (`draft_zone`); where the model knows no draft, the
-    zone of its file is taken.
+    How much air that is, is chosen by what it brings (`downwash_zone`); where the model knows no downwash,
+    the zone of its file is taken.
 
     Raises:
         InfeasibleError: no such plan was found.
     """
     if not peak(known.interaction) > 0.0:
         return plan_of(scenario, known.zone)
-    draft = LearnedDraft(known.interaction, known.gains or PAPER_LOOP)
-    return avoid_draft(scenario.waypoints, draft, scenario.reading).found.plan
+    downwash = LearnedDownwash(known.interaction, known.gains or PAPER_LOOP)
+    return avoid_downwash(scenario.waypoints, downwash, scenario.reading).found.plan
 
 
 def filter_params(scenario: Scenario) -> MocapFilterParams:

@@ -23,7 +23,7 @@ Listener = Callable[[str, int, Signal], None]
 """Called with topic, tick's stamp [ns] and signal."""
 
 
-def deaf(_: str, __: int, ___: Signal) -> None:
+def ignore_signals(_: str, __: int, ___: Signal) -> None:
     """Hear nothing."""
 
 
@@ -41,7 +41,7 @@ class FlightOptions:
     (q2q_model.files.find_model)."""
     plan: SwarmPlan | None = None
     """Flown in place of the scenario's own."""
-    hear: Listener = deaf
+    hear: Listener = ignore_signals
     """Told every signal, as a recorder of the nodes' topics would be."""
 
 
@@ -74,11 +74,11 @@ def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: Fli
     """Return the command of a tick, and write down how it came about."""
     number = tick.stamp_ns // TICK_NS
     state = blocks.mocap_filter.update(tick.frame)
-    draft = blocks.predictor.update(state)
+    downwash = blocks.predictor.update(state)
     planned = setpoint_at(blocks.plan, tick.frame.t)
     given = blocks.replanner.update(planned, state)
-    command = blocks.controller.update(state, given, draft if options.mode != "ignoring" else None)
-    recording.state(number, state, draft)
+    command = blocks.controller.update(state, given, downwash if options.mode != "ignoring" else None)
+    recording.state(number, state, downwash)
     recording.setpoints(number, planned, given)
     recording.command(number, command)
     told: dict[str, Signal] = {"mocap": tick.frame, "state": state, "reference_safe": given}

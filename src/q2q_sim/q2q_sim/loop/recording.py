@@ -43,13 +43,13 @@ class FlightRecording:
         self._arrays["mocap_pos"][tick, rows] = frame.pos
         self._arrays["mocap_quat"][tick, rows] = frame.quat
 
-    def truth(self, tick: int, truth: SwarmState, draft: Interference, imu: SwarmImu) -> None:
+    def truth(self, tick: int, truth: SwarmState, downwash: Interference, imu: SwarmImu) -> None:
         """Write what only a simulator knows, and the inertial sensors."""
-        self._put(tick, true_pos=truth.pos, true_vel=truth.vel, true_eta=draft.acc)
+        self._put(tick, true_pos=truth.pos, true_vel=truth.vel, true_eta=downwash.acc)
         self._put(tick, specific_force_body=imu.specific_force_body, gyro_body=imu.ang_vel_body)
 
     def state(self, tick: int, state: SwarmState, interference: Interference) -> None:
-        """Write the filtered state and the predicted draft."""
+        """Write the filtered state and the predicted downwash."""
         self._put(tick, pos=state.pos, vel=state.vel, quat=state.quat, eta=interference.acc)
 
     def setpoints(self, tick: int, planned: SwarmSetpoint, given: SwarmSetpoint) -> None:

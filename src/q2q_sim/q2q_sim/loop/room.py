@@ -101,7 +101,7 @@ class Room:
                 stamp_ns=stamp_ns,
                 frame_stamp_ns=delivery.stamp_ns,
                 truth=truth,
-                truth_interference=self._true_draft(truth),
+                truth_interference=self._true_downwash(truth),
                 frame=delivery.frame,
                 imu=self._imu.read(truth, self._swarm.state[:, ACC]),
             )
@@ -156,9 +156,9 @@ class Room:
             who = names[int(np.argmax(bad))]
             raise ValueError(f"command for {who} is not finite: {values[bad][0]}; send finite numbers")
 
-    def _true_draft(self, truth: SwarmState) -> Interference:
+    def _true_downwash(self, truth: SwarmState) -> Interference:
         return Interference(
-            t=truth.t, names=truth.names, acc=self._swarm.draft(), std=self._exact, status=self._valid
+            t=truth.t, names=truth.names, acc=self._swarm.downwash(), std=self._exact, status=self._valid
         )
 
 

@@ -17,7 +17,7 @@ stops, stands level and keeps its yaw. A commanded thrust of zero stops the moto
 | f | rotors | thrust of each rotor [N] |
 | k | gain | what a rotor gives of what is asked: battery, wear [-] |
 | T_lag | thrust_lag | [s]; decay = exp(-h / T_lag) |
-| eta + a_air | push | acceleration by drafts and by moving air [m/s^2], world |
+| eta + a_air | push | acceleration by downwash and by moving air [m/s^2], world |
 | h | step | [s] |
 
 For speed the compiled loops read one row of numbers a vehicle, laid out by the slices below, and one small
@@ -48,7 +48,7 @@ POS, VEL, QUAT, RATE, ROTORS, ACC = (
 """Columns of a state row: position, velocity [m, m/s, world], x y z w, body rates [rad/s], rotor thrusts [N],
 acceleration during the last step [m/s^2, world]."""
 ETA = 20
-"""Column of the vertical draft [m/s^2]."""
+"""Column of the vertical downwash [m/s^2]."""
 STATE_WIDTH = 21
 
 FRAME_ROW, MASS_ROW = 4, 5

@@ -1,9 +1,9 @@
-"""Move a whole swarm: every vehicle's step, and the drafts between them, in one compiled loop.
+"""Move a whole swarm: every vehicle's step, and the downwash between them, in one compiled loop.
 
 Per physics step: sort by x (insertion sort of the last order, which hardly changes), look at pairs only
-while x_j - x_i is within the widest reach of the wake at the swarm's height range, add both drafts of the
-pair, then move every vehicle (q2q_sim.plant.quadcopter). Positions and thrusts of the last 0.4 s are kept in
-a ring, one slot a step, for drafts that arrive late; between slots they are interpolated.
+while x_j - x_i is within the widest reach of the wake at the swarm's height range, add the downwash of both
+to the pair, then move every vehicle (q2q_sim.plant.quadcopter). Positions and thrusts of the last 0.4 s are
+kept in a ring, one slot a step, for downwash that arrive late; between slots they are interpolated.
 `q2q_sim.plant.swarm_numpy` says the same in plain numpy; a test holds both together.
 """
 
@@ -64,8 +64,8 @@ def _seen(ring: Array, steps: int, vehicle: int, late: float) -> Four:
     )
 
 
-def _late_draft(state: Array, ring: Array, steps: int, pair: tuple[int, int], step: float) -> float:
-    """Return the measured draft eta_z [m/s^2] that vehicle j puts on vehicle i, `pair` = (i, j)."""
+def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int], step: float) -> float:
+    """Return the measured downwash eta_z [m/s^2] that vehicle j puts on vehicle i, `pair` = (i, j)."""
     i, j = pair
     late = delay(2, state[j, 2] - state[i, 2]) / step
     x, y, z, share = seen(ring, steps, j, late)
@@ -83,7 +83,7 @@ def _sort_by_x(state: Array, rows: Rows) -> None:
         rows[b + 1] = row
 
 
-def _drafts(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
+def _downwash(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
     """Write every vehicle's eta_z into its state."""
     n = state.shape[0]
     lowest, highest = state[0, 2], state[0, 2]
@@ -109,8 +109,8 @@ def _drafts(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> No
                 state[i, 20] += on_i
                 state[j, 20] += on_j
             else:
-                state[i, 20] += late_draft(state, ring, rows[n], (i, j), step)
-                state[j, 20] += late_draft(state, ring, rows[n], (j, i), step)
+                state[i, 20] += late_downwash(state, ring, rows[n], (i, j), step)
+                state[j, 20] += late_downwash(state, ring, rows[n], (j, i), step)
 
 
 def _remember(state: Array, ring: Array, slot: int, weight: float) -> None:
@@ -125,7 +125,7 @@ def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Arr
     n = state.shape[0]
     wanted = np.empty(4)
     for k in range(commands.shape[0]):
-        drafts(state, ring, rows, kind, body[5, 2])
+        downwash(state, ring, rows, kind, body[5, 2])
         for i in range(n):
             command = (commands[k, i, 0], commands[k, i, 1], commands[k, i, 2], commands[k, i, 3])
             advance(state[i], command, drive[i], body, wanted)
@@ -133,18 +133,18 @@ def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Arr
         remember(state, ring, rows[n] % ring.shape[0], body[5, 0] * GRAVITY)
 
 
-def _draft_of(state: Array, air: tuple[int, Array, Rows], step: float, eta: Array) -> None:
+def _downwash_of(state: Array, air: tuple[int, Array, Rows], step: float, eta: Array) -> None:
     kind, ring, rows = air
-    drafts(state, ring, rows, kind, step)
+    downwash(state, ring, rows, kind, step)
     for i in range(state.shape[0]):
         eta[i, 0], eta[i, 1], eta[i, 2] = 0.0, 0.0, state[i, 20]
 
 
-seen, late_draft = compiled(_seen), compiled(_late_draft)
+seen, late_downwash = compiled(_seen), compiled(_late_downwash)
 sort_by_x, remember = compiled(_sort_by_x), compiled(_remember)
-drafts = compiled(_drafts)
+downwash = compiled(_downwash)
 """Write eta_z of every vehicle: (state, ring, rows, kind, step)."""
-draft_of = compiled(_draft_of)
+downwash_of = compiled(_downwash_of)
 """Write eta [m/s^2] (n, 3) of every vehicle now: (state, (kind, ring, rows), step, eta)."""
 run = compiled(_run, nogil=True)
 """Take steps: (state, (kind, ring, rows), commands, drive, body); releases the interpreter while it runs."""
@@ -183,10 +183,10 @@ class Swarm:
         """
         run(self.state, self._air, commands, drive, self.body)
 
-    def draft(self) -> Array:
+    def downwash(self) -> Array:
         """Return eta of every vehicle now [m/s^2], world, (n, 3)."""
         eta = np.empty((len(self.names), 3))
-        draft_of(self.state, self._air, 1.0 / PHYSICS_RATE, eta)
+        downwash_of(self.state, self._air, 1.0 / PHYSICS_RATE, eta)
         return eta
 
     def truth(self, t: float) -> SwarmState:

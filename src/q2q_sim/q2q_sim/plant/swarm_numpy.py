@@ -1,7 +1,7 @@
 """Move a swarm in plain numpy: the slow twin of `q2q_sim.plant.swarm`, which a test and a benchmark compare.
 
 Written apart from the compiled loop: all vehicles at once, all pairs dense, rotations by
-q2q_model.geometry.rotations, rotors by q2q_control.attitude.allocation, the drafts from the equations of
+q2q_model.geometry.rotations, rotors by q2q_control.attitude.allocation, the downwash from the equations of
 q2q_sim.plant.wake.
 """
 
@@ -26,7 +26,7 @@ def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Array
     """
     mass, decay, h = body[MASS_ROW]
     for command in commands:  # (n, 4)
-        state[:, ETA] = drafts_numpy(state, air, h)
+        state[:, ETA] = downwash_numpy(state, air, h)
         wanted = drive[:, 3:] * _wanted_rotors(state, command, body)
         state[:, ROTORS] = wanted + (state[:, ROTORS] - wanted) * decay
         _move(state, drive[:, :3], body)
@@ -36,7 +36,7 @@ def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Array
         air.ring[air.rows[-1] % len(air.ring)] = np.column_stack([state[:, POS], share])
 
 
-def drafts_numpy(state: Array, air: Air, h: float) -> Array:
+def downwash_numpy(state: Array, air: Air, h: float) -> Array:
     """Return eta_z [m/s^2], (n,), from all pairs; `h` is the physics step [s]."""
     n = len(state)
     eta = np.zeros(n)

@@ -1,7 +1,7 @@
-"""Hold the true drafts of the simulated air. Never a model under test: nothing that flies reads this.
+"""Hold the true downwash of the simulated air. Never a model under test: nothing that flies reads this.
 
 A source j at dz = z_j - z_i above i, dxy beside it, pushes i down by P(dz, dxy) >= 0 [m/s^2] and feels a
-share u of it upwards. With s(dz) the draft's width:
+share u of it upwards. With s(dz) the downwash's width:
 
 paper (paper/NOTES.md, what reproduces; acts at once):
     P = A ((z0 + .5) / (z0 + dz))^2 exp(-dxy^2 / 2 s^2),  s = s0 + ks dz
@@ -17,13 +17,13 @@ none: P = 0.
 
 Both are accelerations of vehicles whose own weight carries the source: a source of weight m_j g pushes
 its like by P, so the law is kept for every vehicle kind, and lengths are not scaled (the paper does the
-same when it flies 0.65 kg with a draft learned at 34 g). All vehicles of a swarm are of one kind.
+same when it flies 0.65 kg with downwash learned at 34 g). All vehicles of a swarm are of one kind.
 Where the pair changes roles, |dz| < b, the two shares blend by a cubic, so that eta is smooth.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | P | push | acceleration of the lower vehicle, downwards [m/s^2] |
-| s | width | standard deviation of the draft's profile [m] |
+| s | width | standard deviation of the downwash's profile [m] |
 | u | UPPER | share that the upper vehicle feels, upwards [-] |
 | tau | delay | transport delay [s] |
 | b | BLEND | half height of the change of roles [m] |
@@ -52,7 +52,7 @@ MEASURED_A, MEASURED_BETA, MEASURED_DZ = 2.5, 0.95, 0.4
 MEASURED_S, MEASURED_KS, MEASURED_UPPER = 0.054, 0.03, 0.02
 """[m], [m/m], [-]: see above."""
 MEASURED_SPEED = 7.5
-"""Speed at which the draft travels down [m/s]: lag 25 ms at dz 0.15 m to over 110 ms at 0.8 m."""
+"""Speed at which the downwash travels down [m/s]: lag 25 ms at dz 0.15 m to over 110 ms at 0.8 m."""
 NARROWEST = 0.02
 """Least width [m]; reached only where the vehicles touch."""
 MAX_DELAY = 0.4
@@ -62,7 +62,7 @@ BLEND = 0.1
 EDGE = 6.0
 """Widths beyond which the push is zero: there it is 1.5e-8 of its peak [-]."""
 FASTEST = 3.0
-"""Speed up to which a source's draft is followed to its past place [m/s]."""
+"""Speed up to which a source's downwash is followed to its past place [m/s]."""
 
 
 def wake_by_name(name: str) -> Wake:
@@ -106,7 +106,7 @@ def _pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
 
 
 def _delay(kind: int, dz: float) -> float:
-    """Return how long the draft of a source at dz [m] travels [s]; it does not travel up."""
+    """Return how long the downwash of a source at dz [m] travels [s]; it does not travel up."""
     if kind != 2 or dz <= 0.0:
         return 0.0
     return min(dz / MEASURED_SPEED, MAX_DELAY)

@@ -51,9 +51,9 @@ def thrust_figure(curves: Sequence[PlotCurve], name: str) -> Figure:
     return figure
 
 
-def draft_figure(curves: Sequence[PlotCurve], name: str) -> Figure:
-    """Draw the vertical draft eta_z [m/s^2] of the vehicle `name`: predicted, and true where it is known."""
-    figure, axes = _axes(f"{name}: vertical draft", "eta z [m/s²]")
+def downwash_figure(curves: Sequence[PlotCurve], name: str) -> Figure:
+    """Draw the vertical downwash eta_z [m/s^2] of vehicle `name`: predicted, and true where known."""
+    figure, axes = _axes(f"{name}: vertical downwash", "eta z [m/s²]")
     for curve, colour in zip(curves, COLOURS, strict=False):
         flight = curve.flight
         axes.plot(
@@ -94,7 +94,7 @@ def flown_pos(flight: Flight) -> Array:
 KINDS: dict[str, Callable[[Sequence[PlotCurve], str], Figure]] = {
     "altitude": altitude_figure,
     "sideways": sideways_figure,
-    "draft": draft_figure,
+    "downwash": downwash_figure,
     "thrust": thrust_figure,
     "tilt": tilt_figure,
 }

@@ -8,7 +8,7 @@ from time import time_ns
 
 from rclpy.node import Node
 
-from q2q_model.bag import BagWriter, facts_from_words
+from q2q_model.bag import BagWriter, facts_from_text
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
@@ -46,7 +46,7 @@ class Recorder:
             raise ValueError("parameter bag is empty: give the folder to write, e.g. -p bag:=out/my_flight")
         self._health = Health()
         self._by_header = params.stamps == "header"
-        self._writer = BagWriter(Path(params.bag), facts=facts_from_words(params.facts))
+        self._writer = BagWriter(Path(params.bag), facts=facts_from_text(params.facts))
         for topic, kind in (_house(params.topics) | _extra(params.extra)).items():
             whole = node.resolve_topic_name(topic)
             self._writer.add_topic(whole, kind)

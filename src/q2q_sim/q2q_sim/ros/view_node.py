@@ -109,10 +109,10 @@ class View:
 
 def glimpse(state: SwarmState, last: dict[str, Signal]) -> Glimpse:
     """Return what is known with a state: the last signal of each kind."""
-    draft, planned, safe = (last.get(topic) for topic in ("interference", "reference", "reference_safe"))
+    downwash, planned, safe = (last.get(topic) for topic in ("interference", "reference", "reference_safe"))
     return Glimpse(
         state,
-        draft if isinstance(draft, Interference) else None,
+        downwash if isinstance(downwash, Interference) else None,
         planned if isinstance(planned, SwarmSetpoint) else None,
         safe if isinstance(safe, SwarmSetpoint) else None,
     )

@@ -1,4 +1,4 @@
-"""Hold one scenario: who flies where, in which room, with which draft, and what the blocks are told.
+"""Hold one scenario: who flies where, in which room, with which downwash, and what the blocks are told.
 
 A document (parsed YAML) becomes a Scenario here, every value checked; `q2q_sim.scenarios.library` finds the
 files.
@@ -7,7 +7,7 @@ files.
     duration: 50.0            # [s]; default: to the last waypoint
     vehicle: textbook_065     # q2q_model.vehicle.constants
     firmware: stock           # its thrust per PWM: q2q_model.vehicle.thrust_map
-    wake: paper               # the true draft: none, paper, measured
+    wake: paper               # the true downwash: none, paper, measured
     model: paper_law          # what a controller is given: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.scenarios.settings; vicon, radio, imu, disturbance below override
     single values reading: stop_and_go      # of eq. (17): stop_and_go or free

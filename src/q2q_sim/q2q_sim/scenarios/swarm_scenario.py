@@ -16,7 +16,7 @@ from q2q_sim.scenarios.scenario_files import MOST
 from q2q_sim.scenarios.settings import IDEAL
 
 SPACING = 0.6
-"""Along the ring [m]: well outside each other's draft and six times eps."""
+"""Along the ring [m]: well outside each other's downwash and six times eps."""
 SPEED = 0.5
 """[m/s]: the slower flyover of Table 2."""
 HEIGHTS = (1.0, 1.5)

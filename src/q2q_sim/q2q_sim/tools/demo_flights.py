@@ -17,10 +17,10 @@ from q2q_sim.tools.fly_scenario import show as print_runs
 
 SCENARIO = "table6"
 LEAD = (
-    "Q2 (cf2) passes 0.5 m above Q1 (cf1), which hovers at 1.5 m. Ignoring the draft, Q1 is pushed down; "
-    "aware of it, the PID adds the thrust that the draft takes. The paper's Table 6 has 0.1315 m (ignoring) "
-    "and 0.0280 m (aware, U1 at most 6.6 N). In this scenario alone the controller is given the wake's own "
-    "law, as in the paper."
+    "Q2 (cf2) passes 0.5 m above Q1 (cf1), which hovers at 1.5 m. Ignoring the downwash, Q1 is pushed down; "
+    "aware of it, the PID adds the thrust that the downwash takes. The paper's Table 6 has 0.1315 m "
+    "(ignoring) and 0.0280 m (aware, U1 at most 6.6 N). In this scenario alone the controller is given the "
+    "wake's own law, as in the paper."
 )
 
 

@@ -25,14 +25,14 @@ SCENARIO, LOWER = "table6", "cf1"
 SHOWN_AT = 21.0
 """When the upper vehicle of table6 comes above the lower one [s]."""
 FORCE_SCALE = 1.0
-"""Length of an arrow for 1 m/s^2 [m]: long enough to see a draft of a few tenths."""
+"""Length of an arrow for 1 m/s^2 [m]: long enough to see downwash of a few tenths."""
 ROUND = 24
 """Corners of a drawn circle."""
 DPI = 100
 
 
 def write_images(out: Path = OUT) -> list[Path]:
-    """Fly table6 ignoring the draft and aware of it; write flight.png; return the files."""
+    """Fly table6 ignoring the downwash and aware of it; write flight.png; return the files."""
     scenario = library.load(SCENARIO)
     model = find_model(scenario.model).interaction
     ignoring = fly(scenario, FlightOptions(mode="ignoring", model=model))
@@ -42,7 +42,7 @@ def write_images(out: Path = OUT) -> list[Path]:
     figure.add_axes(left)
     draw_scene(left, scene_at(scenario, aware, SHOWN_AT))
     left.set_title(f"as the view shows it, t = {SHOWN_AT:g} s")
-    _draw_altitudes(figure, {"ignoring the draft": ignoring, "aware of it": aware})
+    _draw_altitudes(figure, {"ignoring the downwash": ignoring, "aware of it": aware})
     out.mkdir(parents=True, exist_ok=True)
     path = out / "flight.png"
     figure.savefig(path, dpi=DPI)

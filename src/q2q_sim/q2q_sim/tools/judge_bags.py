@@ -11,7 +11,15 @@ from q2q_model.bag import BagReader
 from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.loop.topics import TICK_TOPICS
-from q2q_sim.monitors.policies import POLICIES, Circumstances, Evidence, Heard, Violation, evidence_of, judge
+from q2q_sim.monitors.policies import (
+    POLICIES,
+    Circumstances,
+    Evidence,
+    RecordedSignal,
+    Violation,
+    evidence_of,
+    judge,
+)
 from q2q_sim.scenarios import library
 
 
@@ -45,7 +53,8 @@ def evidence_in(bag: Path) -> Evidence:
     reader = BagReader(bag)
     known = {topic for topic in reader.topics if topic.lstrip("/") in TICK_TOPICS}
     return evidence_of(
-        Heard(one.topic.lstrip("/"), one.stamp_ns * 1e-9, one.signal) for one in reader.signals(known)
+        RecordedSignal(one.topic.lstrip("/"), one.stamp_ns * 1e-9, one.signal)
+        for one in reader.signals(known)
     )
 
 

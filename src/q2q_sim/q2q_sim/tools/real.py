@@ -1,6 +1,6 @@
-"""Fly a real recorded flight through the nodes: its mocap through filter and interference; score the draft.
+"""Fly a real recorded flight through the nodes: its mocap through filter and interference; score the model.
 
-The observed draft is the vertical force that the flight's log shows, by the rule of
+The observed downwash is the vertical force that the flight's log shows, by the rule of
 q2q_model.identification.force.downwash_force; the predicted one comes out of the node `interference`.
 """
 
@@ -31,7 +31,7 @@ OUT = Path("out/real")
 
 
 def fly_real(name: str, model: str, json_file: Path | None) -> int:
-    """Replay a real flight, print how well its draft was predicted, and draw it; return the exit status."""
+    """Replay a real flight, print how well its downwash was predicted, draw it; return the status."""
     chosen = model or DEFAULT_MODEL
     table = flight_table(read_columns(find_flight(name)))
     with TemporaryDirectory(prefix="q2q-real-") as scratch:
@@ -53,7 +53,7 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
 
 
 def scored(samples: Sequence[ForceSamples], eta_z: Array) -> ForceScore:
-    """Score predicted vertical drafts [m/s^2], (T, n), as they came out of the node."""
+    """Score predicted vertical downwash [m/s^2], (T, n), as they came out of the node."""
     y = [one.y[one.exposed] for one in samples]
     misses = [one.y[one.exposed] - eta_z[one.exposed, one.vehicle] for one in samples]
     return pooled(y, misses, samples)
@@ -86,7 +86,7 @@ def find_flight(name: str) -> Path:
 
 
 def draw(samples: Sequence[ForceSamples], names: Names, predicted: Array) -> Figure:
-    """Draw observed and predicted vertical draft, one panel a vehicle."""
+    """Draw observed and predicted vertical downwash, one panel a vehicle."""
     figure = Figure(figsize=(9.0, 2.8 * len(samples)), layout="constrained")
     panels = figure.subplots(len(samples), 1, sharex=True, squeeze=False)[:, 0]
     for one, axes in zip(samples, panels, strict=True):
@@ -95,7 +95,7 @@ def draw(samples: Sequence[ForceSamples], names: Names, predicted: Array) -> Fig
         under = np.where(one.exposed, one.y, np.nan)
         axes.plot(t, under, color="#1f77b4", linewidth=0.9, label="observed, under another")
         axes.plot(t, predicted[:, one.vehicle], color="#c0392b", label="predicted")
-        axes.set_ylabel(f"{names[one.vehicle]}: draft z [m/s²]")
+        axes.set_ylabel(f"{names[one.vehicle]}: downwash z [m/s²]")
         axes.grid(alpha=0.3)
     panels[0].legend(loc="lower right", ncols=3)
     panels[-1].set_xlabel("t [s]")

@@ -56,7 +56,7 @@ TEXT_HEIGHT = 0.08
 TEXT_ABOVE = 0.12
 """How far above a vehicle its name stands [m]."""
 FORCE_SHOWN = 0.01
-"""The least draft that is drawn [m/s^2]: a thousandth of g."""
+"""The least downwash that is drawn [m/s^2]: a thousandth of g."""
 PLAN_STEP = 0.1
 """Between points of a planned path [s]."""
 THIN, THICK = 0.008, 0.02
@@ -70,7 +70,7 @@ class SceneParams:
     eps: float = tunable(Cylinder().eps, "radius of the zone", unit="m", low=0.01, high=10.0)
     d: float = tunable(Cylinder().d, "half height of the zone", unit="m", low=0.01, high=10.0)
     wake_speed: float = tunable(
-        MEASURED_SPEED, "speed at which the draft travels", unit="m/s", low=0.1, high=100.0
+        MEASURED_SPEED, "speed at which the downwash travels", unit="m/s", low=0.1, high=100.0
     )
     force_scale: float = tunable(0.3, "length of an arrow for 1 m/s^2", unit="m", low=0.0, high=10.0)
     trail_s: float = tunable(10.0, "how much of the past is drawn", unit="s", low=0.1, high=600.0)

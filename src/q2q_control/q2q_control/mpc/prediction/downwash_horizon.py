@@ -1,20 +1,20 @@
-"""Predict the drafts along the horizon, and how they change when the vehicles move off their last prediction.
+"""Predict the downwash along the horizon, and its slopes as vehicles leave their last prediction.
 
-The drafts of stage k are taken at its middle, where each vehicle is half-way between two stages of its last
+The downwash of stage k are taken at its middle, where each vehicle is half-way between two stages of its last
 predicted path. A source pushes from where it was a delay tau ago: in the past, or on its predicted path.
 
     rel_k = r_j(t_k - tau) - r_i(t_k)
     eta_i,k = sum_j s_j,k law(rel_k),  G_ij,k = s_j,k d law / d rel at rel_k
 
 A source throws its air along the thrust it is predicted to have, and s_j,k as strongly as a hovering one: one
-that is pushed down itself carries its weight and its draft. G by central differences; in G a source's
+that is pushed down itself carries its weight and its downwash. G by central differences; in G a source's
 path counts as if its push came at once. The delay is exact in eta itself, so nothing is off where the path is
 the predicted one.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | i, j | i, j | who feels, who causes |
-| eta | eta | draft acceleration [m/s^2], world, (n, N, 3) |
+| eta | eta | downwash acceleration [m/s^2], world, (n, N, 3) |
 | G | slope | [1/s^2], (pairs, N, 3, 3): row feels, column moves |
 """
 
@@ -32,9 +32,9 @@ from q2q_model.signals.values import Array
 Rows = NDArray[np.intp]
 
 DELTA = 1e-3
-"""Step of the differences [m]: a fiftieth of a draft's width errs by 1e-4 of the slope."""
+"""Step of the differences [m]: a fiftieth of downwash's width errs by 1e-4 of the slope."""
 FAINT = 1e-4
-"""A pair whose drafts stay below this [m/s^2] on the whole horizon is none."""
+"""A pair whose downwash stay below this [m/s^2] on the whole horizon is none."""
 ALL_PAIRS = 4
 """Up to this many vehicles all pairs are looked at; above, a sweep over sorted x finds them."""
 
@@ -50,15 +50,15 @@ class Tracks:
     axis: Array
     """Predicted body z of each stage, unit length, world, (n, N, 3)."""
     trust: Array
-    """How much each vehicle's draft counts: 1 where it is seen, (n,)."""
+    """How much each vehicle's downwash counts: 1 where it is seen, (n,)."""
     first: int
     """Index of the horizon's first stage."""
     strength: Array | None = None
-    """s: each source's draft over a hovering one's, (n, N); None is 1."""
+    """s: each source's downwash over a hovering one's, (n, N); None is 1."""
 
 
 @dataclass(frozen=True, slots=True)
-class DraftHorizon:
+class DownwashHorizon:
     """Predicted downwash accelerations and their slopes."""
 
     eta: Array
@@ -79,12 +79,12 @@ class SlopeRule:
     """Slopes are cut to +- this [1/s^2]."""
 
 
-def predict_drafts(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -> DraftHorizon:
-    """Return drafts and slopes along the horizon."""
+def predict_downwash(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -> DownwashHorizon:
+    """Return downwash and slopes along the horizon."""
     near = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]))
     pairs = np.ascontiguousarray(near[0]), np.ascontiguousarray(near[1])  # one layout, one kernel
     if pairs[0].size == 0:
-        return no_drafts(tracks)
+        return no_downwash(tracks)
     n, stages = tracks.axis.shape[:2]
     moves = np.array(rule.moves)
     law = _law_at_places(model, tracks, pairs, moves)
@@ -94,15 +94,15 @@ def predict_drafts(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -> 
     eta, slope = np.zeros((n, stages, 3)), np.zeros((pairs[0].size, stages, 3, 3))
     strong = gather(law, pairs, (moves, DELTA, FAINT, rule.slope_max), count, (eta, slope))
     if strong.all():
-        return DraftHorizon(eta, pairs[0], pairs[1], slope)
-    return DraftHorizon(eta, pairs[0][strong], pairs[1][strong], slope[strong])
+        return DownwashHorizon(eta, pairs[0], pairs[1], slope)
+    return DownwashHorizon(eta, pairs[0][strong], pairs[1][strong], slope[strong])
 
 
-def no_drafts(tracks: Tracks) -> DraftHorizon:
-    """Return what a controller that ignores drafts predicts."""
+def no_downwash(tracks: Tracks) -> DownwashHorizon:
+    """Return what a controller that ignores downwash predicts."""
     none = np.zeros(0, np.intp)
     n, stages = tracks.axis.shape[:2]
-    return DraftHorizon(np.zeros((n, stages, 3)), none, none, np.zeros((0, stages, 3, 3)))
+    return DownwashHorizon(np.zeros((n, stages, 3)), none, none, np.zeros((0, stages, 3, 3)))
 
 
 def _near_pairs(reach: Reach, path: Array) -> tuple[Rows, Rows]:

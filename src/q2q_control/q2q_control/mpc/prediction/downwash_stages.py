@@ -1,4 +1,4 @@
-"""Lay out the pairs of a horizon for a law, and gather what it says: the loops of draft_horizon, compiled.
+"""Lay out the pairs of a horizon for a law, and gather what it says: the loops of downwash_horizon, compiled.
 
 | name | meaning [unit] |
 |---|---|
@@ -37,7 +37,7 @@ def _extent_py(path: Array) -> tuple[Array, Array]:
     return centre, half
 
 
-def _meeting_py(path: Array, pairs: tuple[Rows, Rows], reach: tuple[float, float]) -> Flags:
+def _broad_phase_py(path: Array, pairs: tuple[Rows, Rows], reach: tuple[float, float]) -> Flags:
     i, j = pairs
     hit = np.zeros(i.size, np.bool_)
     rel = np.empty(3)
@@ -137,7 +137,7 @@ _largest = compiled(_largest_py)
 extent = compiled(_extent_py)
 """Return the middle of each vehicle's box (n, 3) and the largest half box (3,) of stages' middles of a path
 (N + 1, n, 3)."""
-meeting = compiled(_meeting_py)
+meeting = compiled(_broad_phase_py)
 """Return which pairs come within reach (horizontal, vertical [m]) at some stage's middle, (p,)."""
 lay_out = compiled(_lay_out_py)
 """Write places, and velocity and body z of the sources, velocity of who feels them, (m, p, N, 3) each."""

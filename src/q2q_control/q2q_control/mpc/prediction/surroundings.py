@@ -2,8 +2,8 @@
 
 A controlled vehicle goes where its last plan says. A vehicle that is not ours goes where it said it would
 (q2q_control.mpc.prediction.predictions), or straight on if it said nothing. One that is no longer seen goes
-on likewise, and its draft counts less and less: it is still there, but nobody knows where. The past reaches
-as far back as drafts travel.
+on likewise, and its downwash counts less and less: it is still there, but nobody knows where. The past
+reaches as far back as downwash travel.
 """
 
 import numpy as np
@@ -17,9 +17,9 @@ from q2q_model.vehicle.constants import GRAVITY
 FAR = 1e6
 """Where a vehicle without state is put [m]."""
 FADE = 0.5
-"""Time constant at which the draft of an unseen vehicle is given up [s]: above dropouts of 0.1 to 0.3 s."""
+"""Time constant of the fading downwash of an unseen vehicle [s]: above dropouts of 0.1 to 0.3 s."""
 FORGOTTEN = 0.02
-"""A draft that counts less than this counts nothing [-]."""
+"""Downwash that counts less than this counts nothing [-]."""
 LATER = 1e-9
 """Two entries of a track are at least this far apart [s]."""
 _LOST = int(TrackStatus.LOST)
@@ -49,7 +49,7 @@ class Surroundings:
             tick: the controlled vehicles.
             state: everybody.
             future: stages (N + 1,) [s], paths (n, N + 1, 3) [m], inputs (n, N, 3) [m/s^2] of the controlled.
-            span: how far back drafts come from [s].
+            span: how far back downwash comes from [s].
         """
         times, path, inputs = future
         trust = self._trust(tick, path)
@@ -69,7 +69,7 @@ class Surroundings:
         return Tracks(when, pos, lift / thrust, trust, len(self._when), strength)
 
     def _trust(self, tick: Aligned, path: Array) -> Array:
-        """Return how much each vehicle's draft counts, (n,); put those that count nothing far away."""
+        """Return how much each vehicle's downwash counts, (n,); put those that count nothing far away."""
         trust = np.ones(len(tick.names))
         if tick.usable.all():
             self._unseen = {}

@@ -23,7 +23,7 @@ class Horizon(NamedTuple):
     reference: Array
     """Position [m], velocity [m/s], acceleration [m/s^2], (n, N + 1, 9)."""
     push: Array
-    """Draft and disturbance along the last prediction [m/s^2], (n, N, 3)."""
+    """Downwash and disturbance along the last prediction [m/s^2], (n, N, 3)."""
     path: Array
     """Last predicted positions [m] of the n and of others, (n or more, N + 1, 3)."""
     low: Array

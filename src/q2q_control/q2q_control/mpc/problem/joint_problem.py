@@ -1,6 +1,6 @@
 """Build the problem of vehicles that are solved together: build only, no solving.
 
-The chains of the group's axes, and in their transition and drift the drafts linearised along the last
+The chains of the group's axes, and in their transition and drift the downwash linearised along the last
 prediction r~ (q2q_control.mpc.prediction.downwash_horizon):
 
     w_i,k = w~_i,k + sum_j G_ij,k ((r_j - r~_j) - (r_i - r~_i))
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.mpc.chain import Chain
-from q2q_control.mpc.prediction.downwash_horizon import DraftHorizon
+from q2q_control.mpc.prediction.downwash_horizon import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.lq_problem import LqProblem
 from q2q_model.compiled import compiled
@@ -27,7 +27,7 @@ _ENTRIES = (np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2]))
 
 
 Slopes = tuple[Rows, Rows, Array]
-"""i, j (pairs,) and slope (pairs, N, 3, 3) of a DraftHorizon, as compiled code takes them."""
+"""i, j (pairs,) and slope (pairs, N, 3, 3) of a DownwashHorizon, as compiled code takes them."""
 
 
 class GroupShape(NamedTuple):
@@ -75,9 +75,11 @@ def group_shape(
     )
 
 
-def joint_problem(shape: GroupShape, vehicles: Rows, horizon: Horizon, drafts: DraftHorizon) -> LqProblem:
+def joint_problem(
+    shape: GroupShape, vehicles: Rows, horizon: Horizon, downwash: DownwashHorizon
+) -> LqProblem:
     """Return the problem of the group `vehicles` (g,), chains vehicle by vehicle, axis by axis."""
-    return LqProblem(*joint_parts(shape, vehicles, horizon, (drafts.i, drafts.j, drafts.slope)))
+    return LqProblem(*joint_parts(shape, vehicles, horizon, (downwash.i, downwash.j, downwash.slope)))
 
 
 def _joint_parts_py(shape: GroupShape, vehicles: Rows, horizon: Horizon, slopes: Slopes) -> LqProblem:

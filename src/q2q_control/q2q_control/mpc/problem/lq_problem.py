@@ -6,7 +6,7 @@
 
 The state is made of chains of three, one an input: position, velocity, and the acceleration a that follows
 the input with a lag. So a bound on u - a is one on the rate of thrust or tilt, and its weight S one on
-jerk. A_k is sparse: each chain, and what a draft couples. Everything but A_k is diagonal over the chains.
+jerk. A_k is sparse: each chain, and what downwash couples. Everything but A_k is diagonal over the chains.
 
 A NamedTuple and not a dataclass, because compiled code takes it as it is.
 

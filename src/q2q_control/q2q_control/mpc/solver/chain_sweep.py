@@ -1,6 +1,6 @@
 """Solve many separate chains at once, where no bound is in the way.
 
-A chain without slopes of drafts is the same at every stage, and its weight beyond the horizon is the one
+A chain without slopes of downwash is the same at every stage, and its weight beyond the horizon is the one
 that goes on for ever, so the Riccati matrix P is the same at every stage too. What is left of the recursion
 is one vector a stage, back and forth (q2q_control.mpc.solver.riccati has the general form):
 

@@ -1,4 +1,4 @@
-"""Measure the draft itself: the vertical acceleration that no rotor explains, and score a model on it.
+"""Measure the downwash itself: the vertical acceleration that no rotor explains, and score a model on it.
 
     y_i = (a_z + g) - T_i b_z / m          T: thrust that the rotors gave, b: body z
 

@@ -1,4 +1,4 @@
-"""Fit the jet to what was measured: to pushes (draft_force) or to altitudes (14), by least squares.
+"""Fit the jet to what was measured: to pushes (downwash_force) or to altitudes (14), by least squares.
 
 Free are strength, decay, width, its spread, the upper share, and slowness 1 / travel_speed; given are the
 form of the decay and whether the air keeps its source's speed and slope. The residual of
@@ -20,7 +20,7 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.along_flight import Motion, eta_along, eta_felt
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.intervals import (
     EstimatingRows,
     Interval,
@@ -105,7 +105,7 @@ def fit_to_altitudes(
     def residuals(jet: Jet) -> list[Stretch]:
         found = []
         for k, (record, motion, target) in enumerate(zip(records, motions, targets, strict=True)):
-            moved = draft_response(loop, record.dt, eta_along(jet, motion)[..., 2])
+            moved = downwash_response(loop, record.dt, eta_along(jet, motion)[..., 2])
             missed = (target - moved)[::THINNING].T  # (n, T / 10)
             found += [Stretch(k, record.t[::THINNING], one) for one in missed]
         return found

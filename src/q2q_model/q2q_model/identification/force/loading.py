@@ -1,6 +1,6 @@
-"""Fit how the draft of a vehicle grows with its thrust, from a vehicle under two others above each other.
+"""Fit how the downwash of a vehicle grows with its thrust, from a vehicle under two others above each other.
 
-A source j that is itself pushed by e_j gives the thrust m (g - e_j). By momentum theory its draft grows in
+A source j that is itself pushed by e_j gives the thrust m (g - e_j). By momentum theory its downwash grows in
 proportion, in the paper not at all. With the law f_ij of source j on vehicle i,
 
     y_i = a (f + c h),   f = sum over j of f_ij,   h = sum over j of f_ij (-e_j / g)
@@ -12,7 +12,7 @@ these flights would be taken for loading. Rows in which no source is pushed tell
 |---|---|---|
 | y | y | observed vertical push [m/s^2] |
 | a | scale | strength on these flights over the law's [-] |
-| c | loading | share of a source's thrust beyond its weight that strengthens its draft [-] |
+| c | loading | share of a source's thrust beyond its weight that strengthens its downwash [-] |
 """
 
 from collections.abc import Sequence
@@ -85,7 +85,7 @@ def _push_and_growth(model: InteractionModel, one: ForceSamples, rows: Rows) -> 
 
 
 def _vertical(model: InteractionModel, motion: Motion, pair: tuple[int, int], rows: Rows) -> Array:
-    """Return the vertical draft [m/s^2] that pair[1] alone puts on pair[0], (k,)."""
+    """Return the vertical downwash [m/s^2] that pair[1] alone puts on pair[0], (k,)."""
     both = list(pair)
     two = Motion(motion.t, motion.pos[:, both], motion.vel[:, both], motion.axis[:, both])
     return eta_felt(model, two, 0, rows)[:, 2]

@@ -18,7 +18,7 @@ from q2q_model.signals.values import Array, CommandStatus
 from q2q_model.vehicle.constants import Vehicle
 
 CLEAR = 0.5
-"""Horizontal distance beyond which no draft has been seen [m]."""
+"""Horizontal distance beyond which no downwash has been seen [m]."""
 LONGEST = 0.4
 """Largest lag looked for [s]."""
 RESOLUTION = 1e-3

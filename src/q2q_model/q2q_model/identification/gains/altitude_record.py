@@ -42,7 +42,7 @@ class AltitudeRecord:
     lift: Array
     """NaN where no command was recorded."""
     feed_forward: Array
-    """Draft that the controller was told of [m/s^2], along z, (T, n); NaN where none was recorded."""
+    """Downwash that the controller was told of [m/s^2], along z, (T, n); NaN where none was recorded."""
     outliers: int
     """Motion capture samples that were no flight, of `samples`."""
     samples: int

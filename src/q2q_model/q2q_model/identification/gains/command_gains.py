@@ -11,7 +11,7 @@ err together count as fewer, n (1 - rho) / (1 + rho), rho the residual's correla
 |---|---|---|
 | K_p K_d b K_i | loop | see q2q_model.vehicle.altitude_loop |
 | xi | | integral of z_ref - z [m s] |
-| c | | share of the told draft that the controller takes off [-] |
+| c | | share of the told downwash that the controller takes off [-] |
 """
 
 from collections.abc import Sequence

@@ -61,7 +61,7 @@ def impulse_response(loop: AltitudeLoop, dt: float, length: int) -> Array:
 
 
 def free_response(loop: AltitudeLoop, dt: float, start: Array, jerk: Array) -> Array:
-    """Return epsilon [m], (T, n), of vehicles that no draft pushes.
+    """Return epsilon [m], (T, n), of vehicles that no downwash pushes.
 
     Args:
         loop: the loop; its offset b acts all the time.
@@ -80,8 +80,8 @@ def free_response(loop: AltitudeLoop, dt: float, start: Array, jerk: Array) -> A
     return _march(step.phi, push, state)
 
 
-def draft_response(loop: AltitudeLoop, dt: float, eta: Array) -> Array:
-    """Return epsilon [m], (T, n), that drafts eta [m/s^2], (T, n), cause in vehicles at rest before them."""
+def downwash_response(loop: AltitudeLoop, dt: float, eta: Array) -> Array:
+    """Return epsilon [m], (T, n), that downwash eta [m/s^2], (T, n), causes in vehicles at rest before."""
     step = loop_step(loop, dt)
     after = np.concatenate((eta[1:], eta[-1:]))
     push = eta[:, None] * step.gamma0[:, :1] + after[:, None] * step.gamma1[:, :1]

@@ -8,8 +8,8 @@ The paper minimises by Powell (xtol = ftol = 1e-8, Table 3) through an ODE solve
 `is_better` says by an F test whether the terms of one fit were needed beyond another's.
 
 A trajectory tells gains only where something moves the vehicle: a start beside the reference, a step, a
-draft that has passed; else their intervals are all that is searched. It tells the loop as a whole: a thrust
-lag T lowers the K_d that is found by K_p T, and cannot be told from it.
+downwash that has passed; else their intervals are all that is searched. It tells the loop as a whole: a
+thrust lag T lowers the K_d that is found by K_p T, and cannot be told from it.
 """
 
 from collections.abc import Sequence

@@ -17,7 +17,7 @@ solver with eta linear between samples.
 |---|---|---|
 | S | active | samples in which some pair is within reach |
 | r | | measured altitude minus free response [m] |
-| z_free | free | altitude without draft [m], on S |
+| z_free | free | altitude without downwash [m], on S |
 """
 
 from collections.abc import Sequence

@@ -14,7 +14,7 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.identification.flight_evidence import FlightEvidence, shows_draft
+from q2q_model.identification.flight_evidence import FlightEvidence, shows_downwash
 from q2q_model.identification.force.jet_fit import (
     JetFit,
     JetForm,
@@ -63,7 +63,7 @@ FORMS = {
 
 
 def candidates(kind: str, flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
-    """Return the candidates of a kind: auto, jet or envelope_network; none where no draft can be seen.
+    """Return the candidates of a kind: auto, jet or envelope_network; none where no downwash can be seen.
 
     Raises:
         ValueError: an unknown kind.
@@ -71,8 +71,8 @@ def candidates(kind: str, flights: Sequence[FlightEvidence], loop: AltitudeLoop)
     kinds = {"auto": (_jets, _networks), "jet": (_jets,), "envelope_network": (_networks,)}
     if kind not in kinds:
         raise ValueError(f"unknown model type {kind!r}: choose one of {', '.join(kinds)}")
-    if not any(shows_draft(flight.record) for flight in flights):
-        return [Candidate("no draft: nobody flew under another", "none", 0, lambda _: NoInteraction())]
+    if not any(shows_downwash(flight.record) for flight in flights):
+        return [Candidate("no downwash: nobody flew under another", "none", 0, lambda _: NoInteraction())]
     kept = kinds[kind]
     if kind == "auto" and _long_encounters(flights):
         kept = (_jets,)

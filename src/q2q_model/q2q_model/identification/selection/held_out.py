@@ -4,7 +4,7 @@ Flights are dealt into folds; each fold is scored by the model fitted on the oth
 
     mse     mean square of z - z_free - (h * eta)      altitudes, loss (16)
     r2      1 - sum (y - eta)^2 / sum y^2              pushes: lower on exposed rows, upper on upper rows
-            1 - mse / mse without draft                altitudes, where no pushes were measured
+            1 - mse / mse without downwash                altitudes, where no pushes were measured
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ from q2q_model.files.model_file import RoleScores
 from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
 from q2q_model.identification.force.along_flight import eta_along, eta_felt
 from q2q_model.identification.force.downwash_force import ForceSamples, Mask
-from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
@@ -70,7 +70,7 @@ def score_on(model: InteractionModel, flights: Sequence[FlightEvidence], loop: A
 def _sums(model: InteractionModel, flight: FlightEvidence, loop: AltitudeLoop) -> _Sums:
     record = flight.record
     free = record.deviation - free_response(loop, record.dt, record.start, record.jerk)
-    missed = free - draft_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
+    missed = free - downwash_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
     altitude, push = np.zeros((2, 3)), np.zeros((2, 2))
     for i, lower in enumerate(is_lower(record)):
         altitude[0 if lower else 1] += [missed[:, i] @ missed[:, i], free[:, i] @ free[:, i], free.shape[0]]

@@ -1,6 +1,6 @@
 """Bend a swarm out of a zone step by step, and prove where that ends: the search behind `avoidance`.
 
-Each step puts planes around the current curves (`pair_planes`) and bends the minimum snap curves as little
+Each step puts planes around the current curves (`half_spaces`) and bends the minimum snap curves as little
 as the planes allow (`planes`). The first steps of a crowd let planes give way, softly, so that pairs sort
 out who goes where before anyone is held exactly. When the cost stays still and no plane is violated, the
 curves go to the `certificate`; where it finds a pair in the zone between two samples, samples are made

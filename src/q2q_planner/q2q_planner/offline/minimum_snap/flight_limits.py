@@ -6,7 +6,7 @@ largest norm of its control points, and a stretch whose bound is below a norm se
 Times: a rest-to-rest piece s(u) = 35 u^4 - 84 u^5 + 70 u^6 - 20 u^7 over a length D in time T peaks at
 35/16 D/T and 84 sqrt(5)/25 D/T^2, so T = max(35/16 D / v_max, sqrt(84 sqrt(5)/25 D / a_max)); exact where
 vehicles stop at waypoints. Free curves then take all times longer by one factor. Thrust is kept by
-a <= stick_thrust_max / m - g in every direction.
+a <= rpyt_thrust_max / m - g in every direction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -83,10 +83,10 @@ def check_flyable(plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: V
     for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
         peak = peak_norm(trajectory, 2, np.array([0.0, 0.0, GRAVITY]))
         thrust = vehicle.mass * peak.value
-        if thrust > vehicle.stick_thrust_max:
+        if thrust > vehicle.rpyt_thrust_max:
             after = int(np.searchsorted(waypoints.times, peak.t, side="right")) - 1
             where = f"{waypoints.name}, after waypoint {after} (t = {peak.t:.2f} s)"
-            most = f"{vehicle.name} has at most {vehicle.stick_thrust_max:.3g} N"
+            most = f"{vehicle.name} has at most {vehicle.rpyt_thrust_max:.3g} N"
             raise ValueError(f"{where}: asks for {thrust:.3g} N of thrust, {most}; allow more time")
 
 
@@ -96,9 +96,9 @@ def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
     Raises:
         ValueError: where the vehicle cannot hover.
     """
-    spare = vehicle.stick_thrust_max / vehicle.mass - GRAVITY
+    spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
     if spare <= 0.0:
-        raise ValueError(f"{vehicle.name}: {vehicle.stick_thrust_max} N does not carry {vehicle.mass} kg")
+        raise ValueError(f"{vehicle.name}: {vehicle.rpyt_thrust_max} N does not carry {vehicle.mass} kg")
     return replace(limits, acceleration=min(limits.acceleration, spare))
 
 

@@ -13,7 +13,7 @@ credits.
 Where the references want to be on each other's far side, a push across n leads around: to the side where
 the reference lies, and to the right where it lies straight behind. That breaks the symmetric tie.
 
-Heights are what drafts disturb and what formations hold, so a push goes aside where aside helps: of all
+Heights are what downwash disturb and what formations hold, so a push goes aside where aside helps: of all
 pushes p with n.p = need, the one of least |p_flat|^2 + p_up^2 / w, with w below 1 the weight of height:
 p = need (n_flat, w n_up) / (n_flat^2 + w n_up^2). Straight above each other, n_flat = 0, it is all height.
 """

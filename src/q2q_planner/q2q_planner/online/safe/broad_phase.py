@@ -18,7 +18,7 @@ Limits = tuple[int, float, float, float, float, float]
 """Rows of the swarm, eps [m], d [m], largest reach [m], pole of the approach [1/s], largest push [m/s^2]."""
 
 
-def meetings(pos: Array, vel: Array, room: tuple[Array, Array], limits: Limits) -> tuple[Rows, Rows]:
+def broad_phase(pos: Array, vel: Array, room: tuple[Array, Array], limits: Limits) -> tuple[Rows, Rows]:
     """Return rows i < j, i of the swarm, of all pairs that could matter.
 
     Args:

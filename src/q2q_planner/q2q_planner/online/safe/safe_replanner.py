@@ -42,7 +42,7 @@ from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, carr
 from q2q_planner.online.safe.last_known_states import LastKnownStates
 from q2q_planner.online.safe.motion_choice import BROKEN, NEW, OLD, Choices, Proven, choose_motions
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.traffic import Traffic, astray, own_doubts, scene_of
+from q2q_planner.online.safe.traffic import Traffic, astray, own_uncertainty, scene_of
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
 FLOOR = 1e-3
@@ -59,14 +59,14 @@ class SafeReplanner:
     def __init__(self, params: SafeReplannerParams | None = None) -> None:
         """Start on the reference."""
         self.params = params or SafeReplannerParams()
-        self._sightings = LastKnownStates()
+        self._last_known = LastKnownStates()
         self.reset()
 
     def reset(self) -> None:
         """Forget the modified trajectories and all strangers; the next update starts on the reference."""
         self._held: CommittedMotion | None = None
         self._answer: SwarmSetpoint | None = None
-        self._sightings.reset()
+        self._last_known.reset()
         self._known: tuple[Names, Names] = ((), ())
         self._proven: Proven = np.zeros((0, 0), np.bool_)
 
@@ -83,12 +83,12 @@ class SafeReplanner:
         if self._answer is not None and setpoint.t == self._answer.t:
             return self._answer
         if state is not None:
-            self._sightings.hear(state)
+            self._last_known.hear(state)
         params, names = self.params, setpoint.names
         held = carried_on(self._held, setpoint, params.acc_max)
-        seen = None if state is None else self._sightings.of(names, setpoint.t)
-        growth = own_doubts(held, seen, params)
-        strangers = self._sightings.strangers(names, setpoint.t, params.forget)
+        seen = None if state is None else self._last_known.of(names, setpoint.t)
+        growth = own_uncertainty(held, seen, params)
+        strangers = self._last_known.strangers(names, setpoint.t, params.forget)
         held, scene = scene_of(held, setpoint, growth, strangers, params)
         wanted, pushed = _wanted(held, setpoint, scene, params)
         self._recognise(names, strangers.names)

@@ -16,7 +16,7 @@ import numpy as np
 from q2q_model.signals.values import Array, SwarmSetpoint
 from q2q_planner.online.safe.barrier import Rows
 from q2q_planner.online.safe.braking import Motions, motion_after
-from q2q_planner.online.safe.broad_phase import meetings
+from q2q_planner.online.safe.broad_phase import broad_phase
 from q2q_planner.online.safe.committed_motion import SNAP_POS, SNAP_VEL, CommittedMotion, Mask, near_reference
 from q2q_planner.online.safe.last_known_states import Word
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -67,7 +67,7 @@ _ALONE = Traffic(
 """No strangers."""
 
 
-def own_doubts(held: CommittedMotion, word: Word | None, params: SafeReplannerParams) -> Array:
+def own_uncertainty(held: CommittedMotion, word: Word | None, params: SafeReplannerParams) -> Array:
     """Return the growth (n, 2) of our vehicles' zones; `word` None trusts every vehicle to follow."""
     growth = np.tile([params.tracking + SNAP_POS, SNAP_VEL], (len(held.names), 1))
     if word is None:
@@ -148,7 +148,7 @@ def _with_pairs(
         params.eps + params.margin + 2.0 * max(float(ways.max()), float(whole.growth[:, 0].max()) + approach)
     )
     limits = whole.own, params.eps, params.d, reach, params.approach, 2.0 * params.acc_max
-    return replace(whole, pairs=meetings(whole.pos, whole.vel, (ways, whole.growth), limits))
+    return replace(whole, pairs=broad_phase(whole.pos, whole.vel, (ways, whole.growth), limits))
 
 
 def _ways_to_rest(scene: Traffic, params: SafeReplannerParams) -> tuple[Array, float]:

@@ -1,1 +1,1 @@
-"""Compare controllers that know the draft with ones that do not."""
+"""Compare controllers that know the downwash with ones that do not."""

@@ -1,13 +1,13 @@
 """Say which flights the ablation flies, and put many of one side by side.
 
 A case is a scenario in an air. Replicas of it stand SPACING apart in one room, out of reach of each
-other's draft, each with noise, losses and rotors of its own: so one flight gives as many independent
+other's downwash, each with noise, losses and rotors of its own: so one flight gives as many independent
 samples as it has replicas, at a fraction of the cost of flying them one by one. A room of the kind `ideal`
 has nothing random: there one replica is all.
 
-Two cases need vehicles of their own. The measured draft pushes with 2.3 m/s^2 at 0.5 m, the 0.65 kg vehicle
-of section 5 has 0.34 m/s^2 to spare below its 6.6 N: in that air `table6` is flown without the limit, and
-`table6_room` as `table6_measured`, by Crazyflies.
+Two cases need vehicles of their own. The measured downwash pushes with 2.3 m/s^2 at 0.5 m, the 0.65 kg
+vehicle of section 5 has 0.34 m/s^2 to spare below its 6.6 N: in that air `table6` is flown without the
+limit, and `table6_room` as `table6_measured`, by Crazyflies.
 """
 
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 
 SPACING = 10.0
-"""Between replicas [m]: ten times the reach of any draft; 25 of them lie within +-20 m."""
+"""Between replicas [m]: ten times the reach of any downwash; 25 of them lie within +-20 m."""
 COLUMNS = 5
 """Replicas in a row."""
 TABLE2 = tuple(f"table2_{k}" for k in range(1, 7))

@@ -1,6 +1,6 @@
 """Build the controllers that the ablation compares, all from the same gains and the same learned model.
 
-| name | knows the draft | against what is not explained |
+| name | knows the downwash | against what is not explained |
 |---|---|---|
 | ignoring | no | nothing |
 | integral | no | integral |
@@ -43,7 +43,7 @@ CONTENDERS = (
     "explicit",
 )  # fmt: skip
 BLIND = ("ignoring", "integral", "observer")
-"""Those that are given no draft."""
+"""Those that are given no downwash."""
 INTEGRAL_SHARE = 0.12
 """K_i over K_p K_d [-]."""
 

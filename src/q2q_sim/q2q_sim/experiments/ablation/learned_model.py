@@ -1,11 +1,11 @@
 """Learn the model that the contenders are given, from flights other than those they are judged by.
 
 Pairs of Crazyflies in the room `real`, in the air of the case: one hovers, one passes over it at 0.3 to 1 m,
-along other lines and at other speeds than in any case, and the controller ignores the draft. From
-accelerometers, commands and places the jet is fitted as `identify` does (draft_force, jet_fit); whether the
-air keeps its source's motion is chosen on a flight left out. Thrust is known to lag by the room's latency and
-the rotors' lag. A stack of three then shows whether the draft of a vehicle grows with its thrust, as momentum
-theory says and the paper does not (q2q_model.identification.force.loading).
+along other lines and at other speeds than in any case, and the controller ignores the downwash. From
+accelerometers, commands and places the jet is fitted as `identify` does (downwash_force, jet_fit); whether
+the air keeps its source's motion is chosen on a flight left out. Thrust is known to lag by the room's
+latency and the rotors' lag. A stack of three then shows whether the downwash of a vehicle grows with its
+thrust, as momentum theory says and the paper does not (q2q_model.identification.force.loading).
 """
 
 from dataclasses import dataclass, replace
@@ -41,7 +41,7 @@ class Learned:
 
     model: InteractionModel
     loading: float
-    """Share of a source's thrust beyond its weight that strengthens its draft [-]."""
+    """Share of a source's thrust beyond its weight that strengthens its downwash [-]."""
     r2: float | None
     """On pushes of the flight left out."""
     loading_interval: Interval | None = None

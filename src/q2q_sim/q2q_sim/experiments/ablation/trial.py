@@ -31,7 +31,7 @@ COLUMNS = ("flight", "lower", "under", "worst", "clear", "energy")
 SETTLE = 3.0
 """The first of a flight, in which every loop finds its offset, is not judged [s]."""
 ASIDE = 0.15
-"""Nothing of the draft is left beyond this beside its source [m] (real flights)."""
+"""Nothing of the downwash is left beyond this beside its source [m] (real flights)."""
 BELOW = 1.5
 """Nor worth counting beyond this below it [m]."""
 AFTER = 1.0
@@ -71,9 +71,9 @@ def flown(scenario: Scenario, blocks: Blocks, *, aware: bool, seed: int = 0) -> 
     while room.tick * TICK_S < scenario.duration:
         tick = room.capture()
         state = blocks.mocap_filter.update(tick.frame)
-        draft = blocks.predictor.update(state) if aware else None
+        downwash = blocks.predictor.update(state) if aware else None
         setpoint = setpoint_at(blocks.plan, tick.frame.t)
-        command = controller.update(state, setpoint, draft)
+        command = controller.update(state, setpoint, downwash)
         pos.append(tick.truth.pos)
         error.append(tick.truth.pos[:, 2] - setpoint.pos[:, 2])
         thrust.append(command.thrust)

@@ -16,7 +16,7 @@ from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.loop.assembly import MODES
 from q2q_sim.loop.closed_loop import FlightOptions, Listener, fly
-from q2q_sim.monitors.policies import Circumstances, Heard, Violation, evidence_of, judge
+from q2q_sim.monitors.policies import Circumstances, RecordedSignal, Violation, evidence_of, judge
 
 NS = 1_000_000_000
 
@@ -25,7 +25,7 @@ NS = 1_000_000_000
 class JudgedFlight:
     """Measurements and violations of a run's flight."""
 
-    heard: tuple[Heard, ...]
+    heard: tuple[RecordedSignal, ...]
     violations: tuple[Violation, ...]
 
 
@@ -47,10 +47,10 @@ def fly_and_judge(seed: int, kept: Path) -> RunOutcome:
 
 def flown_pure(run: Run) -> JudgedFlight:
     """Return the run's flight by closed_loop; an error is a violation too."""
-    heard: list[Heard] = []
+    heard: list[RecordedSignal] = []
 
     def hear(topic: str, stamp_ns: int, signal: Signal) -> None:
-        heard.append(Heard(topic, stamp_ns / NS, signal))
+        heard.append(RecordedSignal(topic, stamp_ns / NS, signal))
 
     try:
         fly(run.scenario, flight_options(run, hear))
@@ -73,15 +73,15 @@ def flight_options(run: Run, hear: Listener) -> FlightOptions:
     )
 
 
-def judged(run: Run, heard: Sequence[Heard]) -> tuple[Violation, ...]:
+def judged(run: Run, heard: Sequence[RecordedSignal]) -> tuple[Violation, ...]:
     """Return what a run's flight violated."""
     scenario = run.scenario
     return judge(evidence_of(told(heard)), Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
 
 
-def told(heard: Sequence[Heard]) -> list[Heard]:
+def told(heard: Sequence[RecordedSignal]) -> list[RecordedSignal]:
     """Return what was heard as a bag in lockstep has it: bag time is the stamp."""
-    return [Heard(one.topic, one.signal.t, one.signal) for one in heard]
+    return [RecordedSignal(one.topic, one.signal.t, one.signal) for one in heard]
 
 
 def crash(error: Exception) -> Violation:
@@ -103,7 +103,7 @@ def words(run: Run) -> str:
     return f"{flown}; room {run.document['room']}; {by}; {faults}"
 
 
-def keep(run: Run, heard: tuple[Heard, ...], folder: Path) -> None:
+def keep(run: Run, heard: tuple[RecordedSignal, ...], folder: Path) -> None:
     """Leave a run's scenario and what was heard of its flight in a folder, in place of older ones."""
     folder.mkdir(parents=True, exist_ok=True)
     write_scenario(run, folder / f"{run.seed}.yaml")

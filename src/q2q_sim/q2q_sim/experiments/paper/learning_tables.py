@@ -17,7 +17,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.gains.command_gains import gains_from_commands
-from q2q_model.identification.gains.impulse_response import draft_response, free_response
+from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.gains.trajectory_gains import TOLERANCE, gains_from_trajectories
 from q2q_model.identification.networks.fit import adam, fit_networks, random_weights
 from q2q_model.identification.networks.gradient import pack, unpack
@@ -77,7 +77,7 @@ def timed_adam(passages: Sequence[Passage]) -> tuple[float, float]:
 
 
 def learning(folder: Path) -> ExperimentOutcome:
-    """Fly the six flights, learn loop, zone and draft from them."""
+    """Fly the six flights, learn loop, zone and downwash from them."""
     flights = [fly(library.load(f"table2_{k}"), FlightOptions(mode="ignoring", seed=k)) for k in FLIGHTS]
     records = [altitude_record(flight, CRAZYFLIE_2_0) for flight in flights]
     by_paper = gains_from_trajectories(records)
@@ -113,7 +113,7 @@ def learning(folder: Path) -> ExperimentOutcome:
 
 
 def felt(model: EnvelopeNetwork, record: AltitudeRecord) -> Array:
-    """Return the vertical draft [m/s^2] a model predicts for a flight of two, (T, 2)."""
+    """Return the vertical downwash [m/s^2] a model predicts for a flight of two, (T, 2)."""
     rel = record.pos[:, ::-1] - record.pos  # (T, 2, 3), of the other
     return np.asarray(model.acceleration(rel, at_rest(rel))[..., 2])
 
@@ -147,20 +147,20 @@ def _decay_picture(folder: Path, decay: DecayFit) -> FigurePicture:
 def _learned_pictures(
     folder: Path, record: AltitudeRecord, loop: AltitudeLoop, eta: Array
 ) -> tuple[FigurePicture, ...]:
-    """Draw measured and simulated altitudes (Figs 5 to 7) and learned drafts (Figs 8, 9)."""
+    """Draw measured and simulated altitudes (Figs 5 to 7) and learned downwash (Figs 8, 9)."""
     free = free_response(loop, record.dt, record.start, record.jerk)
-    pushed = free + draft_response(loop, record.dt, eta)
+    pushed = free + downwash_response(loop, record.dt, eta)
     made = []
     for row in range(2):
         reference = record.ref[:, row, 0]
         measured = Line("measured", record.t, record.pos[:, row, 2])
         alone = Line("loop alone", record.t, reference + free[:, row])
-        both = Line("loop and draft", record.t, reference + pushed[:, row])
-        draft = Line("learned draft", record.t, eta[:, row])
+        both = Line("loop and downwash", record.t, reference + pushed[:, row])
+        downwash = Line("learned downwash", record.t, eta[:, row])
         for group, unit, lines in (
             ("fig5", "z [m]", [measured, alone]),
             (f"fig{6 + row}", "z [m]", [measured, both]),
-            (f"fig{8 + row}", "eta z [m/s²]", [draft]),
+            (f"fig{8 + row}", "eta z [m/s²]", [downwash]),
         ):
             title = f"{group}: Q{row + 1} in flight #{SHOWN + 1}"
             file = drawn(folder / f"{group}_q{row + 1}.png", title, ("t [s]", unit), lines)

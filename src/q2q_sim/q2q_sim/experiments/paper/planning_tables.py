@@ -21,7 +21,7 @@ ZONE = Cylinder()
 
 
 def planning(folder: Path) -> ExperimentOutcome:
-    """Plan with and without the zone, and fly both with the learned loop, the draft not compensated."""
+    """Plan with and without the zone, and fly both with the learned loop, the downwash not compensated."""
     scenario = library.load(SCENARIO)
     safe = avoid(scenario.waypoints, ZONE, scenario.reading)
     again = avoid(scenario.waypoints, ZONE, scenario.reading, warm=safe.plan)

@@ -19,7 +19,7 @@ VEHICLES = {"q1": "cf1", "q2": "cf2"}
 
 
 def pid(folder: Path) -> ExperimentOutcome:
-    """Fly the PID ignoring the draft, aware of it, and aware without the limit."""
+    """Fly the PID ignoring the downwash, aware of it, and aware without the limit."""
     scenario = library.load(SCENARIO)
     modes: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
     flights = {mode: _flown(scenario, mode, "pid") for mode in modes}

@@ -10,9 +10,9 @@ trajectory generation and control for quadrotors, ICRA 2011; it adds integrals a
     e_R  = vee(R_d' R - R' R_d),  e_w = w_ref - w
     M    = -k_R e_R + k_w e_w + k_i int(-e_R) + k_d,omega d(e_w)/dt     [PWM], whole, each within +-32000
 
-a_ref is the acceleration of the setpoint: with it, `acc = acc_ref - eta` takes the draft eta out of F at once
-(q2q_control.pid.pid says the same of its own law). M is in the firmware's axes: roll right, nose *up*, and
-yaw left; control yaw is -M_z, since motors 1 and 3 turn left and drag the body right.
+a_ref is the acceleration of the setpoint: with it, `acc = acc_ref - eta` takes the downwash eta out of F at
+once (q2q_control.pid.pid says the same of its own law). M is in the firmware's axes: roll right, nose *up*,
+and yaw left; control yaw is -M_z, since motors 1 and 3 turn left and drag the body right.
 
 | symbol | name | meaning [unit] |
 |---|---|---|

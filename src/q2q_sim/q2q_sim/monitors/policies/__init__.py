@@ -18,8 +18,17 @@
 | return | `settle` after the last trouble all are back within `back` of their setpoints | true positions |
 """
 
-from q2q_sim.monitors.policies.evidence import Evidence, Heard, evidence_of
+from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_of
 from q2q_sim.monitors.policies.judgement import POLICIES, judge
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
-__all__ = ["POLICIES", "Circumstances", "Evidence", "Heard", "Limits", "Violation", "evidence_of", "judge"]
+__all__ = [
+    "POLICIES",
+    "Circumstances",
+    "Evidence",
+    "Limits",
+    "RecordedSignal",
+    "Violation",
+    "evidence_of",
+    "judge",
+]

@@ -23,7 +23,7 @@ SAME_TICK = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class RecordedSignal:
     """One message of a flight."""
 
     topic: str
@@ -73,13 +73,13 @@ class Evidence:
         return float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.01
 
 
-def evidence_of(heard: Iterable[Heard]) -> Evidence:
+def evidence_of(heard: Iterable[RecordedSignal]) -> Evidence:
     """Return the evidence in a flight's messages.
 
     Raises:
         ValueError: nothing that names vehicles and ticks was heard.
     """
-    by_topic: dict[str, list[Heard]] = {}
+    by_topic: dict[str, list[RecordedSignal]] = {}
     for one in heard:
         by_topic.setdefault(one.topic, []).append(one)
     signals = {topic: [one.signal for one in found] for topic, found in by_topic.items()}

@@ -1,4 +1,4 @@
-"""Planning around the learned draft, and replanning online, take the draft off section 4.1's crossing."""
+"""Planning around learned downwash, and replanning online, take the downwash off section 4.1's crossing."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ SECTION_4_1 = (
 )
 STEP = 0.02
 HARMLESS = 0.05
-"""Draft taken as harmless [m/s^2]: a tenth of its strength at 0.5 m."""
+"""Downwash taken as harmless [m/s^2]: a tenth of its strength at 0.5 m."""
 
 
 def references(plan: SwarmPlan) -> np.ndarray:
@@ -27,7 +27,7 @@ def references(plan: SwarmPlan) -> np.ndarray:
     return np.stack([trajectory.at(t)[:, :3] for trajectory in plan.trajectories], axis=1)
 
 
-def test_the_draft_response_of_a_constant_push_is_the_static_error() -> None:
+def test_the_downwash_response_of_a_constant_push_is_the_static_error() -> None:
     class Push(NoInteraction):
         """Push every vehicle that has a neighbour by 0.1 m/s^2."""
 
@@ -41,7 +41,7 @@ def test_the_draft_response_of_a_constant_push_is_the_static_error() -> None:
     )
 
 
-def test_planning_around_the_learned_draft_cuts_the_height_error_by_85_percent() -> None:
+def test_planning_around_the_learned_downwash_cuts_the_height_error_by_85_percent() -> None:
     free, found = minimum_snap_plan(SECTION_4_1), avoid(SECTION_4_1, level_set(PAPER_LAW, HARMLESS))
     before = altitude_rms(references(free), STEP, PAPER_LAW, PAPER_LOOP)
     after = altitude_rms(references(found.plan), STEP, PAPER_LAW, PAPER_LOOP)
