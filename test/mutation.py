@@ -48,10 +48,10 @@ class Room:
 ROOMS = (
     Room(
         tuple(
-            f"q2q_control.{name}"
+            f"q2q_control.failsafe.{name}"
             for name in (
-                "fallback",
-                "transit",
+                "ladder",
+                "stamp_delay",
                 "dead_reckoned_braking",
                 "descent_evasion",
                 "guard",
@@ -60,7 +60,7 @@ ROOMS = (
         ),
         tuple(
             f"src/q2q_control/test/test_{name}.py"
-            for name in ("guard", "fallback", "dead_reckoned_braking", "descent_evasion")
+            for name in ("guard", "ladder", "dead_reckoned_braking", "descent_evasion")
         ),
         "not mpc",
     ),
@@ -69,14 +69,21 @@ ROOMS = (
             "q2q_model.estimation.clock_resets",
             *(
                 f"q2q_model.estimation.{name}"
-                for name in ("rivals", "swaps", "glide", "absences", "attitudes", "positions")
+                for name in (
+                    "reacquisition",
+                    "marker_swaps",
+                    "usual_frame",
+                    "partial_frame",
+                    "attitudes",
+                    "positions",
+                )
             ),
         ),
         tuple(
             f"src/q2q_model/test/test_{name}.py"
             for name in (
-                "old_stamps",
-                "absences",
+                "clock_resets",
+                "partial_frame",
                 "tracking_gates",
                 "position_tracks",
                 "mocap_filter",
@@ -86,10 +93,13 @@ ROOMS = (
         "not no_gate and not no_numbers",
     ),
     Room(
-        tuple(f"q2q_planner.{name}" for name in ("safe_replanner", "sightings", "committed_motion", "scene")),
+        tuple(
+            f"q2q_planner.online.safe.{name}"
+            for name in ("safe_replanner", "last_known_states", "committed_motion", "traffic")
+        ),
         tuple(
             f"src/q2q_planner/test/test_{name}.py"
-            for name in ("scene", "safe_tick", "safe_replanner", "encounters")
+            for name in ("traffic", "safe_tick", "safe_replanner", "encounters")
         ),
         compiled=True,
     ),

@@ -183,7 +183,7 @@ def tool(program: tuple[str, ...]) -> Callable[[list[str]], int] | None:
         module = next((one.module for one in found if one.module.startswith(program[2])), "")
     else:
         module = ""
-    if ".commands." not in module or module.endswith(".nodes"):
+    if ".commands." not in module or module.endswith("_nodes"):
         return None
     main: Callable[[list[str]], int] = import_module(module).main
     return main

@@ -32,10 +32,10 @@ from q2q_sim.scenarios.scenario import scenario_from_document
 
 VEHICLES = ("cf1", "cf2")
 NODES = (
-    "q2q_model.estimation.mocap_filter",
+    "q2q_model.mocap_filter",
     "q2q_model.interference",
-    "q2q_planner.online.replanner",
-    "q2q_control.pid.pid",
+    "q2q_planner.replanner",
+    "q2q_control.pid",
     "q2q_control.mpc",
 )
 KINDS = {message: kind for kind, message in MESSAGES.items()}

@@ -30,11 +30,11 @@ from q2q_sim.scenarios import library
 
 VEHICLES = ("cf1", "cf2")
 NODES = (
-    "q2q_model.estimation.mocap_filter",
+    "q2q_model.mocap_filter",
     "q2q_model.interference",
-    "q2q_model.trajectory.polynomials",
-    "q2q_planner.online.replanner",
-    "q2q_control.pid.pid",
+    "q2q_planner.trajectory",
+    "q2q_planner.replanner",
+    "q2q_control.pid",
     "q2q_control.mpc",
 )
 KINDS = {message: kind for kind, message in MESSAGES.items()}

@@ -87,7 +87,7 @@ def test_fig_15_draws_the_mpc_and_the_pd(monkeypatch: pytest.MonkeyPatch, tmp_pa
         return path.name
 
     short = replace(library.load("table6"), duration=0.3)
-    monkeypatch.setattr(tracking_tables.scenarios, "load", lambda _: short)
+    monkeypatch.setattr(tracking_tables.library, "load", lambda _: short)
     monkeypatch.setattr(tracking_tables, "drawn", noted)
     found = tracking_tables.mpc(tmp_path)
     assert labels[0] == ["aware MPC", "aware PD", "reference"]
