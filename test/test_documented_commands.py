@@ -24,6 +24,7 @@ ELSEWHERE: Mapping[str, str] = {
     "scripts/fly table6 --controller mpc --stack --live": "needs a quiet machine; see test_kernels",
     "scripts/test": "the tests themselves; test_inner_loop asks how they are chosen",
     "python test/mutation.py": "takes half an hour",
+    "python test/flight_digests.py": "takes minutes, and compares with a checkout before a change",
     "scripts/check": "runs before the tests wherever they run (.ci/run)",
     "scripts/setup --dev": "test_setup, in a fresh checkout",
     "scripts/bench": "takes minutes; every benchmark's rows are tested in its own package",
