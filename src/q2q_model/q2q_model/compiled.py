@@ -10,14 +10,17 @@ kernel with arrays of one layout only: each layout is a compilation of its own, 
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from types import CodeType, FunctionType
-from typing import Any
+from typing import Any, TypeVar, overload
 
 from numba import njit
 from numba.core import event
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
+
+Function = TypeVar("Function", bound=Callable[..., object])
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,9 @@ class Kernel:
     """What is called: the function itself where numba is switched off."""
 
 
+FAST: dict[str, object] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
+"""Options of loops that may divide by zero silently and add in any order."""
+
 KERNELS: list[Kernel] = []
 """Every kernel of the modules imported so far."""
 
@@ -42,8 +48,25 @@ COMPILED: list[str] = []
 """Names of the kernels that this process has compiled, not loaded: none in flight."""
 
 
-def compiled(function: Callable[..., Any], **options: Any) -> Any:  # noqa: ANN401  numba's dispatcher
-    """Return the compiled function, entered in KERNELS; `options` are those of numba.njit but `cache`."""
+@overload
+def compiled(function: Function, /, **options: object) -> Function: ...
+
+
+@overload
+def compiled(**options: object) -> Callable[[Function], Function]: ...
+
+
+def compiled(function: Callable[..., object] | None = None, /, **options: object) -> object:
+    """Compile the decorated function and enter it in KERNELS; `options` are those of numba.njit but `cache`.
+
+    Its plain form is the result's `py_func`.
+    """
+    if function is None:
+        return partial(_compiled, options=options)
+    return _compiled(function, options)
+
+
+def _compiled(function: Callable[..., object], options: dict[str, object]) -> object:
     made = njit(**options)(function)
     cache = made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
     source = getattr(made, "py_func", made)  # with numba switched off, `made` is the function itself

@@ -1,6 +1,6 @@
-"""Share thrust and torque of one vehicle among its rotors inside compiled loops.
+"""Rotor allocation of one vehicle for compiled loops.
 
-The law, signs and priorities are those of `q2q_control.attitude.allocation`, which a test compares.
+Law, signs and priorities are those of `q2q_control.attitude.allocation`; a test compares the two.
 """
 
 import numpy as np
@@ -9,19 +9,23 @@ from q2q_control.attitude.allocation import RotorFrame
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
+Numbers = Array | tuple[float, ...]
+
 
 def packed_frame(frame: RotorFrame) -> Array:
     """Return lever [m], drag [m], rotor_max [N], (3,): the `frame` of `allocate`."""
     return np.array([frame.lever, frame.drag, frame.rotor_max])
 
 
-def _allocate_py(wrench: Array, frame: Array, attitude_first: bool, rotors: Array) -> None:
+@compiled
+def allocate(wrench: Numbers, frame: Numbers, attitude_first: bool, rotors: Array) -> None:
+    """Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s (3,)."""
     top = frame[2]
     roll, pitch = 0.25 * wrench[1] / frame[0], 0.25 * wrench[2] / frame[0]
     yaw = 0.25 * wrench[3] / frame[1]
     collective = 0.25 * wrench[0]
     most = abs(roll) + abs(pitch) + abs(yaw)
-    if most <= collective <= top - most:  # all fits: no limit has a say
+    if most <= collective <= top - most:  # no limit is active
         rotors[0], rotors[1] = -roll - pitch - yaw + collective, -roll + pitch + yaw + collective
         rotors[2], rotors[3] = roll + pitch - yaw + collective, roll - pitch + yaw + collective
         return
@@ -49,7 +53,8 @@ def _allocate_py(wrench: Array, frame: Array, attitude_first: bool, rotors: Arra
     _yaw_in_box(rotors, yaw, top)
 
 
-def _yaw_by_spread_py(rotors: Array, yaw: float, top: float) -> None:
+@compiled
+def _yaw_by_spread(rotors: Array, yaw: float, top: float) -> None:
     # rotors 2 and 4 rise with yaw, 1 and 3 fall: the pair that meets the limit first decides
     share = 1.0
     for rising in (1, 3):
@@ -61,7 +66,8 @@ def _yaw_by_spread_py(rotors: Array, yaw: float, top: float) -> None:
     _add_yaw(rotors, share * yaw)
 
 
-def _yaw_in_box_py(rotors: Array, yaw: float, top: float) -> None:
+@compiled
+def _yaw_in_box(rotors: Array, yaw: float, top: float) -> None:
     share = 1.0
     for k in range(4):
         step = yaw if k in {1, 3} else -yaw
@@ -71,25 +77,19 @@ def _yaw_in_box_py(rotors: Array, yaw: float, top: float) -> None:
     _add_yaw(rotors, share * yaw)
 
 
-def _add_yaw_py(rotors: Array, yaw: float) -> None:
+@compiled
+def _add_yaw(rotors: Array, yaw: float) -> None:
     rotors[0] -= yaw
     rotors[1] += yaw
     rotors[2] -= yaw
     rotors[3] += yaw
 
 
-def _lowest_py(rotors: Array) -> float:
+@compiled
+def _lowest(rotors: Array) -> float:
     return float(min(rotors[0], rotors[1], rotors[2], rotors[3]))
 
 
-def _highest_py(rotors: Array) -> float:
+@compiled
+def _highest(rotors: Array) -> float:
     return float(max(rotors[0], rotors[1], rotors[2], rotors[3]))
-
-
-_add_yaw = compiled(_add_yaw_py)
-_lowest = compiled(_lowest_py)
-_highest = compiled(_highest_py)
-_yaw_by_spread = compiled(_yaw_by_spread_py)
-_yaw_in_box = compiled(_yaw_in_box_py)
-allocate = compiled(_allocate_py)
-"""Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s (3,)."""

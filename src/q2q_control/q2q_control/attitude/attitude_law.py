@@ -35,6 +35,9 @@ from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 
+Axes = Array | tuple[float, float, float]
+"""One number for each body axis x, y, z."""
+
 
 @dataclass(frozen=True, slots=True)
 class AttitudeParams:
@@ -85,9 +88,11 @@ def attitude_torques(
     return np.asarray(torque + lead * growth + gyroscopic)
 
 
-def _attitude_torque(
-    attitude: Array, ang_vel_body: Array, torque_now: Array, desired: Array, gains: Array
+@compiled
+def attitude_torque(
+    attitude: Axes, ang_vel_body: Axes, torque_now: Axes, desired: Axes, gains: Array
 ) -> tuple[float, float, float]:
+    """Return tau_x, tau_y, tau_z [N m] of one vehicle for compiled loops; arguments as `attitude_torques`."""
     p, q, r = ang_vel_body[0], ang_vel_body[1], ang_vel_body[2]
     ix, iy, iz = gains[2, 0], gains[2, 1], gains[2, 2]
     roll = gains[0, 0] * (desired[0] - attitude[0] - gains[3, 0] * p)
@@ -96,7 +101,3 @@ def _attitude_torque(
     pitch -= gains[1, 1] * (q + gains[3, 1] * torque_now[1] / iy)
     yaw = gains[1, 2] * (desired[2] - r - gains[3, 2] * torque_now[2] / iz)
     return roll + (iz - iy) * q * r, pitch + (ix - iz) * p * r, yaw + (iy - ix) * p * q
-
-
-attitude_torque = compiled(_attitude_torque)
-"""Return tau_x, tau_y, tau_z [N m] of one vehicle for compiled loops; arguments as `attitude_torques`."""

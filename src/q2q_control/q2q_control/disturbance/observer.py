@@ -124,12 +124,21 @@ def observer_gain(state: float, disturbance: float, step: float) -> tuple[float,
     return l1, l2 / step, l3 / step**2
 
 
-def _correct_py(
+@compiled
+def correct(
     old: tuple[Array, Array, Array],
     seen: tuple[Array, Array, Array, NDArray[np.bool_]],
     known: NDArray[np.bool_],
     rule: tuple[float, float, float, float, float],
 ) -> tuple[Array, Array, Array]:
+    """Return pos, vel, disturbance (n, 3) each.
+
+    Args:
+        old: the last ones.
+        seen: pos, vel, acc, fresh of a Measurement.
+        known: rows with an estimate, (n,).
+        rule: l1, l2 / h, l3 / h^2, h, largest d.
+    """
     l1, l2, l3, step, most = rule
     old_pos, old_vel, old_d = old
     seen_pos, seen_vel, acc, fresh = seen
@@ -147,8 +156,3 @@ def _correct_py(
             vel[v, axis] = old_vel[v, axis] + step * whole + l2 * off
             d[v, axis] = min(max(old_d[v, axis] + l3 * off, -most), most)
     return pos, vel, d
-
-
-correct = compiled(_correct_py)
-"""Return pos, vel, disturbance (n, 3) each: (the last ones, a Measurement's arrays, who is known (n,),
-(l1, l2 / h, l3 / h^2, h, largest d))."""

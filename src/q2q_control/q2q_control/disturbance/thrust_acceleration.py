@@ -12,7 +12,9 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
 
-def _thrust_acc_of_quat_py(quat: Array, thrust: Array, mass: float) -> Array:
+@compiled
+def thrust_acc_of_quat(quat: Array, thrust: Array, mass: float) -> Array:
+    """Return the acceleration by thrust (n,) [N] of attitudes `quat` (n, 4) [m/s^2], world, (n, 3)."""
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
         x, y, z, w = quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3]
@@ -23,7 +25,9 @@ def _thrust_acc_of_quat_py(quat: Array, thrust: Array, mass: float) -> Array:
     return acc
 
 
-def _thrust_acc_of_command_py(command: tuple[Array, Array, Array], quat: Array, mass: float) -> Array:
+@compiled
+def thrust_acc_of_command(command: tuple[Array, Array, Array], quat: Array, mass: float) -> Array:
+    """Return the same of commands: thrust [N], roll, pitch [rad], (n,) each, at the yaw of `quat` (n, 4)."""
     thrust, roll, pitch = command
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
@@ -35,9 +39,3 @@ def _thrust_acc_of_command_py(command: tuple[Array, Array, Array], quat: Array, 
         acc[i, 1] = (forward * math.sin(yaw) + left * math.cos(yaw)) * push
         acc[i, 2] = math.cos(roll[i]) * math.cos(pitch[i]) * push - GRAVITY
     return acc
-
-
-thrust_acc_of_quat = compiled(_thrust_acc_of_quat_py)
-"""Return the acceleration by thrust (n,) [N] of attitudes `quat` (n, 4) [m/s^2], world, (n, 3)."""
-thrust_acc_of_command = compiled(_thrust_acc_of_command_py)
-"""Return the same of commands: thrust [N], roll, pitch [rad], (n,) each, at the yaw of `quat` (n, 4)."""

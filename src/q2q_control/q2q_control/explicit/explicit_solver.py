@@ -106,7 +106,9 @@ def _neighbours(downwash: DownwashHorizon, n: int) -> tuple[Rows, Array]:
     return other, both
 
 
-def _neighbours_py(downwash: tuple[Rows, Rows, Array], n: int) -> tuple[Rows, Array]:
+@compiled
+def neighbours(downwash: tuple[Rows, Rows, Array], n: int) -> tuple[Rows, Array]:
+    """The same of (i, j (pairs,), vertical slopes (pairs, N)): who answers most if heights change."""
     i, j, slope = downwash
     other, strongest = np.full(n, -1), np.zeros(n)
     both = np.zeros((n, 2, slope.shape[1]))
@@ -123,7 +125,3 @@ def _neighbours_py(downwash: tuple[Rows, Rows, Array], n: int) -> tuple[Rows, Ar
         if j[pair] < n and other[j[pair]] == i[pair]:
             both[j[pair], 1] = slope[pair]
     return other, both
-
-
-neighbours = compiled(_neighbours_py)
-"""The same of (i, j (pairs,), vertical slopes (pairs, N)): who answers most if heights change."""

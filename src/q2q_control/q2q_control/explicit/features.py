@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
 STAGES = 40
@@ -109,9 +109,11 @@ def _means(values: Array, edges: tuple[int, ...]) -> Array:
     return np.stack([values[..., low:high].mean(axis=-1) for low, high in pairwise(edges)], axis=-1)
 
 
-def _look_one_py(
+@compiled(**FAST)
+def look_one(
     pair: tuple[Array, Array, Array], gains: Array, high: float, wanted: Array, x: Array
 ) -> tuple[float, float]:
+    """Write x of one pair, return base and gate: (PairHorizon's parts, gains, high, wanted (2, N), x)."""
     states, push, slope = pair
     _roll_out(states, push, gains, wanted)
     most = 0.0
@@ -134,7 +136,8 @@ def _look_one_py(
     return wanted[0, 0], most / (most + SOFT)
 
 
-def _roll_out_py(states: Array, push: Array, gains: Array, wanted: Array) -> None:
+@compiled(**FAST)
+def _roll_out(states: Array, push: Array, gains: Array, wanted: Array) -> None:
     """Write both chains' unbounded optima (2, N), side by side: one waits for itself, two do not."""
     each, effort, end = 1.0 / gains[_SCALARS, 0], gains[_SCALARS, 1], push.shape[1] - 1
     b0, b1, b2 = gains[_B, 0], gains[_B, 1], gains[_B, 2]
@@ -161,9 +164,3 @@ def _roll_out_py(states: Array, push: Array, gains: Array, wanted: Array) -> Non
         x0, y0 = x0 + a01 * x1 + a02 * x2 + b0 * f + d0 * p[k], y0 + a01 * y1 + a02 * y2 + b0 * g + d0 * r[k]
         x1, y1 = x1 + a12 * x2 + b1 * f + d1 * p[k], y1 + a12 * y2 + b1 * g + d1 * r[k]
         x2, y2 = a22 * x2 + b2 * f, a22 * y2 + b2 * g
-
-
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
-_roll_out = compiled(_roll_out_py, **_OPTIONS)
-look_one = compiled(_look_one_py, **_OPTIONS)
-"""Write x of one pair, return base and gate: (PairHorizon's parts, gains, high, wanted (2, N), x)."""

@@ -111,12 +111,14 @@ def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Arr
     return eta, np.clip(slope, -teacher.params.slope_max, teacher.params.slope_max)
 
 
-def _solve_all_py(
+@compiled
+def _solve_all(
     shape: GroupShape,
     pairs: PairHorizon,
     limits: tuple[float, float, float],
     found: tuple[Array, Array, NDArray[np.int8]],
 ) -> None:
+    """Write first inputs (K, 2), height errors (K, 2, N + 1), modes (K, N, 2) of a PairHorizon of K pairs."""
     inputs, errors, modes = found
     stages = pairs.push.shape[2]
     pair, other = np.array([0, 1]), np.array([1, 0])
@@ -131,7 +133,3 @@ def _solve_all_py(
         states, acting, _, _ = solve_from(problem, modes[q], MOST)
         for v in range(2):
             inputs[q, v], errors[q, v] = acting[0, v], states[:, 3 * v]
-
-
-_solve_all = compiled(_solve_all_py)
-"""Write first inputs (K, 2), height errors (K, 2, N + 1), modes (K, N, 2) of a PairHorizon of K pairs."""

@@ -94,7 +94,9 @@ def _columns(
     )
 
 
-def _sort_out(table: Array, usable: NDArray[np.bool_]) -> None:
+@compiled
+def sort_out(table: Array, usable: NDArray[np.bool_]) -> None:
+    """Write which rows of a table can be flown on into `usable` (n,); the others become a hover at rest."""
     for i in range(table.shape[0]):
         row = table[i]
         whole, length = row[TRACK] != _LOST, 0.0
@@ -109,7 +111,3 @@ def _sort_out(table: Array, usable: NDArray[np.bool_]) -> None:
         for k in range(_ETA_AT, _ETA_AT + 3):
             if not abs(row[k]) < ABSURD:
                 row[k] = 0.0
-
-
-sort_out = compiled(_sort_out)
-"""Write which rows of a table can be flown on into `usable` (n,); the others become a hover at rest."""

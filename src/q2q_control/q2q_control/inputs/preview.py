@@ -114,7 +114,9 @@ def _picked(known: Array, rows: NDArray[np.intp]) -> Array:
     return picked
 
 
-def _between(samples: Array, place: Array) -> Array:
+@compiled
+def between(samples: Array, place: Array) -> Array:
+    """Return samples (n, T, c) at places (K,) between 0 and T - 1, straight lines between them, (n, K, c)."""
     last = samples.shape[1] - 1
     found = np.empty((samples.shape[0], place.size, samples.shape[2]))
     for k in range(place.size):
@@ -124,7 +126,3 @@ def _between(samples: Array, place: Array) -> Array:
             for c in range(samples.shape[2]):
                 found[v, k, c] = samples[v, before, c] * (1.0 - share) + samples[v, after, c] * share
     return found
-
-
-between = compiled(_between)
-"""Return samples (n, T, c) at places (K,) between 0 and T - 1, straight lines between them, (n, K, c)."""

@@ -17,13 +17,23 @@ Rows = NDArray[np.intp]
 Modes = NDArray[np.int8]
 
 
-def _solve_group_py(
+@compiled
+def solve_group(
     group: tuple[GroupShape, Rows],
     horizon: Horizon,
     slopes: Slopes,
     found: tuple[Modes, Array, Array, Modes],
     iterations: int,
 ) -> tuple[int, bool, bool]:
+    """Write the solution of a group; return its recursions, whether it is optimal, whether it is finite.
+
+    Args:
+        group: shape and vehicles (g,).
+        horizon: of all vehicles.
+        slopes: of all pairs.
+        found: guess (n, N, 3), pos (n, N + 1, 3), inputs and pattern (n, N, 3).
+        iterations: recursions at most.
+    """
     shape, vehicles = group
     guess, pos, inputs, pattern = found
     stages, count = horizon.push.shape[1], shape.axes.size
@@ -44,9 +54,3 @@ def _solve_group_py(
                 pattern[v, k, axis] = modes[k, c]
                 finite = finite and np.isfinite(acting[k, c])
     return used, converged, finite
-
-
-solve_group = compiled(_solve_group_py)
-"""Write the answer of a group; return the recursions it took, whether it is optimal, whether it is finite:
-((shape, vehicles (g,)), horizon, slopes, (guess (n, N, 3), pos (n, N + 1, 3), inputs, pattern (n, N, 3)),
-most recursions)."""

@@ -147,7 +147,8 @@ def groups_of(i: Rows, j: Rows, n: int, *, joint: bool) -> list[list[int]]:
     return list(roots.values())
 
 
-def _roots_py(i: Rows, j: Rows, n: int, joint: bool) -> Rows:
+@compiled
+def _roots(i: Rows, j: Rows, n: int, joint: bool) -> Rows:
     """Return the first vehicle of each vehicle's group, -1 for those in none, (n,)."""
     root = np.full(n, -1)
     for pair in range(i.size):
@@ -166,6 +167,3 @@ def _roots_py(i: Rows, j: Rows, n: int, joint: bool) -> Rows:
             if root[v] == high:
                 root[v] = low
     return root
-
-
-_roots = compiled(_roots_py)

@@ -26,7 +26,9 @@ def packed_numbers(gains: Array, limits: ThrustLimits, yaw: tuple[float, float])
     return np.concatenate([gains.ravel(), scalars])
 
 
-def _pid_rows_py(table: Array, integral: Array, numbers: Array, dt: float) -> tuple[Array, NDArray[np.bool_]]:
+@compiled
+def pid_rows(table: Array, integral: Array, numbers: Array, dt: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,); advance `integral` (n, 3) in place."""
     n = table.shape[0]
     values, saturated = np.empty((n, 4)), np.empty(n, np.bool_)
     acc = np.empty(3)
@@ -42,7 +44,9 @@ def _pid_rows_py(table: Array, integral: Array, numbers: Array, dt: float) -> tu
     return values, saturated
 
 
-def _command_rows_py(acc: Array, table: Array, numbers: Array) -> tuple[Array, NDArray[np.bool_]]:
+@compiled
+def command_rows(acc: Array, table: Array, numbers: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,) of wanted accelerations (n, 3)."""
     n = table.shape[0]
     values, saturated = np.empty((n, 4)), np.empty(n, np.bool_)
     for i in range(n):
@@ -51,7 +55,8 @@ def _command_rows_py(acc: Array, table: Array, numbers: Array) -> tuple[Array, N
     return values, saturated
 
 
-def _command_py(acc: Array, row: Array, numbers: Array, values: Array) -> tuple[float, bool]:
+@compiled
+def _command(acc: Array, row: Array, numbers: Array, values: Array) -> tuple[float, bool]:
     """Write thrust, roll, pitch, yaw rate; return how far thrust is beyond its limit, and whether tilt is."""
     thrust, beyond = _thrust(acc[2], row, numbers)
     yaw = _yaw_of(row)
@@ -63,19 +68,22 @@ def _command_py(acc: Array, row: Array, numbers: Array, values: Array) -> tuple[
     return beyond, cut
 
 
-def _thrust_py(acc_z: float, row: Array, numbers: Array) -> tuple[float, float]:
+@compiled
+def _thrust(acc_z: float, row: Array, numbers: Array) -> tuple[float, float]:
     upright = 1.0 - 2.0 * (row[_QUAT] * row[_QUAT] + row[_QUAT + 1] * row[_QUAT + 1])
     wanted = numbers[_MASS] * (GRAVITY + acc_z) / max(upright, UPRIGHT_MIN)
     thrust = min(max(wanted, 0.0), numbers[_THRUST_MAX])
     return thrust, wanted - thrust
 
 
-def _yaw_of_py(row: Array) -> float:
+@compiled
+def _yaw_of(row: Array) -> float:
     x, y, z, w = row[_QUAT], row[_QUAT + 1], row[_QUAT + 2], row[_QUAT + 3]
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
-def _tilt_py(acc: Array, yaw: float, thrust: float, numbers: Array) -> tuple[float, float, bool]:
+@compiled
+def _tilt(acc: Array, yaw: float, thrust: float, numbers: Array) -> tuple[float, float, bool]:
     forward = acc[0] * math.cos(yaw) + acc[1] * math.sin(yaw)
     left = acc[1] * math.cos(yaw) - acc[0] * math.sin(yaw)
     exact = numbers[_EXACT] > 0.0
@@ -94,7 +102,8 @@ def _tilt_py(acc: Array, yaw: float, thrust: float, numbers: Array) -> tuple[flo
     return -left, forward, cut
 
 
-def _integrate_py(
+@compiled
+def _integrate(
     integral: Array, row: Array, acc: Array, numbers: Array, limits: tuple[float, float, bool]
 ) -> None:
     dt, beyond, cut = limits
@@ -106,14 +115,3 @@ def _integrate_py(
         if (k < 2 and cut and outward > 0.0) or (k == 2 and step * beyond > 0.0):
             continue
         integral[k] = min(max(integral[k] + step, -numbers[_INTEGRAL_MAX]), numbers[_INTEGRAL_MAX])
-
-
-_thrust = compiled(_thrust_py)
-_yaw_of = compiled(_yaw_of_py)
-_tilt = compiled(_tilt_py)
-_integrate = compiled(_integrate_py)
-_command = compiled(_command_py)
-command_rows = compiled(_command_rows_py)
-"""Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,) of wanted accelerations (n, 3)."""
-pid_rows = compiled(_pid_rows_py)
-"""Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,); advance `integral` (n, 3) in place."""

@@ -105,9 +105,12 @@ class Jet:
         """Return push (...,) and eta (..., 3)."""
         shape = rel_pos.shape
         push, eta = np.empty(shape[:-1]), np.empty(shape)
-        parts = (_as_pairs(part, shape) for part in (motion.source_vel, motion.source_axis, motion.vel))
+        parts = (motion.source_vel, motion.source_axis, motion.vel)
+        source_vel, source_axis, vel = (_as_pairs(part, shape) for part in parts)
         pairs = _as_pairs(rel_pos, shape)
-        jet_pairs(pairs, tuple(parts), _numbers_of(self), push.reshape(-1), eta.reshape(-1, 3))
+        jet_pairs(
+            pairs, (source_vel, source_axis, vel), _numbers_of(self), push.reshape(-1), eta.reshape(-1, 3)
+        )
         return push, eta
 
 

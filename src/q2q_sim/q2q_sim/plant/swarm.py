@@ -109,8 +109,8 @@ def _downwash(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> 
                 state[i, 20] += on_i
                 state[j, 20] += on_j
             else:
-                state[i, 20] += late_downwash(state, ring, rows[n], (i, j), step)
-                state[j, 20] += late_downwash(state, ring, rows[n], (j, i), step)
+                state[i, 20] += late_downwash(state, ring, int(rows[n]), (i, j), step)
+                state[j, 20] += late_downwash(state, ring, int(rows[n]), (j, i), step)
 
 
 def _remember(state: Array, ring: Array, slot: int, weight: float) -> None:

@@ -20,7 +20,12 @@ Track = tuple[Array, Array, int]
 """times, pos, first."""
 
 
-def _extent_py(path: Array) -> tuple[Array, Array]:
+@compiled
+def extent(path: Array) -> tuple[Array, Array]:
+    """Return the centre of each vehicle's bounding box (n, 3) and the largest half size (3,).
+
+    The box holds the midpoints of the stages of a path (N + 1, n, 3).
+    """
     stages, n = path.shape[0] - 1, path.shape[1]
     centre, half = np.empty((n, 3)), np.zeros(3)
     for v in range(n):
@@ -37,7 +42,9 @@ def _extent_py(path: Array) -> tuple[Array, Array]:
     return centre, half
 
 
-def _broad_phase_py(path: Array, pairs: tuple[Rows, Rows], reach: tuple[float, float]) -> Flags:
+@compiled
+def meeting(path: Array, pairs: tuple[Rows, Rows], reach: tuple[float, float]) -> Flags:
+    """Return which pairs come within reach (horizontal, vertical [m]) at some stage's middle, (p,)."""
     i, j = pairs
     hit = np.zeros(i.size, np.bool_)
     rel = np.empty(3)
@@ -52,12 +59,14 @@ def _broad_phase_py(path: Array, pairs: tuple[Rows, Rows], reach: tuple[float, f
     return hit
 
 
-def _lay_out_py(
+@compiled
+def lay_out(
     tracks: Track,
     axis: Array,
     pairs: tuple[Rows, Rows],
     out: tuple[Array, Array, Array, Array],
 ) -> None:
+    """Write places, and velocity and body z of the sources, velocity of who feels them, (m, p, N, 3) each."""
     times, pos, first = tracks
     i, j = pairs
     places, source_vel, source_axis, vel = out
@@ -75,7 +84,9 @@ def _lay_out_py(
                     source_axis[m, p, k, c], vel[m, p, k, c] = axis[j[p], k, c], own
 
 
-def _look_back_py(tracks: Track, pairs: tuple[Rows, Rows], delay: Array, places: Array) -> None:
+@compiled
+def look_back(tracks: Track, pairs: tuple[Rows, Rows], delay: Array, places: Array) -> None:
+    """Write places with the sources where they were a delay (p, N) [s] ago."""
     times, pos, first = tracks
     i, j = pairs
     for p in range(i.size):
@@ -92,13 +103,16 @@ def _look_back_py(tracks: Track, pairs: tuple[Rows, Rows], delay: Array, places:
                     places[m, p, k, c] = rel
 
 
-def _nudge_py(places: Array, moves: Rows, delta: float) -> None:
+@compiled
+def nudge(places: Array, moves: Rows, delta: float) -> None:
+    """Move the places 1, 2, ... along their axes, in place."""
     for a in range(moves.size):
         places[1 + 2 * a, :, :, moves[a]] += delta
         places[2 + 2 * a, :, :, moves[a]] -= delta
 
 
-def _largest_py(law: Array) -> float:
+@compiled
+def _largest(law: Array) -> float:
     """Return the largest magnitude, NaN where there is one."""
     largest = 0.0
     for value in law.flat:
@@ -108,13 +122,23 @@ def _largest_py(law: Array) -> float:
     return largest
 
 
-def _gather_py(
+@compiled
+def gather(
     law: Array,
     pairs: tuple[Rows, Rows],
     rules: tuple[Rows, float, float, float],
     count: Array,
     out: tuple[Array, Array],
 ) -> Flags:
+    """Sum eta (n, N, 3), write the slopes (p, N, 3, 3) of strong pairs, return which pairs are strong.
+
+    Args:
+        law: of all places.
+        pairs: i and j.
+        rules: moves, delta, faint, largest slope.
+        count: weight of each source's downwash, (n, N).
+        out: eta and slope.
+    """
     i, j = pairs
     moves, delta, faint, slope_max = rules
     eta, slope = out
@@ -131,20 +155,3 @@ def _gather_py(
                     rise = (law[1 + 2 * a, p, k, c] - law[2 + 2 * a, p, k, c]) / (2.0 * delta) * share
                     slope[p, k, c, moves[a]] = min(max(rise, -slope_max), slope_max)
     return strong
-
-
-_largest = compiled(_largest_py)
-extent = compiled(_extent_py)
-"""Return the middle of each vehicle's box (n, 3) and the largest half box (3,) of stages' middles of a path
-(N + 1, n, 3)."""
-meeting = compiled(_broad_phase_py)
-"""Return which pairs come within reach (horizontal, vertical [m]) at some stage's middle, (p,)."""
-lay_out = compiled(_lay_out_py)
-"""Write places, and velocity and body z of the sources, velocity of who feels them, (m, p, N, 3) each."""
-look_back = compiled(_look_back_py)
-"""Write places with the sources where they were a delay (p, N) [s] ago."""
-nudge = compiled(_nudge_py)
-"""Move the places 1, 2, ... along their axes, in place."""
-gather = compiled(_gather_py)
-"""Add up eta (n, N, 3), write slope (p, N, 3, 3) of pairs that are strong, return which are: (law, pairs,
-(moves, delta, faint, largest slope), each source's count (n, N), (eta, slope))."""

@@ -77,7 +77,8 @@ class PlanMemory:
         )
 
 
-def _shift_py(
+@compiled
+def _shift(
     late: float,
     old: tuple[Array, Array, NDArray[np.int8]],
     new: tuple[Array, Array, NDArray[np.int8]],
@@ -96,6 +97,3 @@ def _shift_py(
                 if k < stages:
                     new[1][v, k, axis] = old[1][v, before, axis]
                     new[2][v, k, axis] = old[2][v, min(k + nearest, stages - 1), axis]
-
-
-_shift = compiled(_shift_py)

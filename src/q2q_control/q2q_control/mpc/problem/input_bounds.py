@@ -15,7 +15,9 @@ FALL = 0.95
 """Share of its weight that a vehicle may drop at most [-]: some thrust is left to tilt."""
 
 
-def _bounds_of_py(quat: Array, most: tuple[float, float]) -> tuple[Array, Array]:
+@compiled
+def bounds_of(quat: Array, most: tuple[float, float]) -> tuple[Array, Array]:
+    """Return the least and largest input [m/s^2], (n, 3) each: attitudes (n, 4), (side, thrust over mass)."""
     low, high = np.empty((quat.shape[0], 3)), np.empty((quat.shape[0], 3))
     side, lift = most
     for v in range(quat.shape[0]):
@@ -23,7 +25,3 @@ def _bounds_of_py(quat: Array, most: tuple[float, float]) -> tuple[Array, Array]
         high[v, 0], high[v, 1], high[v, 2] = side, side, lift * upright - GRAVITY
         low[v, 0], low[v, 1], low[v, 2] = -side, -side, min(-FALL * GRAVITY, high[v, 2])
     return low, high
-
-
-bounds_of = compiled(_bounds_of_py)
-"""Return the least and largest input [m/s^2], (n, 3) each: attitudes (n, 4), (side, thrust over mass)."""

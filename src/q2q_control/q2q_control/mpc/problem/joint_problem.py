@@ -82,7 +82,9 @@ def joint_problem(
     return LqProblem(*joint_parts(shape, vehicles, horizon, (downwash.i, downwash.j, downwash.slope)))
 
 
-def _joint_parts_py(shape: GroupShape, vehicles: Rows, horizon: Horizon, slopes: Slopes) -> LqProblem:
+@compiled
+def joint_parts(shape: GroupShape, vehicles: Rows, horizon: Horizon, slopes: Slopes) -> LqProblem:
+    """Return the LqProblem of (shape, vehicles (g,), horizon, slopes)."""
     axes = shape.axes
     chains, stages = vehicles.size * axes.size, horizon.push.shape[1]
     values, start, step = shape.values.copy(), np.empty(3 * chains), np.empty(chains)
@@ -112,9 +114,8 @@ def _joint_parts_py(shape: GroupShape, vehicles: Rows, horizon: Horizon, slopes:
     )
 
 
-def _fill_bounds_py(
-    horizon: Horizon, chains: tuple[Rows, Rows], out: tuple[Array, Array, Array, Array]
-) -> None:
+@compiled
+def _fill_bounds(horizon: Horizon, chains: tuple[Rows, Rows], out: tuple[Array, Array, Array, Array]) -> None:
     vehicles, axes = chains
     start, low, high, step = out
     for g in range(vehicles.size):
@@ -127,7 +128,8 @@ def _fill_bounds_py(
                 low[k, c], high[k, c] = horizon.low[v, axis], horizon.high[v, axis]
 
 
-def _fill_chains_py(
+@compiled
+def _fill_chains(
     horizon: Horizon, chains: tuple[Rows, Rows], push_gain: Array, out: tuple[Array, Array, Array]
 ) -> None:
     vehicles, axes = chains
@@ -148,7 +150,8 @@ def _fill_chains_py(
                         drift[k, 3 * c + row] = push_gain[a, row] * w
 
 
-def _fill_slopes_py(
+@compiled
+def _fill_slopes(
     slopes: tuple[Rows, Rows, Array],
     group: tuple[Rows, Rows, Array],
     path: Array,
@@ -178,10 +181,3 @@ def _fill_slopes_py(
                             pushed = push_gain[a, row] * slope
                             values[k, entry + row] += pushed
                             drift[k, 3 * feels + row] -= pushed * path[vehicle, k, axes[b]]
-
-
-_fill_bounds = compiled(_fill_bounds_py)
-_fill_chains = compiled(_fill_chains_py)
-_fill_slopes = compiled(_fill_slopes_py)
-joint_parts = compiled(_joint_parts_py)
-"""Return the LqProblem of (shape, vehicles (g,), horizon, slopes)."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.mpc.problem.lq_problem import LqProblem
-from q2q_model.compiled import compiled
+from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
 FREE, HIGH, LOW, RISING, FALLING = 0, 1, 2, 3, 4
@@ -19,13 +19,15 @@ _TOLERANCE = 1e-9
 """How far beyond a bound [m/s^2], or of the wrong sign, counts."""
 
 
-def _bounds_of_py(problem: LqProblem, k: int, c: int, acc: float) -> tuple[float, float]:
+@compiled(**FAST)
+def bounds_of(problem: LqProblem, k: int, c: int, acc: float) -> tuple[float, float]:
     """Return the range of an input whose acceleration is `acc`; low..high wins over the rate."""
     low, high = problem.low[k, c], problem.high[k, c]
     return min(max(low, acc - problem.step[c]), high), max(min(high, acc + problem.step[c]), low)
 
 
-def _mend_py(
+@compiled(**FAST)
+def mend(
     problem: LqProblem,
     pattern: NDArray[np.int8],
     path: tuple[Array, Array],
@@ -61,7 +63,8 @@ def _mend_py(
     return wrong
 
 
-def _judged_py(
+@compiled(**FAST)
+def _judged(
     mode: int, value: float, multiplier: float, range_now: tuple[float, float], limits: tuple[float, float]
 ) -> int:
     """Return where an input should lie; `range_now` are its bounds with the rate's, `limits` without."""
@@ -75,10 +78,3 @@ def _judged_py(
     on_top = mode in (HIGH, RISING)
     against = multiplier > _TOLERANCE if on_top else multiplier < -_TOLERANCE
     return FREE if against else mode
-
-
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
-bounds_of = compiled(_bounds_of_py, **_OPTIONS)
-_judged = compiled(_judged_py, **_OPTIONS)
-mend = compiled(_mend_py, **_OPTIONS)
-"""Mend `pattern` (N, n) in place; return how many inputs ought to change."""

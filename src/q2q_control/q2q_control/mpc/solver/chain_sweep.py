@@ -35,9 +35,14 @@ def sweep_gains(model: Chain) -> Array:
     return np.concatenate([np.stack(vectors), [[quu, effort, 0.0]], a, p])
 
 
-def _sweep_py(
+@compiled
+def sweep(
     horizon: Horizon, chains: tuple[Rows, Rows], gains: Array, answer: tuple[Array, Array]
 ) -> NDArray[np.bool_]:
+    """Fill `answer` (positions (n, N + 1, 3), inputs (n, N, 3)) of the chains (vehicles (C,), axes (C,)).
+
+    Returns which chains keep their bounds, (C,). `gains` are those of `sweep_gains`, the same for all chains.
+    """
     vehicles, axes = chains
     pos, inputs = answer
     inside = np.ones(vehicles.size, np.bool_)
@@ -47,7 +52,8 @@ def _sweep_py(
     return inside
 
 
-def _offsets_py(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Array]) -> None:
+@compiled(error_model="numpy")
+def _offsets(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Array]) -> None:
     """Fill inputs[v, :, axis] with o_k, last to first."""
     gains, inputs = arrays
     reference, push = horizon.reference, horizon.push
@@ -75,7 +81,8 @@ def _offsets_py(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Array]
         slope[2] -= weight[2] * wanted
 
 
-def _rolled_out_py(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Array, Array]) -> bool:
+@compiled(error_model="numpy")
+def _rolled_out(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Array, Array]) -> bool:
     """Fill positions and inputs from the first stage on; return whether all bounds hold."""
     gains, pos, inputs = arrays
     b, feedback, push_gain, a = gains[_B], gains[_FEEDBACK], gains[_PUSH], gains[7:10]
@@ -95,9 +102,14 @@ def _rolled_out_py(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Arr
     return inside
 
 
-def _sweep_free_py(
+@compiled
+def sweep_free(
     horizon: Horizon, free: NDArray[np.bool_], gains: tuple[Array, Array], answer: tuple[Array, Array]
 ) -> NDArray[np.bool_]:
+    """Fill `answer` of the chains that are `free` (n, 3); return which of them cross a bound, (n, 3).
+
+    `gains` are those of x and y, then of z.
+    """
     pos, inputs = answer
     crossing = np.zeros(free.shape, np.bool_)
     for v in range(free.shape[0]):
@@ -107,16 +119,3 @@ def _sweep_free_py(
                 _offsets(horizon, v, axis, (own, inputs))
                 crossing[v, axis] = not _rolled_out(horizon, v, axis, (own, pos, inputs))
     return crossing
-
-
-_offsets = compiled(_offsets_py, error_model="numpy")
-_rolled_out = compiled(_rolled_out_py, error_model="numpy")
-sweep = compiled(_sweep_py)
-"""Fill `answer` (positions (n, N + 1, 3), inputs (n, N, 3)) of the chains (vehicles (C,), axes (C,)).
-
-Returns which chains keep their bounds, (C,). `gains` are those of `sweep_gains`, the same for all chains.
-"""
-sweep_free = compiled(_sweep_free_py)
-"""Fill `answer` of the chains that are `free` (n, 3); return which of them cross a bound, (n, 3).
-
-`gains` are those of x and y, then of z."""

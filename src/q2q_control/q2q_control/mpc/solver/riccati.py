@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from q2q_control.mpc.problem.lq_problem import LqProblem, LqSolution
 from q2q_control.mpc.solver.active_set import FREE, HIGH, LOW, RISING, bounds_of, mend
-from q2q_model.compiled import compiled
+from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
 PATIENCE = 3
@@ -36,9 +36,11 @@ def solve(problem: LqProblem, guess: NDArray[np.int8] | None = None, iterations:
     return LqSolution(states, inputs, pattern, used, converged)
 
 
-def _solve_py(
+@compiled(**FAST)
+def solve_from(
     problem: LqProblem, pattern: NDArray[np.int8], iterations: int
 ) -> tuple[Array, Array, int, bool]:
+    """Return states, inputs, recursions used, whether they are optimal; update `pattern` (N, n) in place."""
     stages, n = pattern.shape
     size = 3 * n
     policy = np.empty((stages, n, size + 1))  # u = policy[:, :size] x + policy[:, size]
@@ -57,7 +59,8 @@ def _solve_py(
     return states, inputs, iterations, False
 
 
-def _backward_py(
+@compiled(**FAST)
+def _backward(
     problem: LqProblem,
     pattern: NDArray[np.int8],
     policy: Array,
@@ -79,7 +82,8 @@ def _backward_py(
         _stage_value(problem, k, (value, slope), (product, ahead), (policy[k], quadratics))
 
 
-def _stage_quadratics_py(
+@compiled(**FAST)
+def _stage_quadratics(
     problem: LqProblem,
     k: int,
     future: tuple[Array, Array],
@@ -118,7 +122,8 @@ def _stage_quadratics_py(
         qu[c] = b0 * ahead[p] + b1 * ahead[v] + b2 * ahead[a] - effort * problem.input_target[k, c]
 
 
-def _stage_policy_py(
+@compiled(**FAST)
+def _stage_policy(
     problem: LqProblem,
     k: int,
     modes: NDArray[np.int8],
@@ -148,7 +153,8 @@ def _stage_policy_py(
     _solve_free(quu.copy(), modes, policy)
 
 
-def _solve_free_py(factor: Array, modes: NDArray[np.int8], right: Array) -> None:
+@compiled(**FAST)
+def _solve_free(factor: Array, modes: NDArray[np.int8], right: Array) -> None:
     """Overwrite the free rows of `right` by factor_ff^-1 times them; `factor` is positive definite."""
     n = modes.size
     for a in range(n):
@@ -171,7 +177,8 @@ def _solve_free_py(factor: Array, modes: NDArray[np.int8], right: Array) -> None
             right[a, i] /= factor[a, a]
 
 
-def _stage_value_py(
+@compiled(**FAST)
+def _stage_value(
     problem: LqProblem,
     k: int,
     future: tuple[Array, Array],
@@ -210,7 +217,8 @@ def _stage_value_py(
                 value[j, i] += policy[c, j] * pull + qux[c, j] * policy[c, i]
 
 
-def _roll_out_py(problem: LqProblem, policy: Array, path: tuple[Array, Array], inside: bool) -> None:
+@compiled(**FAST)
+def _roll_out(problem: LqProblem, policy: Array, path: tuple[Array, Array], inside: bool) -> None:
     """Fill states and inputs of the policy, the inputs cut at their bounds where `inside`."""
     states, inputs = path
     stages, n = inputs.shape
@@ -229,14 +237,3 @@ def _roll_out_py(problem: LqProblem, policy: Array, path: tuple[Array, Array], i
                 states[k + 1, 3 * c + i] = problem.drift[k, 3 * c + i] + pushed
         for e in range(problem.rows.size):
             states[k + 1, problem.rows[e]] += problem.values[k, e] * states[k, problem.cols[e]]
-
-
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
-_solve_free = compiled(_solve_free_py, **_OPTIONS)
-_stage_quadratics = compiled(_stage_quadratics_py, **_OPTIONS)
-_stage_policy = compiled(_stage_policy_py, **_OPTIONS)
-_stage_value = compiled(_stage_value_py, **_OPTIONS)
-_backward = compiled(_backward_py, **_OPTIONS)
-_roll_out = compiled(_roll_out_py, **_OPTIONS)
-solve_from = compiled(_solve_py, **_OPTIONS)
-"""Return states, inputs, recursions used, whether they are optimal; `pattern` (N, n) is mended in place."""

@@ -8,7 +8,6 @@ share a vehicle, so AA' is sparse for a large swarm: few planes go to an interio
 coordinate descent (Hildreth, A quadratic programming procedure, 1957), one pass over AA' a sweep.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,7 +130,8 @@ def settle_active_set(gram: sparse.csr_array, asked: Array, dual: Array) -> Arra
     return dual
 
 
-def _descend(
+@compiled
+def _compiled_descent(
     matrix: tuple[Rows, Rows, Array, Array], dual: Array, slack: Array, sweeps: int, settled: float
 ) -> None:
     """Minimise over one coordinate after the other; dual and slack = G x - b change in place."""
@@ -148,8 +148,3 @@ def _descend(
                 slack[column[at]] += value[at] * change
         if largest < settled:
             return
-
-
-_compiled_descent: Callable[[tuple[Rows, Rows, Array, Array], Array, Array, int, float], None] = compiled(
-    _descend
-)
