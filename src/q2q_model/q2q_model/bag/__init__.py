@@ -1,8 +1,9 @@
-"""Read and write recorded flights as rosbag2 bags: the one place that touches bag files, without ROS.
+"""Recorded flights as rosbag2 bags, read and written without ROS.
 
-Written: a folder with `metadata.yaml` (version 9) and `<name>_0.mcap`, chunks of a second compressed with
-zstd and checksummed, every channel with its ros2msg definition, type hash and offered QoS, as `ros2 bag
-record` of ROS 2 Jazzy does. Read: that, other rosbag2 bags (MCAP, sqlite3), and ROS 1 bags by a topic map.
+The writer makes a folder with `metadata.yaml` (version 9) and `<name>_0.mcap`: checksummed chunks of one
+second compressed with zstd, and for every channel its ros2msg definition, type hash and offered QoS, as `ros2
+bag record` of ROS 2 Jazzy does. The reader takes these, other rosbag2 bags (MCAP, sqlite3), and ROS 1 bags by
+a topic map.
 """
 
 from q2q_model.bag.flight_facts import FlightFacts, facts_as_text, facts_from_text, read_facts

@@ -1,7 +1,7 @@
-"""Facts of a flight that no signal carries: the vehicle, and what commanded it.
+"""Metadata of a flight: the vehicle and the software that flew it.
 
-They are the entries of `custom_data` in metadata.yaml, where real rosbag2 keeps such things:
-`ros2 bag record --custom-data vehicle=crazyflie_2_1` writes what is read here.
+The facts are the entries of `custom_data` in metadata.yaml, as
+`ros2 bag record --custom-data vehicle=crazyflie_2_1` writes them.
 """
 
 from collections.abc import Iterable
@@ -27,9 +27,9 @@ class FlightFacts:
     """ignoring, aware or aware_unlimited."""
     controller: str = ""
     model: str = ""
-    """Interaction model that the controller was given."""
+    """Interaction model of the controller."""
     wake: str = ""
-    """Air of the simulator."""
+    """Downwash law of the simulator."""
     seed: str = ""
 
     @property
@@ -45,7 +45,7 @@ def facts_from_text(words: Iterable[str]) -> FlightFacts:
     """Return the facts in words such as `vehicle=crazyflie_2_1`.
 
     Raises:
-        ValueError: a word of another form, a fact there is not, or one given twice.
+        ValueError: a word of another form, an unknown fact, or a fact given twice.
     """
     found: dict[str, str] = {}
     for word in words:
@@ -59,14 +59,14 @@ def facts_from_text(words: Iterable[str]) -> FlightFacts:
 
 
 def facts_as_text(facts: FlightFacts) -> tuple[str, ...]:
-    """Return the facts that are known as words; `facts_from_text` reads them back."""
+    """Return the known facts as words; the inverse of `facts_from_text`."""
     return tuple(f"{name}={value}" for name, value in facts.known.items())
 
 
 def read_facts(path: Path | str) -> FlightFacts:
-    """Return the facts in a bag's metadata; a bag without whole metadata has none, nor has a ROS 1 bag.
+    """Return the facts in a bag's metadata; none for a ROS 1 bag or a bag without valid metadata.
 
-    Entries that are none of ours are passed over.
+    Other entries are ignored.
     """
     metadata = Path(path) / METADATA if Path(path).is_dir() else Path(path).parent / METADATA
     try:
@@ -82,6 +82,6 @@ def read_facts(path: Path | str) -> FlightFacts:
 
 
 def _describes(information: dict[str, object], path: Path) -> bool:
-    """Return whether the metadata is that of a path: its folder, or one of its files."""
+    """Return whether the metadata describes a path: its folder, or one of its files."""
     files = information.get("relative_file_paths")
     return path.is_dir() or (isinstance(files, list) and path.name in files)

@@ -1,4 +1,4 @@
-"""Write and read the topic `log`: q2q_msgs/FlightLog, one message a tick."""
+"""The topic `log`: q2q_msgs/FlightLog, one message per tick."""
 
 from pathlib import Path
 from typing import Protocol
@@ -37,7 +37,7 @@ class _Row(Protocol):
 
 
 def write_log_row(bag: BagWriter, log: FlightLog, row: int) -> None:
-    """Write one tick of a log to the topic /log of a bag, at the tick's stamp."""
+    """Write one tick of a log to the topic /log of a bag."""
     types = jazzy_types().types
     stamp_ns = round(float(log.t[row]) * 1e9)
     sec, nanosec = divmod(stamp_ns, 1_000_000_000)
@@ -58,7 +58,7 @@ def write_log_row(bag: BagWriter, log: FlightLog, row: int) -> None:
 def read_flight_log(path: Path | str) -> FlightLog:
     """Return the log of a flight.
 
-    Raises BagError for a bag without one, or whose vehicles or columns change on the way.
+    Raises BagError for a bag without one, or if its vehicles or columns change during the flight.
     """
     bag = BagReader(path)
     topic = next((name for name, kind in bag.topics.items() if kind == LOG_TYPE), None)

@@ -1,4 +1,4 @@
-"""Read a bag: its topics, its messages as bytes, its signals."""
+"""Reader of a bag: topics, messages as bytes, and signals."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -27,15 +27,15 @@ class TimedSignal:
 
 
 class BagReader:
-    """Know a bag's channels; every reading starts from its beginning."""
+    """Reader of a bag; every method reads from its beginning."""
 
     def __init__(self, path: Path | str) -> None:
-        """Look into the bag at `path`; raise BagError for one that cannot be read."""
+        """Open the bag at `path`; raise BagError if it cannot be read."""
         self._source = open_source(path)
 
     @property
     def path(self) -> Path:
-        """Return where the bag is."""
+        """Return the bag's path."""
         return self._source.path
 
     @property
@@ -50,13 +50,13 @@ class BagReader:
 
     @property
     def repairs(self) -> tuple[str, ...]:
-        """Return what was mended to read the bag, one sentence each."""
+        """Return the repairs needed to read the bag, one sentence each."""
         return self._source.repairs
 
     def raw(self, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
         """Yield messages as bytes in the order of bag time; None means all topics.
 
-        Raises BagError for a topic that the bag does not have, and for damage when it is reached.
+        Raises BagError for a topic that the bag lacks, and for damage when it is reached.
         """
         wanted = self.topics.keys() if topics is None else topics
         missing = sorted(set(wanted) - self.topics.keys())
@@ -66,7 +66,7 @@ class BagReader:
         return self._source.read(wanted)
 
     def signals(self, topics: Collection[str] | None = None) -> Iterator[TimedSignal]:
-        """Yield the messages of q2q_msgs signal types, decoded; other types are passed over.
+        """Yield the decoded messages of q2q_msgs signal types; other types are skipped.
 
         Raises BagError for a message that does not fit its type.
         """
@@ -87,9 +87,9 @@ class BagReader:
             yield TimedSignal(message.topic, message.stamp_ns, signal)
 
     def rows(self, topics: Collection[str]) -> dict[str, list[SignalRows]]:
-        """Return the messages of topics that hold signals, topic by topic, as arrays over time.
+        """Return the messages of signal topics, by topic, as arrays over time.
 
-        Raises BagError for a topic that is not there, damage, or a message that does not fit its type.
+        Raises BagError for a missing topic, damage, or a message that does not fit its type.
         """
         data: dict[str, list[bytes]] = {topic: [] for topic in topics}
         for message in self.raw(data):
@@ -97,6 +97,6 @@ class BagReader:
         try:
             return {topic: rows_of_messages(data[topic], SIGNALS[self.topics[topic]]) for topic in data}
         except BadMessageError as bad:
-            for _ in self.signals(data):  # says which message it is
+            for _ in self.signals(data):  # names the message in its error
                 pass
             raise BagError(f"bag {self.path}: {bad}") from bad

@@ -1,4 +1,4 @@
-"""Read a whole flight from a bag: every topic joined by the stamps of its headers."""
+"""A flight read from a bag: all topics joined by their header stamps."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -9,13 +9,13 @@ from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, flight_from_rows
 
 
 def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Flight:
-    """Return the flight in a bag; what it does not have is NaN.
+    """Return the flight in a bag; NaN where nothing was recorded.
 
-    Topics are known by their last name (`/mocap`, `/room/mocap`). Repairs are stated as BagRepairWarning:
-    a bag cut off, messages out of order, stamps that come twice or belong to no tick.
+    Topics are identified by their base name (`/mocap`, `/room/mocap`). Repairs raise a BagRepairWarning: a
+    truncated bag, messages out of order, stamps that repeat or belong to no tick.
 
     Raises:
-        BagError: no bag, a `required` topic missing or empty, two topics of one name, clocks that never meet.
+        BagError: no bag, a `required` topic missing or empty, two topics of one name, clocks without overlap.
     """
     bag = BagReader(path)
     topics = _topics_by_name(bag)
@@ -34,7 +34,7 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
 
 
 def _topics_by_name(bag: BagReader) -> dict[str, str]:
-    """Return the bag's topics that make a flight, each with its last name."""
+    """Return the bag's topics that belong to a flight, each with its base name."""
     found: dict[str, str] = {}
     for topic, type_name in bag.topics.items():
         name = topic.rsplit("/", 1)[-1]

@@ -1,8 +1,7 @@
-"""Write a bag: messages as bytes or as signals, crash-safe to the last second.
+"""Writer of a bag, from serialised messages or signals; a crash costs at most the last second.
 
-Chunks are closed when `chunk_s` of bag time has passed, so a process that is killed loses no more than that:
-what is in closed chunks is read back (q2q_model.bag.storage.salvage). Each compressed chunk carries a
-checksum, so that damage is noticed.
+A chunk is closed after `chunk_s` of bag time. Closed chunks of a process that was killed can be read
+(q2q_model.bag.storage.salvage). Each compressed chunk has a checksum that detects damage.
 """
 
 from dataclasses import dataclass
@@ -29,16 +28,16 @@ from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
 
 VERSION = 9
-"""Of metadata.yaml, as ROS 2 Jazzy writes it."""
+"""Version of metadata.yaml in ROS 2 Jazzy."""
 CHUNK_S = 1.0
-"""Bag time in a chunk [s]: what a kill may cost."""
+"""Bag time in a chunk [s], the most that a kill loses."""
 _FOR_EVER = QosTime(sec=9223372036, nsec=854775807)
 """RMW_DURATION_INFINITE."""
 
 
 @dataclass(frozen=True, slots=True)
 class OfferedQos:
-    """Quality of service that a topic's writer offered."""
+    """Quality of service offered by the publisher of a topic."""
 
     reliable: bool = True
     transient_local: bool = False
@@ -46,12 +45,12 @@ class OfferedQos:
 
 
 class BagWriter:
-    """Open bag; a context manager that closes it in every case."""
+    """Bag open for writing; a context manager."""
 
     def __init__(self, path: Path | str, chunk_s: float = CHUNK_S, facts: FlightFacts | None = None) -> None:
-        """Create the bag's folder `path`; `facts` go into its metadata when it is closed.
+        """Create the bag's folder `path`; closing writes `facts` to its metadata.
 
-        Raises BagError where something stands already, or the folder cannot be made.
+        Raises BagError if the path exists, or the folder cannot be created.
         """
         self.path = Path(path)
         if self.path.exists():
@@ -79,7 +78,7 @@ class BagWriter:
     def add_topic(self, topic: str, type_name: str, qos: OfferedQos | None = None) -> None:
         """Announce a topic of messages `type_name`, e.g. "q2q_msgs/msg/MocapFrame".
 
-        Raises BagError for an unknown type, or a topic announced before with another.
+        Raises BagError for an unknown type, or a topic announced with another type.
         """
         self._check_open()
         if self._types.get(topic, type_name) != type_name:
@@ -94,7 +93,7 @@ class BagWriter:
         self._types[topic] = type_name
 
     def write_raw(self, topic: str, stamp_ns: int, data: bytes) -> None:
-        """Write a serialised message at a bag time [ns]; raise BagError for a topic not announced."""
+        """Write a serialised message at a bag time [ns]; raise BagError for an unannounced topic."""
         self._check_open()
         if topic not in self._connections:
             known = ", ".join(self._types) or "none"
@@ -106,9 +105,9 @@ class BagWriter:
         self._chunk_begin = stamp_ns if self._chunk_begin is None else self._chunk_begin
 
     def write_signal(self, topic: str, stamp_ns: int, signal: Signal) -> None:
-        """Write a signal at a bag time [ns], announcing its topic; its header's stamp is `signal.t`.
+        """Write a signal at a bag time [ns], announcing its topic; the header's stamp is `signal.t`.
 
-        A float time holds nanoseconds for 26 days; where `stamp_ns` is the signal's time, it is taken.
+        The header takes `stamp_ns` where that equals `signal.t`, a float exact to 1 ns for 26 days only.
         """
         if topic not in self._connections:
             self.add_topic(topic, f"q2q_msgs/msg/{LAYOUTS[type(signal)].message}")
@@ -124,19 +123,19 @@ class BagWriter:
         self._chunk_begin = None
 
     def close(self) -> None:
-        """Write the index and metadata.yaml; closing twice is allowed."""
+        """Write the index and metadata.yaml; further calls do nothing."""
         if not self._closed:
             self._closed = True
             self._writer.close()
 
     def __enter__(self) -> Self:
-        """Return itself."""
+        """Return the writer."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close, also after an error: what was flown until then is worth keeping."""
+        """Close the bag, also after an error."""
         self.close()
 
     def _check_open(self) -> None:

@@ -1,8 +1,8 @@
-"""Parse command lines: help with an example, and the nearest right word for a wrong one.
+"""Command lines with an example in their help and a suggestion for a misspelled option or choice.
 
-    words -> parsed -> checked -> (imports) -> work -> exit status
+    arguments -> parsed -> checked -> (heavy imports) -> work -> exit status
 
-Nothing but the standard library is needed before the last check, so that help and refusals come at once.
+Parsing and checking need the standard library only, so help and errors appear without delay.
 """
 
 import argparse
@@ -19,25 +19,25 @@ from q2q_model.commands.quiet_end import ending_at_once
 from q2q_model.node.lean_imports import lean_imports
 
 ROS_ARGS = "--ros-args"
-"""What follows is for ROS: a launch file adds it to whatever it starts."""
+"""Start of the arguments for ROS, which a launch file adds to every program."""
 WRONG_CHOICE = re.compile(r"invalid choice: '([^']*)'")
 UNKNOWN = re.compile(r"unrecognized arguments: (.*)")
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it: 128 + SIGINT."""
 
 Work = Callable[[Namespace], int]
-"""Do what a command line asks for; return the exit status."""
+"""Execution of parsed arguments; returns the exit status."""
 
 
 class UsageError(ValueError):
-    """Words that are right one by one and wrong together."""
+    """Error for arguments that are valid one by one and contradict each other."""
 
 
 class CommandLine(argparse.ArgumentParser):
-    """Parse as argparse does, and answer a wrong option or choice with the nearest right one."""
+    """Argument parser that suggests the nearest valid option or choice for an unknown one."""
 
     def __init__(self, program: str, description: str | None, example: str) -> None:
-        """Take the program's name, what it does and one or more lines that show how to call it."""
+        """Create the parser of a program from its description and one or more lines of example."""
         super().__init__(
             prog=program,
             description=description,
@@ -47,7 +47,7 @@ class CommandLine(argparse.ArgumentParser):
         )
 
     def error(self, message: str) -> NoReturn:
-        """End with status 2 and one line that names the nearest right word."""
+        """Exit with status 2 and one line that suggests the nearest valid word."""
         self.exit(2, f"{self.prog}: {message}{self._hint(message)}; see --help\n")
 
     def _hint(self, message: str) -> str:
@@ -55,7 +55,7 @@ class CommandLine(argparse.ArgumentParser):
         return f"; did you mean {near}?" if near else ""
 
     def words(self) -> list[str]:
-        """Return every option and choice this command line knows."""
+        """Return every option and choice of this command line."""
         options = [word for action in self._actions for word in action.option_strings]
         choices = [str(word) for action in self._actions for word in action.choices or ()]
         return options + choices
@@ -69,15 +69,15 @@ def carry_out(
     interrupted: str = "interrupted",
     refused: int = 1,
 ) -> int:
-    """Do what a command line asks for; return the exit status.
+    """Parse a command line, execute it and return the exit status.
 
     Args:
-        line: what may be asked for.
-        prepare: refuses what cannot be done (UsageError, ValueError, OSError), imports, returns the work.
-            What it is given has the words themselves, too, as `words`.
-        words: the words (None: this program's own); from `--ros-args` on they are not ours.
-        interrupted: what to say after Ctrl-C; the status is 130.
-        refused: status after a refusal.
+        line: parser.
+        prepare: checks the parsed arguments (raises UsageError, ValueError, OSError), imports, and returns
+            the work. The namespace also contains the unparsed arguments as `words`.
+        words: arguments (None: sys.argv); those from `--ros-args` on are ignored.
+        interrupted: message after Ctrl-C; the status is 130.
+        refused: exit status after a ValueError or OSError.
     """
     own = without_ros(words)
     asked = line.parse_args(own, Namespace(words=own))
@@ -97,26 +97,26 @@ def carry_out(
 
 
 def must_exist(what: str, *paths: Path) -> None:
-    """Raise ValueError for the first path that is not there; `what` names its kind."""
+    """Raise ValueError for the first path that does not exist; `what` names its kind."""
     for path in paths:
         if not path.exists():
             raise ValueError(f"no {what} at {path}")
 
 
 def without_ros(arguments: Sequence[str] | None) -> list[str]:
-    """Return the words of a command line (None: this program's own) up to what is meant for ROS itself."""
+    """Return the arguments of a program (None: sys.argv) up to those for ROS."""
     words = sys.argv[1:] if arguments is None else list(arguments)
     return words[: words.index(ROS_ARGS)] if ROS_ARGS in words else words
 
 
 def unknown_words(message: str) -> list[str]:
-    """Return the words that an argparse message complains of, without their values."""
+    """Return the unknown arguments in an argparse message, without their values."""
     unknown = UNKNOWN.search(message)
     words = unknown[1].split() if unknown else WRONG_CHOICE.findall(message)
     return [word.partition("=")[0] for word in words]
 
 
 def nearest(wrong: list[str], known: list[str]) -> str:
-    """Return the known word nearest to the first wrong one that has any; empty where none is near."""
+    """Return the known word nearest to the first wrong one that has a near one; empty if none is near."""
     found = (match for word in wrong for match in get_close_matches(word, known, n=1))
     return next(found, "")

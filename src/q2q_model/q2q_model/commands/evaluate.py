@@ -1,12 +1,12 @@
-"""Score an interaction model against the pushes that recorded flights measured.
+"""Score an interaction model against the downwash measured on recorded flights.
 
-The rule is that of q2q_model.identification.force.downwash_force. A flight from which no push can be read
-(neither a log of forces nor accelerometer and thrust commands) is named, and its scores are null with n = 0.
+The scoring rule is that of q2q_model.identification.force.downwash_force. A flight without measured downwash
+(neither a log of forces nor accelerometer and thrust commands) is named; its scores are null with n = 0.
 
-R2 is not centred: exposed rows are pushed by about the same all the time, and on the recorded real flights a
-constant alone has R2 0.60 (feed-forward off) and 0.48 (on). So compare with that constant, not with 0. With
-a neighbour's log rolled by 7 to 23 s a law keeps R2 0.0 to 0.2 on the very same rows, which is less than
-knowing only that somebody is above, and less than 0 over all usable rows: its gain has vanished.
+R2 is not centred. The downwash on exposed rows is nearly constant, and on the recorded real flights a
+constant alone reaches R2 0.60 (feed-forward off) and 0.48 (on): compare with that constant, not with 0. With
+the neighbour's log shifted by 7 to 23 s, a law reaches R2 0.0 to 0.2 on the same rows, less than a constant
+does, and less than 0 over all usable rows.
 """
 
 import sys
@@ -22,7 +22,7 @@ EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --jso
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Evaluate as the command line says; return the exit status."""
+    """Run `evaluate`; return the exit status."""
     return carry_out(parser(), _prepare, words)
 
 
@@ -39,9 +39,11 @@ def parser() -> CommandLine:
     made = CommandLine("evaluate", __doc__, EXAMPLE)
     made.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="recorded flights, at least one")
     made.add_argument("--model", required=True, help="none, a shipped name, or a .q2q file")
-    made.add_argument("--json", type=Path, metavar="FILE", help="scores to write")
-    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
-    made.add_argument("--vehicle", default="", choices=tuple(VEHICLES), help="in place of what bags say")
+    made.add_argument("--json", type=Path, metavar="FILE", help="file to write the scores to")
+    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software")
+    made.add_argument(
+        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
+    )
     return made
 
 

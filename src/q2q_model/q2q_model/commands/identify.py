@@ -1,4 +1,4 @@
-"""Learn gains, interference zone and interaction model from recorded flights."""
+"""Identify gains, interference zone and interaction model from recorded flights."""
 
 import sys
 from argparse import Namespace
@@ -16,7 +16,7 @@ EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json 
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Identify as the command line says; return the exit status."""
+    """Run `identify`; return the exit status."""
     return carry_out(parser(), _prepare, words)
 
 
@@ -41,13 +41,15 @@ def parser() -> CommandLine:
         "--model-type",
         default="auto",
         choices=("auto", "jet", "envelope_network"),
-        help="auto picks by held-out error",
+        help="auto selects by held-out error",
     )
-    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topics of bags that are not q2q's")
-    made.add_argument("--vehicle", default="", choices=tuple(VEHICLES), help="in place of what bags say")
+    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software")
+    made.add_argument(
+        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
+    )
     made.add_argument("--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]")
     made.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
-    made.add_argument("--model", default="paper_law", help="model that --live begins with")
+    made.add_argument("--model", default="paper_law", help="initial model of --live")
     made.add_argument("--no-plots", action="store_true", help="draw nothing")
     return made
 

@@ -1,4 +1,4 @@
-"""Start the nodes of the package; an interrupt ends them quietly while they are being imported."""
+"""Entry points of the nodes; an interrupt during imports exits without a traceback."""
 
 from q2q_model.commands.node_start import start_node
 

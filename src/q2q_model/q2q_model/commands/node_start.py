@@ -1,4 +1,4 @@
-"""Start a node: import its module, which takes most of the time until it is ready, and run its `main`."""
+"""Start of a node: import of its module, which takes most of the start-up time, and call of its `main`."""
 
 from importlib import import_module
 
@@ -7,7 +7,7 @@ from q2q_model.node.lean_imports import lean_imports
 
 
 def start_node(module: str) -> None:
-    """Run `main` of a node's module; SIGINT and SIGTERM end its import with status 0, as they end nodes."""
+    """Run `main` of a node's module; SIGINT and SIGTERM during its import exit with status 0, as later."""
     with ending_at_once(0), lean_imports():
         main = import_module(module).main
     main()

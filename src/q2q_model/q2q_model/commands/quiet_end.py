@@ -1,4 +1,4 @@
-"""End a program that is still being imported without a traceback."""
+"""Exit without a traceback on a signal during imports."""
 
 import os
 import signal
@@ -9,9 +9,9 @@ from types import FrameType
 
 @contextmanager
 def ending_at_once(status: int) -> Iterator[None]:
-    """Let SIGINT and SIGTERM end this process with a status while nothing has begun that needs to be ended.
+    """Exit at once with a status on SIGINT or SIGTERM, while nothing needs cleaning up.
 
-    An exception would not do: it can come up in the middle of somebody's import, who may swallow it.
+    An exception could be swallowed by the module that is being imported.
     """
 
     def end(_: int, __: FrameType | None) -> None:

@@ -1,10 +1,10 @@
-"""Evaluate the paper's interaction model: two tanh networks under a Gaussian envelope.
+"""The paper's interaction model: two tanh networks under a Gaussian envelope.
 
     eta_role(dr) = exp(-dxy^2 / (2 eps^2)) exp(-dz^2 / (2 d^2)) f_role(dxy, |dz|)             (15)
     f(dxy, |dz|) = w2 . tanh(W1 (dxy, |dz|) + b1) + b2                                        section 3.2
 
-Readings. (15) has one network for each of two numbered vehicles; here one for each role, lower and upper, so
-that vehicles may change places and may be more than two. Only z is pushed.
+Interpretation: (15) has one network for each of two numbered vehicles. Here each role, lower and upper, has
+one, so that vehicles can swap places and there can be more than two. eta acts along z only.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -25,7 +25,7 @@ HIDDEN = 40
 """Units of the hidden layer, section 3.2."""
 
 EDGE = 4.3
-"""Standard deviations to where the envelope has fallen to 1e-4."""
+"""Standard deviations at which the envelope has fallen to 1e-4."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Network:
     output_bias: float
 
     def __post_init__(self) -> None:
-        """Check that the layers fit together."""
+        """Check the shapes of the layers."""
         hidden = self.hidden_bias.size
         if self.hidden_weights.shape != (hidden, 2) or self.output_weights.shape != (hidden,):
             raise ValueError(
@@ -55,7 +55,7 @@ class Network:
 
 @dataclass(frozen=True, slots=True)
 class EnvelopeNetwork:
-    """The paper's two networks under their envelope; an InteractionModel."""
+    """Two networks under a Gaussian envelope; an InteractionModel."""
 
     lower: Network
     upper: Network
@@ -63,19 +63,19 @@ class EnvelopeNetwork:
     d: float = 1.1
 
     def __post_init__(self) -> None:
-        """Check the envelope."""
+        """Check the widths of the envelope."""
         for name, value in (("eps", self.eps), ("d", self.d)):
             if not 0.0 < value < 10.0:
                 raise ValueError(f"EnvelopeNetwork.{name} = {value}: allowed is 0 to 10 m, both excluded")
 
     @property
     def reach(self) -> Reach:
-        """Return where the envelope has fallen to 1e-4."""
+        """Return the distances at which the envelope has fallen to 1e-4."""
         return Reach(horizontal=EDGE * self.eps, vertical=EDGE * self.d)
 
     @property
     def max_delay(self) -> float:
-        """Return no delay [s]: the paper has none."""
+        """Return zero [s]: the paper models no transport delay."""
         return 0.0
 
     def delay(self, rel_pos: Array) -> Array:
@@ -83,7 +83,7 @@ class EnvelopeNetwork:
         return np.zeros(rel_pos.shape[:-1])
 
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:  # noqa: ARG002
-        """Return eta [m/s^2], world, (..., 3); (15) looks at the distance alone."""
+        """Return eta [m/s^2], world, (..., 3); (15) depends on the relative position alone."""
         dz = rel_pos[..., 2]
         across, gap, share = np.hypot(rel_pos[..., 0], rel_pos[..., 1]), smooth_gap(dz), lower_share(dz)
         envelope = np.exp(-(across**2) / (2.0 * self.eps**2) - dz**2 / (2.0 * self.d**2))
@@ -92,5 +92,5 @@ class EnvelopeNetwork:
         return eta
 
     def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:  # noqa: ARG002
-        """Return NaN [m/s^2], (..., 3): the paper's model does not know its error."""
+        """Return NaN [m/s^2], (..., 3): the paper gives no uncertainty."""
         return np.full(rel_pos.shape, np.nan)

@@ -1,13 +1,13 @@
-"""Say what an interaction model is: a law for one pair, and how late its push arrives.
+"""Interface of an interaction model: the downwash law of one pair and its transport delay.
 
 eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau), v_i(t)),
 tau = delay(r_j(t) - r_i(t)),
 
-with b the body z axis: a rotor throws its air along -b, so a tilted source aims its downwash aside.
+with b the body z axis: rotors drive air along -b, so a tilted source deflects its downwash.
 
-i feels, j causes; rel_pos = pos_j - pos_i, so a source above has rel_pos z > 0. Laws act on arrays of
-pairs of any batch shape; memory of past states is kept outside, by `StateHistory` online and by the
-arrays of a flight offline.
+Vehicle i is exposed to the downwash of source j; rel_pos = pos_j - pos_i, so a source above has rel_pos
+z > 0. Laws take arrays of pairs of any batch shape and are stateless: past states come from `StateHistory`
+online and from the arrays of a flight offline.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from q2q_model.signals.values import Array
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """Bound where a law acts: beyond it the acceleration is negligible."""
+    """Distances beyond which the acceleration of a law is negligible."""
 
     horizontal: float
     """[m]"""
@@ -34,7 +34,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, slots=True)
 class PairMotion:
-    """Motion of a pair: the source when its air left it, the exposed vehicle now."""
+    """Motion of pairs: of the source at the time its air left it, of the exposed vehicle now."""
 
     source_vel: Array
     """Velocity of j [m/s], world, (..., 3)."""
@@ -45,7 +45,7 @@ class PairMotion:
 
 
 def at_rest(rel_pos: Array) -> PairMotion:
-    """Return level vehicles at rest, a pair for each relative position (..., 3)."""
+    """Return the motion of level vehicles at rest, one pair for each relative position (..., 3)."""
     still = np.zeros_like(rel_pos)
     return PairMotion(source_vel=still, source_axis=still + UP, vel=still)
 
@@ -55,14 +55,14 @@ class InteractionModel(Protocol):
 
     @property
     def reach(self) -> Reach:
-        """Return how far the downwash acts."""
+        """Return the range of the downwash."""
 
     @property
     def max_delay(self) -> float:
-        """Return the longest transport delay [s]; 0 for a model without one."""
+        """Return the largest transport delay [s]; 0 for a model without delay."""
 
     def delay(self, rel_pos: Array) -> Array:
-        """Return the transport delay tau [s], (...,), of the push of a source at rel_pos [m], (..., 3)."""
+        """Return the transport delay tau [s], (...,), of downwash from a source at rel_pos [m], (..., 3)."""
 
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return eta [m/s^2], world, (..., 3), for retarded rel_pos [m], (..., 3), and motion."""

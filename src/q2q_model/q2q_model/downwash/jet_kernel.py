@@ -1,6 +1,6 @@
-"""Evaluate the jet of `q2q_model.downwash.jet`, whose equations these are, over pairs in a compiled loop.
+"""Compiled loop over pairs for the equations of `q2q_model.downwash.jet`.
 
-Lengths, speeds and symbols as there; `numbers` are a Jet's fields in the order of the constants below.
+Units and symbols are defined there; `numbers` are a Jet's fields in the order of the constants below.
 """
 
 import math
@@ -10,17 +10,17 @@ from q2q_model.downwash.roles import BLEND
 from q2q_model.signals.values import Array
 
 STEEPEST = 0.5
-"""Largest slope b_xy / b_z that a jet follows [-]: 27 degrees; beyond, and upside down, it is cut."""
+"""Largest slope b_xy / b_z that a jet follows [-], 27 degrees; steeper slopes are clipped."""
 
 _STRENGTH, _GAP_REF, _POWER, _ORIGIN, _RATE, _WIDTH = range(6)
 _SPREAD, _UPPER, _SPEED, _CARRIED, _RANGE = range(6, 11)
 
 Motion = tuple[Array, Array, Array]
-"""Velocity and body z of the sources, velocity of who feels them, (p, 3) each."""
+"""Velocity and body z of the sources, velocity of the exposed vehicles, (p, 3) each."""
 
 
 def _drift(dz: float, vel: Array, axis: Array, numbers: Array) -> tuple[float, float]:
-    """Return how far aside the air has come on its way [m]."""
+    """Return the horizontal displacement of the air since it left its source [m]."""
     upright = max(axis[2], 0.5)
     sx, sy = axis[0] / upright, axis[1] / upright
     cut = max(math.sqrt(sx * sx + sy * sy) / STEEPEST, 1.0)
@@ -32,7 +32,7 @@ def _drift(dz: float, vel: Array, axis: Array, numbers: Array) -> tuple[float, f
 
 
 def _push_of(rel_pos: Array, vel: Array, axis: Array, climb: float, numbers: Array) -> float:
-    """Return the push on a lower vehicle that climbs at `climb` [m/s], downwards [m/s^2]."""
+    """Return the downward acceleration [m/s^2] of a lower vehicle that climbs at `climb` [m/s]."""
     x, y, dz = rel_pos[0], rel_pos[1], rel_pos[2]
     gap, meeting = dz * math.tanh(dz / BLEND), 1.0
     if numbers[_CARRIED] > 0.0:

@@ -1,13 +1,13 @@
-"""Give the zone where a learned downwash is stronger than a threshold, with its signed distance.
+"""Zone in which a learned downwash exceeds a threshold, as a table of signed distances.
 
     L = { dr : |eta(dr)| >= threshold or |eta(-dr)| >= threshold }
 
-A law depends on dxy and dz alone, so L is a figure in that half plane. Its boundary is found where |eta|
-crosses the threshold on the edges of a grid; the distance from every grid point to the nearest crossing is
-kept as a table, once; a query interpolates in it. Beyond the table's edge the answer is a lower bound,
-hypot(distance to the table, distance read there): L is inside the table, which is convex.
+A law at rest depends on dxy and dz alone, so L is a region of that half plane. Its boundary points are the
+crossings of |eta| with the threshold on the edges of a grid. A table holds the distance from every grid point
+to the nearest crossing, and queries interpolate in it. Beyond the table the result is a lower bound,
+hypot(distance to the table, distance at its edge), because L lies inside the table, which is convex.
 
-A crossing point stands for at most half a grid step of boundary, so distances hold to half a step.
+Crossings are at most a grid step apart, so distances are accurate to half a step.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ STEP = 0.01
 """Grid step [m]."""
 
 MARGIN = 0.5
-"""Table beyond the law's reach [m]: as far as planners look."""
+"""Extent of the table beyond the law's reach [m]: the distance that planners query."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +65,9 @@ def level_set(model: InteractionModel, threshold: float) -> LevelSet:
     """Return the zone of a law's downwash above `threshold` [m/s^2], for a level source at rest.
 
     Raises:
-        ValueError: the downwash is nowhere that strong, so the zone would be empty.
+        ValueError: the downwash never reaches the threshold, so the zone would be empty.
     """
-    from scipy.spatial import cKDTree  # half a second that nodes with a zone of their own are spared
+    from scipy.spatial import cKDTree  # half a second, which nodes with another zone do not need
 
     excess = _strength(model) - threshold
     if not (excess > 0.0).any():
@@ -82,7 +82,7 @@ def level_set(model: InteractionModel, threshold: float) -> LevelSet:
 
 
 def peak(model: InteractionModel) -> float:
-    """Return the strongest downwash of a law anywhere [m/s^2]; 0 where it knows none."""
+    """Return the largest downwash of a law [m/s^2]; 0 without interaction."""
     return float(_strength(model).max())
 
 
@@ -99,7 +99,7 @@ def _strength(model: InteractionModel) -> Array:
 
 
 def _crossings(excess: Array) -> Array:
-    """Return where `excess` changes sign on the grid's edges, in grid steps, (k, 2)."""
+    """Return the sign changes of `excess` on the edges of the grid, in grid steps, (k, 2)."""
     return np.concatenate([_along_columns(excess), _along_columns(excess.T)[:, ::-1]])
 
 

@@ -1,4 +1,4 @@
-"""Stand for having no interaction model: nothing pushes anything."""
+"""Interaction model without downwash."""
 
 from dataclasses import dataclass
 
@@ -14,12 +14,12 @@ class NoInteraction:
 
     @property
     def reach(self) -> Reach:
-        """Return a reach of zero: no pair is ever asked for."""
+        """Return a reach of zero: no pair is evaluated."""
         return Reach(horizontal=0.0, vertical=0.0)
 
     @property
     def max_delay(self) -> float:
-        """Return no delay [s]."""
+        """Return zero [s]."""
         return 0.0
 
     def delay(self, rel_pos: Array) -> Array:
@@ -31,5 +31,5 @@ class NoInteraction:
         return np.zeros(rel_pos.shape)
 
     def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:  # noqa: ARG002
-        """Return NaN [m/s^2], (..., 3): nothing is known."""
+        """Return NaN [m/s^2], (..., 3): unknown."""
         return np.full(rel_pos.shape, np.nan)

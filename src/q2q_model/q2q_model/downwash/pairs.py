@@ -1,10 +1,10 @@
-"""Find a tick's pairs, lay them out for a law, and add up what it says: the loops of the predictor, compiled.
+"""Compiled loops of the predictor: pairs in reach, their relative motion, and the sum over sources.
 
 | name | meaning [unit] |
 |---|---|
 | states | pos, vel [m, m/s], quat x y z w, track status of every vehicle, (n, 11) |
 | now | pos, vel, body z of every vehicle, (n, 9) |
-| keys | n i + j of every pair in reach, i feels, j causes, (p,) |
+| keys | n i + j of every pair in reach, vehicle i exposed to source j, (p,) |
 | pairs | rel_pos, velocity of j, body z of j, velocity of i, (4, p, 3) |
 """
 
@@ -28,7 +28,7 @@ _STALE_SOURCE = int(InterferenceStatus.STALE_SOURCE)
 
 
 def _body_z(state: Array, axis: Array) -> None:
-    """Write the body z axis of one vehicle, level where it has no orientation."""
+    """Write the body z axis of one vehicle; level where its orientation is unknown."""
     x, y, z, w = state[6], state[7], state[8], state[9]
     axis[0], axis[1] = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
     axis[2] = 1.0 - 2.0 * (x * x + y * y)
@@ -51,7 +51,7 @@ def _meet(states: Array, now: Array, bounds: tuple[float, float, float]) -> Rows
         if whole:
             fastest = max(fastest, squared)
         body_z(states[i], now[i, 6:])
-    moved = max_delay * math.sqrt(fastest)  # how far a source may have come since its air left it
+    moved = max_delay * math.sqrt(fastest)  # distance a source may have moved since its air left it
     return compiled_sweep(pos, horizontal + moved, vertical + moved)
 
 
@@ -110,10 +110,10 @@ body_z = compiled(_body_z)
 meet = compiled(_meet)
 """Write `now` and return keys: (states, now, (horizontal, vertical reach [m], longest delay [s]))."""
 lay_out = compiled(_lay_out)
-"""Write pairs as they are now, and whose source is not tracked: (states, now, keys, pairs, stale (p,))."""
+"""Write the current pairs and flag untracked sources: (states, now, keys, pairs, stale (p,))."""
 look_back = compiled(_look_back)
-"""Put sources where they were when their air left them: (now, keys, past (p, 9), pairs, stale); a source
-without that past stays, and is stale."""
+"""Replace sources by their state when their air left them: (now, keys, past (p, 9), pairs, stale); a source
+without a known past state is left unchanged and flagged stale."""
 add_up = compiled(_add_up)
 """Write acc, std (n, 3), status (n,): (keys, (eta, deviation (p, 3), stale), states,
 whether there is a model, (acc, std, status))."""

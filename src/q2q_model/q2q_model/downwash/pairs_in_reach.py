@@ -1,8 +1,8 @@
-"""Find who can push whom: all pairs within reach, by a sweep over sorted x.
+"""Broad phase: all pairs within reach, by sweep and prune over x.
 
-With the vehicles sorted by x, the neighbours of one lie in the short run of rows until x differs by more
-than the reach. In a room whose density is bounded that run does not grow with n, so the whole costs
-n log n for the sort and n for the sweep; a dense comparison costs n^2.
+With vehicles sorted by x, the neighbours of a vehicle lie in the rows up to an x difference of the reach. At
+bounded density the number of these rows does not grow with n, so sorting costs n log n and sweeping n; a
+dense comparison costs n^2.
 """
 
 from collections.abc import Callable
@@ -20,11 +20,11 @@ Rows = NDArray[np.intp]
 def pairs_in_reach(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
     """Return rows (i, j) of all ordered pairs within reach, sorted by i, then j.
 
-    Both (i, j) and (j, i) are there, i != j. A vehicle with a NaN coordinate is in no pair.
+    Contains both (i, j) and (j, i), i != j. A vehicle with a NaN coordinate is in no pair.
 
     Args:
         pos: positions [m], world, (n, 3).
-        reach: how far apart the two of a pair may be, horizontally and vertically.
+        reach: largest horizontal and vertical distance of a pair.
     """
     keys = compiled_sweep(np.ascontiguousarray(pos), reach.horizontal, reach.vertical)
     i, j = np.divmod(keys, max(len(pos), 1))
@@ -32,7 +32,7 @@ def pairs_in_reach(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
 
 
 def pairs_in_reach_dense(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
-    """Return the same by comparing all with all in plain numpy: the twin that tests compare."""
+    """Return the same pairs by dense comparison in NumPy, as a reference for tests."""
     rel = pos[None, :, :] - pos[:, None, :]  # (n, n, 3)
     near = rel[..., 0] ** 2 + rel[..., 1] ** 2 <= reach.horizontal**2
     near &= np.abs(rel[..., 2]) <= reach.vertical
@@ -42,7 +42,7 @@ def pairs_in_reach_dense(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
 
 
 def _sweep(pos: Array, horizontal: float, vertical: float) -> Rows:
-    """Return n i + j of every pair, rising."""
+    """Return n i + j of every pair, ascending."""
     n = pos.shape[0]
     order = np.argsort(pos[:, 0])  # NaN sorts last
     keys = np.empty(8 * n, np.intp)
@@ -64,4 +64,4 @@ def _sweep(pos: Array, horizontal: float, vertical: float) -> Rows:
 
 
 compiled_sweep: Callable[[Array, float, float], Rows] = compiled(_sweep)
-"""Return n i + j of every pair, rising, for compiled loops: (pos (n, 3), horizontal, vertical reach [m])."""
+"""Return n i + j of every pair, ascending, for kernels: (pos (n, 3), horizontal, vertical reach [m])."""

@@ -1,19 +1,19 @@
-"""Predict every vehicle's downwash, tick by tick, from an interaction model and the swarm's states.
+"""Online prediction of every vehicle's downwash from an interaction model and the swarm's states.
 
     eta_i(t) = sum over j in reach of law(r_j(t - tau_ij) - r_i(t), v_j(t - tau_ij), b_j(t - tau_ij), v_i(t))
 
-Pushes of several sources add up; so do the variances of their predictions. The air keeps the place where it
-left its source, so a law with delay needs the sources' past: their states are remembered as long as the law's
-longest delay. A source first seen within that time counts as if it had come from where it was first seen.
+The accelerations of several sources add up, and so do the variances of their predictions. A law with delay
+needs past states of the sources: a history as long as the law's largest delay holds them. A source observed
+for less than its delay counts with its first observed state.
 
-| input | answer |
+| input | output |
 |---|---|
-| a stamp that was already answered | the same answer; no memory changes |
-| a stamp older than the memory (a bag starts again) | the memory is forgotten |
-| vehicles come, go, or change rows | memory follows the names |
-| a source COASTING or LOST, or without a past | its push counts; STALE_SOURCE on the vehicle it pushes |
-| NaN in a vehicle's position or velocity | neither feels nor causes; NO_MODEL, eta 0, std NaN |
-| a source without orientation (NaN, one marker only) | counts as level |
+| a repeated stamp | the previous output; the history is unchanged |
+| a stamp older than the history (a bag restarts) | the history is cleared |
+| vehicles appear, vanish, or change rows | the history follows the names |
+| a source COASTING or LOST, or without past states | included; STALE_SOURCE on the exposed vehicle |
+| NaN in a vehicle's position or velocity | in no pair; NO_MODEL, eta 0, std NaN |
+| a source without orientation (NaN, one marker only) | level |
 | a model without reach (`none`) | NO_MODEL, eta 0, std NaN |
 """
 
@@ -29,20 +29,20 @@ _NO_PAIR = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_)
 
 
 class InteractionPredictor:
-    """Block that maps SwarmState to Interference; its model can be exchanged in flight."""
+    """Block that maps SwarmState to Interference; the model can be exchanged in flight."""
 
     def __init__(self, model: InteractionModel) -> None:
         self.model = model
         self.reset()
 
     def reset(self) -> None:
-        """Forget where the vehicles were."""
+        """Clear the history."""
         self._names: Names = ()
         self._history = StateHistory(0, 0.0)
         self._last: Interference | None = None
 
     def exchange(self, model: InteractionModel) -> None:
-        """Use another model from the next stamp on; the past is kept as far as it is remembered."""
+        """Use another model from the next stamp on; a history shorter than its delay is cleared."""
         if model.max_delay > self.model.max_delay:
             self.reset()
         self.model = model
@@ -79,7 +79,7 @@ class InteractionPredictor:
     def _answers(
         self, t: float, states: Array, now: Array, keys: NDArray[np.intp]
     ) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return eta and its deviation (p, 3) of each pair, and whether they are guesswork (p,)."""
+        """Return eta and its deviation (p, 3) of each pair, and whether its source is stale (p,)."""
         pairs, stale = np.empty((4, keys.size, 3)), np.empty(keys.size, dtype=np.bool_)
         lay_out(states, now, keys, pairs, stale)
         if self.model.max_delay > 0.0:

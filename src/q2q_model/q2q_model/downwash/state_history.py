@@ -1,8 +1,7 @@
-"""Remember where vehicles were, so that air that left them a moment ago can be traced back.
+"""History of the swarm's states, for downwash with transport delay.
 
-Samples lie in an array twice as long as needed; when its end is reached the last ones move to the front.
-So the samples are always one contiguous piece in order of time, and storing one costs the same on average
-whatever the length.
+Samples lie in an array at least twice as long as needed; at its end, the valid ones move to the front. They
+are thus contiguous and in order of time, and appending one takes amortised constant time.
 """
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from q2q_model.signals.values import Array
 
 FIRST_CAPACITY = 64
-"""Samples [-]: 0.6 s at 100 Hz; it doubles when more are needed."""
+"""Samples [-]: 0.6 s at 100 Hz; doubled when more are needed."""
 
 
 class StateHistory:
@@ -46,7 +45,7 @@ class StateHistory:
     def at(self, t: Array, vehicles: NDArray[np.intp]) -> Array:
         """Return pos, vel and axis (p, 9) of rows `vehicles` (p,) at times t (p,) [s], interpolated.
 
-        Outside the samples held, the oldest or the newest counts. NaN where a sample used is NaN.
+        Times outside the history take the oldest or the newest sample. NaN where a sample used is NaN.
         """
         stamps, samples = self._stamps[self._start : self._end], self._samples[self._start : self._end]
         after = np.searchsorted(stamps, t).clip(1, max(stamps.size - 1, 1))
@@ -57,7 +56,7 @@ class StateHistory:
         return np.asarray((1.0 - share) * samples[before, vehicles] + share * samples[after, vehicles])
 
     def reordered(self, rows: NDArray[np.intp]) -> "StateHistory":
-        """Return the same memory for other vehicles: row k is old row rows[k]; -1 is one unknown, NaN."""
+        """Return the history with other rows: row k is old row rows[k], or NaN where that is -1."""
         other = StateHistory(rows.size, self._span)
         for k in range(self._start, self._end):
             sample = np.where((rows < 0)[:, None], np.nan, self._samples[k][rows])

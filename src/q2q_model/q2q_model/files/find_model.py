@@ -1,4 +1,4 @@
-"""Find interaction models by name: those shipped with the package, installed or in the source tree."""
+"""Lookup of interaction models by name or path."""
 
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.files.model_choice import shipped_models
@@ -7,10 +7,10 @@ from q2q_model.files.model_names import model_path
 
 
 def find_model(name: str) -> ModelFile:
-    """Return the model called "none", a shipped one by its name, or one by its path.
+    """Return the model "none", a shipped model by its name, or a model by its path.
 
     Raises:
-        ModelFileError: there is no such model, or its file cannot be used.
+        ModelFileError: the model does not exist, or its file is not valid.
     """
     path = model_path(name, shipped_models())
     return ModelFile(interaction=NoInteraction()) if path is None else load(path)

@@ -1,4 +1,4 @@
-"""Check the name of an interaction model before anything is imported that could read it."""
+"""Check of an interaction model's name, cheap enough to run before heavy imports."""
 
 import os
 from pathlib import Path
@@ -10,12 +10,12 @@ IN_SOURCE = Path(__file__).resolve().parents[2] / "config"
 
 
 def check_model(name: str) -> None:
-    """Raise ModelFileError where there is no model of this name, shipped or a file."""
+    """Raise ModelFileError if no shipped model or file has this name."""
     model_path(name, shipped_models())
 
 
 def shipped_models() -> Path:
-    """Return the folder of the shipped `.q2q` files: that of the first ament prefix that has one."""
+    """Return the folder of the shipped `.q2q` files: in an ament prefix, else in the source tree."""
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         if prefix and (found := Path(prefix) / IN_SHARE).is_dir():
             return found

@@ -1,7 +1,7 @@
-"""Keep an interaction model in one file: the law, its zone, the gains, what it was fitted on and how well.
+"""Model files: an interaction model with its zone, gains, training flights and scores.
 
-A `.q2q` file is JSON, readable by eye, and holds data only: its `type` entries choose among the classes named
-here, nothing in it is run. A SHA-256 checksum of the rest finds a file that was cut, edited or damaged.
+A `.q2q` file is JSON and holds data only: its `type` entries choose among the classes named here, and nothing
+in it is executed. A SHA-256 checksum over the other entries detects a truncated, edited or damaged file.
 
     {"format": "q2q-model", "version": 2, "checksum": "...",
      "model": {"type": "jet", "parameters": {...}},
@@ -29,7 +29,7 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 FORMAT, VERSION = "q2q-model", 2
 READABLE = (1, VERSION)
-"""Version 1 has no std_floor of a jet: it is the default, 0."""
+"""Version 1 lacks a jet's std_floor, which is then 0."""
 
 MODELS: Mapping[str, type[NoInteraction | Jet | EnvelopeNetwork]] = {
     "none": NoInteraction,
@@ -38,7 +38,7 @@ MODELS: Mapping[str, type[NoInteraction | Jet | EnvelopeNetwork]] = {
 }
 ZONES: Mapping[str, type[Cylinder | Ellipsoid]] = {"cylinder": Cylinder, "ellipsoid": Ellipsoid}
 LEVEL_SET = "level_set"
-"""A zone kept by its threshold alone: its table is made again from the model."""
+"""Type of a zone stored by its threshold alone; its table is computed from the model."""
 
 T = TypeVar("T")
 
@@ -53,7 +53,7 @@ class RoleScores:
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """Flights a model was fitted on and its scores."""
+    """Training flights and scores of a model."""
 
     method: str
     flights: tuple[str, ...]
@@ -78,16 +78,16 @@ def save(path: Path, content: ModelFile) -> None:
     """Write a model file.
 
     Raises:
-        ModelFileError: a number is not finite, or the model or zone is of a kind files do not know.
+        ModelFileError: a number is not finite, or the class of the model or zone is not supported.
     """
     path.write_text(encode(content), encoding="utf-8")
 
 
 def load(path: Path) -> ModelFile:
-    """Read a model file.
+    """Return the contents of a model file.
 
     Raises:
-        ModelFileError: it cannot be read, is no model file, is damaged, or holds a value out of bounds.
+        ModelFileError: it cannot be read, is no model file, is damaged, or has a value out of bounds.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -116,7 +116,7 @@ def encode(content: ModelFile) -> str:
 
 
 def decode(text: str) -> ModelFile:
-    """Return what a file's text says; raise ModelFileError saying what is wrong with it."""
+    """Return the contents of a file's text; raise ModelFileError if it is not valid."""
     body = _checked_body(text)
     try:
         model = from_plain(*_tagged(body["model"], MODELS, "model"))
@@ -133,7 +133,7 @@ def decode(text: str) -> ModelFile:
 
 
 def _checked_body(text: str) -> dict[str, Plain]:
-    """Return the entries but the checksum, once format, version and checksum are right."""
+    """Return the entries without the checksum, after checking format, version and checksum."""
     try:
         body = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -163,7 +163,7 @@ def _tag(value: object, known: Mapping[str, type], path: str) -> Plain:
 
 
 def _tagged(plain: Plain, known: Mapping[str, type[T]], path: str) -> tuple[type[T], Plain, str]:
-    """Return the class an entry names, its parameters and their path."""
+    """Return the class that an entry names, its parameters and their path."""
     if not isinstance(plain, dict) or not isinstance(name := plain.get("type"), str) or name not in known:
         shown = plain.get("type") if isinstance(plain, dict) else plain
         raise ModelFileError(f"{path}.type is {shown!r}: choose one of {', '.join(known)}")

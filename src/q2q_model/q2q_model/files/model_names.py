@@ -1,25 +1,25 @@
-"""Find the file of an interaction model by its name, without reading it."""
+"""Lookup of an interaction model's file by name, without reading it."""
 
 from pathlib import Path
 
 SUFFIX = ".q2q"
 NONE = "none"
-"""The model without a file: no downwash."""
+"""Name of the model without downwash, which has no file."""
 
 
 class ModelFileError(ValueError):
-    """Error for a model file that cannot be used."""
+    """Error for a model file that does not exist or is not valid."""
 
 
 def model_path(name: str, shipped: Path) -> Path | None:
-    """Return the file of the model called `name`: a shipped one's name, or a path; None for "none".
+    """Return the file of a model, given by the name of a shipped one or by its path; None for "none".
 
     Args:
-        name: what the user gave.
-        shipped: folder of the shipped files, share/q2q_model/config where installed.
+        name: name or path.
+        shipped: folder of the shipped files.
 
     Raises:
-        ModelFileError: there is no such model.
+        ModelFileError: the model does not exist.
     """
     if name == NONE:
         return None

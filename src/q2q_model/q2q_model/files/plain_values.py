@@ -1,8 +1,7 @@
-"""Turn frozen dataclasses into plain JSON values and back, checking every value on its way in.
+"""Conversion of frozen dataclasses to plain JSON values and back, with every value checked.
 
-A field may be bool, int, float, str, a numpy array, a tuple of one of these, another dataclass, or any of
-them or None; a mapping can be written, but not read. NaN and infinity have no place in JSON: they are
-refused, not written. Nothing but data is ever read: a field's type decides what is made of it.
+A field may be a bool, int, float, str, NumPy array, a tuple of these, another dataclass, or one of them or
+None; a mapping can be written but not read. NaN and infinity are rejected, because JSON has neither.
 """
 
 import math
@@ -17,7 +16,7 @@ from q2q_model.signals.values import Array
 
 T = TypeVar("T")
 Plain = bool | int | float | str | None | list["Plain"] | dict[str, "Plain"]
-"""What json reads and writes."""
+"""Value that json reads and writes."""
 
 
 class PlainValueError(ValueError):
@@ -25,7 +24,7 @@ class PlainValueError(ValueError):
 
 
 def to_plain(value: object, path: str = "") -> Plain:
-    """Return `value` as JSON values; raise PlainValueError naming a number that is not finite."""
+    """Return `value` as JSON values; raise PlainValueError for a number that is not finite."""
     if is_dataclass(value):
         return {f.name: to_plain(getattr(value, f.name), f"{path}.{f.name}") for f in fields(value)}
     if isinstance(value, np.ndarray):
@@ -42,11 +41,11 @@ def to_plain(value: object, path: str = "") -> Plain:
 
 
 def from_plain(cls: type[T], plain: Plain, path: str) -> T:
-    """Return a `cls` made of `plain`; raise PlainValueError naming the value that does not fit.
+    """Return a `cls` made of `plain`; raise PlainValueError for a value that does not fit its field.
 
     Args:
         cls: a dataclass.
-        plain: what json read.
+        plain: JSON value.
         path: name of `plain` in messages.
     """
     if not isinstance(plain, dict):

@@ -1,7 +1,6 @@
-"""Hold a recorded flight as arrays over time: what identification, metrics and reports read.
+"""A recorded flight as arrays over time.
 
-T ticks, n vehicles. What a flight does not have is NaN. Frames and units are those of
-q2q_model.signals.values.
+T ticks, n vehicles; NaN where nothing was recorded. Frames and units are those of q2q_model.signals.values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +22,7 @@ class Flight:
     t: Array
     """Capture stamps [s], rising, (T,)."""
     mocap_pos: Array
-    """What motion capture saw [m], (T, n, 3); NaN where a vehicle was not in the frame."""
+    """Motion capture position [m], (T, n, 3); NaN where a vehicle was not in the frame."""
     mocap_quat: Array
     """(T, n, 4)"""
     pos: Array
@@ -45,11 +44,11 @@ class Flight:
     ref_acc: Array
     """Planned acceleration [m/s^2], (T, n, 3)."""
     safe_pos: Array
-    """Position the controller was given [m], (T, n, 3): replanned where a replanner ran."""
+    """Position setpoint of the controller [m], (T, n, 3); replanned where a replanner ran."""
     safe_vel: Array
-    """Velocity the controller was given [m/s], (T, n, 3)."""
+    """Velocity setpoint of the controller [m/s], (T, n, 3)."""
     safe_acc: Array
-    """Acceleration the controller was given [m/s^2], (T, n, 3)."""
+    """Acceleration setpoint of the controller [m/s^2], (T, n, 3)."""
     eta: Array
     """Predicted downwash acceleration [m/s^2], (T, n, 3)."""
     thrust: Array
@@ -59,11 +58,11 @@ class Flight:
     pitch: Array
     """Commanded theta [rad], (T, n)."""
     command_status: Array
-    """CommandStatus as float, (T, n); NaN where no command."""
+    """CommandStatus as float, (T, n); NaN without a command."""
     specific_force_body: Array
-    """What the accelerometer read [m/s^2], body, (T, n, 3)."""
+    """Accelerometer [m/s^2], body, (T, n, 3)."""
     gyro_body: Array
-    """What the gyroscope read [rad/s], body, (T, n, 3)."""
+    """Gyroscope [rad/s], body, (T, n, 3)."""
 
 
 FLIGHT_FIELDS: dict[str, dict[str, str]] = {
@@ -77,7 +76,7 @@ FLIGHT_FIELDS: dict[str, dict[str, str]] = {
     "command": {"thrust": "thrust", "roll": "roll", "pitch": "pitch", "status": "command_status"},
     "imu": {"specific_force_body": "specific_force_body", "ang_vel_body": "gyro_body"},
 }
-"""Topic -> attribute of its signal -> field of Flight. The first topic that a flight has gives its ticks."""
+"""Topic -> attribute of its signal -> field of Flight. The first topic present defines the ticks."""
 
 _WIDTHS = {
     field: column.width
@@ -91,27 +90,27 @@ _WIDTHS = {
 
 @dataclass(frozen=True, slots=True)
 class JoinedFlight:
-    """Flight joined from signals, and the corrections that joining took."""
+    """Flight joined from signals, and the corrections made."""
 
     flight: Flight
     repairs: tuple[str, ...]
 
 
 def flight_from_signals(name: str, signals: Mapping[str, Sequence[Signal]]) -> JoinedFlight:
-    """Join signals by their stamps into a flight; see `flight_from_rows`."""
+    """Return a flight of signals joined by their stamps; see `flight_from_rows`."""
     return flight_from_rows(name, {topic: rows_of_signals(found) for topic, found in signals.items()})
 
 
 def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> JoinedFlight:
-    """Join signals by their stamps into a flight.
+    """Return a flight of signals joined by their stamps.
 
     Args:
-        name: The flight's name.
-        signals: For each topic of FLIGHT_FIELDS its signals, in any order. The stamps of the first topic
-            that has any (mocap before all) are the ticks.
+        name: name of the flight.
+        signals: topic of FLIGHT_FIELDS -> its signals, in any order. The stamps of the first topic with
+            signals (mocap first) are the ticks.
 
     Raises:
-        ValueError: no signal at all, or a topic none of whose stamps is a tick: the clocks are mixed.
+        ValueError: there is no signal, or no stamp of a topic is a tick: the clocks are mixed.
     """
     present = {topic: signals[topic] for topic in FLIGHT_FIELDS if signals.get(topic)}
     if not present:
@@ -134,15 +133,14 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
 
 
 _NAMING = ("truth", "reference", "state", "command", "reference_safe", "interference", "imu", "mocap")
-"""Where vehicle names are looked for first: topics that always carry the whole swarm, in its order."""
-
+"""Topics in the order in which vehicle names are taken from them; those with the whole swarm first."""
 
 GOES_ON = "command"
-"""A live controller commands on by its own clock when no tick comes any more: no defect of a recording."""
+"""Topic that may outlast the ticks: a live controller publishes by its own clock."""
 
 
 def _names_in(found: Sequence[SignalRows]) -> dict[str, None]:
-    """Return the vehicles in the order in which the recording names them."""
+    """Return the vehicles in the order of the recording."""
     groups = sorted(found, key=lambda rows: int(rows.place[0]))
     return dict.fromkeys(vehicle for rows in groups for vehicle in rows.names)
 

@@ -1,4 +1,4 @@
-"""Hold what else a recorded flight tells: columns of numbers under the names of their source."""
+"""Additional columns of a recorded flight, under the names of their source."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class FlightLog:
     """(T, n, K), in `units`; NaN where missing."""
 
     def column(self, name: str) -> Array:
-        """Return one column, (T, n); raise KeyError naming those there are."""
+        """Return one column, (T, n); raise KeyError for an unknown one."""
         if name not in self.columns:
             raise KeyError(f"the flight's log has no column {name!r}; it has {', '.join(self.columns)}")
         return self.values[:, :, self.columns.index(name)]

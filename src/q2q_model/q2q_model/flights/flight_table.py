@@ -1,6 +1,6 @@
-"""Turn a table of a real flight into the signals of a flight.
+"""Conversion of a table of a real flight into signals.
 
-Two layouts are known, both in SI units, one row a tick:
+Two layouts are supported, both in SI units with one row per tick:
 
 | layout | columns | vehicles |
 |---|---|---|
@@ -9,11 +9,11 @@ Two layouts are known, both in SI units, one row a tick:
 
 | columns | become |
 |---|---|
-| x y z, qx qy qz qw | mocap; not where `gap` is set: those values are lines drawn over a hole |
+| x y z, qx qy qz qw | mocap; not where `gap` is set: those values are interpolated |
 | vx vy vz, wp wq wr (with the above) | state, as estimated onboard; COASTING in a gap |
-| xref yref zref, vxref vyref vzref, yawref_deg | reference; what is not logged by differences |
+| xref yref zref, vxref vyref vzref, yawref_deg | reference; missing derivatives by finite differences |
 | thrust_cmd | command; roll, pitch and yaw rate are not logged: NaN |
-| ax ay az, wp wq wr | imu: R(q)^T (a + g e_z), as az has gravity taken off |
+| ax ay az, wp wq wr | imu: R(q)^T (a + g e_z), because az excludes gravity |
 | all others | the log, under their own names |
 """
 
@@ -43,7 +43,7 @@ LONE_VEHICLE = "cf1"
 POS, QUAT, VEL, RATE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("vx", "vy", "vz"), ("wp", "wq", "wr")
 REF, REF_VEL, ACC = ("xref", "yref", "zref"), ("vxref", "vyref", "vzref"), ("ax", "ay", "az")
 CARRIED = {*POS, *QUAT, *VEL, *RATE, *REF, *REF_VEL, *ACC, "thrust_cmd", "yawref_deg", "roll", "pitch", "yaw"}
-"""Columns that the signals carry; roll, pitch and yaw repeat the quaternion."""
+"""Columns contained in the signals; roll, pitch and yaw repeat the quaternion."""
 UNITS = {
     "vbat": "V",
     "fa_ff": "N",
@@ -63,10 +63,10 @@ class FlightTable:
     """[s], rising, (T,)."""
     names: Names
     columns: Mapping[str, Array]
-    """Column name without vehicle -> values, (T, n); NaN where one vehicle lacks it."""
+    """Column name without vehicle -> values, (T, n); NaN where a vehicle lacks it."""
 
     def has(self, names: tuple[str, ...]) -> bool:
-        """Return whether all these columns are there."""
+        """Return whether all these columns exist."""
         return all(name in self.columns for name in names)
 
     def vectors(self, names: tuple[str, ...]) -> Array:
@@ -75,17 +75,17 @@ class FlightTable:
 
     @property
     def gap(self) -> Mask:
-        """Return where rows are lines over a hole, (T, n)."""
+        """Return the rows that are interpolated, (T, n)."""
         if "gap" in self.columns:
             return np.asarray(self.columns["gap"] > 0.0)
         return np.zeros((len(self.t), len(self.names)), dtype=bool)
 
 
 def flight_table(columns: Mapping[str, Array]) -> FlightTable:
-    """Check and sort a table's columns.
+    """Return a table's columns sorted by vehicle.
 
-    Raises ValueError for a table without t or positions, or a time that is negative, no number or does not
-    rise.
+    Raises ValueError for a table without t or positions, or a time that is negative, not a number or not
+    increasing.
     """
     if "t" not in columns:
         raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
@@ -111,7 +111,7 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
 
 
 def signals_of(table: FlightTable) -> dict[str, Iterator[Signal]]:
-    """Return topic -> one signal a tick, for every topic that the table can fill."""
+    """Return topic -> one signal per tick, for every topic that the table contains."""
     made: dict[str, Iterator[Signal]] = {"/mocap": _mocap(table)}
     if table.has((*QUAT, *VEL, *RATE)):
         made["/state"] = _state(table)
@@ -125,7 +125,7 @@ def signals_of(table: FlightTable) -> dict[str, Iterator[Signal]]:
 
 
 def log_of(table: FlightTable) -> FlightLog:
-    """Return the columns that no signal carries."""
+    """Return the columns that no signal contains."""
     rest = tuple(name for name in table.columns if name not in CARRIED)
     shape = (len(table.t), len(table.names), 0)
     values = table.vectors(rest) if rest else np.zeros(shape)
@@ -133,7 +133,7 @@ def log_of(table: FlightTable) -> FlightLog:
 
 
 def stamp(t: float) -> float:
-    """Return a time as the float that its stamp in nanoseconds gives back [s]."""
+    """Return a time [s] rounded to nanoseconds, as its stamp in a message."""
     return round(t * 1e9) * 1e-9
 
 

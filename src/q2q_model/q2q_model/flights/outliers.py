@@ -1,21 +1,21 @@
-"""Find the samples of a recorded track that are no flight, and mend them by interpolation.
+"""Detection of outliers in a recorded track, and their repair by interpolation.
 
 Source: the paper, section 2.2: "positions and velocities greater than a threshold determined empirically
 were considered outliers ... replaced by interpolating neighboring points". The causal filter
-(q2q_model.estimation.mocap_filter) uses the same thresholds; this batch rule also knows the future.
+(q2q_model.estimation.mocap_filter) uses the same thresholds; this batch rule also uses later samples.
 
 Sample k at r_k is an outlier when one of these holds:
 
-    room       max |r_k| > pos_max, or r_k is not a number (a gap: found, never a neighbour)
-    repeat     r_k is r_(k-1) to the last digit, though the vehicle was moving, and the run of such samples
-               ends in a forbidden step: old frames under new stamps
-    velocity   r_k is not on the chain: the subset of samples in which every two successive ones i, j
-               obey |r_j - r_i| <= jump_max + speed_max (t_j - t_i), chosen to keep the most samples
+    room       max |r_k| > pos_max, or r_k is not a number (a gap)
+    repeat     r_k equals r_(k-1) to the last digit while the vehicle was moving, and the run of such samples
+               ends in a forbidden step: stale frames with new stamps
+    velocity   r_k is not on the chain: the largest subset of samples whose successive members i, j
+               satisfy |r_j - r_i| <= jump_max + speed_max (t_j - t_i)
     position   |r_k - median of the chain's samples k-w .. k+w| > jump_max
 
-The chain is found over segments (runs without a forbidden step or a hole) by dynamic programming; leaving one
-segment for another that cannot be reached costs `teleport` samples, so that a vehicle carried elsewhere
-is believed when it stays there for longer, while a marker swap of a few tenths of a second is not.
+Dynamic programming finds the chain over segments (runs without a forbidden step or a gap). A transition to a
+segment out of reach costs TELEPORT_SAMPLES samples: a vehicle that was carried elsewhere and stays there is
+accepted, a marker swap of a few tenths of a second is not.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -36,16 +36,16 @@ Mask = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
 MEDIAN_REACH = 5
-"""Half width of the median [samples]: it outvotes bursts of up to 5 samples, 50 ms at 100 Hz."""
+"""Half width of the median [samples]: robust to bursts of up to 5 samples, 50 ms at 100 Hz."""
 TELEPORT_SAMPLES = 200
-"""What a jump to an unreachable place must bring to be believed [samples]: 2 s at 100 Hz."""
+"""Length from which a segment out of reach is accepted [samples]: 2 s at 100 Hz."""
 REPEAT_STEP = 0.002
-"""A pose repeated to the last digit is old where the vehicle should have moved by more [m]: more than the
-rounding of logs in millimetres, and what a hover within a tick does not reach."""
+"""Step above which a vehicle counts as moving [m]: above the rounding of logs in millimetres, and more than a
+hover moves within a tick."""
 GAP = 1.5
-"""A step longer than this many median steps is a hole; what lies behind it is a segment of its own."""
+"""Time step from which there is a gap, and a new segment begins [median steps]."""
 SEGMENTS_BACK = 200
-"""How many segments the chain looks back; more breaks than that within one outlier burst is no track."""
+"""Number of earlier segments that the chain considers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,21 +55,20 @@ class OutlierThresholds:
     pos_max: float = tunable(
         50.0, "largest believable |x|, |y|, |z|: no flight room is larger", unit="m", low=0.1
     )
-    # stacked Crazyflies in data of real flights: at most 2.6 m/s, and 2.5 m/s^2 above 9.81 in downwash
+    # Crazyflies above each other on real flights: at most 2.6 m/s, and 2.5 m/s^2 above 9.81 in downwash
     speed_max: float = tunable(4.0, "largest believable speed of a vehicle", unit="m/s", low=0.1, high=100.0)
-    # real flights deviate from straight motion by at most 26 mm within 20 ms (after a hole of a log)
+    # real flights deviate from straight motion by at most 26 mm within 20 ms (after a gap of a log)
     jump_max: float = tunable(0.04, "largest believable deviation from motion", unit="m", low=1e-4, high=10.0)
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
 def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = None) -> Mask:
     """Return which samples are outliers or missing, (T, ...), of tracks pos [m] (T, ..., 3) at t [s] (T,).
 
-    `t` rises. NaN samples count as outliers: whoever repairs must fill them. Raises ValueError for a
-    time that does not rise.
+    NaN samples count as outliers, for `repair` to fill. Raises ValueError for a time that does not increase.
     """
     limits = thresholds or OutlierThresholds()
     if np.any(~(np.diff(t) > 0.0)):
@@ -81,10 +80,10 @@ def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = N
 
 
 def repair(t: Array, values: Array, bad: Mask) -> Array:
-    """Return `values` (T, ..., c) with rows where `bad` (T, ...) put on lines between good ones.
+    """Return `values` (T, ..., c) with rows where `bad` (T, ...) interpolated between good ones.
 
-    Before the first and after the last good row the nearest good one is held; a track without any good
-    row stays NaN, for nothing is known of it.
+    Rows before the first and after the last good row take the nearest good one; a track without any good
+    row is NaN.
     """
     flat = values.reshape(len(t), -1, values.shape[-1]).copy()
     marks = bad.reshape(len(t), -1)
@@ -145,7 +144,7 @@ def _walk_back(parent: Rows, best: Array, segments: tuple[Rows, Rows]) -> Mask:
 
 
 def _old_frames(t: Array, pos: Array, limits: OutlierThresholds) -> Mask:
-    """Return which samples repeat, to the last digit, one taken in motion, until the track jumps."""
+    """Return the samples of runs that repeat a pose exactly, begin in motion and end in a forbidden step."""
     step = np.linalg.norm(np.diff(pos, axis=0), axis=-1)
     same = np.append([False], step == 0.0)[: len(t)]
     run = np.cumsum(~same)

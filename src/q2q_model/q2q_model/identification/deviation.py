@@ -1,17 +1,17 @@
-"""Measure how far vehicles leave their altitude when one is above the other, and read d from it (3.1).
+"""Altitude deviation of vehicles flying above each other, and the zone height d derived from it (3.1).
 
     dev = mean over T_eps of |z_1,ref - z_1| + |z_2,ref - z_2|,    T_eps = { t : dxy(t) <= eps, steady }
     dev(dz_av) = alpha exp(-beta |dz_av|),   d: where that has fallen to `allowed`
 
-Readings. The sum is over both absolute values. Each vehicle's median deviation in clear air is taken off
-first: on real flights it is 15-40 mm and would be a floor. Intervals come from drawing whole flights anew
-(Efron, Tibshirani, An introduction to the bootstrap, 1993). dev measures the time of overlap more than the
-distance, so d is a rough number: beside it stands the zone as a threshold on the learned downwash.
+Interpretation: the sum is over both absolute values. Each vehicle's median deviation in clear air, 15 to 40
+mm on real flights, is subtracted first. Intervals come from a bootstrap over flights (Efron, Tibshirani, An
+introduction to the bootstrap, 1993). dev depends on the time of overlap more than on distance, so d is a
+rough value; the level set of the learned downwash is the alternative.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | eps | eps | horizontal distance that counts as overlap [m] |
-| alpha, beta | alpha, beta | dev at dz = 0 [m] and its rate of fall [1/m] |
+| alpha, beta | alpha, beta | dev at dz = 0 [m] and its decay rate [1/m] |
 | d | d | half height of the zone [m] |
 """
 
@@ -27,27 +27,27 @@ from q2q_model.signals.values import Array
 DRAWS = 500
 """Bootstrap draws: ends of a 95 % interval to a few percent of its width."""
 FEWEST = 5
-"""Rows of overlap that make a mean: 50 ms at 100 Hz."""
+"""Fewest rows of overlap for a mean: 50 ms at 100 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
 class DeviationParams:
-    """Hold what section 3.1 chose."""
+    """Choices of section 3.1."""
 
     eps: float = 0.1
-    """[m]; the discs of two Crazyflies (92 mm) do not overlap beyond."""
+    """Horizontal distance [m]; beyond it the discs of two Crazyflies (92 mm) do not overlap."""
     steady: float = 15.0
-    """Time from which a flight counts [s]; section 3.1."""
+    """Initial time that is ignored [s]; section 3.1."""
     clear: float = 0.5
-    """Horizontal distance beyond which a vehicle flies in clear air [m]."""
+    """Horizontal distance beyond which a vehicle is in clear air [m]."""
     allowed: float = 0.02
-    """Deviation that controllers may be left with [m]: a fifth of eps."""
+    """Acceptable deviation [m]: a fifth of eps."""
     seed: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class Overlap:
-    """Hold one flight's mean over its overlap."""
+    """Mean deviation of one flight during overlap."""
 
     flight: str
     gap: float
@@ -59,14 +59,14 @@ class Overlap:
 
 @dataclass(frozen=True, slots=True)
 class DecayFit:
-    """Hold the fitted decay and the half height it gives."""
+    """Fitted decay and the resulting half height."""
 
     overlaps: tuple[Overlap, ...]
     alpha: Interval
     beta: Interval
     d: Interval
     extrapolated: bool
-    """d lies beyond the largest gap that was flown."""
+    """Whether d is beyond the largest gap flown."""
 
 
 def overlap_of(record: AltitudeRecord, params: DeviationParams) -> Overlap | None:
@@ -92,7 +92,7 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
     """Return the decay of dev with the gap, and d.
 
     Raises:
-        ValueError: fewer than two flights have vehicles above each other.
+        ValueError: fewer than two flights have overlap.
     """
     given = params or DeviationParams()
     overlaps = tuple(o for record in records if (o := overlap_of(record, given)) is not None)
@@ -116,13 +116,13 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
 
 
 RATES = np.linspace(-2.0, 10.0, 601)
-"""beta that are tried [1/m]; a finer step would not show within any interval."""
+"""Grid of beta [1/m], much finer than any confidence interval."""
 FARTHEST = 10.0
-"""d of a deviation that does not fall [m]: more than any flight room is high."""
+"""d of a deviation that does not decay [m]: above the height of any flight room."""
 
 
 def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, float]:
-    """Return alpha, beta and d of the best alpha exp(-beta gap); alpha is linear, beta is searched."""
+    """Return alpha, beta and d of the least-squares fit alpha exp(-beta gap), over a grid of beta."""
     shape = np.exp(-RATES[:, None] * gaps)
     alphas = (shape @ devs) / (shape * shape).sum(axis=1)
     best = int(np.argmin(((alphas[:, None] * shape - devs) ** 2).sum(axis=1)))
@@ -134,7 +134,7 @@ def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, floa
 
 
 def _clear_bias(record: AltitudeRecord, clear: float) -> Array:
-    """Return every vehicle's median deviation in clear air [m], (n,); 0 where it has none."""
+    """Return every vehicle's median deviation in clear air [m], (n,); 0 if it has too few rows there."""
     n = len(record.names)
     bias = np.zeros(n)
     for i in range(n):

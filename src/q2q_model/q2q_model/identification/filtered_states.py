@@ -1,7 +1,7 @@
-"""Filter a recorded flight's motion capture as its nodes did, where their states were not recorded.
+"""Filtered states of a flight recorded without them, from its motion capture.
 
-The filter is causal and knows nothing but the frames, so this gives again what the controller saw, to the
-last bit where its parameters are the same.
+The online filter is causal and depends on the frames alone, so with the same parameters it gives the states
+that the controller used, to the last bit.
 """
 
 from dataclasses import replace
@@ -15,7 +15,7 @@ from q2q_model.signals.values import MocapFrame, SwarmState, TrackStatus
 
 
 def with_states(flight: Flight, params: MocapFilterParams | None = None) -> Flight:
-    """Return the flight with filtered positions, velocities and attitudes; as it is where it has some.
+    """Return the flight with filtered positions, velocities and attitudes, unchanged if it has any.
 
     A vehicle that the filter has lost is NaN.
     """

@@ -1,4 +1,4 @@
-"""Hold what one flight tells about downwash, and say who is the lower and who the upper vehicle in it."""
+"""Evidence of one flight about downwash, and the roles of its vehicles."""
 
 from dataclasses import dataclass
 
@@ -9,18 +9,17 @@ from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 
 NEAR = 0.5
-"""Horizontal distance at which a vehicle is taken to be over or under another [m]."""
-
+"""Horizontal distance within which a vehicle counts as above or below another [m]."""
 
 UNDER = 0.15
-"""Horizontal distance within which downwash is felt; the scoring rule's (downwash_force) [m]."""
+"""Horizontal distance of exposed rows in the scoring rule (downwash_force) [m]."""
 GAPS = (0.1, 1.2)
-"""Height differences of the scoring rule [m]."""
+"""Height differences of exposed rows in the scoring rule [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightEvidence:
-    """Evidence of one flight: altitudes always, forces where sensors and commands were recorded."""
+    """Evidence of one flight: altitudes, and forces if sensors and commands were recorded."""
 
     record: AltitudeRecord
     pushes: tuple[ForceSamples, ...]
@@ -37,14 +36,14 @@ class FlightEvidence:
 
 
 def shows_downwash(record: AltitudeRecord) -> bool:
-    """Return whether some vehicle ever flies under another, so that downwash can be seen at all."""
+    """Return whether any vehicle flies under another."""
     rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
     gap = np.abs(rel[..., 2])
     return bool(((np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0]) & (gap < GAPS[1])).any())
 
 
 def is_lower(record: AltitudeRecord) -> list[bool]:
-    """Return for each vehicle whether it flies mostly below its neighbours when one is near, (n,)."""
+    """Return for each vehicle whether it is on average below its near neighbours, (n,)."""
     below = []
     for i in range(len(record.names)):
         others = [j for j in range(len(record.names)) if j != i]

@@ -1,4 +1,4 @@
-"""Go from recorded flights to gains, zone and interaction model: sections 2.2 to 3.2 in order.
+"""Identification procedure, from recorded flights to gains, zone and model: sections 2.2 to 3.2 in order.
 
 flights -> repaired records -> gains (12)-(13) -> thrust lag -> dev, alpha, beta, d -> candidates for eta
 -> held-out errors -> the model, fitted on all flights -> its zone |eta| >= threshold
@@ -46,12 +46,12 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 Tell = Callable[[str], None]
 
 FEED_FORWARD = "fa_ff"
-"""Column of a log with the force that the controller took off [N]."""
+"""Log column of the downwash force that the controller compensated [N]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """One flight as read from a bag."""
+    """Flight read from a bag, with its log."""
 
     flight: Flight
     log: FlightLog | None = None
@@ -59,7 +59,7 @@ class Recording:
 
 @dataclass(frozen=True, slots=True)
 class ProcedureParams:
-    """Choices of the user."""
+    """Parameters of the identification procedure."""
 
     model_type: str = "auto"
     threshold: float = 0.1
@@ -79,19 +79,19 @@ class Identification:
     train: Score
     held_out: Score
     spread: tuple[tuple[str, Interval], ...]
-    """Intervals of the model's parameters; none but for a jet."""
+    """Intervals of the model's parameters; empty unless it is a jet."""
     loading: Interval | None
-    """None where nobody flew under a vehicle that was itself under another."""
+    """None if no vehicle flew under one that was itself under another."""
     zone: LevelSet | None
     file: ModelFile
     remarks: tuple[str, ...]
 
 
 def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tell) -> Identification:
-    """Return gains, zone and model of flights; `tell` is given the name of each step as it begins.
+    """Return gains, zone and model of flights; `tell` is called with the name of each step at its start.
 
     Raises:
-        ValueError: the flights lack what a step needs; the message says which flight and what to record.
+        ValueError: a flight lacks data that a step needs; the message says what to record.
     """
     tell("records")
     records = [recorded_altitudes(one, params.vehicle) for one in recordings]
@@ -134,7 +134,7 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
 
 
 def recorded_altitudes(one: Recording, vehicle: Vehicle) -> AltitudeRecord:
-    """Return a flight's record; what its log says the controller took off counts as told."""
+    """Return a flight's record, with the feed-forward of its log if that has one."""
     record = altitude_record(one.flight, vehicle)
     if one.log is None or FEED_FORWARD not in one.log.columns:
         return record
@@ -143,7 +143,7 @@ def recorded_altitudes(one: Recording, vehicle: Vehicle) -> AltitudeRecord:
 
 
 def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:
-    """Return a flight's measured pushes, from its log or its sensors; None where it has neither."""
+    """Return a flight's measured force, from its log or its sensors; None if it has neither."""
     if one.log is not None and is_force_log(one.log):
         return push_of_log(one.flight.name, one.log, motion_of(one.flight))
     return push_of_sensors(one.flight, vehicle, lag)

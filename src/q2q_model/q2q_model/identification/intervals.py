@@ -1,4 +1,4 @@
-"""Confidence intervals of M-estimates whose residuals err together in clusters.
+"""Confidence intervals of M-estimates with residuals correlated in clusters.
 
 An estimate that minimises sum rho(r_i) with psi = rho' solves sum psi_i J_i = 0. With
 
@@ -8,15 +8,15 @@ the sandwich covariance of the estimate is, with B = L L',
 
     V = sum over g of d_g d_g',   d_g = L'^-1 (I - C_g)^-1/2 L^-1 s_g,   C_g = L^-1 B_g L'^-1
 
-where the root frees each cluster's score from its own leverage: V is unbiased where residuals are alike and
-psi' is 1 (CR2: Bell, McCaffrey, Bias reduction in standard errors for linear regression with multi-stage
+where the root corrects each cluster's score for its own leverage: V is unbiased for homoscedastic residuals
+and psi' = 1 (CR2: Bell, McCaffrey, Bias reduction in standard errors for linear regression with multi-stage
 samples, 2002). Intervals take Student's t with
 
-    nu = (sum a_g)^2 / sum a_g^2 - 1,   a_g = the parameter's variance that g causes if residuals were alike
+    nu = (sum a_g)^2 / sum a_g^2 - 1,   a_g = share of cluster g in the variance for homoscedastic residuals
 
-degrees of freedom (Satterthwaite 1946): fewer where clusters are few, or one holds most of the information.
-Clusters are flights where there are `MANY`, else stretches of time `LONG` times longer than the residuals'
-correlation (Cameron, Miller, A practitioner's guide to cluster-robust inference, 2015).
+degrees of freedom (Satterthwaite 1946): fewer if clusters are few or one has most of the information.
+Clusters are flights if there are at least `MANY`, else stretches of time `LONG` times the residuals'
+correlation time (Cameron, Miller, A practitioner's guide to cluster-robust inference, 2015).
 """
 
 from collections.abc import Sequence
@@ -28,15 +28,15 @@ from scipy.special import stdtrit
 from q2q_model.signals.values import Array
 
 LEVEL = 0.95
-"""Share of cases in which an interval holds the truth [-]."""
+"""Confidence level [-]."""
 MANY = 12
-"""Flights from which on they are the clusters: t with 11 degrees of freedom is 12 % wider than a normal."""
+"""Fewest flights that serve as clusters: t with 11 degrees of freedom is 12 % wider than a normal."""
 LONG = 10.0
-"""Length of a stretch over the correlation time [-]: what hangs together across its ends is a tenth."""
+"""Length of a cluster over the correlation time [-]: a tenth of it correlates across its ends."""
 RIDGE = 1e-12
-"""Least share of what is known that other clusters hold: below it the interval is endless [-]."""
+"""Least share of the information in other clusters [-]; below it the interval is unbounded."""
 UNKNOWN = 1e9
-"""Half width of an interval without information, in units of the parameter."""
+"""Half width of an unbounded interval, in units of the parameter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,49 +49,49 @@ class Interval:
 
     @property
     def is_positive(self) -> bool:
-        """Return whether a value of zero or below is excluded: a gain that may be 0 is not identified."""
+        """Return whether the interval excludes zero; otherwise a gain is not identified."""
         return self.low > 0.0
 
     def as_list(self) -> list[float]:
-        """Return [value, low, high], as the JSON of `identify` has it."""
+        """Return [value, low, high], as in the JSON of `identify`."""
         return [self.value, self.low, self.high]
 
 
 @dataclass(frozen=True, slots=True)
 class EstimatingRows:
-    """Rows of an M-estimate at its solution."""
+    """Estimating equations of an M-estimate at its solution, one row per residual."""
 
     jacobian: Array
-    """Derivative of the residual by the parameters, (m, p)."""
+    """Derivative of the residual with respect to the parameters, (m, p)."""
     psi: Array
-    """Derivative of the loss by the residual, (m,); the residual itself for least squares."""
+    """Derivative of the loss with respect to the residual, (m,); the residual for least squares."""
     slope: Array
     """psi', (m,); ones for least squares."""
     cluster: Array
-    """Number of the cluster of each row, (m,)."""
+    """Cluster number of each row, (m,)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Residuals of one vehicle of one flight, in the order of time."""
+    """Residuals of one vehicle of one flight, in order of time."""
 
     flight: int
     t: Array
-    """[s], rising, (k,); may have holes."""
+    """[s], ascending, (k,); may have gaps."""
     residual: Array
 
 
 def least_squares_rows(jacobian: Array, residual: Array, cluster: Array) -> EstimatingRows:
-    """Return the rows of a plain least-squares fit."""
+    """Return the rows of an unweighted least-squares fit."""
     return EstimatingRows(jacobian, residual, np.ones_like(residual), cluster)
 
 
 def clusters(stretches: Sequence[Stretch], shortest: float) -> Array:
-    """Return the cluster of every row, (m,), stretches one after the other.
+    """Return the cluster of every row, (m,), in the order of the stretches.
 
     Args:
         stretches: all residuals of a fit.
-        shortest: least length of a cluster [s] where flights are too few to be clusters.
+        shortest: least length of a cluster [s] if flights are too few to be clusters.
     """
     if len({one.flight for one in stretches}) >= MANY:
         return np.concatenate([np.full(one.t.size, float(one.flight)) for one in stretches])
@@ -100,7 +100,7 @@ def clusters(stretches: Sequence[Stretch], shortest: float) -> Array:
 
 
 def _pieces(t: Array, length: float) -> Array:
-    """Return the number of each row's piece, (k,): runs between holes, cut evenly where two lengths fit."""
+    """Return the number of each row's piece, (k,): runs between gaps, cut evenly into pieces of `length`."""
     begins = np.flatnonzero(np.diff(t, prepend=-np.inf) > length / 2.0)
     run = np.zeros(t.size, dtype=np.intp)
     run[begins] = 1
@@ -114,9 +114,9 @@ def _pieces(t: Array, length: float) -> Array:
 
 
 def correlation_time(stretches: Sequence[Stretch]) -> float:
-    """Return the time over which residuals hang together [s]: the integral of their autocorrelation.
+    """Return the correlation time of residuals [s], the integral of their autocorrelation.
 
-    It ends where the correlation falls below a tenth, or after a quarter of the longest stretch.
+    The integral ends where the correlation falls below a tenth, or after a quarter of the longest stretch.
     """
     dt = min((float(np.median(np.diff(one.t))) for one in stretches if one.t.size > 1), default=0.0)
     if dt <= 0.0:
@@ -127,7 +127,7 @@ def correlation_time(stretches: Sequence[Stretch]) -> float:
     for lag in range(1, longest):
         pairs = sum(float(seen[lag:] @ seen[:-lag]) for _, seen in grids)
         along = sum(float(grid[lag:] @ grid[:-lag]) for grid, _ in grids)
-        if along <= 0.1 * square * pairs:  # residuals of zero, or no pair at this lag, end it too
+        if along <= 0.1 * square * pairs:  # also with zero residuals, or no pair at this lag
             break
         total += dt * along / pairs / square
     return total
@@ -136,7 +136,7 @@ def correlation_time(stretches: Sequence[Stretch]) -> float:
 def intervals(
     value: Array, rows: EstimatingRows, bounds: tuple[Array, Array] | None = None
 ) -> list[Interval]:
-    """Return the 95 % interval of each parameter, cut at its bounds (low, high), (p,), where given."""
+    """Return the 95 % interval of each parameter, clipped to bounds (low, high), (p,)."""
     low, high = bounds or (np.full_like(value, -np.inf), np.full_like(value, np.inf))
     error = half_widths(rows)
     ends = np.clip([value - error, value + error], low, high)
@@ -144,14 +144,14 @@ def intervals(
 
 
 def half_widths(rows: EstimatingRows) -> Array:
-    """Return half the length of each parameter's interval, (p,)."""
+    """Return the half width of each parameter's interval, (p,)."""
     variance, freedom = variances(rows)
     wide = np.sqrt(variance) * stdtrit(freedom, 0.5 + 0.5 * LEVEL)
     return np.asarray(np.where(np.isfinite(wide), np.minimum(wide, UNKNOWN), UNKNOWN))
 
 
 def variances(rows: EstimatingRows) -> tuple[Array, Array]:
-    """Return each parameter's variance and its degrees of freedom, (p,); endless where nothing tells it."""
+    """Return each parameter's variance and its degrees of freedom, (p,); infinite without information."""
     scale = np.sqrt((rows.slope[:, None] * rows.jacobian**2).sum(axis=0))
     known = scale > 0.0
     variance, freedom = np.full(scale.size, np.inf), np.ones(scale.size)
@@ -160,7 +160,7 @@ def variances(rows: EstimatingRows) -> tuple[Array, Array]:
     root = np.linalg.inv(np.linalg.cholesky(bread.sum(axis=0) + RIDGE * eye))  # L^-1
     share, axes = np.linalg.eigh(root @ bread @ root.T)  # of C_g: (G, p), (G, p, p)
     free = axes / np.sqrt(np.maximum(1.0 - share, RIDGE))[:, None] @ np.swapaxes(axes, 1, 2)
-    moved = root.T @ free @ root  # what a unit of score of cluster g does to the estimate, (G, p, p)
+    moved = root.T @ free @ root  # effect of a unit score of cluster g on the estimate, (G, p, p)
     caused = np.einsum("gab,gbc,gac->ga", moved, alike, moved)  # diagonal of moved alike moved'
     step = (moved @ score[..., None])[..., 0]
     variance[known] = (step**2).sum(axis=0) / scale[known] ** 2
@@ -180,7 +180,7 @@ def _sums(rows: EstimatingRows, jacobian: Array) -> tuple[Array, Array, Array]:
 
 
 def _on_grid(one: Stretch, dt: float) -> tuple[Array, Array]:
-    """Return residuals on ticks of dt, zero where there is none, and which ticks have one, (T,)."""
+    """Return residuals on a grid of step dt, zero where missing, and whether each exists, (T,)."""
     tick = np.round((one.t - one.t[0]) / dt).astype(np.intp)
     grid, seen = np.zeros((2, int(tick[-1]) + 1))
     grid[tick], seen[tick] = one.residual, 1.0

@@ -1,21 +1,21 @@
-"""Refine downwash model's gain and the vehicles' offsets while flying.
+"""Online refinement of the downwash model's gain and the vehicles' offsets.
 
     y_i = (R f_body)_z - lagged(U1) b_z / m = g eta_i + b_i + noise
 
-eta is what the model under refinement predicts, g scales all of it, b_i is each vehicle's own constant. It is
-recursive least squares with exponential forgetting, solved exactly from sums (1/e of weight in `memory`):
+eta is the prediction of the model to be refined, g its common scale, b_i a constant of each vehicle.
+Recursive least squares with exponential forgetting (time constant `memory`) is solved exactly from sums:
 
     g = (P + sum_i C_i[eta, y]) / (P + sum_i C_i[eta, eta]),   b_i = mean(y_i) - g mean(eta_i)
 
-C_i are centred sums of vehicle i; P holds g at 1 until flights say more. Both are bounded, so no sensor that
-fails can turn the model around.
+C_i are centred sums of vehicle i; P is a prior for g = 1. g and b_i are bounded, so a failing sensor cannot
+invert the model.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| y | push | vertical acceleration that no rotor explains [m/s^2] |
+| y | push | vertical acceleration not due to thrust [m/s^2] |
 | g | gain | true over predicted downwash [-] |
 | b | offset | constant acceleration of a vehicle [m/s^2], (n,) |
-| P | prior | information that g is 1, as a sum of eta^2 [m^2/s^4] |
+| P | prior | weight of g = 1, as a sum of eta^2 [m^2/s^4] |
 """
 
 from dataclasses import dataclass, replace
@@ -32,24 +32,22 @@ from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 
 WEIGHT, ETA, PUSH, ETA_ETA, ETA_PUSH = range(5)
-"""The sums that are kept for each vehicle."""
+"""Columns of the sums of each vehicle."""
 LONGEST_STEP = 0.1
-"""Time between two ticks beyond which thrust is taken to have settled [s]."""
+"""Time step beyond which thrust is assumed to have settled [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class LiveParams:
     """Rates and bounds of the online refinement."""
 
-    memory: float = tunable(
-        60.0, "time in which old flight counts less by 1/e", unit="s", low=1.0, high=3600.0
-    )
-    prior: float = tunable(10.0, "weight of the gain being 1, as a sum of eta^2", unit="m^2/s^4", low=0.0)
+    memory: float = tunable(60.0, "time constant of forgetting", unit="s", low=1.0, high=3600.0)
+    prior: float = tunable(10.0, "weight of a gain of 1, as a sum of eta^2", unit="m^2/s^4", low=0.0)
     gain_min: float = tunable(0.5, "least gain", low=0.0, high=1.0)
     gain_max: float = tunable(2.0, "largest gain", low=1.0, high=10.0)
-    offset_max: float = tunable(1.0, "largest offset either way", unit="m/s^2", low=0.0, high=5.0)
-    publish_every: float = tunable(1.0, "time between two models", unit="s", low=0.1, high=60.0)
-    change_min: float = tunable(0.01, "change of gain that is worth a new model", low=0.0, high=1.0)
+    offset_max: float = tunable(1.0, "largest magnitude of an offset", unit="m/s^2", low=0.0, high=5.0)
+    publish_every: float = tunable(1.0, "least time between published models", unit="s", low=0.1, high=60.0)
+    change_min: float = tunable(0.01, "least change of the gain for a new model", low=0.0, high=1.0)
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -58,18 +56,18 @@ class LiveParams:
 
 @dataclass(frozen=True, slots=True)
 class LiveEstimate:
-    """Estimate so far."""
+    """Current estimate."""
 
     t: float
     gain: float
     names: Names
     offset: Array
     seen: float
-    """Sum of eta^2 that the gain rests on [m^2/s^4]; compare with the prior."""
+    """Centred sum of eta^2 behind the gain [m^2/s^4], to compare with the prior."""
 
 
 class LiveRefinement:
-    """Sums of a flight for refining a model, which itself stays unchanged."""
+    """Estimator of the gain of a model, which itself is unchanged."""
 
     def __init__(self, model: InteractionModel, vehicle: Vehicle, params: LiveParams | None = None) -> None:
         self.params = params or LiveParams()
@@ -78,7 +76,7 @@ class LiveRefinement:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the flight."""
+        """Clear the sums."""
         self._predictor.reset()
         self._names: Names = ()
         self._sums = np.zeros((0, 5))
@@ -86,7 +84,7 @@ class LiveRefinement:
         self._t = -np.inf
 
     def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> LiveEstimate:
-        """Take in one tick; a stamp that is not later than the last changes nothing."""
+        """Return the estimate after one tick; a stamp not later than the last is ignored."""
         if state.t <= self._t:
             return self._estimate()
         self._follow(state.names)
@@ -105,7 +103,7 @@ class LiveRefinement:
         return scaled(self._predictor.model, self._estimate().gain)
 
     def _follow(self, names: Names) -> None:
-        """Keep what is known of vehicles that change rows or return; begin with new ones."""
+        """Reorder the sums by name; those of new vehicles are zero."""
         if names == self._names:
             return
         rows = index_of(names, self._names)
@@ -115,7 +113,7 @@ class LiveRefinement:
         self._names, self._sums, self._thrust = names, sums, thrust
 
     def _push(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu, dt: float) -> Array:
-        """Return y [m/s^2], (n,); NaN where a sensor or a command is missing."""
+        """Return y [m/s^2], (n,); NaN if a sensor or command is missing."""
         asked = _rows(command.names, state.names, command.thrust)
         keep = np.exp(-dt / self._vehicle.thrust_lag) if self._vehicle.thrust_lag > 0.0 else 0.0
         before = np.where(np.isfinite(self._thrust), self._thrust, asked)
@@ -150,7 +148,7 @@ def _scaled(net: Network, gain: float) -> Network:
 
 
 def _rows(names: Names, among: Names, values: Array) -> Array:
-    """Return the rows of `values` in the order of `among`, NaN where one is missing."""
+    """Return the rows of `values` in the order of `among`; NaN for missing ones."""
     rows = index_of(among, names)
     out = np.full((len(among), *values.shape[1:]), np.nan)
     out[rows >= 0] = values[rows[rows >= 0]]

@@ -1,1 +1,1 @@
-"""Command-line tools of q2q_model: parse, read files, call the pure floor, print, draw."""
+"""Work of the command-line tools: read files, identify or score, print and plot."""

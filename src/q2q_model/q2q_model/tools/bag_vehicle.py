@@ -1,4 +1,4 @@
-"""Find which vehicle flew a bag: the one a user names, else the bag's own, else the default, with a note."""
+"""Vehicle of a bag: the user's choice, else the one in its metadata, else the default."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ class FlownVehicle:
 
     vehicle: Vehicle
     note: str = ""
-    """Where nobody says which it is: which was taken instead."""
+    """Remark if the vehicle is unknown and the default is used."""
 
 
 def flown_vehicle(bag: Path, asked: str = "") -> FlownVehicle:
-    """Return the vehicle of a bag; `asked` takes precedence over what the bag says.
+    """Return the vehicle of a bag; `asked` overrides the bag's metadata.
 
     Raises:
-        ValueError: the asked vehicle, or the one that the bag names, does not exist.
+        ValueError: `asked`, or the vehicle that the bag names, does not exist.
     """
     if asked:
         return FlownVehicle(vehicle_by_name(asked))
@@ -37,9 +37,9 @@ def flown_vehicle(bag: Path, asked: str = "") -> FlownVehicle:
 
 
 def common_vehicle(bags: Sequence[Path], asked: str = "") -> FlownVehicle:
-    """Return the one vehicle of several bags, for a fit to all of them.
+    """Return the common vehicle of several bags.
 
-    Bags that name no vehicle are taken to be of the same one as the others.
+    Bags that name no vehicle are assumed to be of the same vehicle as the others.
 
     Raises:
         ValueError: as `flown_vehicle`, or bags of different vehicles.

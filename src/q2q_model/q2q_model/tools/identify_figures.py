@@ -1,4 +1,4 @@
-"""Draw what identification found, as the paper's Figs 4 to 9."""
+"""Figures of an identification, as the paper's Figs 4 to 9."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ MEASURED, SIMULATED, REFERENCE = "#1f77b4", "#c0392b", "#555555"
 
 
 def draw_all(found: Identification, stem: Path) -> list[Path]:
-    """Draw every figure that the flights allow; return the files, all beginning with `stem`."""
+    """Draw every figure that the flights allow; return the files, whose names begin with `stem`."""
     figures = {} if found.decay is None else {"fig4_dev": _decay_figure(found)}
     loop = found.file.gains
     flight = max(found.evidence, key=_largest_push)
@@ -78,7 +78,7 @@ def _altitude_figure(
 
 
 def _downwash_figure(model: InteractionModel) -> Figure:
-    """Draw eta of the lower and the upper vehicle over where the other is (Figs 8 and 9)."""
+    """Return a map of eta on the lower and the upper vehicle over relative position (Figs 8 and 9)."""
     figure = Figure(figsize=(10.0, 4.2))
     figure.subplots_adjust(left=0.07, right=0.97, top=0.92, bottom=0.13, wspace=0.32)
     across = np.linspace(0.0, 0.4, 81)

@@ -1,4 +1,4 @@
-"""Identify a model from recorded flights, with a bar for the steps, a report and pictures."""
+"""Identification of a model from recorded flights, with progress bar, report and plots."""
 
 import json
 import time
@@ -20,14 +20,14 @@ from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 
 STEPS = 12
-"""Steps of a run with all candidates; the bar is a guide, not a promise."""
+"""Steps of a run with all candidates, for the progress bar."""
 
 
 def run(given: Namespace) -> int:
-    """Identify what is asked for; write and print what was found; return the exit status."""
+    """Identify a model, write and print the results, and return the exit status."""
     if given.live:
         return _refine_live(given.model, vehicle_by_name(given.vehicle or DEFAULT_VEHICLE), given.out)
-    with threadpool_limits(1, user_api="blas"):  # the matrices are small: more threads only wait
+    with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found, seconds = _run(given, Console(stderr=True))
     save(given.out, found.file)
     wanted = given.json or given.out.with_suffix(".json")
@@ -42,7 +42,9 @@ def run(given: Namespace) -> int:
 
 def _refine_live(model: str, vehicle: Vehicle, out: Path) -> int:
     base = find_model(model)
-    from q2q_model.ros.live_identification import refine_live  # needs a sourced ROS, which bags do not
+    from q2q_model.ros.live_identification import (
+        refine_live,
+    )  # needs a sourced ROS, which reading bags does not
 
     refine_live(base, vehicle, out)
     print(f"model: {out}")
@@ -55,7 +57,7 @@ def _params(given: Namespace, vehicle: Vehicle) -> ProcedureParams:
 
 @dataclass(slots=True)
 class _Steps:
-    """Hold how long each step took, on the bar and for the report."""
+    """Duration of each step, for the progress bar and the report."""
 
     progress: Progress
     seconds: dict[str, float] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Put what identification found into the JSON of `identify`, and into a few lines of text."""
+"""Results of an identification as the JSON of `identify` and as text."""
 
 from dataclasses import asdict
 
@@ -12,7 +12,7 @@ from q2q_model.identification.selection.candidates import Trial
 
 
 def report(found: Identification, seconds: dict[str, float]) -> dict[str, object]:
-    """Return the report as the documentation of `identify` lays it out."""
+    """Return the report in the form documented for `identify`."""
     loop = found.file.gains
     return {
         "outliers": {
@@ -52,7 +52,7 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
 
 
 def summary(found: Identification) -> str:
-    """Return the findings in words."""
+    """Return the results as text."""
     gains, held = found.gains, found.held_out
     lines = [
         f"{len(found.evidence)} flights, {sum(one.record.outliers for one in found.evidence)} outliers",

@@ -1,4 +1,4 @@
-"""Read recorded flights for the tools: bags with all they hold, and a way to say what was mended."""
+"""Recorded flights for the tools, with the repairs that reading took."""
 
 import warnings
 from collections.abc import Sequence
@@ -24,13 +24,13 @@ from q2q_model.identification.identification import Recording
 def read_recordings(
     bags: Sequence[Path], topics: TopicMap | None = None
 ) -> tuple[list[Recording], list[str]]:
-    """Return the flights in bags, and the repairs that reading them took.
+    """Return the flights in bags, and the repairs that reading took.
 
-    Flights are named by their folders, and by the folder above too where two would have the same name.
-    `topics` says which topics of somebody else's bags are what.
+    Flights are named by their folders, and by the parent folder too if names collide. `topics` maps the
+    topics of bags of other software.
 
     Raises:
-        BagError: a bag cannot be read, or is given twice: a flight left out would be in the fit.
+        BagError: a bag cannot be read, or is given twice, so that a held-out flight would be in the fit.
     """
     _refuse_twins([bag.resolve() for bag in bags])
     with warnings.catch_warnings(record=True) as said:
@@ -45,9 +45,9 @@ def read_recordings(
 
 
 def bags_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
-    """Return the bags among paths, and a note on each of the others: a glob names what lies beside bags, too.
+    """Return the bags among paths, and a note on each other path: a glob also matches files beside bags.
 
-    Paths without a single bag are returned as they are, for reading to refuse; so is one where nothing is.
+    Missing paths are returned, and so are all if none is a bag, for the reader to reject.
     """
     others = [path for path in paths if path.exists() and not is_bag(path)]
     if len(others) == len(paths):
@@ -73,7 +73,7 @@ def _recording(bag: Path, topics: TopicMap | None) -> Recording:
 
 
 def _log(bag: Path) -> FlightLog | None:
-    """Return a bag's log of further columns; None where it has none, which its metadata tells at once."""
+    """Return a bag's log of additional columns; None if it has none, by its metadata where possible."""
     metadata = bag / "metadata.yaml"
     if metadata.is_file() and LOG_TYPE not in metadata.read_text(encoding="utf-8", errors="replace"):
         return None

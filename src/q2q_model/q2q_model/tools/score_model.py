@@ -1,4 +1,4 @@
-"""Score an interaction model against recorded flights, each and together."""
+"""Scores of an interaction model on recorded flights, separate and pooled."""
 
 import json
 import sys
@@ -16,7 +16,7 @@ from q2q_model.vehicle.constants import Vehicle
 
 
 def run(given: Namespace) -> int:
-    """Score the model, print and write the scores; return the exit status."""
+    """Score a model, print and write the scores, and return the exit status."""
     law = find_model(given.model).interaction
     bags, left_out = bags_among(given.bags)
     recordings, repairs = read_recordings(bags, topic_map(given.topics))

@@ -1,8 +1,8 @@
-"""Bound polynomials by their Bernstein coefficients: control points whose convex hull holds the curve.
+"""Bounds of polynomials by their Bernstein coefficients: the control points' convex hull contains the curve.
 
 p(t) = sum_k b_k C(m, k) u^k (1 - u)^(m - k), u = t / T in [0, 1]; the weights are positive and sum to one, so
 p(t) lies in the convex hull of the b_k for every t of the interval (Farouki, The Bernstein polynomial
-basis: a centennial retrospective, 2012). Halving the interval halves the hull four times closer.
+basis: a centennial retrospective, 2012). Halving the interval brings the hull four times closer to the curve.
 """
 
 from functools import cache

@@ -1,4 +1,4 @@
-"""Read thrust and attitude off a trajectory: a quadcopter is differentially flat in x, y, z and yaw.
+"""Thrust and attitude of a trajectory: a quadcopter is differentially flat in x, y, z and yaw.
 
 With (4)-(6) the thrust carries f = r'' + g e_z: U1 = m |f|, and its direction b = f / |f| is the body's z,
 

@@ -1,4 +1,4 @@
-"""Build polynomial pieces from derivatives at their ends, and measure their energy exactly.
+"""Polynomial pieces from derivatives at their ends, and their exact energy.
 
 A piece of degree 2k - 1 is fixed by its value and first k - 1 derivatives at both ends, and is the curve
 of smallest energy int (d^k x / dt^k)^2 dt among all curves with those end data (the Euler-Lagrange
@@ -34,7 +34,7 @@ def hermite_matrix(half: int) -> Array:
         ends[p, p] = perm(p, p)
         ends[half + p] = [perm(power, p) for power in range(order)]  # (u^power)^(p) at u = 1
     matrix = np.rint(np.linalg.solve(ends, np.eye(order)) * perm(half, half)) / perm(half, half)
-    return _read_only(matrix)  # rational with denominator (k-1)!: rounded back to it
+    return _read_only(matrix)  # entries are rational with denominator (k-1)!
 
 
 def power_gram(order: int, derivative: int) -> Array:

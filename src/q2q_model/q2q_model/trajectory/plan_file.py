@@ -1,8 +1,7 @@
-"""Write a plan to one JSON file and read it back, number for number.
+"""Plans as JSON files, exact to the last bit.
 
-The file holds names, durations and coefficients (shortest decimal that reads back as the same float), what
-the plan was checked against and what it costs. It is data only: reading one runs no code. This file and no
-other of the planner touches the disk.
+A file holds names, durations and coefficients (shortest decimals that round-trip), and what the plan was
+checked against and costs. It is data only: reading one runs no code.
 """
 
 import json
@@ -20,21 +19,21 @@ FORMAT = "q2q_plan"
 VERSION = 1
 
 LARGEST = 1e30
-"""Largest coefficient: 1e4 m within the shortest piece, 1 ms, to the 7th power, and some."""
+"""Largest coefficient: above 1e4 m over the 7th power of the shortest piece, 1 ms."""
 
 REMEDY = "write one with `ros2 run q2q_planner plan`"
 
 
 @dataclass(frozen=True, slots=True)
 class PlanFacts:
-    """Facts about a plan beside its curves; NaN where unknown."""
+    """Properties of a plan beside its trajectories; NaN where unknown."""
 
     zone: str = "none"
-    """The zone that pairs were kept out of, in words."""
+    """Description of the zone that every pair avoids."""
     snap_cost: float = nan
     """Cost (18) of the plan."""
     snap_infimum: float = nan
-    """The same without avoidance."""
+    """Cost (18) without avoidance [same unit]."""
     clearance: float = nan
     """Least signed distance of any pair to the zone over all t [m]."""
 
@@ -64,7 +63,7 @@ def decode(text: str, source: str = "plan") -> tuple[SwarmPlan, PlanFacts]:
     """Return the plan and its facts from JSON text.
 
     Raises:
-        ValueError: naming `source`, what was found and what is expected.
+        ValueError: the text is no plan; the message names `source`, what was found and what is expected.
     """
     try:
         document = _mapping(json.loads(text), "the file")
@@ -96,15 +95,15 @@ def save(path: Path, plan: SwarmPlan, facts: PlanFacts | None = None) -> None:
 
 
 def load(path: Path) -> SwarmPlan:
-    """Read a plan from a file; raise as `load_with_facts`."""
+    """Return the plan in a file; raise as `load_with_facts`."""
     return load_with_facts(path)[0]
 
 
 def load_with_facts(path: Path) -> tuple[SwarmPlan, PlanFacts]:
-    """Read a plan from a file, with what is known of it.
+    """Return the plan in a file and its facts.
 
     Raises:
-        ValueError: where the file is absent, unreadable or no plan.
+        ValueError: the file is absent, unreadable or no plan.
     """
     try:
         text = path.read_text(encoding="utf-8")

@@ -1,7 +1,7 @@
-"""Hold piecewise polynomial trajectories and read them at any time.
+"""Piecewise polynomial trajectories and their evaluation.
 
-xi(t) = sum_k coefficients[piece, axis, k] (t - starts[piece])^k, with xi = x, y, z [m], yaw [rad]. Before
-its start a trajectory rests at its first point, after its end at its last.
+xi(t) = sum_k coefficients[piece, axis, k] (t - starts[piece])^k, with xi = x, y, z [m], yaw [rad]. A
+trajectory rests at its first point before its start and at its last after its end.
 """
 
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ AXES = 4
 """x, y, z, yaw."""
 
 _DERIVATIVES = 3
-"""What a setpoint needs: value, velocity, acceleration."""
+"""Derivatives in a setpoint: value, velocity, acceleration."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,10 +28,10 @@ class Trajectory:
     """Ascending powers of the time since the piece's start, (pieces, 4, order)."""
 
     def __post_init__(self) -> None:
-        """Check shapes and numbers.
+        """Check shapes and values.
 
         Raises:
-            ValueError: naming what was given and what is allowed.
+            ValueError: a shape or value is not allowed.
         """
         pieces = self.durations.shape
         if self.coefficients.shape[:2] != (*pieces, AXES) or self.coefficients.ndim != 3 or pieces == (0,):
@@ -44,7 +44,7 @@ class Trajectory:
 
     @property
     def duration(self) -> float:
-        """Return the whole length [s]."""
+        """Return the duration [s]."""
         return float(self.durations.sum())
 
     def at(self, t: Array, derivative: int = 0) -> Array:
@@ -60,16 +60,16 @@ class Trajectory:
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """Polynomials of all vehicles side by side, evaluated in one compiled pass."""
+    """Polynomials of all vehicles in one array, for one compiled pass."""
 
     starts: Array
-    """Start of each piece [s], (n, most pieces); beyond the last piece infinite."""
+    """Start of each piece [s], (n, most pieces); beyond the last piece padded with infinity."""
     duration: Array
     """[s], (n,)"""
     coefficients: Array
-    """Ascending powers as of Trajectory, (n, most pieces, 4, order)."""
+    """Ascending powers as in Trajectory, (n, most pieces, 4, order)."""
     status: Status
-    """NOMINAL for everybody, (n,): all setpoints share it."""
+    """NOMINAL for all vehicles, (n,), shared by all setpoints."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,14 +80,14 @@ class SwarmPlan:
     trajectories: tuple[Trajectory, ...]
     """One a vehicle, in the order of names."""
     certified: bool = False
-    """Proven to keep every pair out of the interference zone."""
+    """Whether every pair provably stays out of the interference zone."""
     _table: _Table = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Check the rows and lay the polynomials side by side.
+        """Check the rows and tabulate the polynomials.
 
         Raises:
-            ValueError: where names and trajectories do not match one to one.
+            ValueError: names and trajectories do not match one to one.
         """
         if not self.names or len(self.names) != len(self.trajectories):
             counts = f"{len(self.names)} names for {len(self.trajectories)} trajectories"
@@ -95,7 +95,7 @@ class SwarmPlan:
         if len(set(self.names)) != len(self.names):
             raise ValueError(f"names {', '.join(self.names)}: each vehicle needs its own")
         object.__setattr__(self, "_table", _side_by_side(self.trajectories))
-        setpoint_at(self, 0.0)  # loads the compiled pass before the first tick
+        setpoint_at(self, 0.0)  # loads the kernel before the first tick
 
     @property
     def duration(self) -> float:
@@ -121,7 +121,7 @@ def setpoint_at(plan: SwarmPlan, t: float, start: float = 0.0) -> SwarmSetpoint:
 
 
 def derive(coefficients: Array, times: int) -> Array:
-    """Return ascending coefficients (..., order - times) of a derivative; at least one, zero."""
+    """Return ascending coefficients (..., max(order - times, 1)) of a derivative."""
     for _ in range(times):
         if coefficients.shape[-1] == 1:
             return np.zeros_like(coefficients)

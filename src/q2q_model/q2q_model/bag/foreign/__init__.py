@@ -1,1 +1,1 @@
-"""Bags of other software, read by a topic map."""
+"""Bags of other software, read with a topic map."""

@@ -1,9 +1,8 @@
-"""Read a flight from somebody else's bag: poses under any topic, by a topic map.
+"""Flights in bags of other software: poses under any topic, assigned by a topic map.
 
-Poses of vehicles come each with a stamp of their own. The ticks are the stamps of the vehicle that has the
-most poses; each other vehicle's pose nearest to a tick belongs to it, if nearer than the map's tolerance.
-Definitions are taken from the bag, so that message types of any version are read; a bag without them is
-read as ROS 2 Jazzy.
+Each vehicle's poses have stamps of their own. The ticks are the stamps of the vehicle with the most poses; of
+every other vehicle, a tick takes the pose nearest in time within the map's tolerance. Message definitions
+come from the bag, which allows any version of a type; a bag without definitions is read as ROS 2 Jazzy.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -32,9 +31,9 @@ POSES = {
     "Odometry": ("pose.pose.position", "pose.pose.orientation"),
     "TransformStamped": ("transform.translation", "transform.rotation"),
 }
-"""Type name without package -> where a message of one vehicle has its position and its quaternion."""
+"""Type name without package -> attributes of position and quaternion."""
 NAMED = ("NamedPoseArray", "NamedPoseArrayV2")
-"""Of motion_capture_tracking_interfaces: all vehicles in one message."""
+"""Types of motion_capture_tracking_interfaces with all vehicles in one message."""
 IDL_MARK = "=" * 80 + "\n"
 _XYZ, _XYZW = attrgetter("x", "y", "z"), attrgetter("x", "y", "z", "w")
 
@@ -52,10 +51,10 @@ class _Poses:
 
 
 def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
-    """Return the flight in a bag by a topic map; what it does not have is NaN.
+    """Return the flight in a bag by a topic map; NaN where nothing was recorded.
 
     Raises:
-        BagError: no bag, a mapped topic missing or of a type without poses, damage, clocks that never meet.
+        BagError: no bag, a mapped topic missing or of a type without poses, damage, clocks without overlap.
     """
     source, channels = mapped_channels(path, topic_map)
     signals = {name: _signals(source, channels[topic]) for name, topic in topic_map.signals.items()}
@@ -72,7 +71,7 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
 
 
 def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict[str, Channel]]:
-    """Return a bag and its channels by topic; raise BagError where a mapped one is missing or no signal."""
+    """Return a bag and its channels by topic; raise BagError if a mapped one is missing or not a signal."""
     source = open_source(path)
     channels = {channel.topic: channel for channel in source.channels}
     mapped = (topic_map.vehicles, topic_map.references, topic_map.signals)
@@ -91,7 +90,7 @@ def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict
 def mapped_frames(
     source: Source, channels: dict[str, Channel], topic_map: TopicMap
 ) -> tuple[list[Signal], list[str]]:
-    """Return the mapped poses as one frame a tick, and what was left out."""
+    """Return the mapped poses as one frame per tick, and remarks on poses left out."""
     return _frames(_tracks(source, channels, topic_map), topic_map.tolerance_s)
 
 
@@ -135,7 +134,7 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, _Poses]:
 
 
 def _with_references(source: Source, flight: Flight, given: Mapping[str, _Poses]) -> Flight:
-    """Return the flight with the places its vehicles were given: at each tick the last one before it."""
+    """Return the flight with its reference positions: at each tick the last one received."""
     ref_pos = flight.ref_pos.copy()
     for vehicle, track in given.items():
         if vehicle not in flight.names:
@@ -149,7 +148,7 @@ def _with_references(source: Source, flight: Flight, given: Mapping[str, _Poses]
 
 
 def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tuple[str, Row]]:
-    """Yield name (empty where the topic is one vehicle's) and row of every pose of a channel."""
+    """Yield name (empty for a topic of one vehicle) and row of every pose of a channel."""
     kind = channel.type_name.rsplit("/", 1)[-1]
     if kind not in POSES and kind not in NAMED:
         known = ", ".join((*POSES, *NAMED))
@@ -192,7 +191,7 @@ def _decoder(source: Source, channel: Channel) -> Callable[[RawMessage], object]
 
 
 def _own_types(source: Source, channel: Channel) -> Typestore:
-    """Return the types that the bag defines for a channel: they need not be those of Jazzy."""
+    """Return the types that the bag defines for a channel, which may differ from those of Jazzy."""
     store, text = get_typestore(Stores.EMPTY), channel.definition
     try:
         if text.startswith(f"{IDL_MARK}IDL: "):
@@ -206,7 +205,7 @@ def _own_types(source: Source, channel: Channel) -> Typestore:
 
 
 def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal], list[str]]:
-    """Return one frame a tick with every vehicle whose pose is near, and what was left out."""
+    """Return one frame per tick with every pose within the tolerance, and remarks on poses left out."""
     leader = max(tracks.values(), key=lambda track: len(track.t))
     ticks, repairs = np.unique(leader.t), []
     rows = {}
@@ -228,7 +227,7 @@ def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal]
 
 
 def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> NDArray[np.intp]:
-    """Return for each tick the row of `t` (rising) nearest to it, (len(ticks),); -1 if none is near [s]."""
+    """Return for each tick the nearest row of ascending `t`, (len(ticks),); -1 if none is in tolerance."""
     right = np.clip(np.searchsorted(t, ticks), 0, len(t) - 1)
     left = np.clip(right - 1, 0, None)
     nearest = np.where(np.abs(t[left] - ticks) <= np.abs(t[right] - ticks), left, right)

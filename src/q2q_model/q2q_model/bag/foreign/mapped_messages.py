@@ -1,7 +1,7 @@
-"""Read the messages of somebody else's bag under our topics, by a topic map, in the order of their stamps.
+"""Messages of a bag of other software under q2q topics, by a topic map and in order of their stamps.
 
-Topics under `signals` keep their bytes; poses become frames on `mocap`, as `read_mapped_flight` makes them.
-References are positions without velocity, which no node takes: they are not among the messages.
+Messages of topics under `signals` are unchanged; poses become frames on `mocap`, as in `read_mapped_flight`.
+References are omitted, because they are positions without velocity, which no node accepts.
 """
 
 from collections.abc import Collection, Iterator
@@ -18,7 +18,7 @@ MOCAP = "mocap"
 
 
 class MappedBag:
-    """Messages of a bag under the topics that a map gives them."""
+    """Messages of a bag under the topics of a topic map."""
 
     def __init__(self, path: Path | str, topic_map: TopicMap) -> None:
         """Read the bag at `path`; raise BagError as `read_mapped_flight` does."""
@@ -39,7 +39,7 @@ class MappedBag:
 
     @property
     def topics(self) -> dict[str, str]:
-        """Return every topic that the map gives, and its message type."""
+        """Return every mapped topic and its message type."""
         return {one.topic: one.type_name for one in self._messages}
 
     def raw(self, topics: Collection[str]) -> Iterator[RawMessage]:

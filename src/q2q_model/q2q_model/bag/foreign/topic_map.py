@@ -1,16 +1,16 @@
-"""Say which topics of somebody else's bag are which vehicles: a small YAML file.
+"""Topic maps: YAML files that assign the topics of a bag to vehicles and signals.
 
-vehicles:                 # one topic a vehicle: PoseStamped, TransformStamped or Odometry
+vehicles:                 # one topic per vehicle: PoseStamped, TransformStamped or Odometry
   cf1: /vicon/cf1/pose
   cf2: /cf2/odom
-poses: /poses             # and, or instead: NamedPoseArray, all vehicles in one message
-rename: {cf231: cf1}      # names in it that are called otherwise here
-references:               # and: where vehicles were to be, messages as under `vehicles`; the last one holds
+poses: /poses             # also or instead: NamedPoseArray, all vehicles in one message
+rename: {cf231: cf1}      # name in `poses`: name of the vehicle
+references:               # reference positions, messages as under `vehicles`; the last one received holds
   cf1: /cf1/cmd_position
-signals:                  # and, or instead: topics of q2q_msgs under other names
+signals:                  # also or instead: topics of q2q_msgs under other names
   mocap: /room/frames
-stamps: header            # or: receive, for headers that nobody filled
-tolerance_s: 0.005        # poses captured closer than this are one frame
+stamps: header            # or receive, if headers have no stamps
+tolerance_s: 0.005        # poses captured within this time form one frame
 """
 
 from collections.abc import Mapping
@@ -38,16 +38,16 @@ class TopicMap:
     rename: Mapping[str, str] = field(default_factory=dict)
     """Name in `poses` -> vehicle."""
     references: Mapping[str, str] = field(default_factory=dict)
-    """Vehicle -> topic of the poses it was given."""
+    """Vehicle -> topic of its reference positions."""
     signals: Mapping[str, str] = field(default_factory=dict)
-    """Our topic name -> the bag's."""
+    """Topic of q2q -> topic of the bag."""
     by_header: bool = True
-    """Time is the header's stamp, not the recorder's."""
+    """Whether time is the stamp of the header, not of the recorder."""
     tolerance_s: float = TOLERANCE_S
 
 
 def load_topic_map(path: Path | str) -> TopicMap:
-    """Return the map in a YAML file; raise BagError naming a key or value that is not allowed."""
+    """Return the map in a YAML file; raise BagError for a key or value that is not allowed."""
     try:
         loaded = yaml.safe_load(Path(path).read_text())
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as damage:

@@ -1,1 +1,1 @@
-"""Bag storage: channels and bytes of MCAP, sqlite3 and ROS 1 files, damaged ones included."""
+"""Bag storage: channels and bytes of MCAP, sqlite3 and ROS 1 files, including damaged ones."""

@@ -1,4 +1,4 @@
-"""Find the definition of a message type without ROS: common types from rosbags, ours from their .msg text."""
+"""Message definitions without ROS: common types from rosbags, those of q2q_msgs from their .msg files."""
 
 import os
 from functools import lru_cache
@@ -24,7 +24,7 @@ def jazzy_types() -> Typestore:
 def definition_of(type_name: str) -> tuple[str, str]:
     """Return the ros2msg definition of a type and its hash (REP 2016).
 
-    Raises BagError for a type that is neither ours nor one of the common ones.
+    Raises BagError for a type that is neither common nor of q2q_msgs.
     """
     store = jazzy_types()
     if type_name not in store.fielddefs:

@@ -1,8 +1,8 @@
-"""Read whole MCAP files by their summary: channels without touching the data, messages chunk by chunk.
+"""Indexed MCAP files: channels from the summary, messages chunk by chunk.
 
-The regular way to read a rosbag2 folder of MCAP files (specification: mcap.dev). Message records are found by
-their lengths alone, so reading costs a quarter of a reader that makes an object of every record. A file that
-is anything but whole and indexed is left to others: NotIndexedError.
+This is the regular path for a rosbag2 folder of MCAP files (specification: mcap.dev). Message records are
+found by their lengths alone, at a quarter of the cost of a reader that makes an object of every record. A
+file that is not complete and indexed raises NotIndexedError and is left to other readers.
 
     record   op uint8 | length uint64 | content
     message  channel uint16 | sequence uint32 | log time uint64 | publish time uint64 | data
@@ -22,19 +22,19 @@ from mcap.records import Channel, Chunk, ChunkIndex, Schema
 from mcap.stream_reader import get_chunk_data_stream
 
 NEWEST = 9
-"""Version of metadata.yaml that is known."""
+"""Newest supported version of metadata.yaml."""
 MESSAGE = 0x05
 _RECORD = struct.Struct("<BQHIQQ")
-"""A message record up to its data."""
+"""Header of a message record."""
 _LEAD = 9
 """Bytes of op and length."""
 
 Logged = tuple[int, int, bytes]
-"""Number of the channel, log time [ns], data."""
+"""Channel number, log time [ns], data."""
 
 
 class NotIndexedError(ValueError):
-    """Error for a bag that is not made of whole, indexed MCAP files."""
+    """Error for a bag that does not consist of complete, indexed MCAP files."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class IndexedFile:
 def indexed_files(bag: Path) -> list[IndexedFile]:
     """Return the indexes of a bag: a rosbag2 folder, or one .mcap file.
 
-    Raises NotIndexedError for anything that must be read another way.
+    Raises NotIndexedError for any other bag.
     """
     try:
         return [_index(file) for file in (_named_files(bag) if bag.is_dir() else [bag])]
@@ -73,8 +73,8 @@ def indexed_files(bag: Path) -> list[IndexedFile]:
 def logged(file: IndexedFile, topics: Collection[str]) -> Iterator[Logged]:
     """Yield the messages on these topics in the order of their log time.
 
-    Whatever is wrong with the file's bytes raises an Exception when it is reached, also messages that the
-    summary counts and no chunk holds.
+    Damage raises an Exception when it is reached, and so do messages counted in the summary but missing in
+    the chunks.
     """
     left = {number: one.count for number, one in file.channels.items() if one.topic in topics}
     waiting: list[Logged] = []
@@ -93,7 +93,7 @@ def logged(file: IndexedFile, topics: Collection[str]) -> Iterator[Logged]:
 
 
 def _count_before(waiting: list[Logged], later: list[int]) -> int:
-    """Return how many messages no later chunk can come before."""
+    """Return how many messages precede all later chunks."""
     if not later or not waiting or waiting[-1][1] < later[0]:
         return len(waiting)
     return sum(stamp_ns < later[0] for _, stamp_ns, _ in waiting)
@@ -119,7 +119,7 @@ def _index(file: Path) -> IndexedFile:
         raise NotIndexedError(f"{file} has no summary")
     known = len(summary.chunk_indexes)
     if known != summary.statistics.chunk_count or (summary.statistics.message_count and not known):
-        raise NotIndexedError(f"{file} has messages that no index tells of")
+        raise NotIndexedError(f"{file} has messages without an index")
     counts = summary.statistics.channel_message_counts
     channels = {
         number: _channel(channel, summary.schemas.get(channel.schema_id), counts.get(number, 0))
@@ -137,7 +137,7 @@ def _channel(channel: Channel, schema: Schema | None, count: int) -> IndexedChan
 
 
 def _unpacked(stream: BinaryIO, chunk: ChunkIndex) -> bytes:
-    """Return a chunk's records, their checksum found right."""
+    """Return a chunk's records after checking their checksum."""
     stream.seek(chunk.chunk_start_offset + _LEAD)
     content = BytesIO(stream.read(chunk.chunk_length - _LEAD))
     records, size = get_chunk_data_stream(Chunk.read(ReadDataStream(content)), validate_crc=True)

@@ -1,6 +1,6 @@
-"""Read an MCAP file that was cut off or damaged, record by record, as far as it goes.
+"""Recovery of messages from a truncated or damaged MCAP file, record by record.
 
-A cut ends the reading; a chunk whose checksum fails is left out. Both are stated in `losses`.
+Reading ends where the file is truncated and skips chunks whose checksum fails. `losses` lists both.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 
 @dataclass(frozen=True, slots=True)
 class SavedMessage:
-    """One message that could be read."""
+    """Recovered message."""
 
     topic: str
     type_name: str
@@ -23,16 +23,16 @@ class SavedMessage:
 
 @dataclass(frozen=True, slots=True)
 class Salvage:
-    """Readable contents of a damaged file."""
+    """Recovered contents of a damaged file."""
 
     messages: tuple[SavedMessage, ...]
     definitions: dict[str, str]
-    """Topic of a saved message to its definition."""
+    """Topic -> message definition."""
     losses: tuple[str, ...]
 
 
 class _Collector:
-    """Gather records, knowing the schemas and channels so far."""
+    """Messages so far, with the schemas and channels that later records refer to."""
 
     def __init__(self) -> None:
         self.schemas: dict[int, Schema] = {}
@@ -57,7 +57,7 @@ class _Collector:
 
 
 def salvage(file: Path) -> Salvage:
-    """Return every message of an MCAP file that can still be read, and what was lost."""
+    """Return every readable message of an MCAP file, and a description of the losses."""
     collector, losses = _Collector(), []
     with file.open("rb") as stream:
         reader = StreamReader(stream, emit_chunks=True, record_size_limit=file.stat().st_size)
@@ -72,7 +72,7 @@ def salvage(file: Path) -> Salvage:
 
 
 def _records(reader: StreamReader, name: str) -> Iterator[McapRecord | str]:
-    """Yield records, chunks taken apart, and a sentence for every loss."""
+    """Yield the records, with those in chunks, and a sentence for every loss."""
     records = iter(reader.records)
     while True:
         try:

@@ -1,8 +1,8 @@
-"""Open a bag of any kind as a list of channels and a stream of bytes.
+"""A bag of any kind as a list of channels and a stream of bytes.
 
-Whole MCAP files are read by their index (q2q_model.bag.storage.indexed_mcap), all else through rosbags. A
-bag that cannot be opened the regular way (cut off by a kill, without metadata.yaml) is salvaged when it is
-MCAP; what was mended is stated in `repairs`.
+Complete MCAP files are read by their index (q2q_model.bag.storage.indexed_mcap), all others through rosbags.
+An MCAP bag that was not closed (truncated by a kill, without metadata.yaml) is salvaged; `repairs` lists what
+that took.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -28,7 +28,7 @@ class Channel:
     topic: str
     type_name: str
     definition: str
-    """Text of the message definition, empty where the bag has none."""
+    """Text of the message definition; empty if the bag has none."""
     count: int
 
 
@@ -38,26 +38,26 @@ class RawMessage:
 
     topic: str
     stamp_ns: int
-    """Bag time: when it was recorded [ns]."""
+    """Bag time: time of recording [ns]."""
     data: bytes
     type_name: str
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Contents of a bag, and a way to read them."""
+    """Contents of an open bag."""
 
     path: Path
     channels: tuple[Channel, ...]
     read: Callable[[Collection[str]], Iterator[RawMessage]]
-    """Yield the messages of these topics, in the order of bag time."""
+    """Function that yields the messages of topics in order of bag time."""
     repairs: tuple[str, ...]
     ros1: bool = False
-    """Bytes are ROS 1 serialisation, not CDR."""
+    """Whether messages are in ROS 1 serialisation, not CDR."""
 
 
 def is_bag(path: Path) -> bool:
-    """Return whether a path looks like a bag, whole or damaged: by its name, or by what its folder holds."""
+    """Return whether a path looks like a bag, judged by its name or the files in its folder."""
     if path.is_dir():
         return (path / "metadata.yaml").exists() or bool(_storage_files(path))
     return path.suffix in (*STORAGES, ROS1_SUFFIX)
@@ -66,7 +66,7 @@ def is_bag(path: Path) -> bool:
 def open_source(path: Path | str) -> Source:
     """Return the bag at `path`: a rosbag2 folder, an .mcap or .db3 file, or a ROS 1 .bag file.
 
-    Raises BagError for a path that is no bag, or damage that cannot be mended.
+    Raises BagError for a path that is no bag, or damage that cannot be repaired.
     """
     bag = Path(path)
     if not bag.exists():

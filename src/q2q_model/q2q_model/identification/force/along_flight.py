@@ -1,10 +1,10 @@
-"""Evaluate an interaction model along a recorded flight, all ticks at once.
+"""An interaction model evaluated along a recorded flight, all ticks at once.
 
-The same sum as the online predictor's (q2q_model.downwash.predictor), which a test holds it to:
+The sum is that of the online predictor (q2q_model.downwash.predictor), as a test checks:
 
     eta_i(t) = sum over j of law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau), v_i(t))
 
-Offline a vehicle's past is the whole record; before its start the first sample counts.
+The past of a vehicle is the whole record, extended before its start by the first sample.
 """
 
 from dataclasses import dataclass
@@ -51,9 +51,9 @@ def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.i
 
 
 def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np.bool_]:
-    """Return where the source may push, (k,): the model's reach, and how far the source may have moved."""
+    """Return where a source may act, (k,): within reach, allowing for its motion during the delay."""
     moved = 0.0
-    if model.max_delay > 0.0:  # no component is larger: a cheap bound
+    if model.max_delay > 0.0:  # a cheap bound of the speed
         moved = model.max_delay * float(np.sqrt(3.0) * np.abs(vel).max(initial=0.0))
     across2 = rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2
     wide, tall = model.reach.horizontal + moved, model.reach.vertical + moved
@@ -63,14 +63,14 @@ def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np
 def _as_it_was(
     model: InteractionModel, motion: Motion, j: int, rows: NDArray[np.intp], rel_pos: Array
 ) -> tuple[Array, Array, Array]:
-    """Return pos, vel and axis of j, (k, 3), when what arrives at ticks `rows` left it."""
+    """Return pos, vel and axis of j, (k, 3), at the time that air arriving at ticks `rows` left it."""
     if model.max_delay == 0.0:
         return motion.pos[rows, j], motion.vel[rows, j], motion.axis[rows, j]
     return _at(motion, j, motion.t[rows] - model.delay(rel_pos))
 
 
 def _at(motion: Motion, j: int, when: Array) -> tuple[Array, Array, Array]:
-    """Return pos, vel and axis of j, (k, 3), at times (k,), on lines between ticks."""
+    """Return pos, vel and axis of j, (k, 3), interpolated at times (k,)."""
     after = np.searchsorted(motion.t, when).clip(1, motion.t.size - 1)
     before = after - 1
     share = (when - motion.t[before]) / (motion.t[after] - motion.t[before])

@@ -1,14 +1,14 @@
-"""Measure the downwash itself: the vertical acceleration that no rotor explains, and score a model on it.
+"""Measured downwash, the vertical acceleration not due to thrust, and scores of models on it.
 
-    y_i = (a_z + g) - T_i b_z / m          T: thrust that the rotors gave, b: body z
+    y_i = (a_z + g) - T_i b_z / m          T: thrust of the rotors, b: body z
 
-less its median over free rows, which takes off each vehicle's constant (battery, mass, sensor). Rules, as the
-recorded flights of two and three Crazyflies (data of Neural-Swarm2, T-RO 2021) are scored:
+minus its median over free rows, a constant of each vehicle (battery, mass, sensor). The rules for scoring the
+recorded flights of two and three Crazyflies (data of Neural-Swarm2, T-RO 2021) are:
 
 | rows | rule |
 |---|---|
-| usable | whole on every vehicle, z_i > 0.3 m, no motor saturated |
-| free | usable, and for every neighbour dxy > 0.3 m or dz < 0.05 m (dz = z_j - z_i); 200 at least |
+| usable | measured for every vehicle, z_i > 0.3 m, no motor saturated |
+| free | usable, and for every neighbour dxy > 0.3 m or dz < 0.05 m (dz = z_j - z_i); at least 200 |
 | exposed | usable, and some neighbour at dxy < 0.15 m and 0.1 < dz < 1.2 m |
 | upper | usable, a neighbour at dxy < 0.1 m and -0.8 < dz < -0.15 m, none above within 0.3 m |
 
@@ -26,9 +26,9 @@ from q2q_model.identification.force.along_flight import Motion, eta_felt
 from q2q_model.signals.values import Array, Names
 
 FLOOR = 0.3
-"""Below this height the ground pushes too [m]."""
+"""Height below which there is ground effect [m]."""
 FEWEST_FREE = 200
-"""A median of fewer free rows is no zero to measure from."""
+"""Fewest free rows for the median."""
 
 Mask = NDArray[np.bool_]
 
@@ -41,11 +41,11 @@ class ForceRecord:
     names: Names
     motion: Motion
     push: Array
-    """y before its zero is taken off [m/s^2], (T, n)."""
+    """y before its median is subtracted [m/s^2], (T, n)."""
     whole: Mask
-    """Rows whose values were measured, not mended, (T, n)."""
+    """Whether values were measured, not interpolated, (T, n)."""
     saturated: Mask
-    """Rows in which a motor was at its limit, (T, n)."""
+    """Whether a motor was at its limit, (T, n)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,18 +64,18 @@ class ForceSamples:
 
 @dataclass(frozen=True, slots=True)
 class ForceScore:
-    """Prediction scores of a model; None where there are no such rows."""
+    """Prediction scores of a model; None without rows."""
 
     r2_exposed: float | None
     rmse_exposed_mps2: float | None
     mean_upper_mps2: float | None
-    """Mean of y over upper rows: what the upper vehicle feels [m/s^2]."""
+    """Mean of y over upper rows [m/s^2]."""
     n: int
-    """Exposed rows."""
+    """Number of exposed rows."""
 
 
 def force_samples(record: ForceRecord) -> list[ForceSamples]:
-    """Return the samples of every vehicle that has enough free rows; the others are not scored."""
+    """Return the samples of every vehicle with enough free rows."""
     found = []
     for i in range(len(record.names)):
         rows = _rows(record, i)
@@ -99,7 +99,7 @@ def score(model: InteractionModel, samples: Sequence[ForceSamples]) -> ForceScor
 
 
 def pooled(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[ForceSamples]) -> ForceScore:
-    """Return the score of misses y - eta over exposed rows, however they were predicted."""
+    """Return the score of residuals y - eta over exposed rows."""
     upper = np.concatenate([one.y[one.upper] for one in samples]) if samples else np.empty(0)
     mean_upper = float(upper.mean()) if upper.size else None
     n = sum(part.size for part in y)

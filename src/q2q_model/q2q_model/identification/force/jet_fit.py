@@ -1,13 +1,13 @@
-"""Fit the jet to what was measured: to pushes (downwash_force) or to altitudes (14), by least squares.
+"""Least-squares fit of the jet to measured downwash (downwash_force) or to altitudes (14).
 
-Free are strength, decay, width, its spread, the upper share, and slowness 1 / travel_speed; given are the
-form of the decay and whether the air keeps its source's speed and slope. The residual of
+Fitted are strength, decay, width, spread, upper ratio, and slowness 1 / travel_speed; the form of the decay
+and the share of velocity and slope that the air keeps are given. The residuals are
 
     pushes:     y - eta                        on exposed and upper rows
-    altitudes:  z - z_free - (h * eta)         every tenth tick: the loop is far slower
+    altitudes:  z - z_free - (h * eta)         every tenth tick, as the loop is much slower
 
-Pushes count by soft_l1, with z = (r / s)^2: psi = r (1 + z)^-1/2, psi' = (1 + z)^-3/2.
-Intervals let the residuals of a flight, or of a stretch of it, hang together (interval.py).
+The loss on pushes is soft_l1, with z = (r / s)^2: psi = r (1 + z)^-1/2, psi' = (1 + z)^-3/2.
+Intervals allow for correlation within a flight or a stretch of it (q2q_model.identification.intervals).
 """
 
 from collections.abc import Callable, Sequence
@@ -33,24 +33,23 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 THINNING = 10
-"""Every tenth tick of 100 Hz: 10 Hz for a loop of 0.9 rad/s."""
+"""Ticks per residual: 10 Hz for a loop of 0.9 rad/s."""
 BLOCK = 0.5
-"""Least length of a cluster of residuals [s]: a jet of 0.1 m at 1 m/s passes five times within it."""
+"""Least length of a cluster of residuals [s]: five times the passage of a jet of 0.1 m at 1 m/s."""
 Z95 = 1.96
-"""Deviations of a normal that hold 95 % of it."""
+"""Standard deviations that contain 95 % of a normal."""
 MOST_STD = 10.0
-"""Largest floor [m/s^2] and share [-] a jet takes."""
+"""Largest std_floor [m/s^2] and relative_std [-] of a jet."""
 FASTEST = 500.0
-"""Travel speeds above this are no delay at all [m/s]: a tenth of a tick over half a metre."""
-
+"""Travel speed above which delay is negligible [m/s]: a tenth of a tick over half a metre."""
 TURBULENT = 0.25
-"""Miss beyond which a row counts by its size, not its square [m/s^2]: the spread of y in clear air on real
-flights is 0.2 to 0.3; larger misses are eddies, which come and go and tell little of the mean."""
+"""Residual from which soft_l1 is linear [m/s^2]: the spread of y in clear air on real flights is 0.2 to 0.3;
+larger residuals are turbulence."""
 
 
 @dataclass(frozen=True, slots=True)
 class JetForm:
-    """Hold what is chosen before fitting."""
+    """Structure of a jet, chosen before fitting."""
 
     decay: str = "exponential"
     carried: float = 1.0
@@ -60,11 +59,11 @@ class JetForm:
 
 @dataclass(frozen=True, slots=True)
 class JetFit:
-    """Hold a fitted jet."""
+    """Fitted jet with its intervals."""
 
     jet: Jet
     intervals: tuple[tuple[str, Interval], ...]
-    """Of each fitted parameter; slowness is in s/m."""
+    """Interval of each fitted parameter; slowness is in s/m."""
     mse: float
     """Mean square of the residuals."""
 
@@ -73,9 +72,9 @@ Residuals = Callable[[Jet], list[Stretch]]
 
 
 def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | None = None) -> JetFit:
-    """Return the jet that explains measured pushes; samples of whole flights.
+    """Return the jet fitted to measured pushes of whole flights.
 
-    `solved` is that jet where it is known already: then only its intervals are made.
+    `solved` is that jet if known already: then only its intervals are computed.
     """
     flights = list(dict.fromkeys(one.flight for one in samples))
     seen = [(flights.index(one.flight), one, np.nonzero(one.exposed | one.upper)[0]) for one in samples]
@@ -98,7 +97,7 @@ def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | 
 def fit_to_altitudes(
     records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
 ) -> JetFit:
-    """Return the jet that explains measured altitudes under a closed loop; `solved` as in fit_to_pushes."""
+    """Return the jet fitted to altitudes under a closed loop; `solved` as in fit_to_pushes."""
     motions = [Motion(one.t, one.pos, one.vel, one.axis) for one in records]
     targets = [one.deviation - free_response(loop, one.dt, one.start, one.jerk) for one in records]
 
@@ -123,7 +122,7 @@ def _fit(residuals: Residuals, form: JetForm, solved: Jet | None, loss: str = "l
         start,
         bounds=(low, high),
         x_scale=np.array([_SCALES[name] for name in names]),
-        diff_step=1e-4,  # the residual has corners where a pair enters the reach
+        diff_step=1e-4,  # the residual is not smooth where a pair enters the reach
         xtol=1e-5,
         ftol=1e-7,
         max_nfev=25 if solved is None else 1,  # one evaluation, and its Jacobian
@@ -186,16 +185,16 @@ def _jet(form: JetForm, names: Sequence[str], x: Array) -> Jet:
 
 
 def _values(jet: Jet, names: Sequence[str]) -> Array:
-    """Return a jet's free parameters, (p,): what `_jet` makes a jet of."""
+    """Return a jet's fitted parameters, (p,); the inverse of `_jet`."""
     slowness = 1.0 / jet.travel_speed if jet.travel_speed > 0.0 else 0.0
     return np.array([slowness if name == "slowness" else getattr(jet, name) for name in names])
 
 
 def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: JetForm) -> Jet:
-    """Return a jet whose deviation is that of misses on what is left out: half predicts the other half.
+    """Return a jet whose deviation comes from cross-validation over two halves of the flights.
 
-    Halves are flights; of a single flight, what is before and after the middle of its exposed rows. Without
-    exposed rows in both, the jet keeps the deviation of its own misses.
+    A single flight is split at the median time of its exposed rows. Without exposed rows in both halves, the
+    jet keeps the deviation of its training residuals.
     """
     halves = _halves(samples)
     if not all(any(one.exposed.any() for one in half) for half in halves):
@@ -206,7 +205,7 @@ def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: Jet
 
 
 def _halves(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
-    """Return the samples of either half of the flights, or of the only flight with exposed rows."""
+    """Return the samples of each half of the flights, or of the only flight with exposed rows."""
     flights = list(dict.fromkeys(one.flight for one in samples if one.exposed.any()))
     if len(flights) > 1:
         return [[one for one in samples if one.flight in flights[k::2]] for k in (0, 1)]
@@ -234,10 +233,10 @@ def _misses(jet: Jet, samples: Sequence[ForceSamples]) -> tuple[Array, Array]:
 
 
 def _affine(push: Array, miss: Array) -> tuple[float, float]:
-    """Return floor [m/s^2] and share of the deviation floor + share |eta| that misses show.
+    """Return floor [m/s^2] and share of the deviation floor + share |eta| of residuals.
 
-    Both make the misses likeliest as a normal; then they are scaled so that 95 % of the rows lie within 1.96
-    deviations, since the misses' tails are not a normal's.
+    Both are the maximum likelihood of a normal, scaled so that 95 % of the rows lie within 1.96 deviations,
+    because the tails are not normal.
     """
     if push.size == 0:
         return 0.0, 0.0

@@ -1,12 +1,12 @@
-"""Fit how the downwash of a vehicle grows with its thrust, from a vehicle under two others above each other.
+"""Growth of a vehicle's downwash with its thrust, from flights of a vehicle under two others.
 
-A source j that is itself pushed by e_j gives the thrust m (g - e_j). By momentum theory its downwash grows in
-proportion, in the paper not at all. With the law f_ij of source j on vehicle i,
+A source j exposed to downwash e_j itself has the thrust m (g - e_j). By momentum theory its downwash is
+proportional to that; in the paper it is constant. With the law f_ij of source j on vehicle i,
 
     y_i = a (f + c h),   f = sum over j of f_ij,   h = sum over j of f_ij (-e_j / g)
 
-is linear in a and a c. The scale a is fitted beside c: without it, a law that is too weak or too strong on
-these flights would be taken for loading. Rows in which no source is pushed tell a, the others c.
+is linear in a and a c. The scale a is fitted too, because otherwise a law that is too weak or too strong
+would bias c. Rows in which no source is exposed identify a, the others c.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -31,15 +31,15 @@ from q2q_model.vehicle.constants import GRAVITY
 MOST = 2.0
 """Largest loading a controller takes [-]: twice that of momentum theory."""
 LEAST_GROWTH = 1e-6
-"""Share of the push by which it must grow at a loading of 1, for loading to be seen at all [-]."""
+"""Least growth of the downwash at a loading of 1, relative, for loading to be identifiable [-]."""
 
 Rows = NDArray[np.intp]
 
 
 def loading_of(model: InteractionModel, samples: Sequence[ForceSamples]) -> Interval | None:
-    """Return the loading that samples of whole flights show, on exposed rows.
+    """Return the loading fitted to exposed rows of whole flights.
 
-    None where nobody is under a vehicle that is itself under another, or the law has no push there.
+    None if no vehicle is under one that is itself under another, or the law vanishes there.
     """
     flights = list(dict.fromkeys(one.flight for one in samples))
     parts = [(flights.index(one.flight), one, np.flatnonzero(one.exposed)) for one in samples]
@@ -64,7 +64,7 @@ def loading_of(model: InteractionModel, samples: Sequence[ForceSamples]) -> Inte
 
 
 def believed(loading: Interval | None) -> float:
-    """Return the loading to fly with: 0 where nothing shows it or its interval holds 0, else 0 to `MOST`."""
+    """Return the loading for controllers: 0 if unknown or not significant, else at most `MOST`."""
     if loading is None or not loading.is_positive:
         return 0.0
     return min(loading.value, MOST)
@@ -85,7 +85,7 @@ def _push_and_growth(model: InteractionModel, one: ForceSamples, rows: Rows) -> 
 
 
 def _vertical(model: InteractionModel, motion: Motion, pair: tuple[int, int], rows: Rows) -> Array:
-    """Return the vertical downwash [m/s^2] that pair[1] alone puts on pair[0], (k,)."""
+    """Return the vertical downwash [m/s^2] of pair[1] alone on pair[0], (k,)."""
     both = list(pair)
     two = Motion(motion.t, motion.pos[:, both], motion.vel[:, both], motion.axis[:, both])
     return eta_felt(model, two, 0, rows)[:, 2]

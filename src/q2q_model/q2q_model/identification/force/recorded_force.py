@@ -1,4 +1,4 @@
-"""Read the measured vertical push out of a recorded flight: from its log, or from sensors and commands.
+"""Measured vertical force of a recorded flight, from its log or from sensors and commands.
 
 push = faz_est / m_log                           logs of two and three Crazyflies (Neural-Swarm2, T-RO 2021)
 push = (R f_body)_z - lagged(U1) b_z / m         f_body: accelerometer, U1: commanded thrust
@@ -20,19 +20,19 @@ from q2q_model.signals.values import Array, CommandStatus
 from q2q_model.vehicle.constants import Vehicle
 
 LOG_MASS = 0.032
-"""Mass that the logs' faz_est was computed with [kg]."""
+"""Mass used to compute faz_est in the logs [kg]."""
 FULL_DUTY = 0.93
 """Duty above which a motor counts as saturated."""
 MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
 
 
 def is_force_log(log: FlightLog) -> bool:
-    """Return whether a log shows the vertical push and what tells its good rows."""
+    """Return whether a log has the columns of the vertical force and of its validity."""
     return {"faz_est", "gap", *MOTORS} <= set(log.columns)
 
 
 def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
-    """Return the vertical push that a flight's log shows, at the log's ticks."""
+    """Return the vertical force in a flight's log, at the ticks of the log."""
     duty = np.max([log.column(motor) for motor in MOTORS], axis=0)  # (T, n)
     return ForceRecord(
         name=name,
@@ -46,7 +46,7 @@ def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
 
 @dataclass(frozen=True, slots=True)
 class Sensed:
-    """Acceleration and command as recorded in a flight."""
+    """Recorded acceleration and command of a flight."""
 
     t: Array
     force: Array
@@ -56,15 +56,15 @@ class Sensed:
     lean: Array
     """b_z / m [1/kg], (T, n)."""
     whole: Mask
-    """Where all of it and the place is known, (T, n)."""
+    """Where all of them and the position are known, (T, n)."""
 
     def push(self, lag: float) -> Array:
-        """Return the push [m/s^2], (T, n), for thrust behind its command by `lag` [s]; 0 where unknown."""
+        """Return the push [m/s^2], (T, n), for a thrust lag [s]; 0 where unknown."""
         return np.where(self.whole, self.force - lagged(self.thrust, self.t, lag) * self.lean, 0.0)
 
 
 def sensed(flight: Flight, vehicle: Vehicle) -> Sensed | None:
-    """Return what the sensors of a flight say; None where it lacks accelerometer or command."""
+    """Return acceleration and command of a flight; None if it lacks either."""
     force = rotate(flight.quat, flight.specific_force_body)[..., 2]
     lean = rotate(flight.quat, UP)[..., 2] / vehicle.mass
     whole = np.isfinite(force * lean) & np.isfinite(flight.thrust) & np.isfinite(flight.pos).all(axis=-1)
@@ -74,12 +74,12 @@ def sensed(flight: Flight, vehicle: Vehicle) -> Sensed | None:
 
 
 def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord | None:
-    """Return the push between accelerometer and command; None where a flight lacks either.
+    """Return the force as the difference of accelerometer and command; None if a flight lacks either.
 
     Args:
-        flight: the flight.
-        vehicle: whose mass.
-        lag: time constant of thrust behind its command [s].
+        flight: recorded flight.
+        vehicle: vehicle, for its mass.
+        lag: time constant of thrust [s].
     """
     found = sensed(flight, vehicle)
     if found is None:
@@ -95,7 +95,7 @@ def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord
 
 
 def motion_of(flight: Flight) -> Motion:
-    """Return a flight's filtered motion, its holes on lines between what is known."""
+    """Return a flight's filtered motion with interpolated gaps."""
     level = np.isfinite(flight.quat).all(axis=-1, keepdims=True)
     axis = rotate(np.where(level, flight.quat, [0.0, 0.0, 0.0, 1.0]), UP)
     pos, vel = (_filled(flight.t, values) for values in (flight.pos, flight.vel))
@@ -103,7 +103,7 @@ def motion_of(flight: Flight) -> Motion:
 
 
 def lagged(values: Array, t: Array, lag: float) -> Array:
-    """Return values (T, n) behind a first-order lag [s]; a missing one (NaN) counts as the one before."""
+    """Return values (T, n) after a first-order lag [s]; missing ones (NaN) are interpolated first."""
     known = _filled(t, values)
     if lag <= 0.0:
         return known
@@ -112,7 +112,7 @@ def lagged(values: Array, t: Array, lag: float) -> Array:
 
 
 def _first_order_plain(values: Array, keep: float) -> Array:
-    """Return y_k = keep y_(k-1) + (1 - keep) values_k, (T, n), settled on the first value before."""
+    """Return y_k = keep y_(k-1) + (1 - keep) values_k, (T, n), from the steady state of the first value."""
     out = values.copy()
     for k in range(1, values.shape[0]):
         out[k] = keep * out[k - 1] + (1.0 - keep) * values[k]

@@ -1,8 +1,8 @@
-"""Find how far thrust lags behind its command, with accelerometer and command of the same flight.
+"""Time constant of thrust, from accelerometer and command of the same flight.
 
-    (R f_body)_z = lagged(U1; T) b_z / m + c + noise       minimised over T, c taken off for each vehicle
+    (R f_body)_z = lagged(U1; T) b_z / m + c + noise       minimised over T, with a constant c of each vehicle
 
-Only rows without a neighbour within half a metre sideways count: there the rotors alone push.
+Only rows without a neighbour within half a metre horizontally are used, where there is no downwash.
 """
 
 from collections.abc import Sequence
@@ -18,13 +18,13 @@ from q2q_model.signals.values import Array, CommandStatus
 from q2q_model.vehicle.constants import Vehicle
 
 CLEAR = 0.5
-"""Horizontal distance beyond which no downwash has been seen [m]."""
+"""Horizontal distance without observable downwash [m]."""
 LONGEST = 0.4
-"""Largest lag looked for [s]."""
+"""Upper bound of the lag [s]."""
 RESOLUTION = 1e-3
-"""To which the lag is searched [s]: a tenth of a tick."""
+"""Tolerance of the search [s]: a tenth of a tick."""
 FEWEST = 200
-"""Rows of one vehicle: 2 s at 100 Hz."""
+"""Fewest rows of a vehicle: 2 s at 100 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +37,9 @@ class _ClearAir:
 
 
 def thrust_lag(flights: Sequence[Flight], vehicle: Vehicle) -> float | None:
-    """Return the lag T [s] that explains the flights best.
+    """Return the lag T [s] that fits the flights best.
 
-    None where none has accelerometer and command, or the longest lag fits best: nothing moved enough to tell.
+    None if no flight has accelerometer and command, or the bound fits best for lack of excitation.
     """
     flown = [one for flight in flights if (one := _clear_air(flight, vehicle)) is not None]
     if not any((one.clear.sum(axis=0) >= FEWEST).any() for one in flown):

@@ -1,10 +1,10 @@
-"""Cut from a recorded flight what section 3 looks at: places, the altitude's reference and its command.
+"""Altitude record of a flight, the data of section 3: positions, altitude reference and command.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | r | pos | position [m], world, (T, n, 3) |
 | z_ref z_ref' z_ref'' | ref | altitude reference and its derivatives [m], [m/s], [m/s^2], (T, n, 3) |
-| U1 b_z / m - g | lift | vertical acceleration that was commanded [m/s^2], (T, n) |
+| U1 b_z / m - g | lift | commanded vertical acceleration [m/s^2], (T, n) |
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from q2q_model.vehicle.constants import GRAVITY, Vehicle
 UP = np.array([0.0, 0.0, 1.0])
 """Body z of a level vehicle."""
 SHORTEST = 2.0
-"""Least length of a record [s]: the altitude loop's own time."""
+"""Least duration of a record [s], about the time constant of the altitude loop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +40,11 @@ class AltitudeRecord:
     """Body z, world, (T, n, 3)."""
     ref: Array
     lift: Array
-    """NaN where no command was recorded."""
+    """Commanded vertical acceleration [m/s^2], (T, n); NaN where no command was recorded."""
     feed_forward: Array
-    """Downwash that the controller was told of [m/s^2], along z, (T, n); NaN where none was recorded."""
+    """Downwash compensated by the controller [m/s^2], along z, (T, n); NaN where not recorded."""
     outliers: int
-    """Motion capture samples that were no flight, of `samples`."""
+    """Number of outliers among the motion capture samples."""
     samples: int
 
     @property
@@ -64,7 +64,7 @@ class AltitudeRecord:
 
 
 def thinned(record: AltitudeRecord, every: int) -> AltitudeRecord:
-    """Return a record with every so many ticks kept."""
+    """Return every `every`-th tick of a record."""
     rows = slice(None, None, every)
     return replace(
         record,
@@ -80,10 +80,10 @@ def thinned(record: AltitudeRecord, every: int) -> AltitudeRecord:
 
 
 def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
-    """Return the record of a flight whose vehicles are all of one kind.
+    """Return the altitude record of a flight of identical vehicles.
 
-    Outliers of the motion capture are interpolated (section 2.2). Where the flight has filtered states they
-    are taken, since its controller saw them; else repaired positions and their differences.
+    Filtered states, the input of the controller, are used where recorded; else motion capture with
+    interpolated outliers (section 2.2) and its differences.
 
     Raises:
         ValueError: no reference, no positions, or less than 2 s of both.
@@ -118,7 +118,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
 
 
 def _altitude_reference(flight: Flight) -> Array:
-    """Return z_ref and two derivatives, (T, n, 3): what the controller was given, or else the plan."""
+    """Return z_ref and two derivatives, (T, n, 3): the controller's setpoint, else the plan."""
     given = np.stack([flight.safe_pos[..., 2], flight.safe_vel[..., 2], flight.safe_acc[..., 2]], axis=-1)
     plan = np.stack([flight.ref_pos[..., 2], flight.ref_vel[..., 2], flight.ref_acc[..., 2]], axis=-1)
     ref = np.where(np.isfinite(given), given, plan)
@@ -128,7 +128,7 @@ def _altitude_reference(flight: Flight) -> Array:
 
 
 def _common_rows(flight: Flight, placed: NDArray[np.bool_], ref: Array) -> slice:
-    """Return from the first to the last row in which every vehicle has a place and a reference."""
+    """Return the rows from the first to the last with position and reference of every vehicle."""
     whole = np.nonzero(placed.all(axis=1) & np.isfinite(ref).all(axis=(1, 2)))[0]
     if whole.size == 0 or flight.t[whole[-1]] - flight.t[whole[0]] < SHORTEST:
         raise ValueError(
@@ -149,7 +149,7 @@ def _lift(flight: Flight, vehicle: Vehicle) -> Array:
 
 
 def _resample(t: Array, values: Array, at: Array) -> Array:
-    """Return `values` (T, ...) at times `at`, on lines between finite rows."""
+    """Return `values` (T, ...) interpolated between finite rows at times `at`."""
     columns = values.reshape(t.size, -1)
     out = np.empty((at.size, columns.shape[1]))
     for k, column in enumerate(columns.T):

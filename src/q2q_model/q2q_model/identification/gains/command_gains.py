@@ -1,17 +1,17 @@
-"""Read the gains of the altitude loop where it is made: between what the controller saw and asked for.
+"""Gains of the altitude loop by regression of the controller's commands on its inputs.
 
-    U1 b_z / m - g - z_ref'' = K_p (z_ref - z) + K_d (z_ref' - z') + K_i xi - c eta_told + b
+    U1 b_z / m - g - z_ref'' = K_p (z_ref - z) + K_d (z_ref' - z') + K_i xi - c eta_ff + b
 
-One row a tick, linear in the gains, so least squares is exact; Huber weights keep rows out in which a limit
-cut in. The offset b is each vehicle's own in each flight (battery, mass). Terms beyond K_p and K_d stay only
-where an F test asks for them: does leaving them out raise the sum of squares by more than chance? Rows that
-err together count as fewer, n (1 - rho) / (1 + rho), rho the residual's correlation from one row to the next.
+Each tick gives one row, linear in the gains; Huber weights suppress rows in which a limit was active. The
+offset b is separate for each vehicle and flight (battery, mass). Terms beyond K_p and K_d are kept only if an
+F test finds them significant. Correlated rows reduce the effective number of rows to n (1 - rho) / (1 + rho),
+with rho the correlation of successive residuals.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | K_p K_d b K_i | loop | see q2q_model.vehicle.altitude_loop |
 | xi | | integral of z_ref - z [m s] |
-| c | | share of the told downwash that the controller takes off [-] |
+| c | | share of the downwash eta_ff that the controller compensates [-] |
 """
 
 from collections.abc import Sequence
@@ -26,28 +26,27 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 FEWEST = 200
-"""Rows: 2 s at 100 Hz."""
+"""Fewest rows: 2 s at 100 Hz."""
 NEEDED = 0.01
-"""A term is needed when chance alone explains it with less probability than this [-]."""
+"""Significance level of the F test [-]."""
 HUBER = 1.345
-"""Spreads beyond which a row weighs less; 95 % efficient for normal errors (Huber 1981)."""
+"""Huber threshold in standard deviations; 95 % efficient for normal errors (Huber 1981)."""
 RESOLUTION = 1e-6
-"""Acceleration below which no term is worth having and no row can be trusted [m/s^2]: 1e-7 of g."""
+"""Least standard deviation of the residual [m/s^2]: 1e-7 g."""
 ROUNDS, SETTLED = 10, 1e-4
-"""Most rounds of reweighting, and the change of weights at which they end [-]."""
+"""Most iterations of reweighting, and the change of weights that ends them [-]."""
 BLOCK = 1.0
-"""Least length of a cluster of errors [s]."""
-
+"""Least length of a cluster of residuals [s]."""
 MOST_VEHICLES = 1000
-"""Vehicles of one flight: groups are numbered by flight and vehicle."""
+"""Bound of the vehicles of a flight, for group numbers made of flight and vehicle."""
 
 K_P, K_D, INTEGRAL, TOLD, OFFSET = range(5)
-"""Terms of the equation; the last is one column for each vehicle of each flight."""
+"""Terms of the equation; OFFSET is one column for each vehicle of each flight."""
 
 
 @dataclass(frozen=True, slots=True)
 class GainFit:
-    """Hold a fitted loop, its intervals, and which terms it needs."""
+    """Fitted loop, its intervals and its significant terms."""
 
     loop: AltitudeLoop
     k_p: Interval
@@ -55,25 +54,25 @@ class GainFit:
     needs_offset: bool
     needs_integral: bool
     rms: float
-    """Spread of the residual: acceleration [m/s^2] from commands, altitude [m] from trajectories."""
+    """Standard deviation of the residual: [m/s^2] from commands, [m] from trajectories."""
     from_commands: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class _Equation:
-    """Hold the rows of all vehicles of all flights."""
+    """Regression of all vehicles of all flights."""
 
     target: Array
     columns: Array
     """K_P to TOLD, (rows, 4)."""
     group: Array
-    """Which vehicle of which flight, (rows,)."""
+    """Number of flight and vehicle, (rows,)."""
     t: Array
-    """[s], (rows,), rising within a group."""
+    """[s], (rows,), ascending within a group."""
 
 
 def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
-    """Return the gains that flew.
+    """Return the gains of the controller.
 
     Raises:
         ValueError: too few rows with commands.
@@ -136,9 +135,9 @@ def _equation(record: AltitudeRecord, i: int, group: int) -> _Equation:
 
 
 def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Array) -> EstimatingRows:
-    """Return what the gains' intervals need; offsets are taken off as the mean of each group.
+    """Return the estimating rows of the gains, with offsets eliminated by the mean of each group.
 
-    Huber's psi is the weighted residual; its slope is 1 where a row weighs fully, else 0.
+    Huber's psi is the weighted residual; its slope is 1 for rows of full weight, else 0.
     """
     columns = system.columns[:, [term for term in terms if term != OFFSET]].copy()
     slope = (weight == 1.0).astype(np.float64)
@@ -153,7 +152,7 @@ def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Arra
 
 
 def _design(system: _Equation, terms: Sequence[int]) -> Array:
-    """Return the columns of `terms`, in their order, the offsets' last."""
+    """Return the columns of `terms` in order, those of the offsets last."""
     plain = system.columns[:, [term for term in terms if term != OFFSET]]
     if OFFSET not in terms:
         return plain
@@ -162,7 +161,7 @@ def _design(system: _Equation, terms: Sequence[int]) -> Array:
 
 
 def _is_needed(system: _Equation, terms: list[int], term: int) -> bool:
-    """Return whether leaving `term` out raises the weighted sum of squares by more than chance."""
+    """Return whether an F test on the weighted sum of squares finds `term` significant."""
     if term != OFFSET and np.ptp(system.columns[:, term]) == 0.0:
         return False
     whole, less = _design(system, terms), _design(system, [other for other in terms if other != term])
@@ -178,7 +177,7 @@ def _is_needed(system: _Equation, terms: list[int], term: int) -> bool:
 
 
 def _robust(design: Array, target: Array) -> tuple[Array, Array]:
-    """Return the parameters and the Huber weight of every row, by reweighting."""
+    """Return the parameters and the Huber weight of every row, by iterative reweighting."""
     weight = np.ones_like(target)
     scale = _scale(design)
     scaled = design / scale
@@ -192,7 +191,7 @@ def _robust(design: Array, target: Array) -> tuple[Array, Array]:
 
 
 def _scale(design: Array) -> Array:
-    """Return the largest entry of each column; a column of zeros stays one."""
+    """Return the largest magnitude in each column, above zero."""
     return np.asarray(np.maximum(np.abs(design).max(axis=0), 1e-12))
 
 
@@ -202,7 +201,7 @@ def _solve(scaled: Array, target: Array, weight: Array) -> Array:
 
 
 def _spread(residual: Array) -> float:
-    """Return the standard deviation by the median of absolutes; 1.4826 makes it that of a normal."""
+    """Return the standard deviation from the median absolute residual, for a normal."""
     return max(1.4826 * float(np.median(np.abs(residual))), RESOLUTION)
 
 

@@ -1,18 +1,18 @@
-"""Solve the altitude loop (14) exactly between samples, as the response to what drives it.
+"""Exact response of the altitude loop (14) to downwash, offset and reference jerk.
 
-With epsilon = z - z_ref the loop does not see the reference. Without lag, and with a thrust lag T,
+In epsilon = z - z_ref the reference cancels. Without lag, and with a thrust lag T,
 
     epsilon'' = -K_d epsilon' - K_p epsilon + K_i xi + b + eta,   xi' = -epsilon
     epsilon'' = delta + eta,   T delta' = -K_d epsilon' - K_p epsilon + K_i xi + b - delta - T z_ref'''
 
 so epsilon = free response (start, b, reference's jerk) + sum over k of h_(t-k) eta_k. h is the response to
-eta that is 1 at one sample and falls on lines to 0 at its neighbours: exact for eta linear between samples
+eta that is 1 at one sample and falls linearly to 0 at its neighbours: exact for eta linear between samples
 (matrix exponential; Van Loan, Computing integrals involving the matrix exponential, 1978).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | epsilon | deviation | altitude minus reference [m] |
-| h | | response of epsilon to a unit of eta at one sample [s^2] |
+| h | | response of epsilon to a unit eta at one sample [s^2] |
 | Phi, Gamma0, Gamma1 | step | x_(k+1) = Phi x_k + Gamma0 u_k + Gamma1 u_(k+1) |
 """
 
@@ -34,13 +34,13 @@ class LoopStep:
     phi: Array
     """(s, s), states epsilon, epsilon', xi, delta (s = 3 without lag)."""
     gamma0: Array
-    """Of the inputs at the sample, (s, 3)."""
+    """Effect of the inputs at the sample, (s, 3)."""
     gamma1: Array
-    """Of the inputs at the next sample, (s, 3)."""
+    """Effect of the inputs at the next sample, (s, 3)."""
 
 
 def loop_step(loop: AltitudeLoop, dt: float) -> LoopStep:
-    """Return the exact step of a loop over dt [s] for inputs linear in between."""
+    """Return the exact step of a loop over dt [s] for inputs linear between samples."""
     a, b = _continuous(loop)
     s, m = b.shape
     block = np.zeros((s + 2 * m, s + 2 * m))
@@ -61,10 +61,10 @@ def impulse_response(loop: AltitudeLoop, dt: float, length: int) -> Array:
 
 
 def free_response(loop: AltitudeLoop, dt: float, start: Array, jerk: Array) -> Array:
-    """Return epsilon [m], (T, n), of vehicles that no downwash pushes.
+    """Return epsilon [m], (T, n), of vehicles without downwash.
 
     Args:
-        loop: the loop; its offset b acts all the time.
+        loop: altitude loop with a constant offset b.
         dt: time between samples [s].
         start: epsilon and epsilon' at the first sample [m], [m/s], (2, n).
         jerk: third derivative of the altitude reference [m/s^3], (T, n).
@@ -81,7 +81,7 @@ def free_response(loop: AltitudeLoop, dt: float, start: Array, jerk: Array) -> A
 
 
 def downwash_response(loop: AltitudeLoop, dt: float, eta: Array) -> Array:
-    """Return epsilon [m], (T, n), that downwash eta [m/s^2], (T, n), causes in vehicles at rest before."""
+    """Return epsilon [m], (T, n), of vehicles initially at rest under downwash eta [m/s^2], (T, n)."""
     step = loop_step(loop, dt)
     after = np.concatenate((eta[1:], eta[-1:]))
     push = eta[:, None] * step.gamma0[:, :1] + after[:, None] * step.gamma1[:, :1]
@@ -101,7 +101,7 @@ _march: Callable[[Array, Array, Array], Array] = compiled(_march_plain)
 
 
 def _continuous(loop: AltitudeLoop) -> tuple[Array, Array]:
-    """Return A (s, s) and B (s, 3) of the loop's differential equation."""
+    """Return A (s, s) and B (s, 3) of the continuous loop."""
     feedback = np.array([-loop.k_p, -loop.k_d, loop.k_i])
     if loop.lag == 0.0:
         a = np.array([[0.0, 1.0, 0.0], feedback, [-1.0, 0.0, 0.0]])

@@ -1,15 +1,15 @@
-"""Learn the gains of the altitude loop from trajectories alone, (12)-(13): the paper's way, and exactly.
+"""Gains of the altitude loop from trajectories alone, (12)-(13): by the paper's method, and exactly.
 
     min over K_p, K_d >= 0 of sum over t, j of (z_j - zhat_j)^2,
     zhat'' = z_ref'' + K_d (z_ref' - zhat') + K_p (z_ref - zhat)
 
-The paper minimises by Powell (xtol = ftol = 1e-8, Table 3) through an ODE solver. The loop is linear:
-`gains_from_trajectories` steps it exactly and minimises by Gauss-Newton, with offset, integral or lag.
-`is_better` says by an F test whether the terms of one fit were needed beyond another's.
+The paper minimises with Powell's method (xtol = ftol = 1e-8, Table 3) through an ODE solver. The loop is
+linear: `gains_from_trajectories` steps it exactly and minimises with Gauss-Newton, optionally with offset,
+integral or lag. `is_better` is an F test between two such fits.
 
-A trajectory tells gains only where something moves the vehicle: a start beside the reference, a step, a
-downwash that has passed; else their intervals are all that is searched. It tells the loop as a whole: a
-thrust lag T lowers the K_d that is found by K_p T, and cannot be told from it.
+Trajectories identify gains only under excitation: an initial error, a step, or downwash that has passed.
+Without it, the intervals extend over the search range. Only the whole loop is identifiable: a thrust lag T
+lowers the identified K_d by K_p T.
 """
 
 from collections.abc import Sequence
@@ -35,9 +35,9 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 TOLERANCE = 1e-8
 """xtol and ftol of Table 3."""
 BLOCK = 5.0
-"""Least length of a cluster of errors [s]: two thirds of the loop's swing."""
+"""Least length of a cluster of residuals [s]: two thirds of the loop's period."""
 FORBIDDEN = 1e12
-"""Loss of gains below zero [m^2]."""
+"""Loss of negative gains [m^2]."""
 LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "offset": -5.0, "lag": 1e-3}
 HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "offset": 5.0, "lag": 0.5}
 START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "offset": 0.0, "lag": 0.05}
@@ -45,20 +45,20 @@ START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "offset": 0.0, "lag": 0.05}
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryGains:
-    """Hold a loop fitted to trajectories."""
+    """Loop fitted to trajectories."""
 
     loop: AltitudeLoop
     intervals: tuple[tuple[str, Interval], ...]
     mse: Array
     """Mean square error of each vehicle of each flight [m^2], (flights, n)."""
     rows: float
-    """Independent residuals: those that hang together count as fewer."""
+    """Effective number of independent residuals."""
 
 
 def gains_from_trajectories(
     records: Sequence[AltitudeRecord], options: Sequence[str] = ()
 ) -> TrajectoryGains:
-    """Return the loop that explains measured altitudes; `options` among offset, k_i and lag."""
+    """Return the loop fitted to altitudes; `options` among offset, k_i and lag."""
     names = ["k_p", "k_d", *options]
     bounds = (np.array([LOW[name] for name in names]), np.array([HIGH[name] for name in names]))
     start = np.array([START[name] for name in names])
@@ -107,7 +107,7 @@ def gains_by_powell(records: Sequence[AltitudeRecord]) -> TrajectoryGains:
 
 
 def is_better(more: TrajectoryGains, less: TrajectoryGains, level: float = 0.01) -> bool:
-    """Return whether the extra terms of `more` lower the sum of squares by more than chance."""
+    """Return whether an F test finds the extra terms of `more` significant."""
     extra = len(more.intervals) - len(less.intervals)
     freedom = max(more.rows - len(more.intervals), 1.0)
     ratio = (less.mse.sum() - more.mse.sum()) / more.mse.sum() * freedom / extra
@@ -122,7 +122,7 @@ def _misses(records: Sequence[AltitudeRecord], loop: AltitudeLoop) -> list[Array
 
 
 def _solved(record: AltitudeRecord, gains: Array) -> Array:
-    """Return z - zhat [m], (T, n), by an adaptive solver at its default tolerance."""
+    """Return z - zhat [m], (T, n), by an adaptive solver with default tolerances."""
     k_p, k_d = gains
     t, n = record.t, len(record.names)
 

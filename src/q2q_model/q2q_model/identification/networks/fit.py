@@ -1,12 +1,11 @@
-"""Fit the paper's two networks to altitudes: by its Adam, and by faster ways to the same loss (16).
+"""Fit of the paper's two networks to altitudes, with Adam and with faster methods for the same loss (16).
 
     minimise  loss(theta) + decay |theta|^2        loss: q2q_model.identification.networks.trajectory_loss
 
-`ridge_start` draws the hidden layer at random and solves for the output layer at the measured distances: eta
-is linear in it and so is the altitude, so that is one linear system (Huang, Zhu, Siew, Extreme learning
-machine, 2006). `fit_networks` starts there and goes on by L-BFGS (Liu, Nocedal, 1989) with the exact
-gradient. `adam` is the paper's way, step 1e-4, on the same exact gradient. The decay keeps f from inventing
-what no flight shows.
+`ridge_start` draws the hidden layer at random and solves for the output layer at the measured distances, a
+linear system because eta and the altitude are linear in it (Huang, Zhu, Siew, Extreme learning machine,
+2006). `fit_networks` continues from there with L-BFGS (Liu, Nocedal, 1989) and the exact gradient. `adam` is
+the paper's optimiser, step 1e-4, with the same gradient. Weight decay regularises f where there are no data.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,11 +21,11 @@ from q2q_model.identification.networks.trajectory_loss import DivergingModelErro
 from q2q_model.signals.values import Array
 
 FORBIDDEN = 1e6
-"""Loss of networks that no altitude solves [m^2]."""
+"""Loss of networks without a consistent altitude [m^2]."""
 STEEP = 3.0
-"""Standard deviation of the random hidden weights [1/m]: a unit bends within a third of a metre."""
+"""Standard deviation of the random hidden weights [1/m]: a unit saturates within a third of a metre."""
 BETA1, BETA2, TINY = 0.9, 0.999, 1e-8
-"""Adam's own numbers (Kingma, Ba, 2015)."""
+"""Adam's default parameters (Kingma, Ba, 2015)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +50,7 @@ def fit_networks(passages: Sequence[Passage], params: NetworkFitParams | None = 
         nonlocal near
         try:
             value = trajectory_loss(unpack(theta, zone.eps, zone.d), passages, near)
-        except DivergingModelError:  # a line search that stepped too far: turn it back
+        except DivergingModelError:  # the line search stepped too far
             return FORBIDDEN, np.zeros_like(theta)
         near = value.etas
         return value.loss + given.decay * float(theta @ theta), value.gradient + 2.0 * given.decay * theta
@@ -62,7 +61,7 @@ def fit_networks(passages: Sequence[Passage], params: NetworkFitParams | None = 
 
 
 def ridge_start(passages: Sequence[Passage], params: NetworkFitParams) -> EnvelopeNetwork:
-    """Return networks with random hidden layers and the best output layers for them."""
+    """Return networks with random hidden layers and the optimal output layers."""
     zone = params.envelope
     theta = random_weights(np.random.default_rng(params.seed))
     model = unpack(theta, zone.eps, zone.d)
@@ -82,7 +81,7 @@ def ridge_start(passages: Sequence[Passage], params: NetworkFitParams) -> Envelo
 def adam(
     passages: Sequence[Passage], start: EnvelopeNetwork, rate: float = 1e-4
 ) -> Iterator[tuple[EnvelopeNetwork, float]]:
-    """Yield the networks before each of Adam's steps, with their loss (16), for ever."""
+    """Yield the networks before each of Adam's steps, with their loss (16), endlessly."""
     theta, first, second = pack(start), np.zeros(1), np.zeros(1)
     step, near, before = 0, None, None
     while True:
@@ -99,12 +98,12 @@ def adam(
 
 
 def _ahead(before: Sequence[Array], now: Sequence[Array]) -> tuple[Array, ...]:
-    """Return where small steps lead next: the fixed point starts there, on the line through the last two."""
+    """Return a linear extrapolation of the last two solutions, as the start of the next fixed point."""
     return tuple(2.0 * new - old for old, new in zip(before, now, strict=True))
 
 
 def random_weights(rng: np.random.Generator) -> Array:
-    """Return theta with random hidden layers and outputs of zero, (322,)."""
+    """Return theta with random hidden layers and zero output layers, (322,)."""
     parts = [
         (STEEP * rng.standard_normal(2 * HIDDEN), rng.standard_normal(HIDDEN), np.zeros(HIDDEN + 1))
         for _ in range(2)

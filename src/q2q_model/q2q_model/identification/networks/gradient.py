@@ -1,4 +1,4 @@
-"""Evaluate the envelope networks (15) together with their derivatives, for training.
+"""The envelope networks (15) with their derivatives, for training.
 
     eta = E (w f_lower + (1 - w) f_upper),   E = exp(-dxy^2 / (2 eps^2)) exp(-dz^2 / (2 d^2))
     d eta / d dz = E (w' (f_lower - f_upper) + (w f_lower' + (1 - w) f_upper') gap' - (dz / d^2) (...))
@@ -8,8 +8,8 @@ theta is the vector of all weights: W1, b1, w2, b2 of the lower network, then of
 | symbol | name | meaning [unit] |
 |---|---|---|
 | dxy | across | horizontal distance of a pair [m] |
-| dz | dz | z_j - z_i, the source's height above i [m] |
-| w, gap | | share of the lower law and rounded |dz|: q2q_model.downwash.roles |
+| dz | dz | z_j - z_i, height of the source above i [m] |
+| w, gap | | share of the lower law and smoothed |dz|: q2q_model.downwash.roles |
 """
 
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ from q2q_model.downwash.roles import BLEND, lower_share, smooth_gap
 from q2q_model.signals.values import Array
 
 ONE = 4 * HIDDEN + 1
-"""Weights of one network."""
+"""Number of weights of one network."""
 NEVER = 1e-12
-"""A role whose share is below this is not evaluated: it would not change the last digits of eta."""
+"""Share below which a role is not evaluated [-]; its contribution to eta is negligible."""
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """Values of eta at samples and the terms of its derivatives."""
+    """Values of eta at samples, and intermediate values for its derivatives."""
 
     eta: Array
     """[m/s^2], (p,)."""
@@ -40,7 +40,7 @@ class Evaluation:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Samples and hidden units of one role, and the factor with which its f enters eta."""
+    """Samples and hidden units of one role, and the factor of its f in eta."""
 
     rows: NDArray[np.intp]
     inputs: Array
@@ -84,7 +84,7 @@ def evaluate(model: EnvelopeNetwork, across: Array, dz: Array) -> Evaluation:
 
 
 def pullback(model: EnvelopeNetwork, at: Evaluation, cotangent: Array) -> Array:
-    """Return the gradient by theta of sum(cotangent * eta), (322,), for cotangent (p,)."""
+    """Return the gradient of sum(cotangent * eta) with respect to theta, (322,), for cotangent (p,)."""
     return np.concatenate(
         [_pull(net, part, cotangent) for net, part in zip((model.lower, model.upper), at.parts, strict=True)]
     )

@@ -1,13 +1,13 @@
-"""Train the paper's networks as the paper does: Adam, 1e-4, through an adaptive ODE solver, in torch.
+"""The paper's training of the networks: Adam, 1e-4, through an adaptive ODE solver, in torch.
 
-Kept as the reference that q2q_model.identification.networks.fit is measured against; the only module that
-imports torch. One step solves (14) for every flight with Dormand-Prince 5(4), its step chosen by the error
-estimate (Hairer, Norsett, Wanner, Solving ODEs I, II.4), the networks inside; gradients go through the steps.
+Reference for q2q_model.identification.networks.fit, and the only module that imports torch. One step of Adam
+solves (14) with the networks for every flight by Dormand-Prince 5(4) with step control (Hairer, Norsett,
+Wanner, Solving ODEs I, II.4) and differentiates through the steps of the solver.
 
     min over w of sum_t sum_j |z_j - zhat_j|^2,                                                      (16)
     zhat_j'' = z_ref'' + K_d (z_ref' - zhat_j') + K_p (z_ref - zhat_j) + eta_j(dr; w)
 
-The loop's lag is a state of its own where it is not zero. Inputs between samples are linear.
+A non-zero lag of the loop adds a state. Inputs are linear between samples.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,7 +24,7 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 RATE = 1e-4
 """Adam's step size, Table 4."""
 RTOL, ATOL = 1e-5, 1e-7
-"""Tolerances of the solver; the paper gives none. atol in m and m/s."""
+"""Tolerances of the solver; the paper gives none. ATOL in m and m/s."""
 SAFETY, SHRINK, GROW = 0.9, 0.2, 5.0
 """Step control (Hairer, Norsett, Wanner, II.4)."""
 
@@ -56,13 +56,13 @@ class _Inputs:
     i: list[int]
     j: list[int]
     start: torch.Tensor
-    """z, z', and with lag the thrust's acceleration, (s, n)."""
+    """z, z', and with lag the acceleration of the thrust, (s, n)."""
 
 
 def train(
     records: Sequence[AltitudeRecord], loop: AltitudeLoop, start: EnvelopeNetwork
 ) -> Iterator[tuple[torch.Tensor, float]]:
-    """Yield theta before each of Adam's steps, with its loss (16) [m^2], for ever.
+    """Yield theta before each of Adam's steps, with its loss (16) [m^2], endlessly.
 
     The loss is the mean over flights of the sum over vehicles of the mean square error.
     """
@@ -84,7 +84,7 @@ def train(
 def loss_and_gradient(
     records: Sequence[AltitudeRecord], loop: AltitudeLoop, model: EnvelopeNetwork
 ) -> tuple[float, torch.Tensor]:
-    """Return the loss and its gradient by theta, through the solver."""
+    """Return the loss and its gradient with respect to theta, through the solver."""
     theta = torch.tensor(pack(model), dtype=torch.float64, requires_grad=True)
     flights = [_inputs(record, loop) for record in records]
     parts = [((_simulate(one, loop, theta, model) - one.z) ** 2).mean(dim=0).sum() for one in flights]
@@ -115,7 +115,7 @@ def _inputs(record: AltitudeRecord, loop: AltitudeLoop) -> _Inputs:
 
 
 def _simulate(one: _Inputs, loop: AltitudeLoop, theta: torch.Tensor, shape: EnvelopeNetwork) -> torch.Tensor:
-    """Return zhat at every tick, (T, n), by steps of the solver, read by its own cubic in between."""
+    """Return zhat at every tick, (T, n), by the solver, with cubic interpolation between its steps."""
 
     def rate(t: torch.Tensor, state: torch.Tensor) -> torch.Tensor:
         ref, across = _between(one, t)
@@ -172,7 +172,7 @@ def _cubic(
     before: tuple[torch.Tensor, torch.Tensor],
     after: tuple[torch.Tensor, torch.Tensor],
 ) -> torch.Tensor:
-    """Return the cubic through value and slope at both ends of a step (Hermite)."""
+    """Return the cubic Hermite interpolant of a step."""
     s2, s3 = share**2, share**3
     return (
         (2 * s3 - 3 * s2 + 1) * before[0]
@@ -183,7 +183,7 @@ def _cubic(
 
 
 def _eta(theta: torch.Tensor, across: torch.Tensor, dz: torch.Tensor, shape: EnvelopeNetwork) -> torch.Tensor:
-    """Return (15) for pairs, (p,), as q2q_model.downwash.envelope_network."""
+    """Return (15) for pairs, (p,), as in q2q_model.downwash.envelope_network."""
     tanh = torch.tanh(dz / BLEND)
     share, inputs = 0.5 * (1.0 + tanh), torch.stack((across, dz * tanh), dim=-1)
     envelope = torch.exp(-(across**2) / (2.0 * shape.eps**2) - dz**2 / (2.0 * shape.d**2))

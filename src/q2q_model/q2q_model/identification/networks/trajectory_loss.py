@@ -1,17 +1,17 @@
-"""Give the training loss (16) and its exact gradient without solving a differential equation.
+"""Training loss (16) and its exact gradient, without an ODE solver.
 
     loss = sum over t, i of (z_i - zhat_i)^2,   zhat_i = z_free,i + (h * eta_i)
     eta_i = sum over j of eta(dxy_ij, zhat_j - zhat_i)
 
-eta vanishes but for the few samples S in which a pair is near; h is the loop's impulse response
-(q2q_model.identification.gains.impulse_response). So with eta on S as the unknown
+eta is non-zero only on the few samples S in which a pair is near; h is the loop's impulse response
+(q2q_model.identification.gains.impulse_response). With eta on S as the unknown,
 
     zhat_S = z_free,S + H eta        H = Toeplitz(h) on S: strictly causal, a fixed point in a few sweeps
     loss_i = r'r - 2 q_i . eta_i + eta_i' G eta_i,  G = K'K, q = K'r, K = Toeplitz(h) from S to all samples
 
 and the gradient follows from the adjoint of the fixed point,
-lambda = 2 (G eta - q) + H' (d eta / d zhat)' lambda. Nothing is left out: the value is that of an exact
-solver with eta linear between samples.
+lambda = 2 (G eta - q) + H' (d eta / d zhat)' lambda. There is no approximation: the value is that of an
+exact solver with eta linear between samples.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -34,19 +34,19 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 WIDE = 6.0
-"""Widths of the envelope beyond which eta is zero: there it is 1.5e-8 of its peak [-]."""
+"""Widths of the envelope beyond which eta is zero: it is 1.5e-8 of its peak there [-]."""
 MOST_ACTIVE = 1000
-"""Samples of one flight that are solved at once: some 20 ms a loss. Longer encounters are thinned."""
+"""Most active samples of a flight, about 20 ms per loss; longer encounters are decimated."""
 SETTLED = 1e-9
-"""Change of eta at which the fixed point is reached [m/s^2]: a nanometre of altitude at most."""
+"""Change of eta that ends the iteration [m/s^2]: at most a nanometre of altitude."""
 SWEEPS = 60
-"""Most sweeps: H is strictly causal, and a loop slower than its encounters contracts by half or more."""
+"""Most sweeps; a sweep contracts by at least half if the loop is slower than the encounters."""
 
 Rows = NDArray[np.intp]
 
 
 class DivergingModelError(ValueError):
-    """Error for a model whose force grows as it is followed, so that no altitude solves it."""
+    """Error for a model whose fixed point of altitude and downwash diverges."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +55,9 @@ class Passage:
 
     name: str
     i: Rows
-    """Vehicle that feels, for each ordered pair, (p,)."""
+    """Exposed vehicle of each ordered pair, (p,)."""
     j: Rows
-    """Vehicle that causes, (p,)."""
+    """Source of each ordered pair, (p,)."""
     across: Array
     """Horizontal distance [m], (S, p), measured."""
     dz: Array
@@ -84,9 +84,9 @@ class LossValue:
     loss: float
     """Mean over flights of the sum over vehicles [m^2]."""
     gradient: Array
-    """By theta."""
+    """Gradient with respect to theta, (322,)."""
     etas: tuple[Array, ...]
-    """eta on the active samples of each flight: a start for the next, nearby evaluation."""
+    """eta on the active samples of each flight, a start for the next evaluation."""
 
 
 def active_samples(record: AltitudeRecord, reach: tuple[float, float]) -> Rows:
@@ -98,11 +98,11 @@ def active_samples(record: AltitudeRecord, reach: tuple[float, float]) -> Rows:
 
 
 def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, float]) -> Passage:
-    """Return the loss's matrices for one flight, thinned to `MOST_ACTIVE` active samples where it has more.
+    """Return the terms of one flight in the loss, decimated to at most `MOST_ACTIVE` active samples.
 
     Args:
-        record: the flight.
-        loop: the altitude loop of every vehicle.
+        record: altitude record of the flight.
+        loop: altitude loop of every vehicle.
         reach: horizontal and vertical distance [m] beyond which eta is zero.
     """
     every = -(-active_samples(record, reach).size // MOST_ACTIVE)
@@ -137,9 +137,9 @@ def trajectory_loss(
     """Return the loss of a model on flights, with its exact gradient.
 
     Args:
-        model: the networks.
-        passages: the flights.
-        near: eta of a similar model, from which the fixed point is nearer.
+        model: networks.
+        passages: terms of the flights.
+        near: eta of a similar model, as the start of the fixed point.
     """
     starts = near or [_felt(one, evaluate(model, one.across.ravel(), one.dz.ravel()).eta) for one in passages]
     solved = [_solve(model, one, start) for one, start in zip(passages, starts, strict=True)]
@@ -174,7 +174,7 @@ def _solve(model: EnvelopeNetwork, one: Passage, eta: Array) -> Evaluation:
 
 
 def _adjoint(one: Passage, at: Evaluation, eta: Array) -> Array:
-    """Return the loss's derivative by each pair's eta, (S * p,), all that follows from it included."""
+    """Return the total derivative of the loss with respect to each pair's eta, (S * p,)."""
     slope = at.slope.reshape(one.across.shape)
     direct = 2.0 * (one.G @ eta - one.q)
     adjoint = direct
@@ -197,7 +197,7 @@ def _heights(one: Passage, eta: Array) -> Array:
 
 
 def _felt(one: Passage, of_pairs: Array) -> Array:
-    """Return the sum over causes, (S, n), of eta of pairs (S * p,)."""
+    """Return the sum over sources, (S, n), of eta of pairs (S * p,)."""
     eta = np.zeros_like(one.free)
     for k, i in enumerate(one.i):
         eta[:, i] += of_pairs.reshape(one.across.shape)[:, k]

@@ -1,8 +1,8 @@
-"""List the interaction models that may explain flights, and pick one by its held-out error.
+"""Candidate interaction models, and the choice among them by held-out error.
 
-The jet in several forms, and the paper's networks. Pushes are fitted where they were measured, else
-altitudes. A form with more freedom must lower the error on flights it has not seen by more than `MARGIN`, or
-the plainer one, which stands earlier in the list, is kept.
+Candidates are several forms of the jet and the paper's networks. They are fitted to measured forces if there
+are any, else to altitudes. A later candidate, with more parameters, replaces an earlier one only if it lowers
+the held-out error by more than `MARGIN`.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,14 +30,14 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 NETWORKS = "the paper's two networks"
 FAILURES = (ValueError, np.linalg.LinAlgError)
-"""What a candidate raises that cannot be fitted."""
+"""Exceptions of a fit that fails."""
 MARGIN = 0.02
-"""Relative gain in held-out error that pays for more freedom [-]."""
+"""Relative reduction of the held-out error required of a model with more parameters [-]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """Model family that may explain the flights."""
+    """Model family to fit."""
 
     name: str
     kind: str
@@ -63,7 +63,7 @@ FORMS = {
 
 
 def candidates(kind: str, flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
-    """Return the candidates of a kind: auto, jet or envelope_network; none where no downwash can be seen.
+    """Return the candidates of a kind: auto, jet or envelope_network; "none" for flights without downwash.
 
     Raises:
         ValueError: an unknown kind.
@@ -80,7 +80,7 @@ def candidates(kind: str, flights: Sequence[FlightEvidence], loop: AltitudeLoop)
 
 
 def remarks_on_networks(kind: str, flights: Sequence[FlightEvidence]) -> list[str]:
-    """Return what long encounters mean for the networks: auto leaves them out, else flights are thinned."""
+    """Return a remark on long encounters: auto omits the networks, else flights are decimated."""
     if kind == "jet" or not (long := _long_encounters(flights)):
         return []
     which = f"{', '.join(long)}: over {MOST_ACTIVE} samples with a pair in reach"
@@ -97,9 +97,9 @@ def try_out(
     loop: AltitudeLoop,
     tell: Callable[[str], None],
 ) -> tuple[list[Trial], list[str]]:
-    """Return how each candidate does on flights left out, and remarks on those that cannot be fitted.
+    """Return each candidate's held-out score, and remarks on those that cannot be fitted.
 
-    `tell` is given each name before its turn.
+    `tell` is called with the name of each candidate before its fit.
     """
     trials: list[Trial] = []
     remarks: list[str] = []
@@ -115,10 +115,10 @@ def try_out(
 def fit_best(
     trials: Sequence[Trial], flights: Sequence[FlightEvidence]
 ) -> tuple[Trial, InteractionModel, list[str]]:
-    """Return the best trial, its model of all flights, and remarks on better ones that cannot be fitted.
+    """Return the best trial, its model fitted to all flights, and remarks on better ones that fail to fit.
 
     Raises:
-        ValueError: none can be fitted.
+        ValueError: no candidate can be fitted.
     """
     left = list(trials)
     remarks: list[str] = []
@@ -133,7 +133,7 @@ def fit_best(
 
 
 def best_of(trials: Sequence[Trial]) -> Trial:
-    """Return the trial with the least held-out error, the plainer where two are alike."""
+    """Return the trial with the least held-out error, the earlier of two within `MARGIN`."""
     best = trials[0]
     for trial in trials[1:]:
         if trial.held_out.badness < (1.0 - MARGIN) * best.held_out.badness:
@@ -144,9 +144,9 @@ def best_of(trials: Sequence[Trial]) -> Trial:
 def fit_jet(
     flights: Sequence[FlightEvidence], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
 ) -> JetFit:
-    """Return the jet of a form, from pushes where every flight has some, else from altitudes.
+    """Return the jet of a form fitted to measured forces if there are any, else to altitudes.
 
-    `solved` is that jet where it is known already: then only its intervals are made.
+    `solved` is that jet if known already: then only its intervals are computed.
     """
     pushes = [one for flight in flights for one in flight.pushes]
     if any(one.exposed.any() for one in pushes):
@@ -157,7 +157,7 @@ def fit_jet(
 def with_deviation(
     found: Candidate, model: InteractionModel, flights: Sequence[FlightEvidence]
 ) -> InteractionModel:
-    """Return a candidate's model with its deviation on flights left out, where it is a jet of pushes."""
+    """Return a candidate's model, a jet with its deviation on held-out flights."""
     pushes = [one for flight in flights for one in flight.pushes]
     if found.name in FORMS and isinstance(model, Jet):
         return with_held_out_deviation(model, pushes, FORMS[found.name])
@@ -167,7 +167,7 @@ def with_deviation(
 def spread_of(
     found: Candidate, model: InteractionModel, flights: Sequence[FlightEvidence], loop: AltitudeLoop
 ) -> tuple[tuple[str, Interval], ...]:
-    """Return the intervals of the parameters of a candidate's model, by name; none but for a jet."""
+    """Return the intervals of the parameters of a candidate's model, by name; empty unless it is a jet."""
     if found.name not in FORMS or not isinstance(model, Jet):
         return ()
     return fit_jet(flights, loop, FORMS[found.name], model).intervals
@@ -190,7 +190,7 @@ def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
 
 
 def _long_encounters(flights: Sequence[FlightEvidence]) -> list[str]:
-    """Return the names of flights with more samples than the networks' loss solves at once."""
+    """Return the names of flights with more active samples than `MOST_ACTIVE`."""
     reach = _reach(NetworkFitParams())
     return [one.name for one in flights if active_samples(one.record, reach).size > MOST_ACTIVE]
 

@@ -1,10 +1,10 @@
-"""Score interaction models on flights they have not seen, whole flights at a time.
+"""Cross-validation of interaction models over whole flights.
 
-Flights are dealt into folds; each fold is scored by the model fitted on the others. Two figures a role:
+Each fold of flights is scored by the model fitted on the others, with two scores for each role:
 
     mse     mean square of z - z_free - (h * eta)      altitudes, loss (16)
     r2      1 - sum (y - eta)^2 / sum y^2              pushes: lower on exposed rows, upper on upper rows
-            1 - mse / mse without downwash                altitudes, where no pushes were measured
+            1 - mse / mse without downwash                altitudes, if no pushes were measured
 """
 
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 MOST_FOLDS = 3
-"""Each fold costs a fit; three leave two thirds of the flights to fit on."""
+"""Most folds; each costs a fit to at least two thirds of the flights."""
 
 Fitter = Callable[[Sequence[FlightEvidence]], InteractionModel]
 
@@ -36,7 +36,7 @@ class Score:
 
     @property
     def badness(self) -> float:
-        """Return what selection minimises: what the model leaves unexplained of the lower vehicle."""
+        """Return the unexplained share of the lower vehicle's downwash, which selection minimises."""
         return 1.0 - self.r2.lower if self.r2.lower is not None else float("inf")
 
 
@@ -51,7 +51,7 @@ class _Sums:
 
 
 def score_held_out(fit: Fitter, flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> Score:
-    """Return the score on flights left out of the fit; with one flight there is nothing to leave out."""
+    """Return the score on held-out flights; empty for a single flight."""
     folds = min(MOST_FOLDS, len(flights))
     if folds < 2:
         return Score(RoleScores(), RoleScores())
