@@ -99,7 +99,7 @@ class Real:
         self.node = Node(executable, parameter_overrides=given)
         self._made: list[Signal] = []
         wiring = import_module(f"{package}.ros.{executable}_node").build(self.node)
-        wiring.then(lambda _, made: self._made.append(made))
+        wiring.after_publish(lambda _, made: self._made.append(made))
         self._tick = 0
         own = {"use_sim_time"}  # rclpy's
         self.names = sorted(set(self.node.get_parameters_by_prefix("")) - own)

@@ -97,7 +97,7 @@ def test_a_weak_model_comes_right_from_the_topics_and_is_taken_up(listener: List
         with FlightDirector(lambda: None) as director:
             director.wait_wired(logs, PATIENCE_S)
             director.start("bag_play")
-        listener.until(lambda: "taken up" in logs["interference"].read_text(), "a model taken up")
+        listener.until(lambda: "model loaded" in logs["interference"].read_text(), "a loaded model")
         listener.until(lambda: abs(listener.strengths[-1] / true - 1.0) < 0.05, "the model came right")
     finally:
         for process in running:

@@ -1,11 +1,11 @@
-"""Compile hot loops, and keep their machine code only as long as all that it was made of stays the same.
+"""Numba compilation with a cache that is invalidated by every dependency of a kernel.
 
-numba's own cache looks at the file of a function and at nothing else: where a called function or a constant
-changes in another file, the old code runs on, silently. Here the key of the cache also holds a digest of all
-that the function uses, through any number of files: bytecode and constants of itself and of the compiled
-functions it calls, and the numbers it reads by name (not as `module.NAME`: import the name). Every compiled
-function of the house is made by it, never by `njit`, so that set-up can compile all of them (KERNELS). Call a
-kernel with arrays of one layout only: each layout is a compilation of its own, seconds in mid-flight.
+numba's own cache checks only the file of the function: if a called function or a constant changes in another
+file, stale machine code runs silently. Here the cache key also contains a digest of everything the function
+uses, across files: bytecode and constants of the function and of the kernels it calls, and the numbers it
+reads by name (not as `module.NAME`: import the name). Compile with `compiled`, never with `njit`, so that
+set-up can compile all KERNELS. Call a kernel with one array layout only: each layout is compiled separately,
+which takes seconds in flight.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,27 +25,27 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """Compiled function of the house."""
+    """Registered compiled function."""
 
     name: str
-    """Module and function."""
+    """Module and qualified name."""
     function: FunctionType
     inlined: bool
-    """Part of its callers' machine code; it has none of its own."""
+    """Inlined into its callers, without machine code of its own."""
     cache: "_CompleteCache"
     made: Dispatcher | FunctionType
-    """What is called: the function itself where numba is switched off."""
+    """Dispatcher; the plain function if numba is disabled."""
 
 
 FAST: dict[str, object] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
 """Options of loops that may divide by zero silently and add in any order."""
 
 KERNELS: list[Kernel] = []
-"""Every kernel of the modules imported so far."""
+"""Kernels of all modules imported so far."""
 
 
 COMPILED: list[str] = []
-"""Names of the kernels that this process has compiled, not loaded: none in flight."""
+"""Names of the kernels compiled (not loaded from the cache) by this process; none in flight."""
 
 
 @overload
@@ -57,9 +57,9 @@ def compiled(**options: object) -> Callable[[Function], Function]: ...
 
 
 def compiled(function: Callable[..., object] | None = None, /, **options: object) -> object:
-    """Compile the decorated function and enter it in KERNELS; `options` are those of numba.njit but `cache`.
+    """Return the compiled function, registered in KERNELS; `options` go to numba.njit, except `cache`.
 
-    Its plain form is the result's `py_func`.
+    The plain form is the result's `py_func`.
     """
     if function is None:
         return partial(_compiled, options=options)
@@ -69,16 +69,16 @@ def compiled(function: Callable[..., object] | None = None, /, **options: object
 def _compiled(function: Callable[..., object], options: dict[str, object]) -> object:
     made = njit(**options)(function)
     cache = made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
-    source = getattr(made, "py_func", made)  # with numba switched off, `made` is the function itself
+    source = getattr(made, "py_func", made)  # with numba disabled, `made` is the function itself
     name = f"{function.__module__}.{function.__qualname__}"
     KERNELS.append(Kernel(name, source, options.get("inline") == "always", cache, made))
     return made
 
 
 def uncached() -> list[str]:
-    """Return the kernels in KERNELS whose machine code the cache does not hold as they are now.
+    """Return the names of the kernels whose current machine code is not cached.
 
-    What other kernels call is part of their machine code, and not asked for.
+    Kernels called by other kernels are part of the callers' code and not listed.
     """
     parts = {called for kernel in KERNELS for called in _called_by(kernel.function)}
     entries = [one for one in KERNELS if not one.inlined and one.function not in parts]
@@ -86,7 +86,7 @@ def uncached() -> list[str]:
 
 
 def idle() -> list[str]:
-    """Return the kernels in KERNELS that this process has called neither from Python nor by way of others."""
+    """Return the names of the kernels this process has called neither from Python nor from other kernels."""
     called: set[FunctionType] = set()
     callers = [one.function for one in KERNELS if isinstance(one.made, Dispatcher) and one.made.overloads]
     while callers:
@@ -98,7 +98,7 @@ def idle() -> list[str]:
 
 
 class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
-    """Index of a function's compiled code; empty where it names types of modules that have moved since."""
+    """Index of a function's compiled code; empty if it refers to types of modules that have since moved."""
 
     def _load_index(self) -> dict[tuple[object, ...], str]:
         try:
@@ -109,7 +109,7 @@ class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
 
 
 class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """Cache of compiled code whose key changes with everything the code uses."""
+    """Cache of compiled code keyed by the digest of all dependencies."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
@@ -120,16 +120,16 @@ class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         return (*super()._index_key(signature, codegen), digest_of(self._py_func))
 
     def holds_any(self) -> bool:
-        """Return whether the cache holds code for any signature of the function as it is now."""
+        """Return whether the cache holds code for any signature of the current function."""
         digest = digest_of(self._py_func)
         return any(key[-1] == digest for key in self._cache_file._load_index())  # noqa: SLF001  numba shows it nowhere else
 
 
 class _CompilationListener(event.Listener):  # type: ignore[misc]  # numba has no types
-    """Entry in COMPILED for every compilation."""
+    """Listener that records every compilation in COMPILED."""
 
     def on_start(self, event: event.Event) -> None:
-        """Enter the kernel."""
+        """Record the kernel."""
         function = event.data["dispatcher"].py_func
         COMPILED.append(f"{function.__module__}.{function.__qualname__}")
 
@@ -141,7 +141,7 @@ event.register("numba:compile", _CompilationListener())
 
 
 def digest_of(function: FunctionType) -> str:
-    """Return a digest of a function and of all compiled functions and constants that it uses."""
+    """Return a digest of a function and of all kernels and constants that it uses."""
     found = sha256()
     for part in _parts(function, set()):
         found.update(part.encode() + b"\0")
@@ -176,12 +176,12 @@ def _parts_of(name: str, value: object, seen: set[FunctionType]) -> Iterator[str
 
 
 def _ordered(value: object) -> object:
-    """Return a set as a sorted list, whose text is the same in every process; all else as it is."""
+    """Return a set as a sorted list, whose text is the same in every process; other values unchanged."""
     return sorted(map(repr, value)) if isinstance(value, set | frozenset) else value
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
-    """Yield a function's code and that of the functions within it."""
+    """Yield a function's code and that of its nested functions."""
     yield code
     for const in code.co_consts:
         if isinstance(const, CodeType):

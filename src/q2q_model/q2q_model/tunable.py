@@ -1,8 +1,8 @@
-"""Describe tunable numbers once: a frozen dataclass field with unit, meaning and bounds.
+"""Parameters as frozen dataclass fields with unit, description and bounds.
 
-A block's parameters are the fields of one frozen `...Params` dataclass beside the block. The same
-fields are the node's ROS parameters (q2q_model.ros.node.node_parameters declares them), the keys a scenario
-or YAML file may override, and the rows of the documentation. Allowed field types: bool, int, float, str,
+A block's parameters are the fields of one frozen `...Params` dataclass beside the block. The same fields are
+the node's ROS parameters (declared by q2q_model.ros.node.node_parameters), the keys that a scenario or YAML
+file may override, and the rows of the documentation. Allowed field types: bool, int, float, str,
 tuple[float, ...], tuple[str, ...].
 """
 
@@ -34,11 +34,11 @@ class Tunable:
     high: float | None = None
     choices: tuple[str, ...] = ()
     read_only: bool = False
-    """May only be set when the node starts."""
+    """Settable only at node start."""
 
     @property
     def allowed(self) -> str:
-        """Return what is allowed, in words."""
+        """Return the allowed values as text."""
         if self.choices:
             return f"one of {', '.join(self.choices)}"
         if self.low is None or self.high is None:
@@ -48,9 +48,9 @@ class Tunable:
 
 
 def tunable(default: T, description: str, **rest: Any) -> T:  # noqa: ANN401
-    """Declare a dataclass field that is a parameter; `rest` are the other fields of Tunable.
+    """Return a dataclass field that declares a parameter; `rest` are the other fields of Tunable.
 
-    Returns a dataclass field; typed as its default so that `gain: float = tunable(1.0, ...)` checks.
+    Typed as its default so that `gain: float = tunable(1.0, ...)` type-checks.
     """
     made: T = field(default=default, metadata={"tunable": Tunable(description, **rest)})
     return made
@@ -60,12 +60,12 @@ def tunable_of(entry: Field[Any]) -> Tunable:
     """Return the Tunable of a dataclass field."""
     found = entry.metadata.get("tunable")
     if not isinstance(found, Tunable):
-        raise TypeError(f"field {entry.name} is no parameter: declare it with tunable(...)")
+        raise TypeError(f"field {entry.name} is not a parameter: declare it with tunable(...)")
     return found
 
 
 def check_bounds(params: ParamsClass) -> None:
-    """Raise ValueError naming the field, its value and what is allowed. Call in `__post_init__`."""
+    """Raise ValueError with field, value and allowed range of the first violation; for `__post_init__`."""
     for entry in fields(params):
         _check(type(params).__name__, entry.name, getattr(params, entry.name), tunable_of(entry))
 
@@ -73,7 +73,7 @@ def check_bounds(params: ParamsClass) -> None:
 def with_overrides(params: P, overrides: Mapping[str, ParameterValue]) -> P:
     """Return `params` with some fields replaced.
 
-    Raises ValueError for an unknown key (with the nearest right one) or a value out of bounds.
+    Raises ValueError for an unknown key (with the closest known one) or a value out of bounds.
     """
     known = [entry.name for entry in fields(params)]
     for key in overrides:

@@ -93,7 +93,7 @@ def test_every_cut_of_a_message_is_refused() -> None:
 
 
 def test_repeated_names_another_frame_and_unequal_arrays_are_refused_by_name() -> None:
-    with pytest.raises(BadMessageError, match="repeated vehicle names in cf1, cf1"):
+    with pytest.raises(BadMessageError, match="duplicate vehicle names in cf1, cf1"):
         decode(encode(made(MocapFrame, ("cf1", "cf1"), 0), 0), MocapFrame)
     with pytest.raises(BadMessageError, match="frame_id 'wOrld'"):
         decode(encode(made(MocapFrame, ("cf1",), 0), 0).replace(b"world", b"wOrld"), MocapFrame)

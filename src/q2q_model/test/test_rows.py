@@ -70,5 +70,5 @@ def test_one_bad_message_among_good_ones_is_refused():
     messages = recorded(MocapFrame, [("cf1", "cf2")] * 4)
     at = messages[0].index(b"cf2\0")
     messages[2] = messages[2][:at] + b"cf1\0" + messages[2][at + 4 :]
-    with pytest.raises(BadMessageError, match="repeated vehicle names"):
+    with pytest.raises(BadMessageError, match="duplicate vehicle names"):
         rows_of_messages(messages, MocapFrame)

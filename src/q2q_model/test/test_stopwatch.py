@@ -11,8 +11,8 @@ def test_laps_are_timed_from_the_last_start_and_the_longest_is_told_once() -> No
         now[0] += lap
         watch.lap()
     assert (watch.last, watch.longest) == (0.125, 0.5)
-    assert watch.laps_told() == {"compute_ms": "125", "compute_max_ms": "500"}
-    assert watch.laps_told() == {"compute_ms": "125", "compute_max_ms": "0"}
+    assert watch.take_lap_report() == {"compute_ms": "125", "compute_max_ms": "500"}
+    assert watch.take_lap_report() == {"compute_ms": "125", "compute_max_ms": "0"}
 
 
 def test_seconds_grow_until_it_is_restarted() -> None:

@@ -1,6 +1,6 @@
 """When the nodes of a flight are wired."""
 
-from q2q_model.node.wiring import Wiring, unmatched, unserved, wiring_from_text
+from q2q_model.node.wiring import Wiring, undelivered, unmatched, wiring_from_text
 
 SOURCE = Wiring(reads=("/command",), matched={"/mocap": 2})
 FILTER = Wiring(reads=("/mocap",), matched={"/state": 1})
@@ -30,10 +30,14 @@ def test_a_watching_reader_is_waited_for_only_where_the_writer_promises() -> Non
 
 def test_a_latched_value_is_waited_for_where_it_is_out() -> None:
     reader = Wiring(reads=("/plan",), matched={}, lacks=("/plan",))
-    assert unserved({"mpc": reader, "player": Wiring((), {"/plan": 1}, out=("/plan",))}) == {"mpc": ["/plan"]}
-    assert unserved({"mpc": reader, "player": Wiring((), {"/plan": 1})}) == {}  # it comes with the first tick
+    assert undelivered({"mpc": reader, "player": Wiring((), {"/plan": 1}, out=("/plan",))}) == {
+        "mpc": ["/plan"]
+    }
+    assert (
+        undelivered({"mpc": reader, "player": Wiring((), {"/plan": 1})}) == {}
+    )  # it comes with the first tick
     served = Wiring(reads=("/plan",), matched={})
-    assert unserved({"mpc": served, "player": Wiring((), {"/plan": 1}, out=("/plan",))}) == {}
+    assert undelivered({"mpc": served, "player": Wiring((), {"/plan": 1}, out=("/plan",))}) == {}
 
 
 def test_wiring_survives_its_text() -> None:

@@ -18,11 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmCommand, SwarmState, TrackStatus
 
 BACKENDS = ("cpp", "cflib")
 _PITCH_SIGN = {"cpp": 1.0, "cflib": -1.0}
-NANOSECONDS = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> Moca
     quat = np.array([one.quat for one in known]).reshape(len(known), 4)
     whole = np.isfinite(quat).all(axis=1, keepdims=True)
     return MocapFrame(
-        t=stamp_ns * NANOSECONDS,
+        t=time_from_stamp(stamp_ns),
         names=tuple(one.name for one in known),
         pos=np.array([one.pos for one in known]).reshape(len(known), 3),
         quat=np.where(whole, quat, np.nan),

@@ -24,6 +24,7 @@ from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
 from q2q_control.ros.server_vehicles import ServerVehicles
 from q2q_model.node.reply import Reply
+from q2q_model.signals.stamps import stamp_from_time, stamp_parts
 
 ARM_S = 1.0
 """Time that arming takes where no vehicle tells [s]."""
@@ -98,5 +99,5 @@ class CrazyswarmExecutor:
 
 
 def _timed(kind: type, order: Order) -> object:
-    whole, rest = divmod(round(order.duration * 1e9), 1_000_000_000)
+    whole, rest = stamp_parts(stamp_from_time(order.duration))
     return kind.Request(height=order.height, duration=Duration(sec=whole, nanosec=rest))  # type: ignore[attr-defined]

@@ -49,6 +49,7 @@ from q2q_model.ros.topics.messages import MESSAGES, header_at
 from q2q_model.ros.topics.qos import OUTSIDE, TICK
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_parts
 from q2q_model.signals.values import MocapFrame, Names, SwarmState
 from q2q_model.vehicle.constants import vehicle_by_name
 
@@ -141,7 +142,7 @@ class Crazyswarm:
         if self._poses is None:
             return
         stamp = message.header.stamp
-        stamp_ns = stamp.sec * 1_000_000_000 + stamp.nanosec
+        stamp_ns = stamp_from_parts(stamp.sec, stamp.nanosec)
         poses = [self._poses.read(one) for one in message.poses]
         self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))
 

@@ -18,6 +18,7 @@ from q2q_control.inputs.controller import Controller
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 EMERGENCY = "all/emergency"
@@ -51,9 +52,9 @@ class GuardedCommands:
         """Offer the emergency service, count fallbacks, and live look at the wall clock."""
         self._wiring = wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
-        wiring.then(self._count)
+        wiring.after_publish(self._count)
         if self._watch is not None:
-            wiring.hear("state", self._hear)
+            wiring.listen("state", self._hear)
             steady_timer(node, PERIOD_S, self._look)
             if self._watch.params.hold_s > 0.0:
                 wiring.on_silence(self._watch.params.hold_s, self._on_silence)
@@ -88,7 +89,7 @@ class GuardedCommands:
     def _send(self, command: SwarmCommand | None) -> None:
         if command is not None:
             self._wiring.health.fallbacks += 1
-            self._wiring.publish(round(command.t * 1e9), command)
+            self._wiring.publish(stamp_from_time(command.t), command)
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
         self._guard.cut()

@@ -26,6 +26,7 @@ from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import vehicle_by_name
@@ -78,7 +79,9 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     if own.aware:
         inputs["interference"] = Interference
     wiring = TickWiring(node, inputs, ("command", SwarmCommand))
-    wiring.then(LegacyTopics(node, LegacyScale(vehicle.full_pwm_thrust), own.legacy_hz, own.vehicles).publish)
+    wiring.after_publish(
+        LegacyTopics(node, LegacyScale(vehicle.full_pwm_thrust), own.legacy_hz, own.vehicles).publish
+    )
     guarded = GuardedCommands(block, declare(node, FallbackParams()), vehicle.hover_thrust, live=own.live)
     guarded.wire(node, wiring)
 
@@ -115,8 +118,9 @@ def _within(budget: TimeBudget, answer: Callable[..., SwarmCommand]) -> Callable
 
 def preview_of(message: Plan) -> SampledPreview:
     """Return the preview of the plan in a message."""
-    start = message.header.stamp
-    return sampled_preview(tuple(message.names), curves_of(message), start.sec + start.nanosec * 1e-9)
+    stamp = message.header.stamp
+    start = time_from_stamp(stamp_from_parts(stamp.sec, stamp.nanosec))
+    return sampled_preview(tuple(message.names), curves_of(message), start)
 
 
 def main() -> None:

@@ -55,7 +55,9 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     if own.aware:
         inputs["interference"] = Interference
     wiring = TickWiring(node, inputs, ("command", SwarmCommand))
-    wiring.then(LegacyTopics(node, LegacyScale(vehicle.full_pwm_thrust), own.legacy_hz, own.vehicles).publish)
+    wiring.after_publish(
+        LegacyTopics(node, LegacyScale(vehicle.full_pwm_thrust), own.legacy_hz, own.vehicles).publish
+    )
     guarded = GuardedCommands(block, declare(node, FallbackParams()), vehicle.hover_thrust, live=own.live)
     guarded.wire(node, wiring)
     wiring.rehearse(guarded.update, guarded.reset, own.vehicles)

@@ -11,6 +11,7 @@ from q2q_model.bag.storage.fault import BagError
 from q2q_model.bag.storage.source import RawMessage
 from q2q_model.bag.writer import BagWriter
 from q2q_model.flights.flight_log import FlightLog
+from q2q_model.signals.stamps import stamp_from_parts, stamp_from_time, stamp_parts, time_from_stamp
 from q2q_model.signals.values import Array
 
 LOG_TOPIC = "/log"
@@ -39,8 +40,8 @@ class _Row(Protocol):
 def write_log_row(bag: BagWriter, log: FlightLog, row: int) -> None:
     """Write one tick of a log to the topic /log of a bag."""
     types = jazzy_types().types
-    stamp_ns = round(float(log.t[row]) * 1e9)
-    sec, nanosec = divmod(stamp_ns, 1_000_000_000)
+    stamp_ns = stamp_from_time(float(log.t[row]))
+    sec, nanosec = stamp_parts(stamp_ns)
     header = types["std_msgs/msg/Header"](
         stamp=types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec), frame_id="world"
     )
@@ -71,7 +72,7 @@ def read_flight_log(path: Path | str) -> FlightLog:
     if len(heads) > 1:
         raise BagError(f"bag {bag.path}: vehicles or columns of {topic} change on the way; split it there")
     ((names, columns, units),) = heads
-    t = [(row.header.stamp.sec * 1_000_000_000 + row.header.stamp.nanosec) * 1e-9 for row in rows]
+    t = [time_from_stamp(stamp_from_parts(row.header.stamp.sec, row.header.stamp.nanosec)) for row in rows]
     lengths = {len(row.values) for row in rows}
     if lengths != {len(names) * len(columns)}:
         needs = f"{len(names)} vehicles and {len(columns)} columns need {len(names) * len(columns)}"

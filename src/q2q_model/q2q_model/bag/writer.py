@@ -26,6 +26,7 @@ from q2q_model.bag.storage.definitions import definition_of
 from q2q_model.bag.storage.fault import BagError
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 
 VERSION = 9
 """Version of metadata.yaml in ROS 2 Jazzy."""
@@ -111,7 +112,7 @@ class BagWriter:
         """
         if topic not in self._connections:
             self.add_topic(topic, f"q2q_msgs/msg/{LAYOUTS[type(signal)].message}")
-        header_ns = stamp_ns if stamp_ns * 1e-9 == signal.t else round(signal.t * 1e9)
+        header_ns = stamp_ns if time_from_stamp(stamp_ns) == signal.t else stamp_from_time(signal.t)
         self.write_raw(topic, stamp_ns, encode(signal, header_ns))
 
     def flush(self) -> None:

@@ -27,6 +27,7 @@ from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.outliers import Mask
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 from q2q_model.signals.values import (
     Array,
     MocapFrame,
@@ -134,7 +135,7 @@ def log_of(table: FlightTable) -> FlightLog:
 
 def stamp(t: float) -> float:
     """Return a time [s] rounded to nanoseconds, as its stamp in a message."""
-    return round(t * 1e9) * 1e-9
+    return time_from_stamp(stamp_from_time(t))
 
 
 def _mocap(table: FlightTable) -> Iterator[Signal]:

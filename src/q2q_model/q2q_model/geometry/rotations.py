@@ -1,4 +1,4 @@
-"""Turn quaternions and Euler angles into each other: the one place for both.
+"""Conversions and kinematics of quaternions and Euler angles.
 
 Quaternions are x y z w, body to world, of unit length; q and -q are the same attitude. Euler angles are
 roll phi, pitch theta, yaw psi in the order Z-Y-X: R(q) = Rz(psi) Ry(theta) Rx(phi). Every function takes
@@ -23,15 +23,15 @@ from numpy.typing import ArrayLike
 from q2q_model.signals.values import Array
 
 _SMALL_ANGLE = 1e-8
-"""Below this sin(x)/x is 1 to the last digit [rad]."""
+"""Below this angle sin(x)/x rounds to 1 [rad]."""
 _TINY = 1e-150
-"""Stands for zero in sin(x)/x; its square is no underflow."""
+"""Lower bound of the sine in sin(x)/x; its square does not underflow."""
 
 
 def _bilinear(rows: int, columns: int, terms: str) -> Array:
-    """Return B with (a b) = (a_i b_j, flat) B: `terms` lists, per column, signed index pairs like "+03-12".
+    """Return B such that a b = (a_i b_j, flat) B; `terms` lists signed index pairs per column, as "+03-12".
 
-    On a few vehicles one matrix product costs a third of the products written out.
+    For few vehicles one matrix product costs a third of the written-out products.
     """
     table = np.zeros((rows * rows, columns))
     for column, text in enumerate(terms.split()):
@@ -127,13 +127,13 @@ def quat_multiply(left: Array, right: Array) -> Array:
 
 
 def quat_between(before: Array, after: Array) -> Array:
-    """Return the turn before* after, seen from the body, (..., 4); its w is the cosine of half the angle."""
+    """Return the rotation before* after in body axes, (..., 4); its w is the cosine of half the angle."""
     pairs = before[..., :, None] * after[..., None, :]
     return np.asarray(pairs.reshape(*pairs.shape[:-2], 16) @ _QUAT_BETWEEN)
 
 
 def normalised(quat: Array) -> Array:
-    """Return `quat` at unit length, (..., 4); a zero quaternion becomes NaN."""
+    """Return `quat` scaled to unit length, (..., 4); a zero quaternion becomes NaN."""
     length = np.sqrt(np.sum(quat * quat, axis=-1, keepdims=True))
     return np.asarray(quat / np.where(length > 0.0, length, np.nan))
 
@@ -155,7 +155,7 @@ def vector_from_quat(quat: Array) -> Array:
 
 
 def quat_derivative(quat: Array, ang_vel_body: Array) -> Array:
-    """Return dq/dt [1/s], (..., 4), of a body that turns with `ang_vel_body` [rad/s] (..., 3)."""
+    """Return dq/dt [1/s], (..., 4), at angular velocity `ang_vel_body` [rad/s] (..., 3)."""
     rate = np.concatenate([ang_vel_body, np.zeros_like(ang_vel_body[..., :1])], axis=-1)
     return np.asarray(0.5 * quat_multiply(quat, rate))
 
@@ -166,9 +166,9 @@ def integrate_quat(quat: Array, ang_vel_body: Array, dt: float) -> Array:
 
 
 def ang_vel_between(quat_before: Array, quat_after: Array, dt: ArrayLike) -> Array:
-    """Return the constant body rate [rad/s], (..., 3), that turns one attitude into the next in `dt` [s].
+    """Return the constant body rate [rad/s], (..., 3), that leads from one attitude to the next in `dt` [s].
 
-    `dt` is a number or (...,). The shorter way round is taken: true below pi / dt.
+    `dt` is a number or (...,). The shorter rotation is assumed, which holds below pi / dt.
     """
     step = vector_from_quat(quat_between(quat_before, quat_after))
     return np.asarray(step / np.asarray(dt, dtype=np.float64)[..., None])

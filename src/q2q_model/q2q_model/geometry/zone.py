@@ -1,8 +1,8 @@
-"""Describe where downwash harms: the set I(eps, d) of section 3.1, other shapes, and their signed distances.
+"""Downwash zones with signed distances: the set I(eps, d) of section 3.1, and a smooth ellipsoid.
 
-I(eps, d) = { dr : dx^2 + dy^2 <= eps^2, |dz| <= d }. A zone is symmetric: rel_pos and -rel_pos are both
-in it or both out. `Ellipsoid` is smooth, as a planner's convex steps like it; the level set of a learned
-downwash is in q2q_model.downwash.level_set.
+I(eps, d) = { dr : dx^2 + dy^2 <= eps^2, |dz| <= d }. Zones are symmetric in the sign of rel_pos. `Ellipsoid`
+is smooth, as successive convexification requires; the level set of a learned downwash model is in
+q2q_model.downwash.level_set.
 """
 
 import math
@@ -15,7 +15,7 @@ from q2q_model.signals.values import Array
 
 
 class Zone(Protocol):
-    """Set of harmful relative positions with a distance function."""
+    """Set of relative positions with harmful downwash, and its distance function."""
 
     def signed_distance(self, rel_pos: Array) -> Array:
         """Return the distance to the set's boundary [m], (...,), negative inside, of rel_pos (..., 3)."""
@@ -23,10 +23,10 @@ class Zone(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
-    """The paper's zone I(eps, d)."""
+    """Zone I(eps, d) of the paper."""
 
     eps: float = 0.1
-    """Radius [m]; section 3.1: the vehicles' discs do not overlap beyond 92 mm."""
+    """Radius [m]; section 3.1: the rotor discs do not overlap beyond 92 mm."""
     d: float = 1.1
     """Half height [m]; section 3.1, from the decay of dev."""
 
@@ -40,24 +40,24 @@ class Cylinder:
 
 @dataclass(frozen=True, slots=True)
 class Ellipsoid:
-    """Spheroid about the vertical: (dx^2 + dy^2) / eps^2 + dz^2 / d^2 <= 1."""
+    """Spheroid about the vertical axis: (dx^2 + dy^2) / eps^2 + dz^2 / d^2 <= 1."""
 
     eps: float
-    """Horizontal half axis [m]."""
+    """Horizontal semi-axis [m]."""
     d: float
-    """Vertical half axis [m]."""
+    """Vertical semi-axis [m]."""
 
     def __post_init__(self) -> None:
-        """Check the half axes."""
+        """Check the semi-axes."""
         for name, value in (("eps", self.eps), ("d", self.d)):
             if not 0.0 < value < 100.0:
-                raise ValueError(f"Ellipsoid.{name} = {value}: allowed is 0 to 100 m, both excluded")
+                raise ValueError(f"Ellipsoid.{name} = {value}: allowed is 0 to 100 m, exclusive")
 
     @classmethod
     def around(cls, cylinder: Cylinder) -> "Ellipsoid":
-        """Return the smallest spheroid that holds a cylinder.
+        """Return the smallest spheroid that encloses a cylinder.
 
-        Its volume a^2 c is least under eps^2/a^2 + d^2/c^2 = 1 at a = eps sqrt(3/2), c = d sqrt(3).
+        Its volume ~ a^2 c is minimal under eps^2/a^2 + d^2/c^2 = 1 at a = eps sqrt(3/2), c = d sqrt(3).
         """
         return cls(eps=cylinder.eps * math.sqrt(1.5), d=cylinder.d * math.sqrt(3.0))
 
@@ -74,12 +74,12 @@ class Ellipsoid:
 
         It is (a^2 p / (t + a^2), c^2 q / (t + c^2)) for the largest root t of
         (a p / (t + a^2))^2 + (c q / (t + c^2))^2 = 1 (Eberly, Distance from a Point to an Ellipse, 2013).
-        A point on an inner axis has its nearest on the curve beside it: a floor keeps it just off the axis.
+        A lower bound keeps p and q off the axes, where the nearest point is not unique.
         """
         a, c = self.eps, self.d
         p, q = np.maximum(across, 1e-9 * a), np.maximum(along, 1e-9 * c)
         low, high = np.maximum(a * p - a * a, c * q - c * c), np.hypot(a * p, c * q)
-        for _ in range(60):  # 2^-60 of the bracket: the last bit
+        for _ in range(60):  # bisection to 2^-60 of the bracket
             t = 0.5 * (low + high)
             beyond = (a * p / (t + a * a)) ** 2 + (c * q / (t + c * c)) ** 2 > 1.0
             low, high = np.where(beyond, t, low), np.where(beyond, high, t)

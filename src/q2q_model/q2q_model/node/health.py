@@ -1,4 +1,4 @@
-"""Count what a node lives through, and grade it as REP 107 does: ok, warn, error, stale."""
+"""Counters of a node and their REP 107 diagnostic level: ok, warn, error, stale."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Level(IntEnum):
-    """Level of a node's health (diagnostic_msgs/DiagnosticStatus)."""
+    """Diagnostic level of a node (diagnostic_msgs/DiagnosticStatus)."""
 
     OK = 0
     WARN = 1
@@ -19,27 +19,27 @@ class Health:
     """Counters of one node since its start."""
 
     ticks: int = 0
-    """Ticks answered."""
+    """Completed ticks."""
     missed: int = 0
-    """Ticks given up because an input did not come."""
+    """Ticks dropped because an input was missing."""
     refused: int = 0
-    """Messages refused at the boundary."""
+    """Rejected input messages."""
     last_refusal: str = ""
-    """Why the last one was refused."""
+    """Reason for the last rejection."""
     fallbacks: int = 0
-    """Ticks answered in the documented fallback."""
+    """Ticks completed in the documented fallback."""
     extra: dict[str, str] = field(default_factory=dict)
-    """What else the node has to say."""
+    """Further diagnostic values of the node."""
 
     def refuse(self, reason: str) -> None:
-        """Count a refused message."""
+        """Count a rejected message."""
         self.refused += 1
         self.last_refusal = reason
 
 
 @dataclass(frozen=True, slots=True)
 class HealthReport:
-    """Summary of one second of a node."""
+    """Diagnostic status of a node over one second."""
 
     level: Level
     summary: str
@@ -47,7 +47,7 @@ class HealthReport:
 
 
 def report(before: Health, now: Health) -> HealthReport:
-    """Return the grade of the time between two readings of a node's counters."""
+    """Return the diagnostic status of the time between two readings of the counters."""
     ticks = now.ticks - before.ticks
     values = {
         "ticks": str(now.ticks),

@@ -1,4 +1,4 @@
-"""Make signals to rehearse a block with before its first tick, so that its code is loaded by then."""
+"""Synthetic ticks that load all code of a block before its first real tick."""
 
 from collections.abc import Callable, Iterable
 
@@ -8,22 +8,22 @@ from q2q_model.signals.layout import LAYOUTS, Column, Signal
 from q2q_model.signals.values import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
 
 SPACING = 0.5
-"""Height between the rehearsal's vehicles [m]: near enough that a model sees downwash."""
+"""Vertical distance between the vehicles [m], small enough for downwash."""
 STOREYS = 4
-"""So many vehicles stand above each other, the next beside them: all are within a room."""
+"""Vehicles per vertical stack; stacks stand side by side within the room."""
 DRIFT = 0.01
-"""Speed [m/s]: a pose that is the last one again to the last digit is an old one."""
+"""Speed [m/s]: a pose repeated bit for bit counts as an old frame."""
 STAND_IN = ("cf1", "cf2")
 TICKS = ((0.0, False), (0.01, False), (0.02, False), (0.03, True), (0.04, False))
-"""When [s], and whether a vehicle is not seen: a track is begun, believed, followed, and bridged."""
+"""Time [s] and whether a vehicle is missing: a track starts, is confirmed, followed, and coasts."""
 LOST_S = 0.5
-"""How long the lost vehicle has not been seen [s]."""
+"""Age of the lost vehicle [s]."""
 
 
 def rehearse(
     update: Callable[..., object], reset: Callable[[], None], kinds: Iterable[type], names: Names = ()
 ) -> None:
-    """Run a block on made-up ticks and reset it: the first real one, and first absence, are not slow."""
+    """Run a block on synthetic ticks, then reset it, so that neither the first tick nor a dropout is slow."""
     wanted = tuple(kinds)
     for t, unseen in TICKS:
         update(*(rehearsal(kind, t, names, unseen=unseen) for kind in wanted))
@@ -31,9 +31,9 @@ def rehearse(
 
 
 def rehearsal(kind: type, t: float, names: Names = (), *, unseen: bool = False) -> Signal:
-    """Return a plausible signal of this kind: vehicles above each other that drift, at time t [s].
+    """Return a plausible signal of this type at time t [s]: vehicles in stacks that drift slowly.
 
-    With `unseen`, the first one is missing where poses are measured, and lost where they are estimated.
+    With `unseen`, the first vehicle is missing from a MocapFrame and lost in a SwarmState.
     """
     who = names or STAND_IN
     arrays = {column.attribute: _values(column, len(who)) for column in LAYOUTS[kind].columns}

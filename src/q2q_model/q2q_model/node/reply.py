@@ -1,12 +1,12 @@
-"""Answer a request: granted, or why not."""
+"""Reply to a service request."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """Answer to a request."""
+    """Reply to a request."""
 
     granted: bool
     reason: str = ""
-    """What has happened, or why nothing has."""
+    """Result, or reason for the refusal."""

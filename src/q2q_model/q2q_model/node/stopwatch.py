@@ -1,4 +1,4 @@
-"""Measure spans of time by a clock that is handed in, for `/diagnostics`."""
+"""Stopwatch on an injected clock, for `/diagnostics`."""
 
 from collections.abc import Callable, Mapping
 
@@ -7,14 +7,14 @@ class Stopwatch:
     """Start, last lap and longest lap of a repeated task."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
-        """Start, by a clock [s] that only grows."""
+        """Start on a monotonic clock [s]."""
         self._clock = clock
         self.last = self.longest = 0.0
         """Laps [s]."""
         self.restart()
 
     def restart(self) -> None:
-        """Start anew; laps stay."""
+        """Restart; laps are kept."""
         self._begin = self._clock()
 
     def seconds(self) -> float:
@@ -22,12 +22,12 @@ class Stopwatch:
         return self._clock() - self._begin
 
     def lap(self) -> None:
-        """Note the time since the start as a lap."""
+        """Record the time since the start as a lap."""
         self.last = self.seconds()
         self.longest = max(self.longest, self.last)
 
-    def laps_told(self) -> Mapping[str, str]:
-        """Return the last lap and the longest since the last telling, in words."""
-        told = {"compute_ms": f"{1e3 * self.last:.3g}", "compute_max_ms": f"{1e3 * self.longest:.3g}"}
+    def take_lap_report(self) -> Mapping[str, str]:
+        """Return the last lap and the longest since the last report, as diagnostic values."""
+        laps = {"compute_ms": f"{1e3 * self.last:.3g}", "compute_max_ms": f"{1e3 * self.longest:.3g}"}
         self.longest = 0.0
-        return told
+        return laps

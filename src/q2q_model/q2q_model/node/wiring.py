@@ -1,6 +1,6 @@
-"""Say whether the nodes of a flight are wired: every writer has matched every reader of its topic.
+"""Discovery state of a flight's nodes: whether every publisher has matched every subscriber of its topic.
 
-A latched value that is out before the flight (a plan) must have arrived, too.
+A latched value published before the flight (a plan) must also have arrived.
 """
 
 from collections import Counter
@@ -8,30 +8,30 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 READS, WATCHES, PROMISES, OUT, LACKS = "<", "?", "!", "^", "-"
-"""Mark a topic in text: read, watched, published with a promise; latched: out, or not here yet."""
+"""Text marks of a topic: subscribed, watched, published with a deadline; latched: published, or missing."""
 PROMISE_S = 0.02
-"""What nodes of a live flight promise [s]: two ticks, within the hold_s of q2q_control.failsafe.ladder."""
+"""Deadline that nodes of a live flight offer [s]: two ticks, within hold_s of q2q_control.failsafe.ladder."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wiring:
-    """Inputs of one node and the number of readers its writers have matched."""
+    """Inputs of one node and the number of subscribers its publishers have matched."""
 
     reads: tuple[str, ...]
-    """Topics, once for each subscription."""
+    """Topics, once per subscription."""
     matched: Mapping[str, int]
-    """Published topic -> matched readers."""
+    """Published topic -> matched subscribers."""
     watches: tuple[str, ...] = ()
-    """Topics watched: a writer that promises nothing never matches these (q2q_model.ros.topics.deadlines)."""
+    """Watched topics; publishers without a deadline never match these (q2q_model.ros.topics.deadlines)."""
     promises: tuple[str, ...] = ()
-    """Topics published with a promise."""
+    """Topics published with a deadline."""
     out: tuple[str, ...] = ()
-    """Latched topics published of which a value is out."""
+    """Published latched topics that have a value."""
     lacks: tuple[str, ...] = ()
-    """Latched topics read of which no value has come yet."""
+    """Subscribed latched topics without a value yet."""
 
     def as_text(self) -> str:
-        """Return the wiring in words: `<topic` is read, `topic=count` is published."""
+        """Return the wiring as text: `<topic` is subscribed to, `topic=count` is published."""
         marked = (
             (READS, self.reads),
             (WATCHES, self.watches),
@@ -46,7 +46,7 @@ class Wiring:
 
 
 def wiring_from_text(text: str) -> Wiring:
-    """Return the wiring in the words of `as_text`."""
+    """Return the wiring in the text of `as_text`."""
     words = text.split()
     marks = (READS, WATCHES, PROMISES, OUT, LACKS)
     reads, watches, promises, out, lacks = (
@@ -57,7 +57,7 @@ def wiring_from_text(text: str) -> Wiring:
 
 
 def unmatched(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
-    """Return, for each node, the topics it publishes whose readers are not all matched yet."""
+    """Return, for each node, the published topics that lack a matched subscriber."""
     readers = Counter(topic for wiring in nodes.values() for topic in wiring.reads)
     watchers = Counter(topic for wiring in nodes.values() for topic in wiring.watches)
     short = {
@@ -71,8 +71,8 @@ def unmatched(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
     return {name: topics for name, topics in short.items() if topics}
 
 
-def unserved(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
-    """Return, for each node, the latched topics of which a value is out and has not come to it yet."""
+def undelivered(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
+    """Return, for each node, the latched topics whose published value it has not received yet."""
     out = {topic for wiring in nodes.values() for topic in wiring.out}
     lacking = {name: [topic for topic in wiring.lacks if topic in out] for name, wiring in nodes.items()}
     return {name: topics for name, topics in lacking.items() if topics}

@@ -1,4 +1,4 @@
-"""Run the interaction model as a node: `state` in, `interference` out; takes up models sent on `model`."""
+"""Interaction model node: `state` in, `interference` out; loads models published on `model`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,29 +32,28 @@ class InterferenceParams:
 
 
 def build(node: Node) -> TickWiring[Interference]:
-    """Wire the predictor into a node."""
+    """Connect the predictor to a node."""
     params = declare(node, InterferenceParams())
     predictor = InteractionPredictor(find_model(params.model).interaction)
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
     age = Stopwatch(monotonic)
-    wiring.tell(lambda: {"model_age_s": f"{age.seconds():.0f}"})
-    take_up = model_receiver(node, predictor, age)
-    node.create_subscription(String, "model", take_up, LATCHED)
+    wiring.add_facts(lambda: {"model_age_s": f"{age.seconds():.0f}"})
+    node.create_subscription(String, "model", model_receiver(node, predictor, age), LATCHED)
     wiring.rehearse(predictor.update, predictor.reset)
     wiring.start(predictor.update)
     return wiring
 
 
 def model_receiver(node: Node, predictor: InteractionPredictor, age: Stopwatch) -> Callable[[String], None]:
-    """Return what takes up a model file's text; one that cannot be used is told of and left."""
+    """Return a callback that loads a model file's text; an invalid one is logged and ignored."""
 
     def receive(message: String) -> None:
         try:
             predictor.exchange(decode(message.data).interaction)
             age.restart()
-            node.get_logger().info("model taken up")
+            node.get_logger().info("model loaded")
         except ModelFileError as refusal:
-            node.get_logger().error(f"model refused: {refusal}")
+            node.get_logger().error(f"model rejected: {refusal}")
 
     return receive
 

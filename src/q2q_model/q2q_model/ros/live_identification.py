@@ -1,4 +1,4 @@
-"""Refine a model from the topics of a flight: `state`, `command`, `imu` in, latched `model` out."""
+"""Online refinement of a model in flight: `state`, `command`, `imu` in, latched `model` out."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -37,7 +37,7 @@ class LiveIdentification:
 
     @property
     def refined(self) -> ModelFile:
-        """Return the model as it stands."""
+        """Return the current model."""
         return replace(self._base, interaction=self._refinement.refined())
 
     def _receiver(self, topic: str, signal: type[Signal]) -> Callable[[bytes], None]:
@@ -51,7 +51,7 @@ class LiveIdentification:
         return receive
 
     def _follow(self, estimate: LiveEstimate) -> None:
-        """Publish a model when it has changed, not too often."""
+        """Publish the model if it has changed and `publish_every` has passed."""
         due = estimate.t - self._sent_t >= self._params.publish_every
         if due and abs(estimate.gain - self._sent_gain) >= self._params.change_min:
             self._sent_t, self._sent_gain = estimate.t, estimate.gain
@@ -60,7 +60,7 @@ class LiveIdentification:
 
 
 def refine_live(base: ModelFile, vehicle: Vehicle, out: Path) -> None:
-    """Refine until SIGINT or SIGTERM, then keep the last model in `out`."""
+    """Refine until SIGINT or SIGTERM, then save the last model in `out`."""
     run(
         "identify", lambda node: LiveIdentification(node, base, vehicle), lambda live: save(out, live.refined)
     )

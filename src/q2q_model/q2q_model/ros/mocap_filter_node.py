@@ -1,4 +1,4 @@
-"""Run the mocap filter as a node: `mocap` in, `state` out, `<name>/pose` and `<name>/odom` beside it."""
+"""Mocap filter node: `mocap` in, `state` out, with `<name>/pose` and `<name>/odom` for other software."""
 
 from dataclasses import asdict, dataclass
 
@@ -15,10 +15,10 @@ from q2q_model.tunable import check_bounds, tunable
 
 @dataclass(frozen=True, slots=True)
 class MocapFilterNodeParams:
-    """Parameters of the node beside those of the filter."""
+    """Parameters of the node in addition to those of the filter."""
 
     vehicles: tuple[str, ...] = tunable(
-        (), "vehicles to track; empty adopts those that appear", read_only=True
+        (), "vehicles to track; empty tracks every vehicle that appears", read_only=True
     )
     vehicle_topics_hz: float = tunable(
         10.0,
@@ -35,14 +35,14 @@ class MocapFilterNodeParams:
 
 
 def build(node: Node) -> TickWiring[SwarmState]:
-    """Wire the filter into a node."""
+    """Connect the filter to a node."""
     own = declare(node, MocapFilterNodeParams())
     params = declare(node, MocapFilterParams())
     block, spare = MocapFilter(params, own.vehicles), MocapFilter(params, own.vehicles)
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("state", SwarmState))
-    wiring.tell(lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()})
-    wiring.then(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
-    wiring.rehearse(spare.update, spare.reset, own.vehicles)  # its report counts from the start
+    wiring.add_facts(lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()})
+    wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
+    wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.start(block.update)
     return wiring
 

@@ -1,8 +1,8 @@
-"""Write and read our messages as the bytes that travel: plain CDR, little endian (DDS-XTypes 1.3, 7.4.1).
+"""Serialization of q2q_msgs as plain CDR, little endian (DDS-XTypes 1.3, 7.4.1).
 
-Our messages are a header, the names and flat arrays, and nothing else; written directly they cost a tenth of
-the way through message objects, which decides how fast lockstep runs. A test holds this file byte for byte
-to rclpy and rosbags. Every number is aligned to its size, counted from after the four encapsulation bytes:
+These messages are a header, names and flat arrays only. Direct serialization costs a tenth of conversion
+through message objects, which sets the speed of lockstep. A test compares this file byte for byte with rclpy
+and rosbags. Every number is aligned to its size, counted from the end of the four encapsulation bytes:
 
     stamp: int32 s, uint32 ns | frame_id: string | names: uint32 n, n strings | per array: uint32 n, n numbers
     string: uint32 length with the closing zero byte, bytes, zero byte
@@ -17,6 +17,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from q2q_model.signals.layout import LAYOUTS, Column, Signal
+from q2q_model.signals.stamps import stamp_from_parts, stamp_parts, time_from_stamp
 from q2q_model.signals.values import Names, SwarmImu
 
 S = TypeVar("S", bound=Signal)
@@ -25,36 +26,35 @@ ENCAPSULATION = b"\x00\x01\x00\x00"
 """Plain CDR, little endian, no options."""
 START = len(ENCAPSULATION)
 NAMES_AT = START + 8
-"""Where frame_id begins: after the stamp."""
-NANOSECONDS = 1_000_000_000
+"""Offset of frame_id, after the stamp."""
 WORLD, BODY = "world", "body"
 _COUNT = struct.Struct("<I")
 _STAMP = struct.Struct("<iI")
 MOST_VEHICLES = 10_000
-"""More names than this are refused: a swarm of that size is a damaged message."""
+"""Largest accepted number of names; a larger one means a corrupt message."""
 
 
 class BadMessageError(ValueError):
-    """Error for a message whose parts do not fit each other."""
+    """Error for a malformed or inconsistent message."""
 
 
 def header_stamp_ns(data: bytes) -> int:
     """Return the stamp [ns] of a message whose first field is std_msgs/Header."""
     if len(data) < NAMES_AT:
-        raise BadMessageError(f"message of {len(data)} bytes; one with a header has at least {NAMES_AT}")
+        raise BadMessageError(f"message has {len(data)} bytes; a header needs at least {NAMES_AT}")
     order = "<" if data[1] & 1 else ">"
     sec, nanosec = struct.unpack_from(f"{order}iI", data, START)
-    return int(sec) * NANOSECONDS + int(nanosec)
+    return stamp_from_parts(sec, nanosec)
 
 
 def encode(signal: Signal, stamp_ns: int) -> bytes:
-    """Return the bytes of a signal's message under a stamp [ns].
+    """Return the serialized message of a signal, stamped `stamp_ns` [ns].
 
-    Raises BadMessageError where its arrays do not fit its names.
+    Raises BadMessageError if an array's length does not match the number of names.
     """
     kind: type = type(signal)
     form = _form(kind, signal.names)
-    parts = [ENCAPSULATION, _STAMP.pack(*divmod(stamp_ns, NANOSECONDS)), form.head]
+    parts = [ENCAPSULATION, _STAMP.pack(*stamp_parts(stamp_ns)), form.head]
     for attribute, lead in form.leads:
         parts += (lead, getattr(signal, attribute).tobytes())
     data = b"".join(parts)
@@ -65,15 +65,15 @@ def encode(signal: Signal, stamp_ns: int) -> bytes:
 
 
 def encode_stamp(stamp_ns: int) -> bytes:
-    """Return the bytes of a message that is nothing but a stamp, as rosgraph_msgs/Clock."""
-    return ENCAPSULATION + _STAMP.pack(*divmod(stamp_ns, NANOSECONDS))
+    """Return a serialized message that consists of a stamp only, such as rosgraph_msgs/Clock."""
+    return ENCAPSULATION + _STAMP.pack(*stamp_parts(stamp_ns))
 
 
 def decode(data: bytes, signal: type[S]) -> S:
-    """Return the signal in a message's bytes; its arrays are read-only views of them.
+    """Return the signal in a serialized message; its arrays are read-only views of the bytes.
 
     Raises:
-        BadMessageError: another encoding, cut short, repeated names, arrays that do not fit the names.
+        BadMessageError: unsupported encoding, truncated data, duplicate names, or wrong array lengths.
     """
     return SignalReader(signal).read(data)
 
@@ -85,11 +85,11 @@ class _Block:
     attribute: str
     field: str
     lead_at: int
-    """Where its count stands."""
+    """Offset of its count."""
     begin: int
-    """Where its numbers begin."""
+    """Offset of its first number."""
     end: int
-    """Where they end."""
+    """Offset past its last number."""
     count: int
     dtype: type[np.generic]
     shape: tuple[int, ...]
@@ -97,24 +97,24 @@ class _Block:
 
 @dataclass(frozen=True, slots=True)
 class _Map:
-    """Offsets of all fields in messages with these names."""
+    """Offsets of all fields in messages that share these names."""
 
     head: bytes
     """Bytes of frame_id and names."""
     names: Names
     blocks: tuple[_Block, ...]
     counts: struct.Struct
-    """Reads the count of every array, from the first byte of the message on."""
+    """Reader of all array counts, starting at the first byte of the message."""
     expected: tuple[int, ...]
-    """What they should be."""
+    """Array counts that match the names."""
     end: int
-    """Where the last array ends."""
+    """Offset past the last array."""
     views: tuple[tuple[tuple[int, ...], type[np.generic], int], ...]
-    """Shape, type and beginning of every array."""
+    """Shape, type and offset of each array."""
 
 
 class SignalReader(Generic[S]):
-    """Reader of one kind of message; it keeps the last offsets, as names seldom change."""
+    """Reader of one message type; reuses the last offsets while the names stay the same."""
 
     def __init__(self, signal: type[S]) -> None:
         self._signal: Callable[..., S] = signal
@@ -122,7 +122,7 @@ class SignalReader(Generic[S]):
         self._map: _Map | None = None
 
     def read(self, data: bytes) -> S:
-        """Return the signal in a message's bytes; raise as `decode`."""
+        """Return the signal in a serialized message; raise as `decode` does."""
         if data[:2] != ENCAPSULATION[:2]:
             raise BadMessageError(f"encoding {data[:2].hex()}; allowed is plain CDR, little endian (0001)")
         known = self._map
@@ -132,25 +132,26 @@ class SignalReader(Generic[S]):
             _refuse(data, known)
         sec, nanosec = _STAMP.unpack_from(data, START)
         arrays = [np.ndarray(shape, dtype, data, begin) for shape, dtype, begin in known.views]
-        return self._signal((sec * NANOSECONDS + nanosec) * 1e-9, known.names, *arrays)
+        t = time_from_stamp(stamp_from_parts(sec, nanosec))
+        return self._signal(t, known.names, *arrays)
 
 
 def _refuse(data: bytes, known: _Map) -> None:
-    """Raise for the first array that does not fit its names, or is cut short."""
+    """Raise for the first array that is truncated or does not match the names."""
     for block in known.blocks:
         count = _COUNT.unpack_from(data, block.lead_at)[0] if block.lead_at + 4 <= len(data) else block.count
         if count != block.count:
             needs = f"{len(known.names)} names need {block.count}"
             raise BadMessageError(f"{block.field} has {count} numbers; {needs}")
         if block.end > len(data):
-            raise BadMessageError(f"message of {len(data)} bytes is cut short within {block.field}")
+            raise BadMessageError(f"message of {len(data)} bytes is truncated in {block.field}")
 
 
 def _map_of(signal: type, data: bytes) -> _Map:
     try:
         names, at = _read_names(data)
     except struct.error as cut:
-        raise BadMessageError(f"message of {len(data)} bytes is cut short: {cut}") from cut
+        raise BadMessageError(f"message of {len(data)} bytes is truncated: {cut}") from cut
     head = data[NAMES_AT:at]
     blocks = []
     for column in LAYOUTS[signal].columns:
@@ -169,7 +170,7 @@ def _map_of(signal: type, data: bytes) -> _Map:
 
 
 def _counter(blocks: Sequence[_Block]) -> struct.Struct:
-    """Return what reads the counts of these arrays, one after the other."""
+    """Return a reader of the counts of these arrays, in order."""
     ends = [0, *(block.lead_at + _COUNT.size for block in blocks)]
     gaps = (block.lead_at - end for block, end in zip(blocks, ends, strict=False))
     return struct.Struct("<" + "".join(f"{gap}xI" for gap in gaps))
@@ -191,14 +192,14 @@ def _aligned(at: int, size: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class _Form:
-    """Structure shared by messages of a kind with the same names."""
+    """Structure shared by messages of one type with the same names."""
 
     head: bytes
-    """frame_id and names, as they follow the stamp."""
+    """Bytes of frame_id and names, which follow the stamp."""
     leads: tuple[tuple[str, bytes], ...]
-    """Every attribute, and the bytes that go before its numbers: padding, count, padding."""
+    """Each attribute with the bytes before its numbers: padding, count, padding."""
     size: int
-    """Of the whole message."""
+    """Length of the whole message [bytes]."""
 
 
 @lru_cache(maxsize=256)
@@ -217,8 +218,8 @@ def _dtype(column: Column) -> type[np.generic]:
 
 
 def _head(frame_id: str, names: Names) -> bytes:
-    """Return frame_id and names, as they follow the stamp."""
-    made = bytearray(8)  # stands for the stamp, so that alignment counts from the right place
+    """Return the bytes of frame_id and names, which follow the stamp."""
+    made = bytearray(8)  # placeholder for the stamp, which alignment counts
     _add_text(made, frame_id)
     made += bytes(-len(made) % 4) + _COUNT.pack(len(names))
     for name in names:
@@ -232,30 +233,30 @@ def _add_text(made: bytearray, text: str) -> None:
 
 
 def _array_lead(phase: int, count: int, itemsize: int) -> bytes:
-    """Return padding, count and padding before an array's numbers, at a position of this phase modulo 8."""
+    """Return padding, count and padding before an array's numbers, at an offset of this phase modulo 8."""
     made = bytes(-phase % 4) + struct.pack("<I", count)
     return made + bytes(-(phase + len(made)) % itemsize if count else 0)
 
 
 def _read_names(data: bytes) -> tuple[Names, int]:
-    """Return the names and where the arrays begin."""
+    """Return the names and the offset of the arrays."""
     (length,) = struct.unpack_from("<I", data, NAMES_AT)
     count_at = _aligned(NAMES_AT + 4 + length, 4)
     (count,) = struct.unpack_from("<I", data, count_at)
     if count > MOST_VEHICLES:
-        raise BadMessageError(f"{count} names; allowed are {MOST_VEHICLES}")
+        raise BadMessageError(f"{count} names; at most {MOST_VEHICLES} are allowed")
     at = count_at + 4
     for _ in range(count):
         at = _aligned(at, 4)
         at += 4 + int(struct.unpack_from("<I", data, at)[0])
     if at > len(data):
-        raise BadMessageError(f"message of {len(data)} bytes is cut short within its names")
+        raise BadMessageError(f"message of {len(data)} bytes is truncated in its names")
     return _parsed_head(bytes(data[NAMES_AT:at])), at
 
 
 @lru_cache(maxsize=64)
 def _parsed_head(head: bytes) -> Names:
-    """Return the names in the bytes of frame_id and names, checked."""
+    """Return the checked names in the bytes of frame_id and names."""
     texts: list[str] = []
     at = 0
     for field in range(2 + struct.unpack_from("<I", head, _count_at(head))[0]):
@@ -269,7 +270,7 @@ def _parsed_head(head: bytes) -> Names:
     if frame_id not in ("", WORLD, BODY):
         raise BadMessageError(f"frame_id {frame_id!r}; allowed is {WORLD!r}, z up")
     if len(set(names)) < len(names):
-        raise BadMessageError(f"repeated vehicle names in {', '.join(names)}; each may stand once")
+        raise BadMessageError(f"duplicate vehicle names in {', '.join(names)}; names must be unique")
     return tuple(names)
 
 

@@ -1,7 +1,7 @@
-"""Say how each signal lies in its message: which field, how many numbers a vehicle.
+"""Layout of each signal in its message: field and numbers per vehicle.
 
-One table serves the nodes (rclpy messages) and the bags (rosbags messages), so that a signal means the
-same on a topic and in a file.
+Nodes (rclpy messages) and bags (rosbags messages) share this table, so a signal has the same layout on a
+topic and in a file.
 """
 
 from dataclasses import dataclass, fields
@@ -27,7 +27,7 @@ class Column:
     field: str
     """Field of the message."""
     width: int
-    """Numbers a vehicle: 1, 3 or 4."""
+    """Numbers per vehicle: 1, 3 or 4."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,9 @@
-"""Hand signals from block to block within one process, before the rest of the world gets them.
+"""In-process transport of signals between the nodes of one process (`ros2 run q2q_sim stack`).
 
-Nodes that share a process (`ros2 run q2q_sim stack`) need no transport between them. A posted signal is given
-to its listeners in turn, what they post in the order it was posted, and only then is published what had a
-listener; a signal without one, as the command at the end of the road, is published at once. So whoever waits
-for the command does not wait for the publication of what led to it. A topic that comes from outside is read
-once, and posted for all who listen.
+Signals are delivered in the order of posting. A signal with listeners is published on ROS only after all
+deliveries; one without listeners, such as the command at the end of the chain, is published at once. The
+command therefore does not wait for the publication of intermediate signals.
+A topic from another process is subscribed to once and posted to all listeners.
 """
 
 from collections import defaultdict, deque
@@ -13,40 +12,42 @@ from collections.abc import Callable, Collection
 from q2q_model.signals.layout import Signal
 
 Listener = Callable[[int, Signal], None]
-"""Takes stamp [ns] and signal."""
+"""Callback that takes stamp [ns] and signal."""
 
 
-def _nothing() -> None:
-    """Leave a signal from outside unpublished."""
+def _do_not_publish() -> None:
+    """Do not republish a signal from another process."""
 
 
 class LocalBus:
-    """Listeners of every topic that is written within the process."""
+    """Listeners of each topic that is published within the process."""
 
     def __init__(self, topics: Collection[str]) -> None:
-        """Take the topics whose writers are in this process."""
+        """Set the topics whose publishers are in this process."""
         self._topics = frozenset(topics)
-        self._admitted: set[str] = set()
+        self._subscribed: set[str] = set()
         self._listeners: dict[str, list[Listener]] = defaultdict(list)
         self._waiting: deque[tuple[str, int, Signal]] = deque()
         self._later: list[Callable[[], None]] = []
 
     def carries(self, topic: str) -> bool:
-        """Return whether a topic's writer is in this process."""
+        """Return whether a topic's publisher is in this process."""
         return topic in self._topics
 
-    def admits(self, topic: str) -> bool:
-        """Return whether the caller must read a topic from outside: it is nobody's yet."""
-        known = topic in self._topics or topic in self._admitted
-        self._admitted.add(topic)
+    def needs_subscription(self, topic: str) -> bool:
+        """Return whether the caller must subscribe to a topic: it is external and has no subscriber yet."""
+        known = topic in self._topics or topic in self._subscribed
+        self._subscribed.add(topic)
         return not known
 
     def listen(self, topic: str, take: Listener) -> None:
-        """Have `take(stamp_ns, signal)` called for every signal posted on a topic."""
+        """Register `take(stamp_ns, signal)` for every signal posted on a topic."""
         self._listeners[topic].append(take)
 
-    def post(self, topic: str, stamp_ns: int, signal: Signal, publish: Callable[[], None] = _nothing) -> None:
-        """Give a signal to its listeners; call `publish` at once if there are none, else once all is calm."""
+    def post(
+        self, topic: str, stamp_ns: int, signal: Signal, publish: Callable[[], None] = _do_not_publish
+    ) -> None:
+        """Deliver a signal; call `publish` at once if it has no listener, else after all deliveries."""
         if not self._listeners[topic]:
             publish()
             return

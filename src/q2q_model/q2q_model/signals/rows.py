@@ -1,8 +1,8 @@
-"""Hold many signals of one kind as arrays over time, and read them from message bytes all at once.
+"""Signals of one type stacked over time, decoded from message bytes in bulk.
 
-Messages of the same length whose bytes differ in nothing but stamp and numbers hold the same names in the
-same places. So the first is read and checked by q2q_model.signals.cdr, and the numbers of all are cut out of
-one matrix of bytes. What is alone in its kind is read one by one.
+Messages of equal length that differ only in stamp and numbers have the same names at the same offsets.
+q2q_model.signals.cdr decodes and checks the first; the numbers of all are sliced from one byte matrix.
+Remaining messages are decoded one by one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,12 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.cdr import NAMES_AT, NANOSECONDS, START, SignalReader
+from q2q_model.signals.cdr import NAMES_AT, START, SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.stamps import NANOSECONDS
 from q2q_model.signals.values import Array, Names
 
 MOST_KINDS = 8
-"""Kinds of one length that are looked for; a recording with more is read message by message."""
+"""Most name sets of one message length; a recording with more is decoded message by message."""
 
 Rows = NDArray[np.intp]
 Values = NDArray[np.float64 | np.uint8]
@@ -32,11 +33,11 @@ class SignalRows:
     values: Mapping[str, Values]
     """Attribute of the signal -> (T, n) or (T, n, width)."""
     place: Rows
-    """Which signals of the recording they are, (T,)."""
+    """Index of each signal in the recording, (T,)."""
 
 
 def rows_of_signals(signals: Sequence[Signal], place: Sequence[int] | None = None) -> list[SignalRows]:
-    """Return the rows of signals of one kind; `place` says which they are of a longer recording."""
+    """Return the rows of signals of one type; `place` is each signal's index in the recording."""
     places = range(len(signals)) if place is None else place
     groups: dict[Names, list[tuple[int, Signal]]] = {}
     for where, signal in zip(places, signals, strict=True):
@@ -45,10 +46,10 @@ def rows_of_signals(signals: Sequence[Signal], place: Sequence[int] | None = Non
 
 
 def rows_of_messages(messages: Sequence[bytes], kind: type[Signal]) -> list[SignalRows]:
-    """Return the rows of the messages of one kind of signal, in bytes.
+    """Return the rows of serialized messages of one type.
 
     Raises:
-        BadMessageError: a message that does not fit its kind.
+        BadMessageError: a malformed message.
     """
     lengths: dict[int, list[int]] = {}
     for place, message in enumerate(messages):
@@ -77,7 +78,7 @@ def _placed(rows: SignalRows, place: Rows) -> SignalRows:
 def _like_first(
     table: NDArray[np.uint8], first: bytes, kind: type[Signal]
 ) -> tuple[SignalRows, NDArray[np.bool_]]:
-    """Return the rows whose numbers lie where the first has them, and which rows of the table these are."""
+    """Return the rows with the first message's layout, and the mask of these in the table."""
     signal = SignalReader[Signal](kind).read(first)
     arrays = {column.attribute: getattr(signal, column.attribute) for column in LAYOUTS[kind].columns}
     begin = np.frombuffer(first, np.uint8).ctypes.data
@@ -102,7 +103,7 @@ def _like_first(
 
 
 def _stamps(table: NDArray[np.uint8]) -> Array:
-    """Return the stamps [s] of messages, by the same roundings as reading them one by one."""
+    """Return the stamps [s] of messages, rounded as by `time_from_stamp`."""
     words = np.ascontiguousarray(table[:, START:NAMES_AT])
     sec, nanosec = words.view("<i4")[:, 0].astype(np.int64), words.view("<u4")[:, 1].astype(np.int64)
     return np.asarray((sec * NANOSECONDS + nanosec) * 1e-9)

@@ -1,11 +1,11 @@
-"""Say in a few words what a signal holds, for `/diagnostics`: read once a second, so never on a tick's way.
+"""Summary of a signal for `/diagnostics`, computed once a second outside the tick.
 
 | signal | facts |
 |---|---|
-| SwarmState | vehicles, how many coast or are lost, oldest age, smallest separation |
-| SwarmSetpoint | vehicles, smallest separation asked for |
-| Interference | largest downwash, how many vehicles lean on stale sources or on no model |
-| SwarmCommand | how many vehicles are saturated, and how many are in fallback |
+| SwarmState | number of vehicles, coasting and lost ones, largest age, smallest separation |
+| SwarmSetpoint | number of vehicles, smallest reference separation |
+| Interference | largest downwash, number of predictions with a stale source or without a model |
+| SwarmCommand | number of saturated vehicles and of vehicles in fallback |
 """
 
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ from q2q_model.signals.values import (
 
 @singledispatch
 def facts(signal: Signal) -> Mapping[str, str]:
-    """Return what a signal holds, by name; nothing for a signal without facts."""
+    """Return the facts of a signal by name; empty for other signals."""
     del signal
     return {}
 

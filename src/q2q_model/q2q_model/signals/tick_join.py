@@ -1,7 +1,7 @@
-"""Join the inputs of a tick by their stamp, never by arrival.
+"""Join of a tick's inputs by stamp.
 
-A tick is complete when every topic has delivered a value with its stamp. Completing a tick forgets all
-older ones: they are missed, and counted. A stamp that repeats a completed tick is no new tick.
+A tick is complete when every topic has delivered a value with its stamp. Completing a tick drops all older
+incomplete ones and counts them as missed.
 """
 
 from collections import OrderedDict
@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 V = TypeVar("V")
 
 WAITING_TICKS = 16
-"""Incomplete ticks kept; older ones are given up (0.16 s at 100 Hz, longer than any useful delay)."""
+"""Incomplete ticks kept; older ones are dropped (0.16 s at 100 Hz, longer than any useful delay)."""
 
 
 class TickJoin(Generic[V]):
@@ -20,7 +20,7 @@ class TickJoin(Generic[V]):
         self._topics = topics
         self._waiting: OrderedDict[int, dict[str, V]] = OrderedDict()
         self.missed = 0
-        """Ticks given up incomplete."""
+        """Ticks dropped incomplete."""
 
     def put(self, topic: str, stamp_ns: int, value: V) -> tuple[V, ...] | None:
         """Add a value; return the tick's values in the order of the topics once it is complete."""
@@ -34,7 +34,7 @@ class TickJoin(Generic[V]):
         return tuple(tick[name] for name in self._topics)
 
     def reset(self) -> None:
-        """Forget every incomplete tick."""
+        """Drop every incomplete tick."""
         self._waiting.clear()
 
     def _drop_older_than(self, stamp_ns: int) -> None:

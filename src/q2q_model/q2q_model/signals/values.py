@@ -1,7 +1,7 @@
-"""Hold the values that pass between blocks: one dataclass an arrow, one topic, one bag channel.
+"""Signals between blocks: one dataclass per topic and bag channel.
 
-Every signal of a tick carries the tick's name `t`: the capture time [s] of its mocap frame. Arrays
-have one row a vehicle, in the order of `names`. World frame, z up; quaternions x y z w, body to world.
+Every signal of a tick carries the capture time `t` [s] of its mocap frame. Arrays have one row per vehicle,
+in the order of `names`. World frame, z up; quaternions x y z w, body to world.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ Names = tuple[str, ...]
 
 
 class TrackStatus(IntEnum):
-    """Source of a vehicle's state (SwarmState.status)."""
+    """Quality of a vehicle's state (SwarmState.status)."""
 
     TRACKED = 0
     COASTING = 1
@@ -25,7 +25,7 @@ class TrackStatus(IntEnum):
 
 
 class SetpointStatus(IntEnum):
-    """Whether a setpoint is the planned one (SwarmSetpoint.status)."""
+    """Relation of a setpoint to the plan (SwarmSetpoint.status)."""
 
     NOMINAL = 0
     SHIFTED = 1
@@ -66,7 +66,7 @@ class MocapFrame:
 
 @dataclass(frozen=True, slots=True)
 class SwarmState:
-    """State of every vehicle: filtered, or true on the simulator's `truth`."""
+    """State of every vehicle: filtered, or the simulator's true state on `truth`."""
 
     t: float
     names: Names
@@ -120,7 +120,7 @@ class Interference:
 
 @dataclass(frozen=True, slots=True)
 class SwarmCommand:
-    """Commands to every onboard attitude loop."""
+    """Commands to the onboard attitude controllers."""
 
     t: float
     names: Names
@@ -138,7 +138,7 @@ class SwarmCommand:
 
 @dataclass(frozen=True, slots=True)
 class SwarmImu:
-    """Readings of every inertial sensor."""
+    """Readings of the vehicles' inertial sensors."""
 
     t: float
     names: Names

@@ -1,13 +1,13 @@
-"""Hold the numbers of the closed altitude loop that stands in for an unknown controller: (13), (14).
+"""Closed altitude loop that models an unknown onboard controller: (13), (14).
 
     z'' = z_ref'' + K_d (z_ref' - z') + K_p (z_ref - z) + K_i integral(z_ref - z) + b + eta
 
-The paper has K_p and K_d only. The lag is that of thrust behind its command, a first order.
+The paper has K_p and K_d only. Thrust follows its command with a first-order lag.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | K_p K_d K_i | k_p k_d k_i | gains [1/s^2], [1/s], [1/s^3] |
-| b | offset | constant acceleration, as of a wrong mass or battery [m/s^2] |
+| b | offset | constant acceleration, e.g. from a mass or battery error [m/s^2] |
 | | lag | time constant [s] |
 """
 
@@ -26,4 +26,4 @@ class AltitudeLoop:
 
 
 PAPER_LOOP = AltitudeLoop(k_p=0.81073, k_d=0.42952)
-"""The caption of Fig. 5."""
+"""Gains in the caption of Fig. 5."""

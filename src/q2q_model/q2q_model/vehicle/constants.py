@@ -1,4 +1,4 @@
-"""Hold the numbers of each vehicle, each with its source.
+"""Physical constants of each vehicle, with their sources.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -30,7 +30,7 @@ GRAVITY = 9.81
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
-    """Hold one vehicle's constants."""
+    """Physical constants of one vehicle."""
 
     name: str
     mass: float
@@ -48,16 +48,16 @@ class Vehicle:
     full_pwm_thrust: float
     """[N]"""
     thrust_lag: float
-    """Time constant [s]; 0 means none."""
+    """Time constant [s]; 0 is none."""
 
     @property
     def hover_thrust(self) -> float:
-        """Return the thrust that carries the weight [N]."""
+        """Return the thrust that balances the weight [N]."""
         return self.mass * GRAVITY
 
     @property
     def rpyt_thrust_max(self) -> float:
-        """Return the largest collective thrust that an RPYT setpoint can ask for [N]."""
+        """Return the largest collective thrust of an RPYT setpoint [N]."""
         return min(self.thrust_max, self.full_pwm_thrust * PWM_STICK_MAX / PWM_FULL)
 
 
@@ -66,7 +66,7 @@ CRAZYFLIE_2_0 = Vehicle(
     mass=0.034,  # the paper, Table 1 (with rotor guards)
     inertia=(3.14e-5, 3.15e-5, 7.06e-5),  # Table 1, diagonal: its off-diagonals lost their exponents
     arm=0.046,  # half the 92 mm motor diagonal, the paper, section 3.1
-    rotor_inertia=0.0,  # not given; gyroscopic torque of the rotors is left out, as Omega_r is near 0
+    rotor_inertia=0.0,  # not given; gyroscopic rotor torque is neglected, as Omega_r is near 0
     drag_to_thrust=0.00596,  # Foerster, System Identification of the Crazyflie 2.0, 2015, section 3.2
     thrust_max=4.0 * BRUSHED_MOTOR,
     full_pwm_thrust=4.0 * BRUSHED_MOTOR,
@@ -81,7 +81,7 @@ CRAZYFLIE_2_1 = replace(
         1.657e-5,
         1.666e-5,
         2.926e-5,
-    ),  # Foerster 2015 (a 2.0 of 28 g); the firmware's Lee controller, too
+    ),  # Foerster 2015 (a 2.0 of 28 g), and the firmware's Lee controller
     drag_to_thrust=0.00735,  # firmware, platform_defaults_cf2.h: THRUST2TORQUE, legacy propellers
     thrust_lag=0.086,  # utiasDSL/drone-models, so_rpy_rotor, cf2x_L250 (identified in flight)
 )
@@ -90,7 +90,7 @@ CRAZYFLIE_2_1_PLUS = replace(
     CRAZYFLIE_2_0,
     name="crazyflie_2_1_plus",
     mass=0.029,  # firmware, platform_defaults_cf2.h: CF_MASS
-    inertia=(1.68e-5, 1.68e-5, 2.98e-5),  # estimate: drone-models, cf2x_P250, taken from the 2.1 there
+    inertia=(1.68e-5, 1.68e-5, 2.98e-5),  # estimate: drone-models, cf2x_P250, copied there from the 2.1
     drag_to_thrust=0.00699,  # firmware, the same: THRUST2TORQUE, 2.1+ propellers
     thrust_lag=0.058,  # drone-models, so_rpy_rotor, cf2x_P250
 )
@@ -100,7 +100,7 @@ CRAZYFLIE_BRUSHLESS = Vehicle(
     mass=0.0393,  # firmware, platform_defaults_cf21bl.h: guards, 350 mAh battery and Lighthouse deck
     inertia=(2.5e-5, 2.8e-5, 4.9e-5),  # estimate: drone-models, cf21B_500, which weighs 43.4 g
     arm=0.050,  # firmware, the same: ARM_LENGTH
-    rotor_inertia=0.0,  # left out, as above
+    rotor_inertia=0.0,  # neglected, as above
     drag_to_thrust=0.00569,  # firmware, the same: THRUST2TORQUE
     thrust_max=4.0 * BRUSHLESS_MOTOR,
     full_pwm_thrust=4.0 * BRUSHLESS_MOTOR,
@@ -109,14 +109,14 @@ CRAZYFLIE_BRUSHLESS = Vehicle(
 
 TEXTBOOK_065 = Vehicle(
     name="textbook_065",
-    mass=0.65,  # the mass whose hover energy the paper's Tables 6 and 7 show
+    mass=0.65,  # matches the hover energy of the paper's Tables 6 and 7
     inertia=(7.5e-3, 7.5e-3, 1.3e-2),  # Bouabdallah, PhD thesis EPFL 2007, OS4 vehicle
     arm=0.23,  # the same
     rotor_inertia=6.0e-5,  # the same
     drag_to_thrust=0.024,  # the same: 7.5e-7 / 3.13e-5
-    thrust_max=12.753,  # twice its weight: OS4's thrust ratio
-    full_pwm_thrust=12.753 * PWM_FULL / PWM_STICK_MAX,  # its own map: the largest stick is the largest thrust
-    thrust_lag=0.0,  # the paper's simulation has none
+    thrust_max=12.753,  # twice its weight: OS4's thrust-to-weight ratio
+    full_pwm_thrust=12.753 * PWM_FULL / PWM_STICK_MAX,  # the largest RPYT setpoint gives thrust_max
+    thrust_lag=0.0,  # none in the paper's simulation
 )
 
 VEHICLES = {
@@ -125,22 +125,22 @@ VEHICLES = {
         CRAZYFLIE_2_0, CRAZYFLIE_2_1, CRAZYFLIE_2_1_PLUS, CRAZYFLIE_BRUSHLESS, TEXTBOOK_065,
     )
 }  # fmt: skip
-"""On stock firmware; `estimate` above marks what nobody has measured on that vehicle."""
+"""Vehicles on stock firmware; `estimate` marks values that were not measured on that vehicle."""
 
 
 DEFAULT_VEHICLE = CRAZYFLIE_2_0.name
-"""Taken by tools where nobody says which vehicle flew: the paper's."""
+"""Vehicle that tools assume by default: the paper's."""
 
 
 def vehicle_by_name(name: str, firmware: str = STOCK) -> Vehicle:
-    """Return the named vehicle on a firmware of `thrust_map`; raise ValueError with the known names."""
+    """Return the named vehicle on a firmware of `thrust_map`; raise ValueError for an unknown name."""
     if name not in VEHICLES:
         raise ValueError(f"unknown vehicle {name!r}; known are {', '.join(VEHICLES)}")
     return on_firmware(VEHICLES[name], firmware)
 
 
 def on_firmware(vehicle: Vehicle, firmware: str) -> Vehicle:
-    """Return the vehicle with the thrust that a firmware gives it.
+    """Return the vehicle with the maximum thrust of a firmware.
 
     Raises:
         ValueError: a firmware that the vehicle does not have.
@@ -152,6 +152,6 @@ def on_firmware(vehicle: Vehicle, firmware: str) -> Vehicle:
 
 
 def firmware_of(vehicle: Vehicle) -> str:
-    """Return the firmware whose thrust a vehicle has; empty where it has that of none."""
+    """Return the firmware that matches a vehicle's maximum thrust; empty if there is none."""
     known = MOTOR_THRUST.get(vehicle.name, ())
     return next((name for name in known if on_firmware(vehicle, name) == vehicle), "")

@@ -1,4 +1,4 @@
-"""Give the accelerations of one quadcopter: equations (1)-(9) of the paper, over any batch of vehicles.
+"""Rigid-body accelerations of a quadcopter, equations (1)-(9) of the paper, for any batch of vehicles.
 
     phi''   = theta' psi' a1 + theta' a2 Omega_r + b1 U2                     (1)
     theta'' = phi' psi' a3 - phi' a4 Omega_r + b2 U3                         (2)
@@ -6,10 +6,9 @@
     x'' = U1/m u_x + eta_x,   y'' = U1/m u_y + eta_y                         (4), (5), (7), (8)
     z'' = -g + U1/m cos(phi) cos(theta) + eta_z                              (6), (9)
 
-Readings. The angles are roll, pitch, yaw (the paper's text says pitch, yaw, roll). (1)-(3) are Euler's
-equations of a rigid body when the primed angles are body rates; the rates of Euler angles, which the paper
-takes for them, differ by tilt times rate. b3 = 1/Izz, since U4 is a torque; the printed l/Izz would
-make it a force.
+Interpretation. The angles are roll, pitch, yaw (the paper's text says pitch, yaw, roll). (1)-(3) are Euler's
+equations of a rigid body if the primed angles are body rates; the Euler angle rates, which the paper uses,
+differ by tilt times rate. b3 = 1/Izz, since U4 is a torque; the printed l/Izz would make it a force.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -17,8 +16,8 @@ make it a force.
 | phi' theta' psi' | rates | roll, pitch, yaw rate [rad/s], (..., 3) |
 | U1 | thrust | collective thrust along body z [N], (...) |
 | U2 U3 U4 | moments | force difference about roll and pitch [N], torque about yaw [N m], (..., 3) |
-| Omega_r | rotor_speed_sum | signed sum of the rotors' speeds [rad/s], (...) |
-| eta | eta | acceleration by neighbours' downwash, F / m [m/s^2], world, (..., 3) |
+| Omega_r | rotor_speed_sum | signed sum of the rotor speeds [rad/s], (...) |
+| eta | eta | acceleration due to neighbours' downwash, F / m [m/s^2], world, (..., 3) |
 """
 
 import numpy as np
@@ -27,7 +26,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 NO_DRAFT = np.zeros(3)
-"""eta of a vehicle alone [m/s^2]."""
+"""eta of an isolated vehicle [m/s^2]."""
 
 
 def angular_acceleration(
@@ -53,5 +52,5 @@ def thrust_direction(attitude: Array) -> Array:
 
 def linear_acceleration(attitude: Array, thrust: Array, mass: float, eta: Array = NO_DRAFT) -> Array:
     """Return x'', y'', z'' [m/s^2], world, (..., 3), by (4)-(9); without `eta` by (4)-(6)."""
-    push = np.asarray(thrust)[..., None] / mass * thrust_direction(attitude)
-    return np.asarray(push + eta - np.array([0.0, 0.0, GRAVITY]))
+    thrust_acc = np.asarray(thrust)[..., None] / mass * thrust_direction(attitude)
+    return np.asarray(thrust_acc + eta - np.array([0.0, 0.0, GRAVITY]))

@@ -1,13 +1,13 @@
-"""Compare what would be sent at hover with what the vehicle itself takes for hover.
+"""Consistency of our hover command with the vehicle's own hover parameters.
 
-A stick of RPYT asks for PWM_c = 65535 m g / f_full by the table of vehicle and firmware. The vehicle's own
-Mellinger controller, with the parameters that were read from it, starts from
+The RPYT setpoint at hover is PWM_c = 65535 m g / f_full by the table of vehicle and firmware. The onboard
+Mellinger controller, with the parameters read from the vehicle, uses
 
     PWM_o = ctrlMel.massThrust * ctrlMel.mass * g
 
-so PWM_c / PWM_o far from 1 tells of a wrong vehicle, a wrong firmware or a mass never set. massThrust is
-132000 on every stock build, which on current firmware is 3 % below 65535 / f_full (mass_thrust_of), but 60 %
-above it on a Brushless and 45 % with the upgrade kit: there it must be set.
+A ratio PWM_c / PWM_o far from 1 indicates a wrong vehicle, a wrong firmware or an unset mass. massThrust is
+132000 on every stock build. On current firmware that is 3 % below 65535 / f_full (mass_thrust_of), but 60 %
+above it on a Brushless and 45 % with the upgrade kit, where it must be set.
 """
 
 import math
@@ -17,12 +17,12 @@ from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
 
 OWN_PARAMETERS = ("ctrlMel.mass", "ctrlMel.massThrust")
-"""What must be read from a vehicle."""
+"""Firmware parameters to read from the vehicle."""
 
 
 @dataclass(frozen=True, slots=True)
 class OwnHover:
-    """Parameters of a vehicle that say at which PWM it hovers."""
+    """Firmware parameters that determine the PWM at hover."""
 
     mass: float
     """ctrlMel.mass [kg]."""
@@ -36,15 +36,15 @@ class OwnHover:
 
 
 def hover_pwm(vehicle: Vehicle) -> float:
-    """Return PWM_c, what a stick would ask of each motor at hover."""
+    """Return PWM_c, the PWM of each motor in an RPYT setpoint at hover."""
     return PWM_FULL * vehicle.hover_thrust / vehicle.full_pwm_thrust
 
 
 def mass_thrust_of(vehicle: Vehicle) -> float:
-    """Return the ctrlMel.massThrust [1/N] that gives a vehicle the thrust its controller asks for."""
+    """Return the ctrlMel.massThrust [1/N] that matches the vehicle's thrust map."""
     return PWM_FULL / vehicle.full_pwm_thrust
 
 
 def hover_ratio(vehicle: Vehicle, own: OwnHover) -> float:
-    """Return PWM_c / PWM_o; infinite where the vehicle's own parameters give no thrust."""
+    """Return PWM_c / PWM_o; infinite if the vehicle's own parameters give no thrust."""
     return hover_pwm(vehicle) / own.pwm if own.pwm > 0.0 else math.inf

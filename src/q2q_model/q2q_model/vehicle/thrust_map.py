@@ -1,7 +1,7 @@
-"""Thrust that a Crazyflie's firmware gives per PWM.
+"""Thrust per PWM of the Crazyflie firmware.
 
-Every build compensates for the battery, and so gives a force that is linear in PWM, f = f_full PWM / 65535
-for each of four motors (bitcraze/crazyflie-firmware, src/drivers/src/motors.c). f_full [N] changed:
+Every build compensates the battery voltage, so thrust is linear in PWM: f = f_full PWM / 65535 for each of
+four motors (bitcraze/crazyflie-firmware, src/drivers/src/motors.c). f_full [N] differs between releases:
 
 | firmware | releases and build | brushed | Brushless | source |
 |---|---|---|---|---|
@@ -10,11 +10,11 @@ for each of four motors (bitcraze/crazyflie-firmware, src/drivers/src/motors.c).
 | stock_2025_09 | 2025.09 to 2025.12 | 0.1125 | 0.1625 | the same, at these tags |
 | stock_2025_02 | before 2025.09 | 0.1471 | | motors.c: 60 gram-force of all four motors |
 
-The figure of 60 gram-force is the collective thrust: its fit (0 to 57.9 g) is a whole vehicle on a scale
-(firmware, docs/functional-areas/pwm-to-thrust.md), so a motor gives 15. The Brushless of 2025.09 borrowed the
-upgrade kit's number (2025.12 has its own, 0.2), and before that it compensated nothing.
+60 gram-force is the collective thrust: it was fitted (0 to 57.9 g) to a whole vehicle on a scale (firmware,
+docs/functional-areas/pwm-to-thrust.md), so each motor gives 15. In 2025.09 the Brushless used the upgrade
+kit's value (2025.12 has its own, 0.2); earlier releases do not compensate its battery.
 
-A vehicle that is no Crazyflie has a map of its own.
+Vehicles other than Crazyflies have their own map.
 """
 
 from collections.abc import Mapping
@@ -22,9 +22,9 @@ from collections.abc import Mapping
 PWM_FULL = 65535
 """Full duty of a motor [PWM]."""
 PWM_STICK_MAX = 60000
-"""Largest thrust that the Crazyflie's commander takes from an RPYT setpoint [PWM]."""
+"""Largest thrust that the Crazyflie's commander accepts in an RPYT setpoint [PWM]."""
 MASS_THRUST = 132000.0
-"""PWM of every motor per newton of collective thrust that ctrlMel.massThrust has on every build [1/N]."""
+"""Default of ctrlMel.massThrust on every build: motor PWM per newton of collective thrust [1/N]."""
 STOCK = "stock"
 GRAM_FORCE = 9.81e-3
 """[N]"""
@@ -48,7 +48,7 @@ FIRMWARES = tuple(_BRUSHED)
 
 
 def motor_thrust(vehicle: str, firmware: str) -> float | None:
-    """Return f_full [N]; None for a vehicle with a map of its own.
+    """Return f_full [N]; None for a vehicle with its own map.
 
     Raises:
         ValueError: a firmware that the vehicle does not have.

@@ -18,7 +18,7 @@ from std_srvs.srv import Trigger
 
 from q2q_model.node.reply import Reply
 from q2q_model.ros.node.node_parameters import declare
-from q2q_model.ros.node.ready import latched_is_out
+from q2q_model.ros.node.ready import note_latched
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.ros.topics.qos import LATCHED
@@ -57,12 +57,12 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
     player = PlanPlayer(plan, params.start, declare(node, GlideParams()), wait=params.wait)
     told = _Told(player, node.create_publisher(Plan, "plan", LATCHED))
     if player.played is not None:  # known before the first tick: whoever looks ahead has it in time
-        latched_is_out(node, told.publisher)
+        note_latched(node, told.publisher)
     told.tell()
     if params.wait:
         waiting = node.create_publisher(Plan, "next_plan", LATCHED)
         waiting.publish(encode_plan(plan, 0))
-        latched_is_out(node, waiting)
+        note_latched(node, waiting)
     calls = {"wait": player.wait, "glide": player.glide, "start": player.start, "hold": player.hold}
     for name, act in calls.items():
         node.create_service(Trigger, f"~/{name}", told.answering(act))

@@ -14,10 +14,11 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.node.wiring import unmatched, unserved, wiring_from_text
+from q2q_model.node.wiring import undelivered, unmatched, wiring_from_text
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.qos import LATCHED, TICK
+from q2q_model.signals.stamps import stamp_from_parts
 from q2q_sim.loop.room import TICK_NS
 
 POLL_S = 0.05
@@ -138,7 +139,7 @@ class FlightDirector:
         wirings = {name: wiring_from_text(answer.message) for name, answer in answers.items() if answer}
         silent = [f"{name} has not answered" for name in clients if name not in wirings]
         short = unmatched(wirings).items()
-        late = unserved(wirings).items()
+        late = undelivered(wirings).items()
         return silent or [
             *(f"{name} waits for readers of {', '.join(topics)}" for name, topics in short),
             *(f"{name} waits for {', '.join(topics)}" for name, topics in late),
@@ -164,7 +165,7 @@ class FlightDirector:
             self._executor.spin_once(timeout_sec=rest)
 
     def _on_clock(self, message: Clock) -> None:
-        self._ticks = (message.clock.sec * 1_000_000_000 + message.clock.nanosec) // TICK_NS
+        self._ticks = stamp_from_parts(message.clock.sec, message.clock.nanosec) // TICK_NS
 
     def _on_summary(self, message: String) -> None:
         self._summary = json.loads(message.data)

@@ -21,7 +21,7 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.node.wiring import unmatched, unserved
+from q2q_model.node.wiring import undelivered, unmatched
 from q2q_model.ros.node.ready import DRAIN, DRAINED, offer_drained, wiring_of
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.qos import LATCHED
@@ -113,7 +113,7 @@ def _flown(cast: _Cast, patience_s: float) -> FlightTiming:
 
 def _is_wired(cast: _Cast) -> bool:
     wirings = {node.get_name(): wiring_of(node) for node in (*cast.nodes, cast.watcher)}
-    return not unmatched(wirings) and not unserved(wirings)
+    return not unmatched(wirings) and not undelivered(wirings)
 
 
 def _drain(cast: _Cast) -> None:

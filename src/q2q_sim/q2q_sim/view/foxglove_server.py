@@ -5,6 +5,7 @@ The SDK (foxglove-sdk) is optional: it is imported when a server is opened.
 
 from typing import TYPE_CHECKING
 
+from q2q_model.signals.stamps import stamp_parts
 from q2q_sim.view.shapes import Point, Scene, Shape, ShapeKind, arrow_quat
 
 if TYPE_CHECKING:
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
 LOOPBACK = "127.0.0.1"
 TOPIC = "/scene"
 WORLD = "world"
-NANOSECONDS = 1_000_000_000
 HEAD_LENGTH, HEAD = 0.05, 2.0
 """Length of an arrow's head [m], its width over the shaft's."""
 
@@ -52,7 +52,8 @@ class FoxgloveScene:
 
     def show(self, scene: Scene, stamp_ns: int) -> None:
         """Draw a scene in place of the last one."""
-        stamp = self._messages.Timestamp(sec=stamp_ns // NANOSECONDS, nsec=stamp_ns % NANOSECONDS)
+        sec, nanosec = stamp_parts(stamp_ns)
+        stamp = self._messages.Timestamp(sec=sec, nsec=nanosec)
         entities = [self._entity(shape, scene, stamp) for shape in scene.shapes]
         now = {_name(shape, scene) for shape in scene.shapes}
         gone = [

@@ -23,6 +23,7 @@ from q2q_model.bag.storage.source import Channel, RawMessage, Source, open_sourc
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.cdr import BadMessageError, SignalReader
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
 from q2q_model.signals.values import Array, MocapFrame
 
 POSES = {
@@ -159,7 +160,7 @@ def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tup
     for message in source.read({channel.topic}):
         try:
             value = decode(message)
-            t = _stamp_ns(value) * 1e-9 if topic_map.by_header else message.stamp_ns * 1e-9
+            t = time_from_stamp(_stamp_ns(value) if topic_map.by_header else message.stamp_ns)
             found = [(name, (t, *_XYZ(at), *_XYZW(turn))) for name, at, turn in _placed(value, kind)]
         except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
             where = f"topic {channel.topic} at {message.stamp_ns} ns"
@@ -169,7 +170,7 @@ def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tup
 
 def _stamp_ns(value: object) -> int:
     sec, nanosec = attrgetter("header.stamp.sec", "header.stamp.nanosec")(value)
-    return int(sec) * 1_000_000_000 + int(nanosec)
+    return stamp_from_parts(sec, nanosec)
 
 
 def _placed(value: object, kind: str) -> list[tuple[str, object, object]]:

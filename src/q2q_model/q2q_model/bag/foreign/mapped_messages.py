@@ -13,6 +13,7 @@ from q2q_model.bag.storage.fault import state_repairs
 from q2q_model.bag.storage.source import RawMessage
 from q2q_model.signals.cdr import encode, header_stamp_ns
 from q2q_model.signals.layout import LAYOUTS
+from q2q_model.signals.stamps import stamp_from_time
 
 MOCAP = "mocap"
 
@@ -33,7 +34,7 @@ class MappedBag:
             state_repairs(tuple(f"bag {path}: {said}" for said in repairs))
             for frame in frames:
                 kind = f"q2q_msgs/msg/{LAYOUTS[type(frame)].message}"
-                stamp_ns = round(frame.t * 1e9)
+                stamp_ns = stamp_from_time(frame.t)
                 messages.append(RawMessage(MOCAP, stamp_ns, encode(frame, stamp_ns), kind))
         self._messages = sorted(messages, key=lambda one: one.stamp_ns)
 

@@ -1,4 +1,4 @@
-"""Name the node that shares its process, and a bus, with others."""
+"""Node that shares its process and a local bus with others."""
 
 from rclpy.node import Node
 
@@ -6,7 +6,7 @@ from q2q_model.signals.local_bus import LocalBus
 
 
 class BusNode(Node):  # type: ignore[misc]  # rclpy has no types
-    """A node whose wiring reads from a bus what is written within the process."""
+    """Node that receives topics published within its process from a local bus."""
 
     def __init__(self, name: str, bus: LocalBus) -> None:
         super().__init__(name)

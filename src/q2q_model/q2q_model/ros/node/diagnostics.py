@@ -1,4 +1,4 @@
-"""Tell `/diagnostics` once a second how a node is doing."""
+"""Publication of a node's health on `/diagnostics` once a second."""
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy
@@ -11,27 +11,27 @@ from q2q_model.node.health import Health, HealthReport, report
 from q2q_model.ros.node.steady_timer import steady_timer
 
 PERIOD_S = 1.0
-"""How often health is reported [s]; the custom of diagnostic_updater."""
+"""Period of the report [s]; the default of diagnostic_updater."""
 
 
 def publish_health(
     node: Node, health: Health, facts: Callable[[], Mapping[str, str]] = dict[str, str]
 ) -> None:
-    """Publish the node's health on `/diagnostics` every second of wall time, with what `facts` then says."""
+    """Publish the node's health on `/diagnostics` every second of wall time, with the values of `facts`."""
     publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
-    last, told = [deepcopy(health)], [monotonic()]
+    last, reported = [deepcopy(health)], [monotonic()]
 
-    def tell() -> None:
+    def publish() -> None:
         now = monotonic()
-        rate = (health.ticks - last[0].ticks) / max(now - told[0], 0.01 * PERIOD_S)
-        told[0] = now
+        rate = (health.ticks - last[0].ticks) / max(now - reported[0], 0.01 * PERIOD_S)
+        reported[0] = now
         health.extra |= {"rate_hz": f"{rate:.1f}", **facts()}
         message = DiagnosticArray(status=[_status(node.get_fully_qualified_name(), report(last[0], health))])
         message.header.stamp = node.get_clock().now().to_msg()
         publisher.publish(message)
         last[0] = deepcopy(health)
 
-    steady_timer(node, PERIOD_S, tell)
+    steady_timer(node, PERIOD_S, publish)
 
 
 def _status(name: str, graded: HealthReport) -> DiagnosticStatus:

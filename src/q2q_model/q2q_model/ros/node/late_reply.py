@@ -1,8 +1,8 @@
-"""Serve a Trigger whose answer may come later: once what was asked for has happened.
+"""Trigger service with a deferred response.
 
-rclpy answers a request with what its callback returns, and its events executor runs no coroutines. A response
-whose request is still under way is therefore held back where the executor hands it over, and sent when known;
-meanwhile the node spins on and can take other calls.
+rclpy sends the response that the callback returns, and its events executor does not run coroutines. The
+executor's send_response is therefore replaced: the response of a pending request is withheld and sent once
+the request has completed, while the node keeps spinning.
 """
 
 from collections.abc import Callable
@@ -14,10 +14,10 @@ from q2q_model.node.reply import Reply
 
 
 class LateReplyService:
-    """Trigger service whose requests wait for their answer; at most one request is under way."""
+    """Trigger service with deferred responses and at most one pending request."""
 
     def __init__(self, node: Node, name: str, ask: Callable[[], Reply | None]) -> None:
-        """Call `ask` for each request; where it returns None, the answer comes by `answer`."""
+        """Call `ask` for each request; if it returns None, `answer` sends the response later."""
         self._ask = ask
         self._waiting: Trigger.Response | None = None
         self._header: object = None
@@ -26,7 +26,7 @@ class LateReplyService:
         setattr(service, "send_response", self._hand_over)  # noqa: B010  a method of rclpy's is replaced
 
     def answer(self, reply: Reply) -> None:
-        """Answer the request that waits."""
+        """Send the response of the pending request."""
         if self._waiting is not None:
             response, self._waiting = _filled(self._waiting, reply), None
             self._send(response, self._header)

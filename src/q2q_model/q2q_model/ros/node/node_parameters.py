@@ -1,4 +1,4 @@
-"""Make a Params dataclass a node's ROS parameters: description, range, read-only, and live changes."""
+"""ROS parameters declared from a Params dataclass: description, range, read-only flag, live changes."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import Field, fields, replace
@@ -20,15 +20,15 @@ from q2q_model.tunable import ParamsClass, Tunable, tunable_of, with_overrides
 P = TypeVar("P", bound=ParamsClass)
 
 UNBOUNDED = 1.7e308
-"""Stands for no bound in a FloatingPointRange, which has no other word for it."""
+"""Bound of an unbounded FloatingPointRange, which cannot express infinity."""
 
 
 def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False) -> P:
-    """Declare every field of `params` as a ROS parameter under a prefix; return what the user set.
+    """Declare every field of `params` as a ROS parameter under a prefix; return the user's values.
 
-    With `in_flight`, those that are not read-only may change (`on_change` says to what); else none may.
+    With `in_flight`, parameters that are not read-only may change later (see `on_change`).
 
-    Raises ValueError that names the parameter, the value and what is allowed.
+    Raises ValueError with parameter, value and allowed range.
     """
     values = {
         entry.name: _declared(node, params, entry, prefix, in_flight=in_flight) for entry in fields(params)
@@ -37,21 +37,21 @@ def declare(node: Node, params: P, prefix: str = "", *, in_flight: bool = False)
 
 
 def refuse_undeclared(nodes: Iterable[Node]) -> None:
-    """Raise ValueError for a parameter that a user set and none of a process's nodes has declared.
+    """Raise ValueError for a user-set parameter that no node of the process has declared.
 
-    Call it once they have declared theirs: ROS itself passes over a misspelt name in silence.
+    Call it after all declarations: ROS itself ignores a misspelt name silently.
     """
     here = list(nodes)
     known = {name for node in here for name in node.list_parameters([], 0).names}
-    given = {name for node in here for name in node._parameter_overrides}  # noqa: SLF001  (rclpy says it nowhere else)
+    given = {name for node in here for name in node._parameter_overrides}  # noqa: SLF001  (rclpy has no accessor)
     for name in sorted(given - known):
         near = get_close_matches(name, known, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(sorted(known))}"
+        hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(sorted(known))}"
         raise ValueError(f"no parameter {name}; {hint}")
 
 
 def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "") -> None:
-    """Call `apply` with the new Params whenever parameters of `params` are set while flying."""
+    """Call `apply` with the new Params whenever parameters of `params` are set in flight."""
     current = [params]
     known = {prefix + entry.name: entry.name for entry in fields(params)}
 

@@ -1,8 +1,8 @@
-"""Say how a node is wired: what it reads, and how many readers each topic it publishes has matched.
+"""Readiness services of a node: its subscriptions, and the matched subscribers of each publisher.
 
-Who starts a flight adds up who reads what and compares: a reliable writer that has matched a reader loses
-nothing to it, so the first tick may go out once every writer has matched every reader. A node that needs what
-another has latched says so until it has come: matched is not yet delivered.
+The start of a flight compares these over all nodes. A reliable publisher loses no message to a matched
+subscriber, so the first tick may be sent once every publisher has matched every subscriber. A node that
+needs a latched topic also reports it as missing until the value has arrived.
 """
 
 from collections.abc import Callable
@@ -15,31 +15,31 @@ from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
 from q2q_model.node.wiring import Wiring
-from q2q_model.ros.topics.deadlines import asks
+from q2q_model.ros.topics.deadlines import has_deadline
 
 SERVICE = "ready"
 DRAINED = "drained"
 DRAIN = Duration(seconds=0.1)
-"""How long one question waits for acknowledgement: shorter than a caller's patience."""
+"""Longest wait for acknowledgement in one request, shorter than the caller's timeout."""
 
 _OUT: WeakKeyDictionary[Node, set[str]] = WeakKeyDictionary()
 _LACKS: WeakKeyDictionary[Node, set[str]] = WeakKeyDictionary()
 
 
-def latched_is_out(node: Node, writer: Publisher) -> None:
-    """Note that a latched topic of a node has a value, for readers to come."""
+def note_latched(node: Node, writer: Publisher) -> None:
+    """Record that a latched topic of a node has a value."""
     _OUT.setdefault(node, set()).add(writer.topic_name)
 
 
 def expect_latched(node: Node, reader: Subscription) -> Callable[[], None]:
-    """Let a node not be ready before a latched topic has come to it; call what is returned when it has."""
+    """Report a latched topic as missing until the returned function is called."""
     topics = _LACKS.setdefault(node, set())
     topics.add(reader.topic_name)
     return lambda: topics.discard(reader.topic_name)
 
 
 def offer_ready(node: Node) -> None:
-    """Offer the service `~/ready`, whose message is the node's Wiring."""
+    """Offer the service `~/ready`, whose response message is the node's Wiring."""
 
     def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         response.success = True
@@ -50,9 +50,9 @@ def offer_ready(node: Node) -> None:
 
 
 def offer_drained(node: Node) -> None:
-    """Offer the service `~/drained`: success once every reader has acknowledged all that was published.
+    """Offer the service `~/drained`: success once every subscriber has acknowledged every message.
 
-    Who ends a flight asks for it, so that a recorder behind its time loses nothing.
+    It is called at the end of a flight, so that a slow recorder loses nothing.
     """
 
     def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -63,13 +63,13 @@ def offer_drained(node: Node) -> None:
 
 
 def wiring_of(node: Node) -> Wiring:
-    """Return what a node reads, and how many readers each of its writers has matched."""
+    """Return a node's subscriptions and the matched subscribers of each of its publishers."""
     readers, writers = list(node.subscriptions), list(node.publishers)
     return Wiring(
-        reads=tuple(one.topic_name for one in readers if not asks(one.qos_profile)),
+        reads=tuple(one.topic_name for one in readers if not has_deadline(one.qos_profile)),
         matched={one.topic_name: one.get_subscription_count() for one in writers},
-        watches=tuple(one.topic_name for one in readers if asks(one.qos_profile)),
-        promises=tuple(one.topic_name for one in writers if asks(one.qos_profile)),
+        watches=tuple(one.topic_name for one in readers if has_deadline(one.qos_profile)),
+        promises=tuple(one.topic_name for one in writers if has_deadline(one.qos_profile)),
         out=tuple(sorted(_OUT.get(node, ()))),
         lacks=tuple(sorted(_LACKS.get(node, ()))),
     )

@@ -1,8 +1,8 @@
-"""Run one node as a process: start, spin, end cleanly, and say what is wrong in one line.
+"""Process of one or more nodes: start, spin, clean shutdown, one-line errors.
 
-SIGINT and SIGTERM are ours, not rclpy's, which shuts ROS down in the middle of a callback: while nodes are
-built they interrupt; once nodes spin, the callback that runs is ended first. An interrupt that foreign code
-swallows is still an end that was asked for.
+SIGINT and SIGTERM are handled here: rclpy would shut ROS down in the middle of a callback. While nodes are
+built, a signal raises KeyboardInterrupt; once nodes spin, the running callback completes first. An interrupt
+swallowed by foreign code still ends the process.
 """
 
 import gc
@@ -24,15 +24,15 @@ from q2q_model.ros.node.node_parameters import refuse_undeclared
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 
 LEAVE_S = 20
-"""Longest time to leave ROS [s]: Fast DDS 2.14 can lock up where others leave at the same moment."""
+"""Timeout of the ROS shutdown [s]: Fast DDS 2.14 can deadlock when others leave at the same moment."""
 WAKE_S = 0.1
-"""How often the spin loop looks whether it should end [s].
+"""Period at which the spin loop checks for the end [s].
 
-EventsExecutor.spin() runs nothing here, and a spin_once for each message costs more than the message.
+EventsExecutor.spin() does not return on our signals, and spin_once per message costs more than the message.
 """
 
 HAND_OVER = Duration(seconds=2.0)
-"""How long a node that has finished waits for the readers of one topic."""
+"""Longest wait of a finished node for the subscribers of one topic."""
 ENDING = (signal.SIGINT, signal.SIGTERM)
 
 Kept = TypeVar("Kept")
@@ -42,12 +42,12 @@ _FINISHED: WeakSet[Node] = WeakSet()
 
 
 def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | None = None) -> None:
-    """Run a node until SIGINT or SIGTERM; exit 0 then, 2 on a wrong parameter or input file.
+    """Run a node until SIGINT or SIGTERM; exit 0 then, 2 on an invalid parameter or input file.
 
     Args:
-        name: the node's name.
-        build: declares parameters, subscribes and publishes; what it returns is kept alive.
-        end: called with that once the node has stopped, as to close files.
+        name: name of the node.
+        build: declares parameters, subscribes and publishes; its result is kept alive.
+        end: called with that result once the node has stopped, e.g. to close files.
     """
 
     def alone() -> dict[Node, Kept]:
@@ -59,9 +59,9 @@ def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | 
 def run_together(
     name: str, build: Callable[[], Mapping[Node, Kept]], end: Callable[[Kept], None] | None = None
 ) -> None:
-    """Run several nodes in one process, as `run` does one; `name` speaks for all."""
+    """Run several nodes in one process, as `run` does; `name` prefixes error messages."""
     ending = _Ending()
-    gc.disable()  # what is built and loaded stays
+    gc.disable()  # objects created during start-up are never freed
     try:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         kept = build()
@@ -85,7 +85,7 @@ def run_together(
 
 
 def _leave() -> None:
-    """Shut ROS down; end this process by SIGALRM where its middleware does not let it go within LEAVE_S."""
+    """Shut ROS down; SIGALRM ends the process if the middleware does not return within LEAVE_S."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(LEAVE_S)
     rclpy.try_shutdown()
@@ -106,15 +106,15 @@ class _Ending:
 
 
 def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
-    """Run the callbacks of the nodes until the end is asked for, or ROS is shut down."""
+    """Run the callbacks of the nodes until a signal arrives or ROS shuts down."""
     executor = make_executor()
     for node in nodes:
         executor.add_node(node)
     ending.interrupts = False
-    gc.freeze()  # what stands now stays: the collector need not look at it again in flight
+    gc.freeze()  # exclude the objects created so far from collection in flight
     gc.enable()
     while rclpy.ok() and not ending.asked:
-        never: Future[None] = Future()  # a new one: the executor leaves a callback at it each time
+        never: Future[None] = Future()  # a new one: the executor adds a callback to it each time
         executor.spin_until_future_complete(never, WAKE_S)
         if any(node in _FINISHED for node in nodes):
             _hand_over(nodes)
@@ -122,19 +122,19 @@ def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
 
 
 def finish(node: Node) -> None:
-    """End the process of a node, whose work is done, once readers have acknowledged what it published."""
+    """End the process of a finished node once its messages are acknowledged."""
     _FINISHED.add(node)
 
 
 def _hand_over(nodes: Iterable[Node]) -> None:
-    """Give every reader the time to acknowledge what the nodes published."""
+    """Wait until subscribers have acknowledged the nodes' messages, at most HAND_OVER per topic."""
     for node in nodes:
         for writer in node.publishers:
             writer.wait_for_all_acked(HAND_OVER)
 
 
 def make_executor() -> Executor:
-    """Return the events executor where present (3 times less CPU), else the plain one."""
+    """Return the events executor if available (a third of the CPU time), else the single-threaded one."""
     try:
         from rclpy.experimental import EventsExecutor
     except ImportError:

@@ -1,7 +1,7 @@
-"""Call something at a period of the machine's steady time, whatever `use_sim_time` says.
+"""Timer on the machine's steady clock, independent of `use_sim_time`.
 
-A timer of the node's own clock stands still under use_sim_time until somebody publishes /clock: a simulator
-that waits for its own clock would hang, and a node's health would fall silent.
+Under use_sim_time a timer on the node's clock does not run until /clock is published: a simulator would wait
+for its own clock, and health reports would stop.
 """
 
 from collections.abc import Callable

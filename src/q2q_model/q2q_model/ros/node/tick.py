@@ -1,4 +1,4 @@
-"""Wire a block into the graph: join the inputs of a tick by stamp, update, publish under that stamp."""
+"""Connection of a block to topics: join inputs by stamp, update, publish with that stamp."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from q2q_model.node.stopwatch import Stopwatch
 from q2q_model.ros.node.bus_node import BusNode
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
-from q2q_model.ros.topics.deadlines import promising, watch
+from q2q_model.ros.topics.deadlines import publisher_qos, watch
 from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK
@@ -32,7 +32,7 @@ Made = TypeVar("Made", bound=Signal)
 
 @dataclass(frozen=True, slots=True)
 class TickWriterParams:
-    """Parameters of every node that answers ticks."""
+    """Parameters of every node that processes ticks."""
 
     promise_s: float = tunable(
         0.0,
@@ -58,7 +58,7 @@ class TickWiring(Generic[Made]):
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         self._node = node
         topic, signal = output
-        quality = promising(declare(node, TickWriterParams()).promise_s)
+        quality = publisher_qos(declare(node, TickWriterParams()).promise_s)
         self._publisher = node.create_publisher(MESSAGES[signal], topic, quality)
         self._inputs = inputs
         self._after: list[Callable[[int, Made], None]] = []
@@ -71,56 +71,56 @@ class TickWiring(Generic[Made]):
         publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
-        """Run the block on made-up ticks and reset it, so that nothing is compiled or loaded in flight."""
+        """Run the block on synthetic ticks and reset it, so that nothing is compiled or loaded in flight."""
         rehearse(update, reset, self._inputs.values(), names)
 
     def start(self, update: Callable[..., Made]) -> None:
-        """Subscribe to the inputs; every complete tick calls `update` with their signals, in their order."""
+        """Subscribe to the inputs and call `update` with the signals of every complete tick, in order."""
         for topic, signal in self._inputs.items():
             self._subscribe(topic, signal, update)
 
-    def then(self, follow: Callable[[int, Made], None]) -> None:
-        """Call `follow(stamp_ns, signal)` once a tick is published, off the critical path."""
+    def after_publish(self, follow: Callable[[int, Made], None]) -> None:
+        """Call `follow(stamp_ns, signal)` after each publication, off the critical path."""
         self._after.append(follow)
 
     def publish(self, stamp_ns: int, signal: Made) -> None:
-        """Publish a signal under a stamp: first to listeners within the process, if it has a bus."""
-        self._bus.post(self._topic, stamp_ns, signal, partial(self._tell_world, stamp_ns, signal))
+        """Publish a signal with a stamp, first to listeners within the process if there is a bus."""
+        self._bus.post(self._topic, stamp_ns, signal, partial(self._publish_to_ros, stamp_ns, signal))
 
-    def hear(self, topic: str, take: Callable[[int, Signal], None]) -> None:
-        """Call `take(stamp_ns, signal)` for every message of an input, of incomplete ticks, too."""
+    def listen(self, topic: str, take: Callable[[int, Signal], None]) -> None:
+        """Call `take(stamp_ns, signal)` for every message of an input, including incomplete ticks."""
         self._bus.listen(topic, take)
 
     def on_silence(self, within_s: float, act: Callable[[], None]) -> None:
-        """Call `act` when a promising writer of an input in another process is silent or gone."""
+        """Call `act` when a publisher in another process misses its deadline or leaves."""
         for topic, signal in self._inputs.items():
             if not self._bus.carries(topic):
                 watch(self._node, topic, signal, within_s, act)
 
-    def tell(self, more: Callable[[], Mapping[str, str]]) -> None:
-        """Have `/diagnostics` say what `more()` returns, too; it is asked once a second."""
+    def add_facts(self, more: Callable[[], Mapping[str, str]]) -> None:
+        """Add the values of `more()` to `/diagnostics`, once a second."""
         self._more.append(more)
 
     def _facts(self) -> Mapping[str, str]:
-        told: dict[str, str] = {}
+        found: dict[str, str] = {}
         if self._last is not None:
-            told |= {**facts(self._last), **self._watch.laps_told()}
+            found |= {**facts(self._last), **self._watch.take_lap_report()}
         for more in self._more:
-            told |= more()
-        return told
+            found |= more()
+        return found
 
-    def _tell_compilations(self) -> None:
-        """Warn of code that was compiled since the first tick: the rehearsals and set-up missed it."""
+    def _warn_of_compilations(self) -> None:
+        """Warn of kernels compiled since the first tick, which rehearsal and set-up have missed."""
         if len(COMPILED) > self._compiled:
             late = ", ".join(COMPILED[self._compiled :])
             self._node.get_logger().warning(f"compiled in flight: {late}; run scripts/setup")
             self._compiled = len(COMPILED)
 
-    def _tell_world(self, stamp_ns: int, signal: Made) -> None:
+    def _publish_to_ros(self, stamp_ns: int, signal: Made) -> None:
         self._publisher.publish(encode(signal, stamp_ns))
 
-    def _conclude(self, stamp_ns: int, signal: Made) -> None:
-        self._tell_world(stamp_ns, signal)
+    def _publish_and_follow(self, stamp_ns: int, signal: Made) -> None:
+        self._publish_to_ros(stamp_ns, signal)
         for follow in self._after:
             follow(stamp_ns, signal)
 
@@ -132,7 +132,7 @@ class TickWiring(Generic[Made]):
                 self.health.refuse(f"{topic}: {refusal}")
 
         self._bus.listen(topic, take)
-        if self._bus.admits(topic):
+        if self._bus.needs_subscription(topic):
             receive = listener(topic, signal, partial(self._bus.post, topic), self.health)
             self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
@@ -146,7 +146,7 @@ class TickWiring(Generic[Made]):
         self._watch.restart()
         made = update(*values)
         self._watch.lap()
-        self._tell_compilations()
+        self._warn_of_compilations()
         self._last = made
         self.health.ticks += 1
-        self._bus.post(self._topic, stamp_ns, made, partial(self._conclude, stamp_ns, made))
+        self._bus.post(self._topic, stamp_ns, made, partial(self._publish_and_follow, stamp_ns, made))

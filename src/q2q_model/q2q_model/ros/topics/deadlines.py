@@ -1,15 +1,15 @@
-"""Promise readers a signal at least so often, and be told by DDS when a promise is broken.
+"""DDS deadline and liveliness on tick topics.
 
-A reader that asks for a deadline or a lease hears nothing from a writer that promises none, as other software
-or a player of bags. So a topic is watched by a second reader, that asks, and is there for its events only:
-who promises is watched, who does not is heard all the same.
+A subscriber that requests a deadline or a liveliness lease does not match a publisher that offers none, such
+as other software or a bag player. A second subscriber therefore requests them, for its events only; data
+arrive on the plain subscriber from any publisher.
 
-| event | told |
+| event | time of the event |
 |---|---|
-| deadline | `within_s` after the last message, and every `within_s` again |
-| liveliness | `within_s` after a process was killed or stopped; at once where it leaves |
+| deadline | `within_s` after the last message, repeated every `within_s` |
+| liveliness | `within_s` after a process was killed or stopped; at once if it leaves |
 
-The watching reader takes every message a second time, without looking at it: 100 Hz are 1 % of a core.
+The watching subscriber receives every message a second time, unread: 1 % of a core at 100 Hz.
 """
 
 from collections.abc import Callable
@@ -28,15 +28,15 @@ from q2q_model.ros.topics.qos import TICK_WRITER
 from q2q_model.signals.layout import Signal
 
 
-def promising(seconds: float) -> QoSProfile:
-    """Return a tick writer's quality of service with a deadline and a lease of `seconds`; 0 promises none."""
+def publisher_qos(seconds: float) -> QoSProfile:
+    """Return a tick publisher's QoS that offers a deadline and lease of `seconds`; 0 offers none."""
     if seconds <= 0.0:
         return TICK_WRITER
-    return _asking(seconds, TICK_WRITER.depth, TICK_WRITER.reliability)
+    return _deadline_qos(seconds, TICK_WRITER.depth, TICK_WRITER.reliability)
 
 
 def watch(node: Node, topic: str, signal: type[Signal], within_s: float, act: Callable[[], None]) -> None:
-    """Call `act` whenever a promising writer of a topic has been silent, or gone, for `within_s` [s]."""
+    """Call `act` whenever a publisher that offers a deadline has been silent or gone for `within_s` [s]."""
 
     def late(_: QoSRequestedDeadlineMissedInfo) -> None:
         act()
@@ -46,16 +46,16 @@ def watch(node: Node, topic: str, signal: type[Signal], within_s: float, act: Ca
             act()
 
     events = SubscriptionEventCallbacks(deadline=late, liveliness=changed, use_default_callbacks=False)
-    asking = _asking(within_s, 1, ReliabilityPolicy.BEST_EFFORT)
-    node.create_subscription(MESSAGES[signal], topic, _unread, asking, event_callbacks=events, raw=True)
+    quality = _deadline_qos(within_s, 1, ReliabilityPolicy.BEST_EFFORT)
+    node.create_subscription(MESSAGES[signal], topic, _unread, quality, event_callbacks=events, raw=True)
 
 
-def asks(quality: QoSProfile) -> bool:
-    """Return whether a reader watches, or a writer promises."""
+def has_deadline(quality: QoSProfile) -> bool:
+    """Return whether a subscriber requests, or a publisher offers, a deadline."""
     return bool(quality.deadline.nanoseconds > 0)
 
 
-def _asking(seconds: float, depth: int, reliability: ReliabilityPolicy) -> QoSProfile:
+def _deadline_qos(seconds: float, depth: int, reliability: ReliabilityPolicy) -> QoSProfile:
     within = Duration(seconds=seconds)
     return QoSProfile(
         depth=depth,
@@ -67,4 +67,4 @@ def _asking(seconds: float, depth: int, reliability: ReliabilityPolicy) -> QoSPr
 
 
 def _unread(_: bytes) -> None:
-    """Leave a message to the reader that is there for it."""
+    """Ignore a message; the plain subscriber receives it."""

@@ -1,4 +1,4 @@
-"""Hear signals on a topic: bytes in, stamp and signal out, and what cannot be used is counted as refused."""
+"""Raw subscription callback that decodes signals and counts invalid messages."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -9,11 +9,11 @@ from q2q_model.signals.layout import Signal
 
 S = TypeVar("S", bound=Signal)
 Take = Callable[[int, S], None]
-"""Takes stamp [ns] and signal; raises ValueError for one it cannot use."""
+"""Callback that takes stamp [ns] and signal; raises ValueError for an invalid signal."""
 
 
 def listener(topic: str, signal: type[S], take: Take[S], health: Health) -> Callable[[bytes], None]:
-    """Return a callback of a raw subscription that gives every message of a topic to `take`."""
+    """Return a raw subscription callback that passes each decoded message to `take`."""
     reader = SignalReader(signal)
 
     def receive(data: bytes) -> None:

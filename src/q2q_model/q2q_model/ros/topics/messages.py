@@ -1,17 +1,18 @@
-"""Name the message class of each signal, and make headers."""
+"""Message class of each signal, and message headers."""
 
 from builtin_interfaces.msg import Time
 from q2q_msgs import msg as q2q_msg
 from std_msgs.msg import Header
 
-from q2q_model.signals.cdr import NANOSECONDS, WORLD
+from q2q_model.signals.cdr import WORLD
 from q2q_model.signals.layout import LAYOUTS
+from q2q_model.signals.stamps import stamp_parts
 
 MESSAGES: dict[type, type] = {signal: getattr(q2q_msg, layout.message) for signal, layout in LAYOUTS.items()}
-"""The message class of each signal class."""
+"""Message class of each signal class."""
 
 
 def header_at(stamp_ns: int) -> Header:
     """Return a header in the world frame with this stamp."""
-    sec, nanosec = divmod(stamp_ns, NANOSECONDS)
+    sec, nanosec = stamp_parts(stamp_ns)
     return Header(stamp=Time(sec=sec, nanosec=nanosec), frame_id=WORLD)

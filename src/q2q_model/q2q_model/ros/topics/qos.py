@@ -1,22 +1,22 @@
-"""Name the qualities of service of the house."""
+"""Quality-of-service profiles."""
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 TICK = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-"""Signals of a tick between our nodes: reliable, so that lockstep never loses one."""
+"""Tick signals between q2q nodes: reliable, so that lockstep never loses one."""
 
 TICK_WRITER = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
-"""The writer's side of TICK: it keeps what a slow recorder has not taken yet, 10 s of a topic at 100 Hz."""
+"""Publisher side of TICK: buffers 10 s of a topic at 100 Hz for a slow recorder."""
 
 LATCHED = QoSProfile(
     depth=1,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""Plans, models, summaries: a late reader gets the last one."""
+"""Plans, models, summaries: a late subscriber receives the last one."""
 
 OUTSIDE = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""Streams from other software, read without a deadline: matches any writer."""
+"""Streams from other software: matches any publisher."""
 
 RECORD = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
-"""The recorder's queue: 10 s of a topic at 100 Hz."""
+"""Queue of the recorder: 10 s of a topic at 100 Hz."""

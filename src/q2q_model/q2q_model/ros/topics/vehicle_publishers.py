@@ -1,7 +1,7 @@
-"""Hold the publishers of topics that every vehicle has, as `<name>/pose`.
+"""Publishers of per-vehicle topics such as `<name>/pose`.
 
-Making one takes a millisecond, and every participant hears of it: those of vehicles that are known are made
-before flight, those of vehicles that appear one vehicle a tick; none where the rate is 0.
+Creating one takes a millisecond and triggers discovery in every participant. Publishers of known vehicles
+are created before flight, those of new vehicles one vehicle per tick, and none if the rate is 0.
 """
 
 from collections.abc import Mapping
@@ -16,16 +16,16 @@ QUEUE = 10
 
 
 class VehiclePublishers:
-    """One publisher a vehicle and topic, and when each is due."""
+    """One publisher per vehicle and topic, with a common rate limit."""
 
     def __init__(self, node: Node, topics: Mapping[str, type], rate_hz: float, names: Names = ()) -> None:
-        """Publish on `<name>/<topic>` messages of the class of each topic.
+        """Publish on `<name>/<topic>` messages of each topic's class.
 
         Args:
-            node: whose publishers they are.
-            topics: name and message class of each.
+            node: owner of the publishers.
+            topics: name and message class of each topic.
             rate_hz: largest rate [Hz]; 0 is none.
-            names: vehicles that are known already.
+            names: vehicles known before flight.
         """
         self._node = node
         self._topics = topics if rate_hz > 0.0 else {}
@@ -36,12 +36,12 @@ class VehiclePublishers:
             self._make(name)
 
     def due(self, t: float, names: Names) -> bool:
-        """Return whether these vehicles are to be published at t [s]; new ones may have to wait for it."""
+        """Return whether to publish these vehicles at t [s]; publishers of new ones may come later."""
         self.meet(names)
         return self._due(t)
 
     def meet(self, names: Names) -> None:
-        """Make the publishers of the first of these vehicles that has none."""
+        """Create the publishers of the first of these vehicles that has none."""
         if names == self._met:
             return
         new = next((name for name in names if name not in self._made), None)
@@ -51,7 +51,7 @@ class VehiclePublishers:
             self._make(new)
 
     def read(self, name: str) -> tuple[Publisher, ...]:
-        """Return a vehicle's publishers in the order of the topics; none where nobody reads them, or yet."""
+        """Return a vehicle's publishers in the order of the topics; empty without subscribers."""
         made = self._made.get(name, ())
         return made if any(one.get_subscription_count() for one in made) else ()
 

@@ -1,4 +1,4 @@
-"""Publish each vehicle's state for the rest of the ROS world: `<name>/pose` and `<name>/odom`."""
+"""Each vehicle's state for other ROS software: `<name>/pose` and `<name>/odom`."""
 
 from geometry_msgs.msg import (
     Point,
@@ -24,14 +24,14 @@ class VehicleTopics:
     """Publishers of per-vehicle topics."""
 
     def __init__(self, node: Node, rate_hz: float, names: Names) -> None:
-        """Publish at most so often [Hz]; `names` are the vehicles that are known already."""
+        """Publish at most at `rate_hz` [Hz]; `names` are the vehicles known before flight."""
         self._writers = VehiclePublishers(node, {"pose": PoseStamped, "odom": Odometry}, rate_hz, names)
 
     def publish(self, stamp_ns: int, state: SwarmState) -> None:
         """Publish pose and odometry of every vehicle, at most `rate_hz` times a second."""
         if not self._writers.due(state.t, state.names):
             return
-        vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), as Odometry's child frame asks
+        vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame
         for row, name in enumerate(state.names):
             if not (read := self._writers.read(name)):
                 continue

@@ -1,0 +1,28 @@
+"""Stamps in whole nanoseconds, their ROS parts (sec, nanosec), and times in seconds.
+
+Every node converts by these functions: sec + nanosec * 1e-9 and (sec * 10^9 + nanosec) * 1e-9 differ in the
+last bit for 40 % of stamps.
+"""
+
+NANOSECONDS = 1_000_000_000
+"""Nanoseconds per second."""
+
+
+def stamp_from_parts(sec: int, nanosec: int) -> int:
+    """Return the stamp [ns] of builtin_interfaces/Time."""
+    return int(sec) * NANOSECONDS + int(nanosec)
+
+
+def stamp_parts(stamp_ns: int) -> tuple[int, int]:
+    """Return sec and nanosec of builtin_interfaces/Time."""
+    return divmod(stamp_ns, NANOSECONDS)
+
+
+def time_from_stamp(stamp_ns: int) -> float:
+    """Return the time [s] of a stamp [ns]."""
+    return stamp_ns * 1e-9
+
+
+def stamp_from_time(t: float) -> int:
+    """Return the stamp [ns] of a time [s]; exact below 2^50 ns (13 days): three roundings of 2^-53."""
+    return round(t * 1e9)
