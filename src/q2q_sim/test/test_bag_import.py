@@ -1,7 +1,9 @@
 """Hold the import of real flights to its table: nothing changes on the way through the bag."""
 
 import os
+import struct
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
 import pytest
@@ -122,7 +124,7 @@ def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureF
     _write_csv(_columns(), tmp_path / "good.csv")
     (tmp_path / "there").mkdir()
     for file, out, said in (
-        ("none.csv", "bag", "no table at"),
+        ("none.csv", "bag", "no flight at"),
         ("flight.txt", "bag", "neither .parquet nor .csv"),
         ("words.csv", "bag", "is no table of numbers"),
         ("cut.parquet", "bag", "is no table of numbers"),
@@ -154,3 +156,41 @@ def test_real_flights_are_imported(tmp_path: Path, file: str, topics: set[str]):
         assert np.allclose(
             euler_from_quat(flight.quat[:, 0])[:, 0], columns[f"{flight.names[0]}_roll"], atol=1e-3
         )
+
+
+def test_a_column_map_renames_and_scales_the_columns_of_a_table(tmp_path: Path):
+    columns = {
+        f"{key}_mm": 1e3 * values for key, values in _columns().items() if key.endswith(("_x", "_y", "_z"))
+    }
+    _write_csv({"t": _columns()["t"]} | columns, tmp_path / "mm.csv")
+    entries = "".join(
+        f"  {name}: {{from: {name}_mm, scale: 0.001}}\n" for name in ("cf50_x", "cf50_y", "cf50_z")
+    )
+    (tmp_path / "map.yaml").write_text(f"columns:\n{entries}")
+    given = [
+        str(tmp_path / "mm.csv"),
+        "--columns",
+        str(tmp_path / "map.yaml"),
+        "--out",
+        str(tmp_path / "bag"),
+    ]
+    assert main(given) == 0
+    flight = read_flight(tmp_path / "bag")
+    assert flight.names == ("cf50",)
+    np.testing.assert_allclose(flight.mocap_pos[:, 0, 0], _columns()["cf50_x"], rtol=1e-12)
+
+
+def test_a_log_goes_into_a_bag_under_its_files_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    variables = [f"stateEstimate.{axis}(f)" for axis in "xyz"]
+    header = struct.pack("<BHHH", 0xBC, 2, 1, 0) + b"rows\0" + struct.pack("<H", 3)
+    header += b"".join(one.encode() + b"\0" for one in variables)
+    rows = b"".join(struct.pack("<HQfff", 0, 10_000 * k, 0.01 * k, 0.0, 1.0) for k in range(200))
+    for name in ("cf7_03", "cf8_03"):
+        (tmp_path / name).write_bytes(header + rows + struct.pack("<I", crc32(header + rows)))
+    logs = [str(tmp_path / name) for name in ("cf7_03", "cf8_03")]
+    assert main([*logs, "--out", str(tmp_path / "bag")]) == 0
+    flight = read_flight(tmp_path / "bag")
+    assert flight.names == ("cf7", "cf8")
+    np.testing.assert_allclose(flight.mocap_pos[:, 1, 0], flight.t, atol=1e-6)
+    assert main([*logs, "--names", "cf7,cf7", "--out", str(tmp_path / "other")]) == 1
+    assert "give --names, a different one each" in capsys.readouterr().err

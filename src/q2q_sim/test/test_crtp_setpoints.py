@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from q2q_model.geometry.quaternion32 import compressed, decompressed
 from q2q_model.geometry.rotations import quat_from_euler
-from q2q_sim.crtp.packets.quaternion32 import compressed, decompressed
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint
 

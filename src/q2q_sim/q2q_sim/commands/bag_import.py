@@ -1,4 +1,4 @@
-"""Turn a recorded flight in a table (Parquet or CSV) into a bag: `ros2 run q2q_sim bag_import`."""
+"""Convert a recorded flight to a bag: a table (Parquet, CSV), or micro-SD logs of Crazyflies."""
 
 import sys
 from argparse import Namespace
@@ -7,6 +7,10 @@ from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
 
+EXAMPLE = """\
+  ros2 run q2q_sim bag_import flight.parquet --out flight
+  ros2 run q2q_sim bag_import cf1_00 cf2_00 --out flight"""
+
 
 def main(words: Sequence[str] | None = None) -> int:
     """Convert as the command line says; return the exit status."""
@@ -14,7 +18,10 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _prepare(asked: Namespace) -> Work:
-    must_exist("table", asked.table)
+    for path in asked.flight:
+        must_exist("flight", path)
+    if asked.columns:
+        must_exist("column map", asked.columns)
     from q2q_sim.tools.import_table import run
 
     return run
@@ -22,8 +29,19 @@ def _prepare(asked: Namespace) -> Work:
 
 def parser() -> CommandLine:
     """Return the parser of the command line."""
-    made = CommandLine("bag_import", __doc__, "  ros2 run q2q_sim bag_import flight.parquet --out flight")
-    made.add_argument("table", type=Path, help="flight as .parquet or .csv: t, then <vehicle>_x ... or x ...")
+    made = CommandLine("bag_import", __doc__, EXAMPLE)
+    made.add_argument(
+        "flight",
+        type=Path,
+        nargs="+",
+        help="one .parquet or .csv (t, then <vehicle>_x ... or x ...), or one micro-SD log for each vehicle",
+    )
+    made.add_argument(
+        "--columns", type=Path, metavar="FILE", help="YAML: names and units of other columns or log variables"
+    )
+    made.add_argument(
+        "--names", metavar="A,B", help="vehicles of the logs; default: file names up to the last _number"
+    )
     made.add_argument(
         "--out", type=Path, required=True, metavar="BAG", help="folder to write; must not exist"
     )

@@ -1,25 +1,66 @@
-"""Turn a recorded flight in a table (Parquet or CSV) into a bag: `ros2 run q2q_sim bag_import`."""
+"""Convert a recorded flight to a bag: a table (Parquet or CSV), or the micro-SD logs of its vehicles."""
 
+import re
 from argparse import Namespace
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from q2q_model.bag import LOG_TOPIC, BagWriter, write_log_row
+from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped
 from q2q_model.flights.flight_table import FlightTable, flight_table, log_of, signals_of
+from q2q_model.flights.usd_flight import columns_of_logs
+from q2q_model.flights.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.signals.values import Array
 
 
 def run(asked: Namespace) -> int:
-    """Convert the table; print what is in the bag; return the exit status."""
-    table = flight_table(read_columns(asked.table))
+    """Convert the flight; print what is in the bag; return the exit status."""
+    chosen = load_column_map(asked.columns) if asked.columns else None
+    columns, notes = _columns(asked.flight, asked.names, chosen)
+    table = flight_table(columns)
     counts = write_bag(table, asked.out)
     print(f"{asked.out}: {len(table.t)} ticks of {', '.join(table.names)}")
     for topic, count in counts.items():
         print(f"  {topic}: {count} messages")
     print(f"  {int(table.gap.sum())} samples lie in gaps of the source: not in /mocap")
+    for note in notes:
+        print(f"  {note}")
     return 0
+
+
+def _columns(
+    paths: Sequence[Path], names: str | None, chosen: ColumnMap | None
+) -> tuple[Mapping[str, Array], list[str]]:
+    """Return the columns of a flight, and what its logs lack."""
+    if not any(is_usd_log(path.read_bytes()[:256]) for path in paths):
+        if len(paths) > 1:
+            raise ValueError(f"{', '.join(map(str, paths))}: give one table, or micro-SD logs only")
+        columns = read_columns(paths[0])
+        return (dict(columns) | mapped(columns, chosen) if chosen else columns), []
+    logs = read_logs(paths, names.split(",") if names else None)
+    notes = [f"{name}: left out {what}" for name, log in logs.items() for what in log.repairs]
+    return columns_of_logs(logs, chosen), notes
+
+
+def read_logs(paths: Sequence[Path], names: Sequence[str] | None = None) -> dict[str, UsdLog]:
+    """Return each vehicle's micro-SD log; a vehicle is named by its file, up to the last _number.
+
+    Raises ValueError for a file that is no such log, and for names that are not one each.
+    """
+    found = list(names) if names else [re.sub(r"[_-]?\d+$", "", path.stem) or path.stem for path in paths]
+    if len(found) != len(paths) or len(set(found)) < len(found):
+        raise ValueError(
+            f"{len(paths)} logs, vehicles {', '.join(found)}: give --names, a different one each"
+        )
+    logs = {}
+    for name, path in zip(found, paths, strict=True):
+        try:
+            logs[name] = usd_log(path.read_bytes())
+        except UsdLogError as damage:
+            raise ValueError(f"{path} is no log of a micro-SD deck: {damage}") from damage
+    return logs
 
 
 def read_columns(path: Path) -> Mapping[str, Array]:

@@ -26,10 +26,10 @@ import math
 import struct
 from collections.abc import Callable
 
+from q2q_model.geometry.quaternion32 import decompressed
 from q2q_sim.crtp.packets.fields import byte, read
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.crtp.packets.pulses import pulses
-from q2q_sim.crtp.packets.quaternion32 import decompressed
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.parameters.parameter_values import Parameters

@@ -16,9 +16,9 @@ place of the vehicle's port, counted from the first (0, 1, ...).
 
 import struct
 
+from q2q_model.geometry.quaternion32 import decompressed
 from q2q_sim.crtp.packets.fields import byte, read
 from q2q_sim.crtp.packets.packet import Packet
-from q2q_sim.crtp.packets.quaternion32 import decompressed
 from q2q_sim.firmware.firmware import Firmware
 
 POSITION, GENERIC, PACKED = 0, 1, 2

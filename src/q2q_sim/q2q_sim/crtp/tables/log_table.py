@@ -14,10 +14,10 @@ from itertools import chain
 
 import numpy as np
 
+from q2q_model.geometry.quaternion32 import compressed
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.crtp.packets.quaternion32 import compressed
 from q2q_sim.crtp.tables.contents import Contents, Entry
 from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.firmware.controllers.columns import (

@@ -1,4 +1,4 @@
-"""Put a unit quaternion into 32 bits and back: the three smallest of its parts, 10 bits each.
+"""Unit quaternions in 32 bits: the three smallest of their parts, 10 bits each.
 
 Source: firmware: modules/interface/quatcompress.h. Two bits name the largest part, which is made positive (q
 and -q are one attitude) and follows from the length; each other part has a sign and 9 bits of |part| sqrt 2.
@@ -7,7 +7,7 @@ An error of a part is at most 1 / (2 * 511 * sqrt 2) = 0.0007.
 
 import math
 
-from q2q_sim.firmware.commander.setpoint import Four
+Four = tuple[float, float, float, float]
 
 _TOP = (1 << 9) - 1
 

@@ -1,0 +1,113 @@
+"""Column map: which column of ours comes from which column or log variable of somebody else, and its unit.
+
+    columns:
+      x: stateEstimate.x                        # same unit
+      vbat: {from: pm.vbatMV, scale: 0.001}     # ours = scale * theirs + offset
+      az: {from: acc_up, offset: -9.81}
+
+Our columns are those of q2q_model.flights.flight_table, SI, without the vehicle's name. FIRMWARE has the log
+variables of the Crazyflie's firmware and of the logs of aerorobotics/neural-swarm.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeGuard
+
+import yaml
+
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+
+GRAM_FORCE = 1e-3 * GRAVITY
+"""[N]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Column that one of ours is made of: scale * column + offset."""
+
+    name: str
+    scale: float = 1.0
+    offset: float = 0.0
+
+
+ColumnMap = Mapping[str, tuple[Source, ...]]
+"""Column of ours -> its possible sources, the first present one counts."""
+
+
+def _of(prefix: str, fields: Mapping[str, str], scale: float = 1.0) -> dict[str, Source]:
+    return {ours: Source(f"{prefix}.{theirs}", scale) for ours, theirs in fields.items()}
+
+
+def _joined(*maps: Mapping[str, Source]) -> ColumnMap:
+    names = dict.fromkeys(ours for one in maps for ours in one)
+    return {ours: tuple(one[ours] for one in maps if ours in one) for ours in names}
+
+
+_POS, _VEL, _ACC = ({p + axis: p + axis for axis in "xyz"} for p in ("", "v", "a"))
+_RATES = {"wp": "rateRoll", "wq": "ratePitch", "wr": "rateYaw"}
+_GYRO = {"wp": "x", "wq": "y", "wr": "z"}
+_REF = {f"{p}{axis}ref": f"{p}{axis}" for p in ("", "v") for axis in "xyz"}
+_MOTORS = {f"pwm{k}": f"m{k}" for k in range(1, 5)}
+FULL_PWM = 65535.0
+FIRMWARE: ColumnMap = _joined(
+    _of("stateEstimate", {**_POS, **_VEL, "qx": "qx", "qy": "qy", "qz": "qz", "qw": "qw"}),
+    _of("stateEstimate", _ACC, GRAVITY),  # in g, gravity taken off
+    _of("stateEstimateZ", {**_POS, **_VEL, "ax": "ax", "ay": "ay"}, 1e-3),
+    {"az": Source("stateEstimateZ.az", 1e-3, -GRAVITY)},  # with gravity
+    _of("gyro", _GYRO, math.radians(1.0)),
+    _of("stateEstimateZ", _RATES, 1e-3),
+    _of("ctrltarget", _REF),
+    _of("ctrltargetZ", _REF, 1e-3),
+    _of("motor", _MOTORS, 1.0 / FULL_PWM),
+    _of("pwm", {ours: f"{theirs}_pwm" for ours, theirs in _MOTORS.items()}, 1.0 / FULL_PWM),
+    {"vbat": Source("pm.vbat")},
+    {"vbat": Source("pm.vbatMV", 1e-3)},
+    {"thrust_cmd": Source("motor.thrust")},
+    {"fa_ff": Source("ctrlFa.Faz", GRAM_FORCE)},
+)
+"""Log variables of the firmware (units: q2q_sim.crtp.tables.log_table), and of aerorobotics/neural-swarm."""
+
+
+def load_column_map(path: Path) -> ColumnMap:
+    """Return the map in a YAML file.
+
+    Raises:
+        ValueError: the file is no such map; the message names the column.
+        OSError: it cannot be read.
+    """
+    try:
+        loaded = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, yaml.YAMLError) as damage:
+        raise ValueError(f"{path} is not valid YAML: {damage}") from damage
+    columns = loaded.get("columns") if isinstance(loaded, dict) else None
+    if not isinstance(columns, dict) or not columns:
+        raise ValueError(f"{path} has no `columns`: give some, such as columns: {{x: stateEstimate.x}}")
+    return {str(ours): (_source(path, ours, value),) for ours, value in columns.items()}
+
+
+def _source(path: Path, ours: object, value: object) -> Source:
+    given = value if isinstance(value, dict) else {"from": value}
+    unknown = set(given) - {"from", "scale", "offset"}
+    name, scale, offset = given.get("from"), given.get("scale", 1.0), given.get("offset", 0.0)
+    if unknown or not isinstance(name, str):
+        raise ValueError(f"{path}: columns.{ours} = {value!r}; give a name, or from, scale and offset")
+    if not (_is_finite(scale) and _is_finite(offset)):
+        raise ValueError(f"{path}: columns.{ours}: scale {scale}, offset {offset}; give finite numbers")
+    return Source(name, float(scale), float(offset))
+
+
+def _is_finite(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float) and math.isfinite(value)
+
+
+def mapped(columns: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
+    """Return our columns, each from the first of its sources that is there."""
+    found = {}
+    for ours, sources in chosen.items():
+        present = next((one for one in sources if one.name in columns), None)
+        if present is not None:
+            found[ours] = present.scale * columns[present.name] + present.offset
+    return found

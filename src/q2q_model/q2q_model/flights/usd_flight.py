@@ -1,0 +1,91 @@
+"""One flight from the micro-SD logs of its vehicles: common clock, common rows, our columns.
+
+One broadcast starts logging in all vehicles, so their clocks are joined there: logs whose first rows lie
+within SHARED_CLOCK_S of each other share a clock already; otherwise each begins at its own first row. Rows
+are interpolated to 100 Hz from the first to the last row that all vehicles have; what lies in a hole of a log
+longer than HOLE_S is marked in the column `gap`.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from q2q_model.flights.column_map import FIRMWARE, ColumnMap, mapped
+from q2q_model.flights.usd_log import UsdLog
+from q2q_model.geometry.quaternion32 import decompressed
+from q2q_model.geometry.rotations import quat_from_euler
+from q2q_model.signals.values import Array
+
+STEP_S = 0.01
+"""Period of a flight's ticks [s]."""
+HOLE_S = 0.025
+"""A row more is missing: 2.5 periods of a log at 100 Hz [s]."""
+SHARED_CLOCK_S = 1.0
+ROUNDING = 1e-6
+"""Share of a period that times are rounded by."""
+QUAT = ("qx", "qy", "qz", "qw")
+ATTITUDE = ("stateEstimate.roll", "stateEstimate.pitch", "stateEstimate.yaw")
+"""Degrees; the firmware's pitch is nose up: minus theta."""
+QUAT_BITS = "stateEstimateZ.quat"
+NEEDED = ("x", "y", "z")
+
+
+def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) -> dict[str, Array]:
+    """Return the columns t and `<vehicle>_<column>` of a flight (q2q_model.flights.flight_table).
+
+    Args:
+        logs: Vehicle -> its log.
+        given: Sources of columns, before those of FIRMWARE.
+
+    Raises:
+        ValueError: a vehicle has no position, or the logs have no second in common.
+    """
+    chosen = {**FIRMWARE, **(given or {})}
+    starts = {name: log.t[0] for name, log in logs.items()}
+    shared = max(starts.values()) - min(starts.values()) <= SHARED_CLOCK_S
+    clocks = {name: log.t if shared else log.t - log.t[0] for name, log in logs.items()}
+    begin, end = max(t[0] for t in clocks.values()), min(t[-1] for t in clocks.values())
+    first, last = np.ceil(begin / STEP_S - ROUNDING), np.floor(end / STEP_S + ROUNDING)
+    t = STEP_S * np.arange(first, last + 1.0)
+    if end - begin < 1.0:
+        raise ValueError(f"the logs have {max(end - begin, 0.0):.2f} s in common: 1 s is the least")
+    found = {"t": t}
+    for name, log in logs.items():
+        columns = _columns(log.variables, chosen)
+        lacking = [one for one in NEEDED if one not in columns]
+        if lacking:
+            raise ValueError(
+                f"{name} logs no {', '.join(lacking)}; name its variables in a column map: it logs "
+                f"{', '.join(log.variables)}"
+            )
+        rows = {key: np.interp(t, clocks[name], values) for key, values in columns.items()}
+        found |= {f"{name}_{key}": values for key, values in (rows | _gap(t, clocks[name])).items()}
+    return found
+
+
+def _columns(variables: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
+    found = mapped(variables, chosen)
+    if not all(one in found for one in QUAT) and (quat := _quat(variables)) is not None:
+        found |= dict(zip(QUAT, _continuous(quat).T, strict=True))
+    return found
+
+
+def _quat(variables: Mapping[str, Array]) -> Array | None:
+    """Return attitudes x y z w, (T, 4), from packed bits or from angles; None where neither is logged."""
+    if QUAT_BITS in variables:
+        return np.array([decompressed(int(bits)) for bits in variables[QUAT_BITS]])
+    if all(one in variables for one in ATTITUDE):
+        roll, pitch, yaw = (np.deg2rad(variables[one]) for one in ATTITUDE)
+        return quat_from_euler(roll, -pitch, yaw)
+    return None
+
+
+def _continuous(quat: Array) -> Array:
+    """Return quaternions whose sign does not jump from row to row, so that they can be interpolated."""
+    flips = np.where((quat[1:] * quat[:-1]).sum(axis=-1) < 0.0, -1.0, 1.0)
+    return np.asarray(quat * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
+
+
+def _gap(t: Array, clock: Array) -> dict[str, Array]:
+    after = np.clip(np.searchsorted(clock, t), 1, len(clock) - 1)
+    return {"gap": (clock[after] - clock[after - 1] > HOLE_S).astype(np.float64)}
