@@ -455,11 +455,11 @@ def test_a_battery_that_the_server_does_not_log_refuses_the_take_off(monkeypatch
     room, server = by_bridge(monkeypatch)
     server.tells.remove("status")
     room.wait(1.5)
-    assert "cf1 does not tell its battery" in room.call(Call.TAKE_OFF).reason
+    assert "cf1 does not report its battery" in room.call(Call.TAKE_OFF).reason
 
 
 REFUSED_BY_WHAT_THE_SERVER_TELLS = [
-    ({"offset": 0.3}, "cf1 believes to be 0.30 m from where it is seen: 0.10 m is the most"),
+    ({"offset": 0.3}, "cf1 estimates itself 0.30 m from its measured position: 0.10 m is the most"),
     (
         {"held": {"ctrlMel.mass": 0.034, "ctrlMel.massThrust": 132000.0}},
         "cf1 would be sent 68 % of the thrust",
@@ -485,7 +485,7 @@ def test_an_estimate_that_is_no_longer_told_refuses_the_take_off(monkeypatch: py
     room.wait(1.5)
     server.tells.remove("onboard")
     room.wait(3.1)
-    assert "cf1 has no own estimate x, y, z any more" in room.call(Call.TAKE_OFF).reason
+    assert "cf1 stopped sending its own estimate x, y, z" in room.call(Call.TAKE_OFF).reason
 
 
 def test_what_the_server_does_not_tell_is_said_not_to_be_checked(monkeypatch: pytest.MonkeyPatch) -> None:

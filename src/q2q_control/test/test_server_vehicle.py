@@ -45,7 +45,7 @@ def test_an_answer_without_values_forgets_the_last() -> None:
     one = vehicle()
     one.take_parameters({**TOLD, "stabilizer.controller": 1.0})
     assert one.report(0.0, connected=True).wrong == (
-        "its stabilizer.controller is 1: 2 is wanted (firmware_params)"
+        "its stabilizer.controller is 1, expected 2 (firmware_params)"
     )
     one.take_parameters({})
     report = one.report(0.0, connected=True)

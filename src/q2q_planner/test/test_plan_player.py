@@ -73,9 +73,9 @@ def test_while_it_waits_the_reference_is_where_the_vehicles_are_seen() -> None:
 
 def test_a_vehicle_that_was_never_seen_has_no_reference_and_is_named() -> None:
     player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
-    with pytest.raises(ValueError, match="cf2 has not been seen"):
+    with pytest.raises(ValueError, match="cf2 has not been measured"):
         player.update(MocapFrame(0.0, ("cf1",), GROUND[:1], np.array([[0.0, 0.0, 0.0, 1.0]])))
-    assert player.glide().reason == "no vehicle has been seen yet"
+    assert player.glide().reason == "no vehicle has been measured yet"
 
 
 def test_glide_start_hold_and_a_second_flight_never_let_the_reference_jump() -> None:
@@ -150,7 +150,7 @@ def test_a_line_over_another_vehicle_becomes_a_way_around_it() -> None:
 
 def test_a_glide_that_no_order_keeps_apart_is_refused_with_pair_and_distance() -> None:
     stacked = here((0.0, 0.0, 1.0), (0.05, 0.0, 1.5))
-    with pytest.raises(ValueError, match=r"cf1 and cf2 would come 0\.\d\d m into each other's zone"):
+    with pytest.raises(ValueError, match=r"cf1 and cf2 would enter each other's zone by 0\.\d\d m"):
         glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), stacked, GlideParams())
 
 

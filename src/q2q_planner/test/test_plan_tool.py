@@ -103,7 +103,7 @@ def test_more_pieces_than_a_crazyflie_holds_are_refused(
     path.write_text(f"vehicles: {{cf1: [{rows}]}}")
     arguments = ["--out", str(tmp_path / "plan.json"), "--upload", str(tmp_path / "uploads")]
     assert main([str(path), *arguments]) == 1
-    assert "cf1: 32 pieces, a Crazyflie's memory holds 31" in capsys.readouterr().err
+    assert "cf1: 32 pieces; a Crazyflie's memory holds 31" in capsys.readouterr().err
 
 
 def test_the_zone_is_chosen_by_what_it_spares(
@@ -115,7 +115,7 @@ def test_the_zone_is_chosen_by_what_it_spares(
     told = json.loads(facts.read_text())
     assert told["certified"] is True
     assert told["snap_cost"] <= 1.1 * told["snap_infimum"]  # half of the downwash costs less than 88 % of it
-    assert "spares 5" in capsys.readouterr().out  # 50 to 60 %
+    assert "avoids 5" in capsys.readouterr().out  # 50 to 60 %
     assert main([*asked, "1.5"]) == 1
     assert "cut = 1.5: allowed is 0 to 1" in capsys.readouterr().err
     assert main([str(crossing), "--out", str(out), "--cut", "0.5"]) == 1
@@ -169,7 +169,7 @@ def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
         ),
         (SECTION_4_1, ["--eps", "-1"], "--eps = -1.0: allowed is 0 to 5.0 m"),
         (SECTION_4_1, ["--model", "paper_law", "--threshold", "99"], "threshold = 99"),
-        ("vehicles: [", [], "bad.yaml: is no YAML: line 1: expected the node content"),
+        ("vehicles: [", [], "bad.yaml: is not valid YAML: line 1: expected the node content"),
         (SECTION_4_1, ["--threshold", "1"], "needs --model"),
         ("nothing: 1", [], "vehicles: got None, expected a mapping"),
     ],

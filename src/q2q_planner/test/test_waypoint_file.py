@@ -22,13 +22,13 @@ TWO = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1]}], cf2: [{
         ("", "the file: got None, expected a mapping"),
         ("vehicles:", "vehicles: got None, expected a mapping"),
         ("vehicles: {}", "no vehicle given: a plan needs at least 1"),
-        ("vehicles: [", "is no YAML: line 1: expected the node content, but found '<stream end>'"),
-        ("a: b: c", "is no YAML: line 1: mapping values are not allowed here"),
-        ("\tvehicles: 1", "is no YAML: line 1: found character '\\t' that cannot start any token"),
-        ("!!python/object:os.system {}", "is no YAML: line 1: could not determine a constructor"),
+        ("vehicles: [", "is not valid YAML: line 1: expected the node content, but found '<stream end>'"),
+        ("a: b: c", "is not valid YAML: line 1: mapping values are not allowed here"),
+        ("\tvehicles: 1", "is not valid YAML: line 1: found character '\\t' that cannot start any token"),
+        ("!!python/object:os.system {}", "is not valid YAML: line 1: could not determine a constructor"),
         ("[" * 5000, "is nested too deeply"),
         ("&a {vehicles: *a}", "vehicles: got {'vehicles': {'vehicles': "),
-        (TWO.replace("LAST", "{t: 5, pos: [1, 3, 1]}").replace("cf2", "cf1"), "line 1: 'cf1' is given twice"),
+        (TWO.replace("LAST", "{t: 5, pos: [1, 3, 1]}").replace("cf2", "cf1"), "line 1: duplicate key 'cf1'"),
         (TWO.replace("LAST", "{t: 5, pos: [.inf, 3, 1]}"), "cf2, waypoint 1: x = inf, a finite number"),
         (TWO.replace("LAST", "{t: 5, pos: [1, -.inf, 1]}"), "cf2, waypoint 1: y = -inf, a finite number"),
         (TWO.replace("LAST", "{t: 5, pos: [1, 3, .nan]}"), "cf2, waypoint 1: z = nan, a finite number"),
@@ -65,7 +65,7 @@ def test_what_is_wrong_is_said_in_one_line(
 def test_a_file_of_bytes_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bytes.yaml"
     path.write_bytes(bytes(range(256)))
-    with pytest.raises(ValueError, match=r"bytes\.yaml: is no YAML"):
+    with pytest.raises(ValueError, match=r"bytes\.yaml: is not valid YAML"):
         read_waypoints(path, LIMITS, "stop_and_go")
 
 

@@ -32,15 +32,15 @@ TABLE = {
             "locSrv.extPosStDev=0.1",
             "it has no parameter locSrv.extPosStDev (firmware_params): the nearest are locSrv.extPosStdDev",
         ),
-        ("xy.z=1", "it has no parameter xy.z (firmware_params): no name of its table is near"),
-        ("firmware.revision0=1", "its firmware.revision0 can only be read (firmware_params): leave it out"),
+        ("xy.z=1", "it has no parameter xy.z (firmware_params): no name in its table is similar"),
+        ("firmware.revision0=1", "its firmware.revision0 is read-only (firmware_params): leave it out"),
         (
             "stabilizer.controller=256",
-            "its stabilizer.controller takes no 256 (firmware_params): it has 8 bits",
+            "its stabilizer.controller cannot be 256 (firmware_params): it has 8 bits",
         ),
         (
             "stabilizer.controller=nan",
-            "its stabilizer.controller takes no nan (firmware_params): it has 8 bits",
+            "its stabilizer.controller cannot be nan (firmware_params): it has 8 bits",
         ),
     ],
 )

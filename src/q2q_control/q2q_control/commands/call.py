@@ -1,7 +1,7 @@
 """Call the flight procedure: start, take_off, fly, hold, land, emergency.
 
-Prints the answer; ends with 0 where the call was granted, with 1 where it was refused or nobody answers. The
-calls are std_srvs/Trigger services of the nodes radio and crazyswarm.
+Prints the answer; exits with 0 if the call was granted, with 1 if it was refused or not answered. The calls
+are std_srvs/Trigger services of the nodes radio and crazyswarm.
 """
 
 import sys
@@ -17,7 +17,7 @@ EXAMPLE = """  ros2 run q2q_control call take_off
 
 def main(words: Sequence[str] | None = None) -> int:
     """Make one call; return the exit status."""
-    return carry_out(parser(), _prepare, words, interrupted="interrupted; what was asked for goes on")
+    return carry_out(parser(), _prepare, words, interrupted="interrupted; the call goes on")
 
 
 def _prepare(_: Namespace) -> Work:
@@ -29,8 +29,8 @@ def _prepare(_: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("call", __doc__, EXAMPLE)
-    made.add_argument("call", choices=[one.value for one in Call], help="what to ask for")
-    made.add_argument("--node", default="radio", help="who flies the vehicles: radio or crazyswarm")
+    made.add_argument("call", choices=[one.value for one in Call], help="the call to make")
+    made.add_argument("--node", default="radio", help="node that flies the vehicles: radio or crazyswarm")
     return made
 
 

@@ -1,10 +1,10 @@
-"""Read Crazyswarm2's `crazyflies.yaml`: which vehicles there are, and where.
+"""Vehicles of Crazyswarm2's `crazyflies.yaml`.
 
     robots:
       cf1: {enabled: true, uri: radio://0/80/2M/E7E7E7E701, initial_position: [0, 0, 0], type: cf21}
 
-Of other keys, only `firmware_params` is read: what it sets need not be asked of the vehicle. A robot with
-`connection: none`, itself or by its type, is passed over: motion capture tracks it, nobody flies it.
+Of other keys, only `firmware_params` is read, whose values the server sets. A robot with `connection: none`,
+its own or its type's, is skipped: it is tracked by motion capture but not flown.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ from q2q_model.signals.values import Names
 
 @dataclass(frozen=True, slots=True)
 class Crazyflie:
-    """Hold one enabled vehicle."""
+    """Enabled vehicle."""
 
     name: str
     uri: str
@@ -25,7 +25,7 @@ class Crazyflie:
 
 
 def crazyflies_at(names: Names, uris: Sequence[str]) -> tuple[Crazyflie, ...]:
-    """Return vehicles by name and URI, as one who has no file lists them.
+    """Return vehicles given by name and URI instead of a file.
 
     Raises:
         ValueError: there are none.
@@ -39,7 +39,7 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
     """Return the enabled vehicles of a parsed `crazyflies.yaml`, in its order.
 
     Raises:
-        ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI stands twice.
+        ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI is used twice.
     """
     whole = _mapping(document, "crazyflies.yaml")
     types = _mapping(whole.get("robot_types", {}), "robot_types")
@@ -61,8 +61,8 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
 def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float]:
     """Return the firmware parameters that a server sets on a vehicle, `group.name` by `group.name`.
 
-    A robot's own go before those of its type (where `by_type`: the cflib server sets none of a type), and
-    those before the ones of all.
+    Values of the robot override those of its type (if `by_type`: the cflib server sets none of a type), and
+    these override those of `all`.
     """
     whole = _mapping(document, "crazyflies.yaml")
     robot = _mapping(_mapping(whole.get("robots"), "robots").get(name), name)
@@ -79,7 +79,7 @@ def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float
 
 
 def _is_flown(robot: Mapping[object, object], types: Mapping[object, object]) -> bool:
-    """Return whether anybody connects to a robot: `connection` is its own, or its type's."""
+    """Return whether a robot is connected to; `connection` is its own, or its type's."""
     kind = types.get(robot.get("type"), {})
     of_type = kind.get("connection") if isinstance(kind, Mapping) else None
     return robot.get("connection", of_type) != "none"

@@ -1,4 +1,4 @@
-"""Parameters of the node `crazyswarm`: its vehicles, poses in and out, what is sent and how."""
+"""Parameters of the node `crazyswarm`: its vehicles, poses in and out, and what is sent."""
 
 from dataclasses import dataclass
 
@@ -29,5 +29,5 @@ class CrazyswarmParams:
         check_bounds(self)
         if self.poses_in and self.poses_in == self.poses_out:
             raise ValueError(
-                f"poses_in and poses_out are both {self.poses_in}: frames would go round for ever"
+                f"poses_in and poses_out are both {self.poses_in}: frames would circulate for ever"
             )

@@ -1,15 +1,15 @@
-"""Say commands as Crazyswarm2's servers take them, and read motion capture as they publish it.
+"""Commands as Crazyswarm2's servers expect them, and motion capture as they publish it.
 
-Both servers take the same topics, but give `cmd_vel_legacy` to the firmware with different signs of pitch:
+Both servers subscribe to the same topics, but pass `cmd_vel_legacy` on with different signs of pitch:
 
 | backend | pitch on the wire (legacy, nose up) | so linear.x is | angular.z is |
 |---|---|---|---|
 | cpp (crazyflie_cpp) | -linear.x | theta, nose down | -r, to the right |
-| cflib | linear.x, turned twice | -theta, nose up | -r, to the right |
+| cflib | linear.x, negated twice | -theta, nose up | -r, to the right |
 
-The firmware turns the yaw rate of RPYT itself, so both want it to the right. `cmd_full_state` has no such
-differences: angular velocities are rad/s, body, in both. A pose without orientation has NaN in all four parts
-of its quaternion (the servers look at different ones).
+The firmware negates the yaw rate of RPYT itself, so both expect it to the right. `cmd_full_state` has no such
+difference: angular velocities are rad/s, body, in both. A pose without orientation has NaN in all four
+components of its quaternion (the servers check different ones).
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ _PITCH_SIGN = {"cpp": 1.0, "cflib": -1.0}
 
 @dataclass(frozen=True, slots=True)
 class NamedPose:
-    """Hold one pose of motion capture."""
+    """Pose from motion capture."""
 
     name: str
     pos: tuple[float, float, float]
@@ -43,7 +43,7 @@ def legacy_twists(command: SwarmCommand, scale: LegacyScale, backend: str) -> Ar
 
 
 def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> MocapFrame:
-    """Return the frame of the known vehicles among some poses; a pose of half an orientation has none."""
+    """Return the frame of the known vehicles; an incomplete orientation becomes NaN."""
     known = [one for one in poses if one.name in vehicles]
     quat = np.array([one.quat for one in known]).reshape(len(known), 4)
     whole = np.isfinite(quat).all(axis=1, keepdims=True)
@@ -56,7 +56,7 @@ def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> Moca
 
 
 def poses_of(state: SwarmState) -> list[NamedPose]:
-    """Return the poses of the vehicles that were measured in this frame, filtered."""
+    """Return the filtered poses of the vehicles measured in this frame."""
     rows = np.flatnonzero(state.status == TrackStatus.TRACKED)
     pos, quat = state.pos[rows].tolist(), state.quat[rows].tolist()
     return [

@@ -1,7 +1,7 @@
-"""Remember what Crazyswarm2's server tells of one vehicle, and report it to the flight procedure.
+"""One vehicle as reported by Crazyswarm2's server.
 
-The server tells parameters as they were when it connected, before it set those of crazyflies.yaml: what the
-file sets counts. What was told more than TOLD_S ago is not known any more.
+The server reports parameters as read when it connected, before it set those of crazyflies.yaml: the file's
+values override them. A report older than TOLD_S is stale.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,23 +15,23 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover, hover_ratio
 
 TOLD_S = 3.0
-"""The server logs a status once a second [s]."""
+"""Age at which a report is stale [s]: the server logs a status once a second."""
 UNKNOWN = (nan, nan, nan)
 
 
 class ServerVehicle:
-    """What was last told of one vehicle."""
+    """Newest report of one vehicle."""
 
     def __init__(
         self, name: str, vehicle: Vehicle, wanted: Mapping[str, float], file: Mapping[str, float]
     ) -> None:
-        """Remember a vehicle.
+        """Start without a report.
 
         Args:
-            name: Its name.
-            vehicle: What newtons are turned into PWM for.
-            wanted: Parameters that it must hold.
-            file: Parameters that crazyflies.yaml sets.
+            name: name of the vehicle.
+            vehicle: constants that convert newtons to PWM.
+            wanted: parameters that it must hold.
+            file: parameters that crazyflies.yaml sets.
         """
         self.name = name
         self._vehicle, self._wanted, self._file = vehicle, wanted, file
@@ -41,30 +41,30 @@ class ServerVehicle:
 
     @property
     def read(self) -> tuple[str, ...]:
-        """Return the names of the parameters that are worth asking for."""
+        """Return the names of the parameters to read from the server."""
         return (*self._wanted, *OWN_PARAMETERS)
 
     def take_status(self, volt: float, info: int, t: float) -> None:
-        """Take battery [V] and `supervisor.info` at time t [s]."""
+        """Store battery [V] and `supervisor.info`, received at time t [s]."""
         self._volt, self._info, self._status_at = volt, info, t
 
     def take_estimate(self, pos: Sequence[float], t: float) -> None:
-        """Take its own estimate x, y, z [m], world, at time t [s]; anything else is an estimate of NaN."""
+        """Store the onboard estimate x, y, z [m], world, received at time t [s]; another length gives NaN."""
         self._pos = (pos[0], pos[1], pos[2]) if len(pos) == 3 else UNKNOWN
         self._pos_at = t
 
-    def take_parameters(self, told: Mapping[str, float]) -> None:
-        """Take the parameters that the server knows; the file's count more."""
-        self._held = {**told, **self._file}
+    def take_parameters(self, reported: Mapping[str, float]) -> None:
+        """Store the parameters that the server reports; the file's override them."""
+        self._held = {**reported, **self._file}
 
     def armed_since(self, t: float) -> bool | None:
-        """Return whether it has told to be armed since time t [s]; None where it has never told."""
+        """Return whether a status since time t [s] says armed; None if there never was a status."""
         if self._status_at == -inf:
             return None
         return self._status_at > t and self._info & READY == READY
 
     def report(self, t: float, *, connected: bool) -> VehicleReport:
-        """Return what is known at time t [s]."""
+        """Return the report at time t [s]."""
         silent = VehicleReport(
             self.name,
             connected=connected,
@@ -82,7 +82,7 @@ class ServerVehicle:
         )
 
     def _onboard(self, t: float) -> tuple[float, float, float] | None:
-        """Return its own estimate [m]; NaN where it told once and does no more, None where it never did."""
+        """Return the onboard estimate [m]; NaN if it is stale, None if there never was one."""
         if self._pos_at == -inf:
             return None
         return self._pos if t - self._pos_at <= TOLD_S else UNKNOWN

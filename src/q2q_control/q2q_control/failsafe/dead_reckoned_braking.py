@@ -1,20 +1,20 @@
-"""Brake vehicles that nobody sees, by what their own commands must have done to them since they were seen.
+"""Brake vehicles without measurements, on velocities dead-reckoned from their own commands.
 
-A level vehicle keeps the speed it had: at 1 m/s it is out of its place in a second. The horizontal velocity
-of an unseen vehicle is reckoned from its last believed one and the tilts it was given, and taken away:
+A level vehicle keeps its speed: at 1 m/s it has moved by 1 m after a second. The horizontal velocity of an
+unmeasured vehicle is integrated from the last accepted estimate and the commanded tilts, and braked:
 
-    v_0     = v_seen + g u(phi_0, theta_0, psi) L         what was on its way when it was seen last
+    v_0     = v_est + g u(phi_0, theta_0, psi) L          commands still in the lag at the last measurement
     v_(k+1) = v_k + g u(phi_k, theta_k, psi) dt           u: horizontal part of the body's z axis
-    a       = -v / tau,  |a| <= a_max                     what is commanded in place of level
-    p_(k+1) = p_k + v_k dt                                where it is taken to be
+    a       = -v / tau,  |a| <= a_max                     commanded instead of level attitude
+    p_(k+1) = p_k + v_k dt                                dead-reckoned position
 
-So v is the velocity that will be once all commands are flown. What the air does is unknown: a drift stays.
+So v is the velocity once all commands have taken effect. Wind is not modelled: its drift remains.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | p | pos | horizontal position, world [m], (n, 2) |
 | v | vel | horizontal velocity, world [m/s], (n, 2) |
-| phi theta psi | roll pitch yaw | attitude commanded, yaw last seen [rad] |
+| phi theta psi | roll pitch yaw | commanded roll and pitch, last measured yaw [rad] |
 | L | LAG_S | from a command to its tilt [s] |
 | tau | BRAKING_S | time constant of braking [s] |
 | a_max | BRAKING_MAX | largest deceleration [m/s^2] |
@@ -36,21 +36,20 @@ LAG_S = 0.15
 BRAKING_S = 0.5
 """Time constant of braking [s]: three lags."""
 BRAKING_MAX = 2.0
-"""Largest deceleration [m/s^2]: a tilt of 0.2 rad, which costs 2 % of lift."""
+"""Largest deceleration [m/s^2]: a tilt of 0.2 rad, which costs 2 % of the vertical thrust."""
 LONGEST_STEP = 0.1
-"""A longer time between ticks is no time in which the last tilt was flown [s]."""
+"""Longest time between ticks for which the last tilt is integrated [s]."""
 
 _X, _Y, _VX, _VY, _YAW = range(5)
 _UNKNOWN = np.array([np.nan, np.nan, 0.0, 0.0, 0.0])
 _AGE = 5
-"""Column of what is seen, behind those of a track."""
+"""Column of a measurement, after the columns of a track."""
 
 
 class DeadReckonedBraking:
-    """Dead-reckoned velocities of vehicles that are not seen."""
+    """Dead-reckoned positions and velocities of unmeasured vehicles."""
 
     def __init__(self) -> None:
-        """Know nobody."""
         self.reset()
 
     def reset(self) -> None:
@@ -62,11 +61,11 @@ class DeadReckonedBraking:
 
     @property
     def places(self) -> dict[str, Array]:
-        """Return where vehicles are, seen or reckoned, horizontally [m], (2,) each."""
+        """Return the horizontal position of each vehicle, measured or dead-reckoned [m], (2,)."""
         return dict(zip(self._names, self._track[:, :2], strict=True))
 
     def sighted(self, state: SwarmState, command: SwarmCommand) -> None:
-        """Note a tick in which every vehicle was seen, and what it was commanded."""
+        """Record a tick in which every vehicle was measured, and its command."""
         self._names, self._track = state.names, np.zeros((len(state.names), 5))
         given = _of(_tilts(command), command.names, state.names, 0.0)
         sight = _sight(state, state.names)
@@ -75,9 +74,9 @@ class DeadReckonedBraking:
         self._given, self._t = given, command.t
 
     def update(self, state: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
-        """Return the command in which unseen vehicles brake where they would be level.
+        """Return the command with unmeasured vehicles braking instead of flying level.
 
-        Without a state nobody is seen.
+        `state` None means that no vehicle was measured.
         """
         names, sight = command.names, _sight(state, command.names)
         track = _of(self._track, self._names, names, _UNKNOWN)
@@ -97,7 +96,7 @@ class DeadReckonedBraking:
         return command
 
     def _tilt(self) -> tuple[Array, Array]:
-        """Return roll and pitch [rad] that take the velocity away, (n,) each."""
+        """Return roll and pitch [rad] that brake each vehicle, (n,) each."""
         vel, yaw = self._track[:, _VX : _VY + 1], self._track[:, _YAW]
         speed = np.linalg.norm(vel, axis=1)
         gain = np.minimum(1.0 / BRAKING_S, BRAKING_MAX / np.maximum(speed, 1e-9))
@@ -113,7 +112,7 @@ def _tilts(command: SwarmCommand) -> Array:
 
 
 def _sight(state: SwarmState | None, names: Names) -> Array:
-    """Return p, v, psi and age of vehicles as they are seen, (n, 6); infinite for who is not known."""
+    """Return measured p, v, psi and age, (n, 6); infinite where a vehicle is not in the state."""
     if state is None:
         return np.full((len(names), _AGE + 1), np.inf)
     yaw = yaw_from_quat(state.quat)
@@ -122,7 +121,7 @@ def _sight(state: SwarmState | None, names: Names) -> Array:
 
 
 def _of(values: Array, known: Names, names: Names, missing: float | Array) -> Array:
-    """Return the rows of `names`, (n, m), `missing` for those that are not known."""
+    """Return the rows of `names`, (n, m); `missing` where a name is unknown."""
     if names == known:
         return values
     absent = np.broadcast_to(missing, (1, values.shape[1]))
@@ -130,7 +129,7 @@ def _of(values: Array, known: Names, names: Names, missing: float | Array) -> Ar
 
 
 def _lean(one: Array, roll: float, pitch: float, elapsed: float) -> None:
-    """Add what a tilt does to a vehicle's velocity in a time [s]."""
+    """Add the velocity that a tilt gives within `elapsed` [s]."""
     ahead, aside = math.sin(pitch) * math.cos(roll), -math.sin(roll)
     cos, sin = math.cos(one[_YAW]), math.sin(one[_YAW])
     one[_VX] += GRAVITY * elapsed * (cos * ahead - sin * aside)
@@ -149,5 +148,5 @@ def _follow(track: Array, flown: Array, elapsed: float, sight: Array, given: Arr
 
 
 lean, follow = compiled(_lean), compiled(_follow)
-"""Move `track` (n, 5) on by `elapsed` [s] of the tilts `flown` (n, 2), then take over who is seen in `sight`
-(n, 6), with the tilts `given` (n, 2) on their way."""
+"""Propagate `track` (n, 5) by `elapsed` [s] under the tilts `flown` (n, 2), then overwrite the rows measured
+in `sight` (n, 6), with the tilts `given` (n, 2) still in the lag."""

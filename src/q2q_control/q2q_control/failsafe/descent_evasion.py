@@ -1,18 +1,18 @@
-"""Make way for a vehicle that nobody sees: who flies beneath it is moved aside before it comes down.
+"""Move vehicles aside that fly below a vehicle descending without measurements.
 
-A vehicle that is level or lands blind (q2q_control.failsafe.ladder) drifts with the air and sinks to the
-floor. Setpoints of vehicles that are seen, lie lower than it did, and are nearer than REACH to where it is
-reckoned to be, p_j (q2q_control.failsafe.dead_reckoned_braking), are moved along u, the one of eight
-directions, straight away from it first, that leads farthest from all others:
+A vehicle that flies level or lands blind (q2q_control.failsafe.ladder) drifts with the wind and sinks to the
+floor. The setpoints of measured vehicles that fly below it, and nearer than REACH to its dead-reckoned
+position p_j (q2q_control.failsafe.dead_reckoned_braking), are shifted along u, the one of eight directions
+that keeps the largest distance from all other vehicles (straight away from p_j if all are equal):
 
-    wanted = max(0, REACH - (r - p_j) . u) u        r: setpoint; horizontal; u is kept until it is seen or cut
-    s'' = w^2 (wanted - s) + 2 w (wanted' - s')   r + s, with its velocity and acceleration, is flown
+    goal = max(0, REACH - (r - p_j) . u) u        r: setpoint, horizontal; u is fixed until j is back or cut
+    s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| s | shift | how far a setpoint is moved [m], horizontal, (2,) |
-| u | aside | unit vector, horizontal, (2,) |
-| w | PACE | of the critically damped way there and back [rad/s] |
+| s | shift | horizontal shift of a setpoint [m], (2,) |
+| u | direction | horizontal unit vector, (2,) |
+| w | PACE | bandwidth of the critically damped shift [rad/s] |
 """
 
 from collections.abc import Mapping
@@ -25,15 +25,15 @@ from q2q_control.failsafe.ladder import is_blind
 from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmSetpoint, SwarmState
 
 REACH = 0.6
-"""How far aside is far enough [m]: two that touch, 0.14, and what air moves one in 2 s of blindness, 0.4."""
+"""Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 2 s of blindness, 0.4."""
 BENEATH = 0.1
-"""Who is lower by less is beside the vehicle, not beneath it [m]: eps of the paper's zone."""
+"""Least height difference at which a vehicle counts as below another [m]: eps of the paper's zone."""
 PACE = 3.0
-"""80 % of the way in 1 s, the time from level to landing, by an acceleration of 5.4 m/s^2 at most."""
+"""80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
-"""A longer time between ticks counts as this [s]."""
+"""Longest time between ticks that is integrated [s]."""
 AT_REST = 1e-3
-"""A shift that is smaller is over [m]."""
+"""Shift below which an evasion has ended [m]."""
 DIRECTIONS = 8
 
 
@@ -44,10 +44,10 @@ class _Shift:
     pos: Array = field(default_factory=lambda: np.zeros(2))
     vel: Array = field(default_factory=lambda: np.zeros(2))
     asides: dict[str, Array] = field(default_factory=dict)
-    """Vehicle made way for -> u."""
+    """u for each vehicle that is evaded."""
 
     def follow(self, wanted: Array, wanted_vel: Array, dt: float) -> Array:
-        """Move on by a time [s]; return the acceleration [m/s^2], (2,)."""
+        """Integrate over dt [s]; return the acceleration [m/s^2], (2,)."""
         acc = PACE**2 * (wanted - self.pos) + 2.0 * PACE * (wanted_vel - self.vel)
         self.vel = self.vel + acc * dt
         self.pos = self.pos + self.vel * dt
@@ -55,25 +55,24 @@ class _Shift:
 
     @property
     def over(self) -> bool:
-        """Return whether the setpoint is where it was sent again, for good."""
+        """Return whether the evasion has ended and the setpoint is no longer shifted."""
         return not self.asides and float(np.abs(self.pos).max() + np.abs(self.vel).max()) < AT_REST
 
 
 class DescentEvasion:
-    """Evading vehicles and how far each has moved."""
+    """Shifts of all evading vehicles."""
 
     def __init__(self) -> None:
-        """Nobody makes way."""
         self.reset()
 
     def reset(self) -> None:
-        """Let everybody fly where it is sent."""
+        """Drop all shifts."""
         self._shifts: dict[str, _Shift] = {}
         self._t: float | None = None
 
     @property
     def active(self) -> bool:
-        """Return whether anybody makes way, or is on its way back."""
+        """Return whether any setpoint is shifted."""
         return bool(self._shifts)
 
     def update(
@@ -82,10 +81,10 @@ class DescentEvasion:
         """Return the setpoints to fly.
 
         Args:
-            setpoint: where vehicles are sent.
-            state: a vehicle that is lost is as high as it was last believed.
-            flown: the last tick's command: it says who is flown blind.
-            places: where those are reckoned to be, horizontally [m], (2,) each.
+            setpoint: reference of the tick.
+            state: of a lost vehicle, the last accepted height is used.
+            flown: command of the last tick; its status tells which vehicles fly blind.
+            places: horizontal positions of these, dead-reckoned [m], (2,) each.
         """
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
@@ -102,7 +101,7 @@ class DescentEvasion:
         return moved
 
     def _ask(self, blind: Names, names: Names, pos: Array) -> None:
-        """Note who must make way for whom, and to which side."""
+        """Assign a direction to every new pair of evading and descending vehicle."""
         known = set(blind) & set(names)
         for shift in self._shifts.values():
             shift.asides = {name: aside for name, aside in shift.asides.items() if name in known}
@@ -132,13 +131,13 @@ class DescentEvasion:
 
 
 def _is_beneath(pos: Array, other: Array) -> NDArray[np.bool_]:
-    """Return who flies beneath a place, near enough to be in the way, (n,)."""
+    """Return which vehicles are below a position and nearer than REACH, (n,)."""
     near = np.linalg.norm(pos[:, :2] - other[:2], axis=1) < REACH
     return np.asarray(near & (pos[:, 2] < other[2] - BENEATH))
 
 
 def _aside(xy: Array, i: int, j: int) -> Array:
-    """Return the direction in which vehicle i leaves j, (2,): away from it, or where others are farther."""
+    """Return the direction in which vehicle i evades j, (2,): away from j, or from other vehicles."""
     away = np.arctan2(*(xy[i] - xy[j])[::-1])
     angles = away + np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
     sides = np.stack([np.cos(angles), np.sin(angles)], axis=1)  # (8, 2)

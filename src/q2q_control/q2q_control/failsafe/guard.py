@@ -1,29 +1,29 @@
-"""Guard a controller: fly by it while what it knows is young, and down the ladder of safety as it grows old.
+"""Guard a controller: pass its commands on while measurements are fresh, fall back as they grow old.
 
-The same object stands before the PID and the MPC, in closed_loop and in the nodes; the ladder itself is
-q2q_control.failsafe.ladder. The age of what is known of vehicle i at the tick t is
+The same guard wraps the PID and the MPC, in closed_loop and in the nodes. The fallback phases are those of
+q2q_control.failsafe.ladder, by the age of vehicle i's measurement at tick t:
 
-    a_i = t - b_i + l        b_i = t - (t - t_state) - age_i   where the controller could use the state,
-                             b_i as it was                     where it answered HOLD or LEVEL
+    a_i = t - b_i + l        b_i = t - (t - t_state) - age_i   if the controller used the state,
+                             b_i unchanged                     if it answered HOLD or LEVEL
 
-so it grows by stamps, whether samples, frames or whole messages stay away. A vehicle that was never seen
-counts from the guard's first tick. Seen again before it is cut, a vehicle flies on; cut, it stays cut.
+The age grows by stamps, whether samples, frames or whole messages are missing. A vehicle that was never
+measured counts from the guard's first tick. A vehicle measured again before it is cut flies on; a cut is
+final.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| a | ages | age of what is known [s], (n,) |
-| b | _basis | time of the newest believed measurement [s], (n,) |
-| age | state.age | since the last accepted measurement, as the filter says [s], (n,) |
-| l | lateness | how much later than usual the tick came, live [s] |
+| a | ages | age of the newest measurement [s], (n,) |
+| b | _measured_at | stamp of the newest accepted measurement [s], (n,) |
+| age | state.age | time since the last accepted measurement, from the filter [s], (n,) |
+| l | lateness | delay of the tick beyond the usual one, live only [s] |
 
-Who is level because nobody sees it brakes from the speed it must have
-(q2q_control.failsafe.dead_reckoned_braking); who is seen and flies beneath it makes way
-(q2q_control.failsafe.descent_evasion).
+A vehicle that flies level without measurements brakes (q2q_control.failsafe.dead_reckoned_braking);
+measured vehicles below it move aside (q2q_control.failsafe.descent_evasion).
 
-A tick older than the last answered one gets the last answer again, as HOLD, under its own stamp. Old ticks
-that rise for long enough (q2q_model.estimation.clock_resets, as in the mocap filter) are those of a clock
-that was set back: the controller begins anew, ages go on. Older by more than RESTART it is another flight:
-everything is forgotten but an emergency.
+A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
+of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
+the controller is reset, ages continue. A jump back by more than RESTART is a new flight: everything is reset
+but an emergency.
 """
 
 from collections.abc import Callable
@@ -52,18 +52,18 @@ from q2q_model.signals.values import (
 )
 
 RESTART = 1.0
-"""A clock set back by more is a flight that begins again [s]: the mocap filter's clock_jump_s."""
+"""Jump back of the clock that starts a new flight [s]: the mocap filter's clock_jump_s."""
 _SOUND = int(CommandStatus.SATURATED)
-"""The statuses up to here are computed from a usable state."""
+"""Highest status of a command computed from a usable state."""
 
 
 def on_time(_: float) -> float:
-    """Return 0: the tick itself is the clock, as in lockstep."""
+    """Return 0: in lockstep no tick is late."""
     return 0.0
 
 
 class Guard:
-    """State machine of command safety: since when each vehicle is in which phase, and who is cut."""
+    """Guarded controller: age of every vehicle's measurement, and which motors are cut."""
 
     def __init__(
         self,
@@ -76,9 +76,9 @@ class Guard:
 
         Args:
             controller: computes the commands.
-            params: ages of the phases.
-            hover_thrust: thrust that carries one vehicle [N].
-            lateness: says how much later than usual the tick of a stamp [s] came [s].
+            params: ages at which the phases change.
+            hover_thrust: thrust of one vehicle at hover [N].
+            lateness: returns how much later than usual the tick of a stamp [s] arrived [s].
         """
         self._controller = controller
         self._params = params
@@ -88,7 +88,7 @@ class Guard:
         self._braking = DeadReckonedBraking()
         self._way = DescentEvasion()
         self._last: SwarmCommand | None = None
-        self._calm: SwarmState | None = None  # of the last tick, where all was known of everybody
+        self._calm: SwarmState | None = None  # state of the last tick, if it was nominal
         self._old = ClockResetDetector()
         self._names: Names = ()
         self._basis = np.zeros(0)
@@ -96,22 +96,22 @@ class Guard:
 
     @property
     def newest(self) -> float:
-        """Return the stamp of the last tick that was answered as a new one [s]; -inf for none."""
+        """Return the stamp of the last tick that was not a repeated or old one [s]; -inf before the first."""
         return -inf if self._last is None else self._last.t
 
     def reset(self) -> None:
-        """Forget everything, the controller's memory too; an emergency stays."""
+        """Reset the guard and its controller; an emergency remains."""
         self._controller.reset()
         self._forget()
 
     def cut(self) -> None:
-        """Cut all motors from now on, for good: an emergency."""
+        """Cut all motors permanently: an emergency."""
         self._emergency = True
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
     ) -> SwarmCommand:
-        """Return the tick's command; `interference` None means ignoring the downwash."""
+        """Return the command of the tick; `interference` None ignores downwash."""
         last = self._last
         if last is not None and setpoint.t < last.t:
             if last.t - setpoint.t <= RESTART and not self._old.rise(setpoint.t):
@@ -131,7 +131,7 @@ class Guard:
         return self._last
 
     def without_tick(self, age: float) -> SwarmCommand | None:
-        """Return what is due `age` [s] after the last answered tick; None where it is merely late."""
+        """Return the command due `age` [s] after the last tick; None before hold_s."""
         last = self._last
         if last is None or (age < self._params.hold_s and not self._emergency):
             return None
@@ -142,13 +142,13 @@ class Guard:
         return self._braking.update(None, descended(held, ages, self._down, self._params, self._hover_thrust))
 
     def _note_sight(self) -> None:
-        """Note where everybody was at the last calm tick, now that calm is over."""
+        """Start dead reckoning from the last nominal tick."""
         if self._calm is not None and self._last is not None:
             self._braking.sighted(self._calm, self._last)
         self._calm = None
 
     def _set_back(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
-        """Set back what is counted from stamps, or begin anew; return the last command by the new clock."""
+        """Shift stored stamps to the new clock, or reset; return the last command with its new stamp."""
         back = last.t - t
         if back > RESTART:
             self.reset()
@@ -178,7 +178,7 @@ class Guard:
         return True
 
     def _laddered(self, command: SwarmCommand, heard: Array) -> SwarmCommand:
-        """Return the command as it may be sent; `heard` is the state's age of every vehicle [s], (n,)."""
+        """Return the command after the fallback phases; `heard` is the age in the state [s], (n,)."""
         self._follow(command)
         command = self._without_nonsense(command)
         sound = command.status <= _SOUND
@@ -191,7 +191,7 @@ class Guard:
         return descended(told, ages, self._down, self._params, self._hover_thrust)
 
     def _follow(self, command: SwarmCommand) -> None:
-        """Keep what is known of vehicles by name; a new one is known since now."""
+        """Match stored rows to the command's names; a new vehicle counts as measured now."""
         if command.names == self._names:
             return
         rows = index_of(command.names, self._names)
@@ -200,7 +200,7 @@ class Guard:
         self._names = command.names
 
     def _without_nonsense(self, command: SwarmCommand) -> SwarmCommand:
-        """Return the command with level hover, and so marked, where a controller did not give numbers."""
+        """Return the command with level hover, and status LEVEL, where the controller's is not finite."""
         values = np.stack([command.thrust, command.roll, command.pitch, command.yaw_rate])  # (4, n)
         bad = ~np.isfinite(values).all(axis=0)
         if not bad.any():
@@ -225,17 +225,17 @@ def _all_calm(
 
 
 all_calm = compiled(_all_calm)
-"""Return whether all is known of everybody: ((ages of what is known [s] (n,), their least and their bound),
-the commands' numbers, status, whose motors are off (n,))."""
+"""Return whether every vehicle is nominal: ((ages [s] (n,), their least and their bound), the commands'
+values, status, motors off (n,))."""
 
 
 def _again(last: SwarmCommand, t: float) -> SwarmCommand:
-    """Return a command that is given again at a tick t [s], and says so."""
+    """Return the last command, repeated at tick t [s] with status HOLD."""
     held = np.where(last.status <= _SOUND, CommandStatus.HOLD, last.status).astype(np.uint8)
     return replace(last, t=t, status=held)
 
 
 def _ages(state: SwarmState, names: Names) -> Array:
-    """Return the age of each vehicle's measurement [s], infinite where there is none, (n,)."""
+    """Return the age of each vehicle's measurement [s], (n,); infinite if there is none."""
     ages = np.append(np.where(state.age >= 0.0, state.age, np.inf), np.inf)
     return np.asarray(ages[index_of(names, state.names)])

@@ -1,4 +1,4 @@
-"""Say what a vehicle is commanded as what its controller knows grows old: the ladder of safety.
+"""Fallback phases of a vehicle as its newest measurement grows old.
 
 | phase | from an age of | command | CommandStatus |
 |---|---|---|---|
@@ -6,16 +6,16 @@
 | degraded | degraded_s | the controller's, on a predicted state | DEGRADED |
 | hold | no usable state; or no tick for hold_s | the last command again | HOLD |
 | hold | last_commands' hold_time; or no tick for level_s | level or braking, hover thrust | LEVEL |
-| land | land_s | level or braking, less than hover thrust: it sinks | LAND |
-| cut | cut_s, or an emergency: for good | motors off | CUT |
+| land | land_s | level or braking, below hover thrust: descends | LAND |
+| cut | cut_s, or an emergency; permanent | motors off | CUT |
 
-The age of a vehicle's knowledge is the time since its newest believed measurement, by the stamps and ages
-that messages carry (q2q_control.failsafe.guard), never a count of messages. The firmware's own watchdog
-levels after 0.5 s without a packet and cuts after 2 s: the last net, where the controller itself is gone.
+The age is the time since the newest accepted measurement, by the stamps and ages in the messages
+(q2q_control.failsafe.guard), never a count of messages. The firmware's own watchdog levels after 0.5 s
+without a packet and cuts after 2 s: the last resort if the controller itself has died.
 
-Sinking blind from h takes sqrt(2 h / a) at a = (1 - land_share k) g, where k is how much more thrust rotors
-give than is asked (1.03 in real flights, q2q_sim.scenarios.settings): 3.6 s from 2 m at the weakest, arriving
-with 1.1 m/s.
+A blind descent from h takes sqrt(2 h / a) at a = (1 - land_share k) g, where k is the ratio of actual to
+commanded thrust (1.03 in real flights, q2q_sim.scenarios.settings): at most 3.6 s from 2 m, touching down at
+1.1 m/s.
 """
 
 from dataclasses import dataclass, replace
@@ -64,20 +64,20 @@ class FallbackParams:
 
 
 def is_blind(status: Status) -> NDArray[np.bool_]:
-    """Return who is flown level or landed, without being seen, (n,)."""
+    """Return which vehicles fly level or land without measurements, (n,)."""
     return np.asarray((status == _LEVEL) | (status == _LAND))
 
 
 def fallback_command(
     last: SwarmCommand, age: float, params: FallbackParams, hover_thrust: float
 ) -> SwarmCommand:
-    """Return what vehicles are commanded when the tick after `last` is `age` late: held, then level.
+    """Return the command while the tick after `last` is missing: held, then level.
 
     Args:
-        last: the last tick's command.
-        age: time since that tick was answered [s].
-        params: ages of the phases.
-        hover_thrust: thrust that carries one vehicle [N].
+        last: command of the last tick.
+        age: time since that tick [s].
+        params: ages at which the phases change.
+        hover_thrust: thrust of one vehicle at hover [N].
     """
     count = len(last.names)
     if age < params.level_s:
@@ -97,14 +97,14 @@ def fallback_command(
 def descended(
     command: SwarmCommand, ages: Array, down: NDArray[np.bool_], params: FallbackParams, hover_thrust: float
 ) -> SwarmCommand:
-    """Return the command with vehicles landing or cut where what is known of them is too old.
+    """Return the command with vehicles landing or cut whose measurement is too old.
 
     Args:
-        command: what else would be sent.
-        ages: age of what is known of each vehicle [s], (n,).
-        down: whose motors are off for good, (n,).
-        params: ages of the phases.
-        hover_thrust: thrust that carries one vehicle [N].
+        command: command before this fallback.
+        ages: age of each vehicle's measurement [s], (n,).
+        down: vehicles whose motors are off permanently, (n,).
+        params: ages at which the phases change.
+        hover_thrust: thrust of one vehicle at hover [N].
     """
     landing = ~(ages < params.land_s)  # NaN too
     if not (landing.any() or down.any()):

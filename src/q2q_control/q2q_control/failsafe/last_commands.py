@@ -1,12 +1,12 @@
-"""Remember each vehicle's last command, and answer with it when a tick brings no usable state.
+"""Repeat a vehicle's last command when a tick has no usable state of it.
 
-| vehicle's last computed command is | command | status |
+| last computed command | command | status |
 |---|---|---|
-| at most hold_time old | that command again | HOLD |
-| older, or there is none | level attitude, hover thrust, no yaw rate | LEVEL |
+| at most hold_time old | repeated | HOLD |
+| older, or none | level attitude, hover thrust, no yaw rate | LEVEL |
 
-Ages are differences of stamps, so a replayed flight answers alike. This is about single vehicles of a tick
-that came; q2q_control.failsafe.ladder is about ticks that do not come.
+Ages are differences of stamps, so a replayed flight gives the same commands. This covers single vehicles
+missing from a tick; q2q_control.failsafe.ladder covers missing ticks.
 """
 
 from dataclasses import dataclass
@@ -87,5 +87,5 @@ def _complete(
 
 
 complete = compiled(_complete)
-"""Write commands (4, n) and their status (n,), keep what was computed: ((values (n, 4), saturated, usable),
+"""Write commands (4, n) and status (n,), and store the computed ones: ((values (n, 4), saturated, usable),
 (last values (n, 4), stamps (n,)), (t, hold_time, hover_thrust), commands, status)."""

@@ -1,11 +1,11 @@
-"""Say how much later than usual a stamp came, where two clocks need not agree.
+"""Delay of a stamped message beyond the usual one, between clocks that need not agree.
 
-    d_k = w_k - t_k              wall time of arrival minus stamp: latency plus the clocks' difference
-    l_k = d_k - min d            over the last window or two: the quickest stands for the usual
+    d_k = w_k - t_k              arrival minus stamp: latency plus clock offset
+    l_k = d_k - min d            minimum over the last one to two windows
 
-A stream that is suddenly delivered late shows as late, however regularly its messages come. A clock that
-was set is forgotten after two windows with messages. l is at most MOST_S: a clock that runs slower than
-ours, as that of a simulator on a busy machine, must not land a vehicle by itself.
+A stream that is suddenly delivered late is detected, however regular its messages. A step of a clock is
+forgotten after two windows with messages. l is at most MOST_S: a slower clock, such as that of a simulator
+on a busy machine, must not land a vehicle by itself.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -17,9 +17,9 @@ ours, as that of a simulator on a busy machine, must not land a vehicle by itsel
 from math import inf
 
 WINDOW_S = 2.0
-"""How long the quickest message counts [s]: longer than any hold, so that lateness is seen at first."""
+"""Length of a window [s]: longer than any hold, so that a delay is detected at once."""
 MOST_S = 0.5
-"""Largest lateness that is told [s]: below land_s of q2q_control.failsafe.ladder."""
+"""Largest lateness returned [s]: below land_s of q2q_control.failsafe.ladder."""
 
 
 class StampDelayMonitor:
@@ -31,7 +31,7 @@ class StampDelayMonitor:
         self._before = inf
 
     def lateness(self, stamp: float, now: float) -> float:
-        """Return how much later than usual the message of a stamp [s] came at wall time now [s]."""
+        """Return how much later than usual the message stamped `stamp` [s] arrived at wall time now [s]."""
         took = now - stamp
         if now - self._began > WINDOW_S:
             self._began, self._before, self._quickest = now, self._quickest, took

@@ -1,13 +1,13 @@
-"""Watch the wall clock of a live controller, and say what to send when a tick is not answered in time.
+"""Wall-clock watch of a live controller: the command to send when a tick is missing.
 
-| what stays away | what is sent |
+| missing | command |
 |---|---|
-| downwash or reference, for hold_s, while states come | the controller's answer to a hover at the setpoint |
-| states, for hold_s | the guard's ladder by age: hold, level, land, cut |
-| nothing, but stamps stand still: repeated frames | the same ladder: only a newer stamp is news |
+| downwash or reference, for hold_s, while states arrive | the controller's, for a hover at the setpoint |
+| states, for hold_s | the guard's fallback by age: hold, level, land, cut |
+| newer stamps: frames are repeated | the same fallback |
 
-The first two come within hold_s and one look (30 + 10 ms), well before the firmware's watchdog (500 ms).
-Times are arguments: a test, or a replay, has its own clock.
+The first two take hold_s and one timer period (30 + 10 ms), well within the firmware's watchdog (500 ms).
+Times are arguments: a test or a replay has its own clock.
 """
 
 from dataclasses import replace
@@ -20,7 +20,7 @@ from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint,
 
 
 class TickWatch:
-    """Time and answer of the newest tick."""
+    """Stamp, wall time and setpoint of the newest tick."""
 
     def __init__(self, guard: Guard, params: FallbackParams) -> None:
         self._guard = guard
@@ -30,19 +30,19 @@ class TickWatch:
         self._at = -np.inf
 
     def answered(self, setpoint: SwarmSetpoint, now: float) -> None:
-        """Note that the tick of a setpoint was answered at wall time now [s], if it was as a newer one."""
+        """Record that the tick of a setpoint was computed at wall time now [s], unless it was an old one."""
         behind = self._stamp - setpoint.t
         if behind == 0.0 or (0.0 < behind <= RESTART and self._guard.newest != setpoint.t):
             return
         self._stamp, self._at, self._setpoint = setpoint.t, now, setpoint
 
     def due(self, state: SwarmState | None, now: float, ahead: float = 0.0) -> SwarmCommand | None:
-        """Return what must be sent at wall time now [s], if anything.
+        """Return the command due at wall time now [s]; None if none is.
 
         Args:
-            state: the newest that came.
+            state: newest state received.
             now: wall time [s].
-            ahead: take a tick as late that will be within this time [s], where nothing is going to come.
+            ahead: a tick that will be late within this time [s] counts as late, if its writer is gone.
         """
         age = now - self._at
         if self._setpoint is None:
@@ -57,7 +57,7 @@ class TickWatch:
         zero = np.zeros_like(setpoint.pos)
         still = replace(setpoint, t=state.t, vel=zero, acc=zero, yaw_rate=np.zeros_like(setpoint.yaw_rate))
         command = self._guard.update(state, still, None)
-        self.answered(still, now - self.params.hold_s)  # the next state is taken as soon as it comes
+        self.answered(still, now - self.params.hold_s)  # use the next state at once
         sound = command.status <= CommandStatus.SATURATED
         return replace(
             command, status=np.where(sound, CommandStatus.DEGRADED, command.status).astype(np.uint8)

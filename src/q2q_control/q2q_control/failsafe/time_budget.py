@@ -1,22 +1,22 @@
-"""Say whether a tick's computing is still in time, by a clock that is handed in."""
+"""Time budget of a tick's computation."""
 
 from collections.abc import Callable
 from math import inf
 
 
 class TimeBudget:
-    """Computing time that is left in a tick."""
+    """Deadline of a tick's computation."""
 
     def __init__(self, seconds: float, clock: Callable[[], float]) -> None:
-        """Allow so many seconds a tick, by a clock [s] that only grows."""
+        """Allow `seconds` a tick, by a monotonic clock [s]."""
         self._seconds = seconds
         self._clock = clock
         self._end = inf
 
     def begin(self) -> None:
-        """Begin a tick."""
+        """Start the budget of a tick."""
         self._end = self._clock() + self._seconds
 
     def in_time(self) -> bool:
-        """Return whether time is left; without a tick begun, there is."""
+        """Return whether time is left; True before the first tick."""
         return self._clock() < self._end

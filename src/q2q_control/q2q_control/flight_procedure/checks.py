@@ -1,7 +1,7 @@
-"""Check whether vehicles may take off, join a plan, or be flown to it; name the vehicle and the number.
+"""Checks before take-off and before flying setpoints, each naming the vehicle and the value.
 
-Every check returns why it refuses; empty where it does not. They are asked in the order of the ground: links,
-batteries, parameters, motion capture, estimators, thrust, places, the plan, the room.
+Every check returns the reason of its refusal, empty if there is none. Order: links, batteries, parameters,
+motion capture, estimators, thrust, positions, the plan, the room.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,7 +17,7 @@ AXES = "xyz"
 
 
 def connection_refusal(seen: Observation) -> str:
-    """Return which vehicle is not connected."""
+    """Return which vehicles are not connected."""
     offline = [one.name for one in seen.vehicles if not one.connected]
     return f"{', '.join(offline)} offline: check URI, battery and radio" if offline else ""
 
@@ -39,7 +39,7 @@ def take_off_refusal(seen: Observation, params: FlightProcedureParams, landing: 
 
 
 def join_refusal(seen: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
-    """Return why vehicles may not be flown by the present setpoints from where they are."""
+    """Return why vehicles may not fly the present setpoints from their positions."""
     return (
         connection_refusal(seen)
         or _first(_said(one, params) for one in seen.vehicles)
@@ -52,8 +52,8 @@ def state_refusal(seen: Observation, landing: LandingParams) -> str:
     """Return which vehicle has no fresh state."""
     for name, age in zip(seen.names, seen.age.tolist(), strict=True):
         if not age <= landing.stale_s:
-            told = f"its last is {age:.2f} s old" if np.isfinite(age) else "it was never seen"
-            return f"{name} has no state younger than {landing.stale_s:g} s ({told}): check motion capture"
+            found = f"its last is {age:.2f} s old" if np.isfinite(age) else "it was never measured"
+            return f"{name} has no state younger than {landing.stale_s:g} s ({found}): check motion capture"
     return ""
 
 
@@ -63,13 +63,13 @@ def setpoint_refusal(seen: Observation, near: float, landing: LandingParams) -> 
         return f"no setpoint younger than {landing.stale_s:g} s: start trajectory and replanner"
     for name, far in zip(seen.names, _norm(seen.pos - seen.wanted).tolist(), strict=True):
         if not far <= near:
-            told = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"
-            return f"{name} {told}: {near:.2f} m is the most; call take_off, then fly"
+            found = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"
+            return f"{name} {found}: {near:.2f} m is the most; call take_off, then fly"
     return ""
 
 
 def apart_refusal(names: tuple[str, ...], pos: Array, apart: float) -> str:
-    """Return which pair is too near, seen from above."""
+    """Return which pair is too close horizontally."""
     for first, second in combinations(range(len(names)), 2):
         gap = float(np.hypot(*(pos[first] - pos[second])[:2]))
         if gap < apart:
@@ -78,7 +78,7 @@ def apart_refusal(names: tuple[str, ...], pos: Array, apart: float) -> str:
 
 
 def unchecked(seen: Observation) -> str:
-    """Return what could not be checked because vehicles do not tell it; empty where all could."""
+    """Return what could not be checked because vehicles do not report it; empty if all could."""
     silent: dict[str, Callable[[VehicleReport], bool]] = {
         "battery": lambda one: bool(np.isnan(one.volt)),
         "parameters": lambda one: one.wrong is None,
@@ -94,7 +94,7 @@ def _said(one: VehicleReport, params: FlightProcedureParams) -> str:
     if one.locked:
         return f"{one.name} is locked: restart it"
     if np.isnan(one.volt) and params.volt_start > 0.0:
-        return f"{one.name} does not tell its battery: log it, or set volt_start to 0"
+        return f"{one.name} does not report its battery: log it, or set volt_start to 0"
     if one.volt < params.volt_start:
         return f"{one.name} has {one.volt:.2f} V: {params.volt_start:.2f} V is the least to start with"
     return f"{one.name}: {one.wrong}" if one.wrong else ""
@@ -106,18 +106,18 @@ def _estimates(seen: Observation, params: FlightProcedureParams) -> Iterator[str
             continue
         far = float(_norm(np.array(one.onboard) - pos))
         if np.isnan(one.onboard).any():
-            yield f"{one.name} has no own estimate x, y, z any more: check its link, and what is logged"
+            yield f"{one.name} stopped sending its own estimate x, y, z: check its link and its log topics"
         if not far <= params.estimator_error:
             bound = f"{params.estimator_error:.2f} m is the most; check frames, wait for its estimator"
-            yield f"{one.name} believes to be {far:.2f} m from where it is seen: {bound}"
+            yield f"{one.name} estimates itself {far:.2f} m from its measured position: {bound}"
 
 
 def _thrust(one: VehicleReport, params: FlightProcedureParams) -> str:
     if np.isnan(one.hover_ratio) or abs(one.hover_ratio - 1.0) <= params.hover_mismatch:
         return ""
-    told = f"would be sent {100.0 * one.hover_ratio:.0f} % of the thrust at which it hovers"
+    sent = f"would be sent {100.0 * one.hover_ratio:.0f} % of the thrust at which it hovers"
     allowed = f"within {100.0 * params.hover_mismatch:.0f} % is allowed"
-    return f"{one.name} {told}: {allowed}; check `vehicle`, `firmware`, ctrlMel.mass and ctrlMel.massThrust"
+    return f"{one.name} {sent}: {allowed}; check `vehicle`, `firmware`, ctrlMel.mass and ctrlMel.massThrust"
 
 
 def _standing(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
@@ -131,7 +131,7 @@ def _standing(seen: Observation, params: FlightProcedureParams) -> Iterator[str]
 
 def _places(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
     if seen.plan is None:
-        yield "no plan waits: start trajectory with a plan and wait:=true"
+        yield "no plan is waiting: start trajectory with a plan and wait:=true"
         return
     if set(seen.plan.names) != set(seen.names):
         yield f"the plan is for {', '.join(seen.plan.names)}, the vehicles are {', '.join(seen.names)}"
@@ -139,7 +139,7 @@ def _places(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
     off = seen.pos[:, :2] - seen.first_points()[:, :2]
     for name, far in zip(seen.names, _norm(off).tolist(), strict=True):
         if not far <= params.start_near:
-            yield f"{name} is {far:.2f} m beside its first point: {params.start_near:.2f} m is the most"
+            yield f"{name} is {far:.2f} m from its first point: {params.start_near:.2f} m is the most"
 
 
 def _extent(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Keep what came last of states, setpoints and the plan, and say what is known at a time."""
+"""Newest states, setpoints and plan of a flight, as one observation."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, Tr
 
 
 class FlightView:
-    """What came last, a row a vehicle."""
+    """Newest state, setpoint and plan, one row a vehicle."""
 
     def __init__(self, names: Names) -> None:
         self._names = names
@@ -17,17 +17,17 @@ class FlightView:
         self._wanted, self._wanted_vel = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
         self._heard = -np.inf
         self.plan: PlanOutline | None = None
-        """The plan that waits."""
+        """Plan that is waiting."""
 
     def see(self, state: SwarmState, t: float) -> None:
-        """Take a state that came at time t [s]: the vehicles that were measured in it."""
+        """Store the vehicles measured in a state, received at time t [s]."""
         rows = index_of(self._names, state.names)
         for own, row in enumerate(rows.tolist()):
             if row >= 0 and state.status[row] == TrackStatus.TRACKED:
                 self._pos[own], self._vel[own], self._seen[own] = state.pos[row], state.vel[row], t
 
     def hear(self, setpoint: SwarmSetpoint, t: float) -> Array:
-        """Take a setpoint that came at time t [s]; return its positions by vehicle, NaN where it has none."""
+        """Store a setpoint received at time t [s]; return each vehicle's position, NaN if it has none."""
         rows = index_of(self._names, setpoint.names)
         absent = (rows < 0)[:, None]
         self._wanted = np.where(absent, np.nan, setpoint.pos[rows])
@@ -36,7 +36,7 @@ class FlightView:
         return self._wanted
 
     def observe(self, vehicles: tuple[VehicleReport, ...], t: float) -> Observation:
-        """Return what is known at time t [s]."""
+        """Return the observation at time t [s]."""
         return Observation(
             vehicles=vehicles,
             pos=self._pos.copy(),

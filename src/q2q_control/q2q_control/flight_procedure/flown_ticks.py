@@ -1,11 +1,11 @@
-"""Join by tick what is sent to vehicles, and know whether the flight procedure lets it be flown.
+"""Ticks to send to vehicles, and whether the flight procedure permits them.
 
-| mode | a tick is |
+| mode | topics of a tick |
 |---|---|
 | command | `command` |
 | setpoint | `reference_safe`, and `interference` if aware |
 
-In both, the procedure sees `state` and hears `reference_safe`.
+In both modes the procedure receives `state` and `reference_safe`.
 """
 
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 PROCEDURE_TOPICS: dict[str, type[Signal]] = {"reference_safe": SwarmSetpoint, "state": SwarmState}
-"""What the procedure takes in every mode."""
+"""Topics of the procedure in every mode."""
 
 
 def tick_topics(mode: str, *, aware: bool) -> dict[str, type[Signal]]:
-    """Return the topics of which a tick is made."""
+    """Return the topics that make up a tick."""
     if mode == "command":
         return {"command": SwarmCommand}
     downwash: dict[str, type[Signal]] = {"interference": Interference} if aware else {}
@@ -29,13 +29,13 @@ def tick_topics(mode: str, *, aware: bool) -> dict[str, type[Signal]]:
 
 
 class Pilotage(Protocol):
-    """Flight procedure, as far as signals concern it."""
+    """Inputs of the flight procedure."""
 
     def see(self, state: SwarmState) -> None:
-        """Take a state."""
+        """Store a state."""
 
     def follows(self, setpoint: SwarmSetpoint) -> bool:
-        """Take a setpoint; return whether it is to be flown."""
+        """Store a setpoint; return whether to fly it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,14 +43,14 @@ class FlownTick:
     """One tick for the vehicles: a command, or a setpoint with the downwash to compensate."""
 
     flown: bool
-    """Whether the procedure lets it be flown."""
+    """The procedure permits it."""
     command: SwarmCommand | None = None
     setpoint: SwarmSetpoint | None = None
     downwash: Interference | None = None
 
 
 class FlownTicks:
-    """Join of a mode's topics, and what the procedure last said of setpoints."""
+    """Tick join of a mode's topics, and the procedure's last decision."""
 
     def __init__(self, mode: str, health: Health, *, aware: bool) -> None:
         """Join the topics of a mode; `health` counts ticks."""
@@ -59,15 +59,15 @@ class FlownTicks:
         self._health = health
         self._follows = False
         self.procedure: Pilotage | None = None
-        """Who decides; None lets nothing be flown."""
+        """Flight procedure; None permits no tick."""
 
     @property
     def topics(self) -> dict[str, type[Signal]]:
-        """Return all topics that `take` wants."""
+        """Return all topics to pass to `take`."""
         return self._topics | PROCEDURE_TOPICS
 
     def take(self, topic: str, stamp_ns: int, value: Signal) -> FlownTick | None:
-        """Take a signal; return the tick that it completes."""
+        """Add a signal; return the tick that it completes."""
         if self.procedure is not None and isinstance(value, SwarmState):
             self.procedure.see(value)
         if isinstance(value, SwarmSetpoint):

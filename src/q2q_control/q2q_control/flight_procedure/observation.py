@@ -1,4 +1,4 @@
-"""Hold what is known of a flight at one time: vehicles, places, setpoints, the plan that waits."""
+"""Observation of a flight at one time: vehicle reports, positions, setpoints, the waiting plan."""
 
 import math
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from q2q_model.signals.values import Array, Names
 
 @dataclass(frozen=True, slots=True)
 class VehicleReport:
-    """What one vehicle says of itself; NaN and None where it does not say."""
+    """Report of one vehicle; NaN or None for what it does not report."""
 
     name: str
     connected: bool
@@ -20,20 +20,20 @@ class VehicleReport:
     """Battery [V]."""
     armed: bool | None = None
     locked: bool | None = None
-    """It has stopped for good and must be restarted."""
+    """It is locked after an emergency stop and must be restarted."""
     flies: bool = True
-    """It is flown by setpoints; False where it lands or has landed by itself."""
+    """It flies setpoints; False if it lands or has landed by itself."""
     wrong: str | None = None
-    """What is wrong with its parameters; empty where nothing is."""
+    """First error of its parameters; empty if there is none."""
     onboard: tuple[float, float, float] | None = None
-    """Position that it estimates itself [m], world; NaN where it has told it before."""
+    """Onboard position estimate [m], world; NaN if it is no longer reported."""
     hover_ratio: float = math.nan
     """Thrust that would be sent at hover over the thrust at which it hovers."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlanOutline:
-    """What the procedure needs to know of a plan."""
+    """Outline of a plan: first points, extent, duration."""
 
     names: Names
     first: Array
@@ -55,23 +55,23 @@ def outline(names: Names, curves: Sequence[Curve]) -> PlanOutline:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What is known at one time, a row a vehicle in the order of `vehicles`."""
+    """Observation of a flight at one time, one row a vehicle in the order of `vehicles`."""
 
     vehicles: tuple[VehicleReport, ...]
     pos: Array
-    """Measured position [m], world, (n, 3); NaN where never seen."""
+    """Measured position [m], world, (n, 3); NaN before the first measurement."""
     vel: Array
     """[m/s], world, (n, 3)."""
     age: Array
-    """Time since a vehicle was last measured [s], (n,); infinite where never."""
+    """Time since each vehicle was last measured [s], (n,); infinite before the first measurement."""
     wanted: Array
-    """Setpoint's position [m], world, (n, 3); NaN where there is none."""
+    """Setpoint position [m], world, (n, 3); NaN if there is none."""
     wanted_vel: Array
-    """[m/s], world, (n, 3)."""
+    """Setpoint velocity [m/s], world, (n, 3)."""
     wanted_age: float
-    """Time since the last setpoint came [s]; infinite where none came."""
+    """Time since the last setpoint was received [s]; infinite before the first."""
     plan: PlanOutline | None
-    """The plan that waits for its start."""
+    """Plan that is waiting for its start."""
 
     @property
     def names(self) -> Names:
@@ -79,7 +79,7 @@ class Observation:
         return tuple(one.name for one in self.vehicles)
 
     def first_points(self) -> Array:
-        """Return the plan's first points in the order of the vehicles, (n, 3); NaN where it has none."""
+        """Return the plan's first points in the order of the vehicles, (n, 3); NaN for one without a plan."""
         rows = np.full((len(self.vehicles), 3), np.nan)
         if self.plan is not None:
             for row, name in enumerate(self.names):

@@ -1,4 +1,4 @@
-"""Say what carries out the procedure's orders: a radio pilot, or Crazyswarm2's server."""
+"""Interface of an executor of the procedure's orders: a radio pilot, or Crazyswarm2's server."""
 
 from typing import Protocol
 
@@ -8,13 +8,13 @@ from q2q_model.node.reply import Reply
 
 
 class OrderExecutor(Protocol):
-    """What reaches the vehicles."""
+    """Executor of orders."""
 
     def begin(self, order: Order, t: float) -> None:
-        """Begin to carry out an order at time t [s]."""
+        """Start executing an order at time t [s]."""
 
     def outcome(self, t: float) -> Reply | None:
-        """Return what became of the last order by time t [s], once; None while that is not known."""
+        """Return the outcome of the last order by time t [s], once; None while it is unknown."""
 
     def reports(self) -> tuple[VehicleReport, ...]:
-        """Return what every vehicle says of itself."""
+        """Return the report of every vehicle."""

@@ -162,7 +162,7 @@ class FlightProcedure:
         if call is Call.START:
             return join_refusal(seen, self._params, self._landing)
         if call is Call.FLY:
-            return state_refusal(seen, self._landing) or ("" if seen.plan else "no plan waits")
+            return state_refusal(seen, self._landing) or ("" if seen.plan else "no plan is waiting")
         return ""
 
     def _begin(self, call: Call, seen: Observation, t: float) -> None:

@@ -1,4 +1,4 @@
-"""Say where vehicles rest, and for how long they have."""
+"""Whether vehicles are at rest at their points, and for how long."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from q2q_model.signals.values import Array
 
 
 class Rest:
-    """Time since which a condition has held."""
+    """Time for which a condition has held."""
 
     def __init__(self, settle_s: float) -> None:
         self._settle_s = settle_s
@@ -21,7 +21,7 @@ class Rest:
         return t - self._since >= self._settle_s
 
     def reset(self) -> None:
-        """Forget the past."""
+        """Start again."""
         self._since = np.inf
 
 
@@ -32,7 +32,7 @@ def at_height(
     landing: LandingParams,
     near: float | None = None,
 ) -> str:
-    """Return who is not at rest at a height [m]; empty where all are."""
+    """Return which vehicle is not at rest at a height [m]; empty if all are."""
     points = np.column_stack([seen.pos[:, :2], np.full(len(seen.names), height)])
     return at_points(seen, points, params, landing, near)
 
@@ -44,7 +44,7 @@ def at_points(
     landing: LandingParams,
     near: float | None = None,
 ) -> str:
-    """Return who is not at rest within `near` (params.reached) of its point (n, 3) [m]; empty: all are."""
+    """Return which vehicle is not at rest within `near` (params.reached) of its point (n, 3) [m]."""
     stale = state_refusal(seen, landing)
     if stale:
         return stale
@@ -60,7 +60,7 @@ def at_points(
 
 
 def places(seen: Observation) -> str:
-    """Return the height of every vehicle in words."""
+    """Return the height of every vehicle as text."""
     return ", ".join(
         f"{name} at {height:.2f} m" for name, height in zip(seen.names, seen.pos[:, 2].tolist(), strict=True)
     )

@@ -1,11 +1,11 @@
-"""Name the steps of a flight, the calls that move it on, and the acts that a step asks for."""
+"""Steps of a flight, the calls that start transitions, and the acts that a step requires."""
 
 from dataclasses import dataclass
 from enum import Enum
 
 
 class Step(Enum):
-    """Where a flight stands."""
+    """State of a flight."""
 
     OFFLINE = "offline"
     """On the ground; a vehicle is not connected."""
@@ -22,7 +22,7 @@ class Step(Enum):
     LANDING = "landing"
     DISARMING = "disarming"
     STOPPED = "stopped"
-    """The motors were stopped for good."""
+    """The motors were stopped and are locked."""
 
 
 ON_GROUND = frozenset({Step.OFFLINE, Step.CONNECTED, Step.CHECKED})
@@ -30,10 +30,10 @@ FLYING = frozenset({Step.TAKE_OFF, Step.HOVER, Step.GLIDE, Step.FLIGHT, Step.HOL
 
 
 class Call(Enum):
-    """What a pilot may ask for."""
+    """Request of a pilot."""
 
     START = "start"
-    """Fly the present setpoints from where the vehicles are, as those that a hand or a simulator holds."""
+    """Fly the present setpoints from where vehicles are, as when held by hand or in simulation."""
     TAKE_OFF = "take_off"
     FLY = "fly"
     HOLD = "hold"
@@ -42,7 +42,7 @@ class Call(Enum):
 
 
 class Act(Enum):
-    """What the procedure has others do."""
+    """Action that the procedure orders."""
 
     WAIT = "let the reference rest at the vehicles"
     ARM = "arm"
@@ -59,13 +59,13 @@ class Act(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """Act of all vehicles."""
+    """Act ordered of all vehicles."""
 
     act: Act
     height: float = 0.0
-    """Where a take-off ends [m], world."""
+    """Final height of a take-off [m], world."""
     duration: float = 0.0
-    """Of a take-off or landing [s]."""
+    """Duration of a take-off or landing [s]."""
 
     def __str__(self) -> str:
         """Return the order in words."""

@@ -1,7 +1,7 @@
-"""Say what a radio needs of the link to one vehicle, and send through cflib's own objects.
+"""Interface of the link to one vehicle, and sending through cflib's own objects.
 
-`CflibSender` holds the parts of cflib's Crazyflie that encode and send; it is given a live one by
-q2q_control.radio.cflib_link, or, in tests, one whose packets go to a simulated vehicle.
+`CflibSender` holds the parts of cflib's Crazyflie that encode and send: those of a real link
+(q2q_control.radio.cflib_link) or, in tests, of one whose packets go to a simulated vehicle.
 """
 
 import math
@@ -15,30 +15,30 @@ from q2q_model.vehicle.hover_thrust import OwnHover
 
 @dataclass(frozen=True, slots=True)
 class LinkHealth:
-    """Hold what is known of a link and of the vehicle behind it."""
+    """Health of a link and of its vehicle."""
 
     connected: bool
     volt: float = math.nan
     """Battery [V]; NaN while unknown."""
     quality: float = math.nan
-    """Share of packets that are acknowledged; NaN where the link does not say."""
+    """Share of packets that are acknowledged; NaN while unknown."""
     armed: bool = False
     """Armed, and ready to fly."""
     locked: bool = False
-    """The vehicle has stopped for good and must be restarted."""
+    """The vehicle is locked after an emergency stop and must be restarted."""
     onboard: tuple[float, float, float] | None = None
-    """Position that the vehicle estimates [m], world; None while it has not said."""
+    """Onboard position estimate [m], world; None before the first one."""
     own_hover: OwnHover | None = None
-    """What the vehicle itself takes for hover; None while it has not said."""
+    """Hover thrust by the vehicle's own parameters; None while unknown."""
     wrong: str = ""
-    """What is wrong with the vehicle's parameters; empty where nothing is."""
+    """First error of the vehicle's parameters; empty if there is none."""
 
 
 class VehicleLink(Protocol):
-    """Reach one vehicle."""
+    """Link to one vehicle."""
 
     def health(self) -> LinkHealth:
-        """Return how the link and the vehicle are."""
+        """Return the health of link and vehicle."""
 
     def send_rpyt(self, stick: RpytSetpoint) -> None:
         """Send roll, pitch, yaw rate, thrust."""
@@ -50,26 +50,26 @@ class VehicleLink(Protocol):
         """Send an external pose: position [m], world, and orientation x y z w."""
 
     def arm(self) -> None:
-        """Ask the vehicle to arm."""
+        """Request arming."""
 
     def disarm(self) -> None:
-        """Ask the vehicle to disarm."""
+        """Request disarming."""
 
     def take_off(self, height: float, duration: float) -> None:
-        """Let the vehicle climb to a height [m] by itself within `duration` [s]."""
+        """Command the onboard take-off to a height [m] within `duration` [s]."""
 
     def land(self, duration: float) -> None:
-        """Stop sending setpoints and let the vehicle land by itself within `duration` [s]."""
+        """Stop sending setpoints and command the onboard landing within `duration` [s]."""
 
     def stop(self) -> None:
-        """Stop the motors for good."""
+        """Stop the motors and lock them."""
 
 
 class CflibCommander(Protocol):
-    """Match cflib.crazyflie.commander.Commander."""
+    """cflib.crazyflie.commander.Commander."""
 
     def send_setpoint(self, roll: float, pitch: float, yawrate: float, thrust: int) -> None:
-        """Send a stick."""
+        """Send an RPYT setpoint."""
 
     def send_full_state_setpoint(  # noqa: PLR0913, PLR0917  cflib's signature
         self,
@@ -84,11 +84,11 @@ class CflibCommander(Protocol):
         """Send a full state."""
 
     def send_notify_setpoint_stop(self) -> None:
-        """Give way to the high-level commander."""
+        """Hand over to the high-level commander."""
 
 
 class CflibHighLevelCommander(Protocol):
-    """Match cflib.crazyflie.high_level_commander.CflibHighLevelCommander."""
+    """cflib.crazyflie.high_level_commander.HighLevelCommander."""
 
     def takeoff(self, absolute_height_m: float, duration_s: float) -> None:
         """Take off."""
@@ -98,14 +98,14 @@ class CflibHighLevelCommander(Protocol):
 
 
 class Localization(Protocol):
-    """Match cflib.crazyflie.localization.Localization."""
+    """cflib.crazyflie.localization.Localization."""
 
     def send_extpose(self, pos: Sequence[float], quat: Sequence[float]) -> None:
         """Send a pose."""
 
 
 class CflibSupervisor(Protocol):
-    """Match cflib.crazyflie.supervisor.Supervisor."""
+    """cflib.crazyflie.supervisor.Supervisor."""
 
     def send_arming_request(self, *, do_arm: bool) -> None:
         """Arm or disarm."""
@@ -116,7 +116,7 @@ class CflibSupervisor(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class CflibSender:
-    """Hold the sending parts of cflib's Crazyflie."""
+    """Sending parts of cflib's Crazyflie."""
 
     commander: CflibCommander
     high_level: CflibHighLevelCommander
@@ -137,23 +137,23 @@ class CflibSender:
         self.place.send_extpose(pos, quat)
 
     def arm(self) -> None:
-        """Ask the vehicle to arm."""
+        """Request arming."""
         self.supervisor.send_arming_request(do_arm=True)
 
     def disarm(self) -> None:
-        """Ask the vehicle to disarm."""
+        """Request disarming."""
         self.supervisor.send_arming_request(do_arm=False)
 
     def take_off(self, height: float, duration: float) -> None:
-        """Let the vehicle climb to a height [m] by itself."""
+        """Command the onboard take-off to a height [m]."""
         self.commander.send_notify_setpoint_stop()
         self.high_level.takeoff(height, duration)
 
     def land(self, duration: float) -> None:
-        """Let the vehicle land by itself."""
+        """Command the onboard landing."""
         self.commander.send_notify_setpoint_stop()
         self.high_level.land(0.0, duration)
 
     def stop(self) -> None:
-        """Stop the motors for good."""
+        """Stop the motors and lock them."""
         self.supervisor.send_emergency_stop()

@@ -1,4 +1,4 @@
-"""Parameters of the node `radio`: its vehicles, what is sent, what they are given once connected."""
+"""Parameters of the node `radio`: its vehicles, what is sent, and the firmware parameters to set."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Say when a radio levels and lands: the parameters of q2q_control.radio.radio_pilot."""
+"""Time and voltage limits of q2q_control.radio.radio_pilot."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from q2q_model.tunable import check_bounds, tunable
 
 @dataclass(frozen=True, slots=True)
 class RadioPilotParams:
-    """When arming has failed, and when a vehicle lands by itself."""
+    """Limits after which arming has failed, and after which a vehicle levels, lands or stops."""
 
     arm_s: float = tunable(2.0, "longest time for arming", unit="s", low=0.1, high=30.0)
     volt_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)

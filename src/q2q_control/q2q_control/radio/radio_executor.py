@@ -1,4 +1,4 @@
-"""Let a radio pilot carry out the flight procedure's orders, and report its vehicles."""
+"""Executor of the flight procedure's orders over the radio."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,23 +15,23 @@ from q2q_model.vehicle.hover_thrust import hover_ratio
 
 @dataclass(frozen=True, slots=True)
 class RadioExecutor:
-    """Pilot and links as the procedure's crew."""
+    """Pilot and links, as the procedure's executor."""
 
     pilot: RadioPilot
     links: Mapping[str, VehicleLink]
     vehicle: Vehicle
-    """What newtons are turned into PWM for."""
+    """Constants that convert newtons to PWM."""
 
     def begin(self, order: Order, t: float) -> None:
-        """Begin to carry out an order at time t [s]."""
+        """Start executing an order at time t [s]."""
         self.pilot.begin(order, t)
 
     def outcome(self, t: float) -> Reply | None:
-        """Return what became of the last order by time t [s], once; None while that is not known."""
+        """Return the outcome of the last order by time t [s], once; None while it is unknown."""
         return self.pilot.outcome(t)
 
     def reports(self) -> tuple[VehicleReport, ...]:
-        """Return what every vehicle says of itself."""
+        """Return the report of every vehicle."""
         return tuple(self._report(name, link) for name, link in self.links.items())
 
     def _report(self, name: str, link: VehicleLink) -> VehicleReport:

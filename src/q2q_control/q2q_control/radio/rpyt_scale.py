@@ -1,4 +1,4 @@
-"""Say a command in the units of the Crazyflie's RPYT setpoint, as `cmd_vel_legacy` carries it.
+"""Commands in the units of the Crazyflie's RPYT setpoint, as in `cmd_vel_legacy`.
 
 | field | meaning [unit] |
 |---|---|
@@ -21,13 +21,13 @@ from q2q_model.vehicle.thrust_map import PWM_FULL, PWM_STICK_MAX
 
 @dataclass(frozen=True, slots=True)
 class LegacyScale:
-    """Scale of newtons and PWM."""
+    """Scale between newtons and PWM."""
 
     full_pwm_thrust: float
     """Collective thrust with every motor at PWM_FULL [N]."""
 
     def pwm_of(self, thrust: Array) -> Array:
-        """Return the PWM that gives a collective thrust [N]; not rounded, not bounded."""
+        """Return the PWM of a collective thrust [N], neither rounded nor clipped."""
         return np.asarray(thrust / self.full_pwm_thrust * PWM_FULL)
 
     def thrust_of(self, pwm: Array) -> Array:

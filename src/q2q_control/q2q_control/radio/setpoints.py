@@ -1,15 +1,15 @@
-"""Say commands and setpoints in the words of cflib, signs and units as the Crazyflie takes them.
+"""Commands and setpoints as arguments of cflib, in the Crazyflie's signs and units.
 
-| ours | cflib | firmware |
+| q2q | cflib | firmware |
 |---|---|---|
 | phi [rad], right side down | roll [deg], the same | roll |
 | theta [rad], nose down | pitch [deg], the same: cflib sends its negative | legacy pitch, nose up |
 | r [rad/s], to the left | yawrate [deg/s], negative: sent as it is | RPYT yaw rate, to the right |
 | U1 [N] | thrust [PWM], by the table of vehicle and firmware | the same on every motor |
 | acc = acc_ref - eta [m/s^2] | acc of a full state | feed-forward of the Mellinger controller |
-| body rates [rad/s] | "degrees/s" of send_full_state_setpoint, in truth rad/s | mrad/s |
+| body rates [rad/s] | "degrees/s" of send_full_state_setpoint, actually rad/s | mrad/s |
 
-A full state carries 16-bit millimetres and mm/s^2: what lies beyond 32.767 is cut there.
+A full state carries 16-bit millimetres and mm/s^2: values are clipped at 32.767.
 """
 
 import math
@@ -35,7 +35,7 @@ LARGEST = 32.767
 
 @dataclass(frozen=True, slots=True)
 class RpytSetpoint:
-    """Hold the arguments of cflib's Commander.send_setpoint."""
+    """Arguments of cflib's Commander.send_setpoint."""
 
     roll_deg: float
     pitch_deg: float
@@ -45,12 +45,12 @@ class RpytSetpoint:
 
 
 ZERO_STICK = RpytSetpoint(0.0, 0.0, 0.0, 0)
-"""Unlocks the thrust."""
+"""Zero setpoint, which unlocks the thrust."""
 
 
 @dataclass(frozen=True, slots=True)
 class FullState:
-    """Hold the arguments of cflib's Commander.send_full_state_setpoint."""
+    """Arguments of cflib's Commander.send_full_state_setpoint."""
 
     pos: tuple[float, ...]
     """[m], world."""
@@ -65,27 +65,27 @@ class FullState:
 
 
 def rpyt_setpoints(command: SwarmCommand, scale: LegacyScale) -> list[RpytSetpoint]:
-    """Return every vehicle's stick, in the order of the command."""
+    """Return the RPYT setpoint of every vehicle, in the order of the command."""
     rows = legacy_setpoints(command, scale).tolist()  # pitch, roll, yaw rate [deg, deg/s], PWM
     return [RpytSetpoint(roll, pitch, -yaw_rate, int(pwm)) for pitch, roll, yaw_rate, pwm in rows]
 
 
 def names_cut(command: SwarmCommand) -> Names:
-    """Return the vehicles whose motors must be off for good."""
+    """Return the vehicles with status CUT."""
     return tuple(
         name for name, one in zip(command.names, command.status, strict=True) if one == CommandStatus.CUT
     )
 
 
 def level_rpyt(thrust: float, scale: LegacyScale) -> RpytSetpoint:
-    """Return the level stick of a thrust [N]."""
+    """Return the level setpoint of a thrust [N]."""
     one, zero = np.array([thrust]), np.zeros(1)
     (level,) = rpyt_setpoints(SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8)), scale)
     return level
 
 
 def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState]:
-    """Return every vehicle's full state; its acceleration is the setpoint's less eta."""
+    """Return the full state of every vehicle, with the setpoint's acceleration minus eta."""
     acc = setpoint.acc - _downwash(setpoint.names, interference)
     level = np.zeros(len(setpoint.names))
     quat = quat_from_euler(level, level, setpoint.yaw)
@@ -102,7 +102,7 @@ def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> l
 
 
 def _downwash(names: Names, interference: Interference | None) -> Array:
-    """Return eta of each vehicle [m/s^2], (n, 3); 0 where none is predicted."""
+    """Return eta of each vehicle [m/s^2], (n, 3); 0 without a prediction."""
     if interference is None:
         return np.zeros((len(names), 3))
     known = np.vstack([interference.acc, np.zeros((1, 3))])  # row -1 is a vehicle without prediction

@@ -1,4 +1,4 @@
-"""Send setpoints as Crazyswarm2's servers take them: `<name>/cmd_full_state` or `<name>/cmd_vel_legacy`."""
+"""Publishers of Crazyswarm2's setpoints: `<name>/cmd_full_state` or `<name>/cmd_vel_legacy`."""
 
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from rclpy.node import Node
@@ -12,19 +12,19 @@ from q2q_model.ros.topics.messages import header_at
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint
 
 QUEUE = 1
-"""A setpoint that was not sent in time is replaced by the next."""
+"""Depth of a queue: a setpoint not sent in time is replaced by the next."""
 
 
 class CrazyswarmCommands:
-    """Hold the publishers of every vehicle."""
+    """Setpoint publishers of all vehicles."""
 
     def __init__(
         self, node: Node, names: Names, legacy: tuple[LegacyScale, str], *, full_state: bool
     ) -> None:
-        """Publish full states, or sticks in a scale for a backend.
+        """Create publishers of full states, or of RPYT setpoints in a scale for a backend.
 
         Raises:
-            ImportError: full states are wanted and their package is missing.
+            ImportError: `full_state`, and the package of its message is missing.
         """
         self._legacy = legacy
         self._full_state = find(CRAZYFLIE_PACKAGE, ("FullState",))[0] if full_state else Twist
@@ -41,7 +41,7 @@ class CrazyswarmCommands:
                 self._writers[name].publish(self._message(header, wanted))
 
     def send_command(self, command: SwarmCommand) -> None:
-        """Publish every known vehicle's stick."""
+        """Publish every known vehicle's RPYT setpoint."""
         rows = legacy_twists(command, *self._legacy).tolist()
         for name, (x, y, yaw_rate, pwm) in zip(command.names, rows, strict=True):
             if name in self._writers:

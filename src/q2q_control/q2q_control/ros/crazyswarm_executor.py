@@ -1,12 +1,12 @@
-"""Let Crazyswarm2's server carry out the flight procedure's orders, one service after another.
+"""Executor of the flight procedure's orders by the services of Crazyswarm2's server.
 
 | act | service of the server |
 |---|---|
 | arm, disarm | `all/arm` |
 | take off, land | `all/takeoff`, `all/land` |
-| stop streaming | `all/notify_setpoints_stop`: setpoints outrank the high-level commander until then |
+| stop streaming | `all/notify_setpoints_stop`: until then setpoints override the high-level commander |
 | stop the motors | `all/emergency` |
-| stream setpoints | none: what is streamed decides |
+| stream setpoints | none: the stream itself takes over |
 """
 
 import math
@@ -27,14 +27,14 @@ from q2q_model.node.reply import Reply
 from q2q_model.signals.stamps import stamp_from_time, stamp_parts
 
 ARM_S = 1.0
-"""Time that arming takes where no vehicle tells [s]."""
+"""Assumed duration of arming if vehicles do not report it [s]."""
 
 
 class CrazyswarmExecutor:
     """Clients of the server's services, and its vehicles."""
 
     def __init__(self, node: Node, vehicles: tuple[ServerVehicle, ...]) -> None:
-        """Make the clients, and listen to the vehicles.
+        """Create the clients, and subscribe to the vehicles' topics.
 
         Raises:
             ImportError: crazyflie_interfaces is missing.
@@ -71,13 +71,13 @@ class CrazyswarmExecutor:
         if client.service_is_ready():
             self._future = client.call_async(request)
         else:
-            words = f"{client.srv_name} does not answer: start Crazyswarm2's server"
+            words = f"{client.srv_name} is not available: start Crazyswarm2's server"
             self._reply = Reply(granted=False, reason=words)
 
     def outcome(self, t: float) -> Reply | None:
-        """Return the server's answer to the last order, once; None while there is none.
+        """Return the outcome of the last order, once; None while it is unknown.
 
-        The server answers at once that it has asked vehicles to arm: that they have is seen in their status.
+        The server answers an arming request at once; that vehicles have armed is seen in their status.
         """
         future = self._future
         arming = self._act is Act.ARM and not self._armed(t)
@@ -89,13 +89,13 @@ class CrazyswarmExecutor:
         return reply
 
     def reports(self) -> tuple[VehicleReport, ...]:
-        """Return what every vehicle says of itself; connected is what the server serves."""
+        """Return the report of every vehicle; they count as connected while the server runs."""
         return self._vehicles.reports(connected=self._arm.service_is_ready())
 
     def _armed(self, t: float) -> bool:
-        """Return whether vehicles have armed since they were asked to, as far as they tell."""
-        told = self._vehicles.all_armed_since(self._asked)
-        return t - self._asked > ARM_S if told is None else told
+        """Return whether vehicles have armed since the order, by their status or after ARM_S."""
+        armed = self._vehicles.all_armed_since(self._asked)
+        return t - self._asked > ARM_S if armed is None else armed
 
 
 def _timed(kind: type, order: Order) -> object:

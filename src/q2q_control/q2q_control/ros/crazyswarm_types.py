@@ -1,4 +1,4 @@
-"""Find Crazyswarm2's interface packages, which need not be there, and speak both versions of their poses."""
+"""Message types of Crazyswarm2's optional interface packages, in both versions of its poses."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ MOCAP_PACKAGE, CRAZYFLIE_PACKAGE = "motion_capture_tracking_interfaces", "crazyf
 
 
 class PoseMessage(Protocol):
-    """Match NamedPose: with a name, or, before December 2021, with a header whose frame is the name."""
+    """NamedPose: with a name or, before December 2021, with a header whose frame_id is the name."""
 
     name: str
     header: Header
@@ -22,7 +22,7 @@ class PoseMessage(Protocol):
 
 
 class PosesMessage(Protocol):
-    """Match NamedPoseArray."""
+    """NamedPoseArray."""
 
     header: Header
     poses: Sequence[PoseMessage]
@@ -30,14 +30,14 @@ class PosesMessage(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PoseTypes:
-    """Hold the messages of motion capture."""
+    """Message types of motion capture."""
 
     array: type
     one: type
 
     @property
     def named(self) -> bool:
-        """Return whether a pose has its own name."""
+        """Return whether a pose has the field `name`."""
         return "name" in self.one.get_fields_and_field_types()  # type: ignore[attr-defined]
 
     def read(self, message: PoseMessage) -> NamedPose:
@@ -67,17 +67,17 @@ def find(package: str, names: Sequence[str], folder: str = "msg") -> list[type]:
         module = import_module(f"{package}.{folder}")
     except ImportError as missing:
         hint = f"sudo apt install ros-jazzy-{package.replace('_', '-')}"
-        raise ImportError(f"{package} is not installed ({hint}); what needs it is off") from missing
+        raise ImportError(f"{package} is not installed ({hint}); what needs it is disabled") from missing
     absent = [name for name in names if name not in vars(module)]
     if absent:
-        raise ImportError(f"{package} has no {', '.join(absent)}: update it; what needs it is off")
+        raise ImportError(f"{package} has no {', '.join(absent)}: update it; what needs it is disabled")
     return [getattr(module, name) for name in names]
 
 
 def find_pose_types(version: int = 1) -> PoseTypes:
-    """Return the messages of motion capture; raise ImportError where they are missing.
+    """Return the message types of motion capture; raise ImportError if they are missing.
 
-    `version` is `poses_version` of motion_capture.yaml: 2 is NamedPoseArrayV2, which tells latencies, too.
+    `version` is `poses_version` of motion_capture.yaml: 2 is NamedPoseArrayV2, which has latencies, too.
     """
     array, one = find(MOCAP_PACKAGE, ("NamedPoseArrayV2" if version == 2 else "NamedPoseArray", "NamedPose"))
     return PoseTypes(array, one)

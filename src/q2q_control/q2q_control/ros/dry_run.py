@@ -1,4 +1,4 @@
-"""Understand `--dry-run` on the command line of a node: it is the parameter dry_run."""
+"""Option `--dry-run` of a node's command line, as its parameter dry_run."""
 
 from collections.abc import Sequence
 
@@ -6,6 +6,6 @@ FLAG = "--dry-run"
 
 
 def dry_run_as_parameter(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments with `--dry-run` told as ROS tells parameters."""
+    """Return the arguments with `--dry-run` as a ROS parameter."""
     rest = [one for one in arguments if one != FLAG]
     return [*rest, "--ros-args", "-p", "dry_run:=true"] if len(rest) < len(arguments) else rest

@@ -1,8 +1,8 @@
-"""Let a controller's node fly by its guard: an emergency service, and live a watch on the wall clock.
+"""Guard of a controller node: an emergency service and, live, a watch on the wall clock.
 
-Live, a timer looks every PERIOD_S whether a tick stays away. When DDS tells that the writer of an input is
-dead, stopped or late (q2q_model.ros.topics.deadlines), that is one more look, at once: the look that the
-timer would make next. An event that was overtaken by a tick changes nothing, as the tick's age then says.
+Live, a timer checks every PERIOD_S for a missing tick. When DDS reports that the writer of an input is gone
+or late (q2q_model.ros.topics.deadlines), the timer's next check is made at once. An event overtaken by a tick
+has no effect, since the tick is then fresh.
 """
 
 from time import monotonic
@@ -22,13 +22,13 @@ from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 EMERGENCY = "all/emergency"
-"""The service's name: Crazyswarm2's."""
+"""Name of the emergency service, as in Crazyswarm2."""
 PERIOD_S = 0.01
-"""How often to look [s]: the tick of the house."""
+"""Period of the checks [s]: one tick."""
 
 
 class GuardedCommands:
-    """Guard of a controller node, with the newest state and the watch in live flight."""
+    """Guard of a controller node, with the newest state and the live watch."""
 
     def __init__(
         self, controller: Controller, params: FallbackParams, hover_thrust: float, *, live: bool
@@ -42,14 +42,14 @@ class GuardedCommands:
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
     ) -> SwarmCommand:
-        """Return the tick's command."""
+        """Return the command of the tick."""
         command = self._guard.update(state, setpoint, interference)
         if self._watch is not None:
             self._watch.answered(setpoint, monotonic())
         return command
 
     def wire(self, node: Node, wiring: TickWiring[SwarmCommand]) -> None:
-        """Offer the emergency service, count fallbacks, and live look at the wall clock."""
+        """Offer the emergency service, count fallbacks and, live, start the watch."""
         self._wiring = wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
@@ -82,7 +82,7 @@ class GuardedCommands:
         self._look(PERIOD_S)
 
     def _look(self, ahead: float = 0.0) -> None:
-        """Send what is due now, or within `ahead` [s] where nothing is going to come."""
+        """Send the command due now, or within `ahead` [s] if a writer is gone."""
         if self._watch is not None:
             self._send(self._watch.due(self._heard, monotonic(), ahead))
 

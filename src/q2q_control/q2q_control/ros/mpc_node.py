@@ -1,4 +1,4 @@
-"""Run the MPC as a node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out."""
+"""MPC node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,16 +35,16 @@ from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 
 @dataclass(frozen=True, slots=True)
 class MpcNodeParams:
-    """Hold the parameters of the node that are not the controller's."""
+    """Parameters of the node, without the controller's."""
 
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants to use", read_only=True)
     firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
-    vehicles: tuple[str, ...] = tunable(
-        (), "vehicles to command; empty is all of the setpoint", read_only=True
-    )
-    aware: bool = tunable(default=True, description="hold the downwash in the model", read_only=True)
+    vehicles: tuple[str, ...] = tunable((), "vehicles to command; empty: all of the setpoint", read_only=True)
+    aware: bool = tunable(default=True, description="include the downwash in the model", read_only=True)
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
-    live: bool = tunable(default=False, description="fall back by the wall clock", read_only=True)
+    live: bool = tunable(
+        default=False, description="watch the wall clock and fall back if a tick is missing", read_only=True
+    )
     budget_s: float = tunable(
         0.006,
         "live: longest time to solve in a tick before falling back to the last plan, shifted",
@@ -55,7 +55,7 @@ class MpcNodeParams:
     )
     legacy_hz: float = tunable(
         10.0,
-        "largest rate of <name>/cmd_vel_legacy; 0 is none",
+        "largest rate of <name>/cmd_vel_legacy; 0: not published",
         unit="Hz",
         low=0.0,
         high=1000.0,
@@ -107,7 +107,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
 
 def _within(budget: TimeBudget, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
-    """Return `answer` on a budget that begins with each tick; a rehearsal without it loads all code."""
+    """Return `answer` with a budget that starts at each tick; the rehearsal, without it, loads all code."""
 
     def update(*signals: Signal) -> SwarmCommand:
         budget.begin()

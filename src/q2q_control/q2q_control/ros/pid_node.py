@@ -1,4 +1,4 @@
-"""Run the PID as a node: `state`, `reference_safe` and (if aware) `interference` in, `command` out."""
+"""PID node: `state`, `reference_safe` and (if aware) `interference` in, `command` out."""
 
 from dataclasses import dataclass
 
@@ -21,18 +21,18 @@ from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 
 @dataclass(frozen=True, slots=True)
 class PidNodeParams:
-    """Hold the parameters of the node that are not the controller's."""
+    """Parameters of the node, without the controller's."""
 
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants to use", read_only=True)
     firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
-    vehicles: tuple[str, ...] = tunable(
-        (), "vehicles to command; empty is all of the setpoint", read_only=True
-    )
+    vehicles: tuple[str, ...] = tunable((), "vehicles to command; empty: all of the setpoint", read_only=True)
     aware: bool = tunable(True, "compensate the predicted downwash", read_only=True)  # noqa: FBT003
-    live: bool = tunable(False, "watch the wall clock and fall back when ticks stay away", read_only=True)  # noqa: FBT003
+    live: bool = tunable(
+        default=False, description="watch the wall clock and fall back if a tick is missing", read_only=True
+    )
     legacy_hz: float = tunable(
         10.0,
-        "largest rate of <name>/cmd_vel_legacy; 0 is none",
+        "largest rate of <name>/cmd_vel_legacy; 0: not published",
         unit="Hz",
         low=0.0,
         high=1000.0,

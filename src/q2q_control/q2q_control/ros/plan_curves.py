@@ -1,4 +1,4 @@
-"""Take the curves out of a Plan message."""
+"""Curves of a Plan message."""
 
 import numpy as np
 from q2q_msgs.msg import Plan
@@ -11,7 +11,7 @@ AXES = 4
 
 
 def curves_of(message: Plan) -> list[Curve]:
-    """Return the curve of each vehicle; raise BadMessageError where the arrays do not fit each other."""
+    """Return the curve of each vehicle; raise BadMessageError if the array lengths disagree."""
     total = sum(message.pieces)
     wanted = total * AXES * message.order
     if len(message.pieces) != len(message.names) or len(message.durations) != total:

@@ -1,4 +1,4 @@
-"""Ask a Trigger service, and wait for its answer as long as it takes."""
+"""Blocking call of a Trigger service."""
 
 from time import monotonic
 
@@ -13,11 +13,11 @@ from q2q_model.ros.node.run import make_executor
 SERVED_S = 10.0
 """Longest wait for the service [s]."""
 WAKE_S = 0.1
-"""How often the end of a wait is looked for [s]."""
+"""Period of checking for the end of a wait [s]."""
 
 
 def ask(service: str) -> Reply:
-    """Return the answer of a service, or that nobody serves it."""
+    """Return the answer of a service, or a refusal if it does not exist."""
     rclpy.init(args=[])
     try:
         return _asked(Node("procedure_call"), service)
@@ -32,7 +32,7 @@ def _asked(node: Node, service: str) -> Reply:
     deadline = monotonic() + SERVED_S
     while not client.service_is_ready():
         if monotonic() > deadline:
-            return Reply(granted=False, reason="nobody serves it: start the node, on this ROS_DOMAIN_ID")
+            return Reply(granted=False, reason="no such service: start the node, on this ROS_DOMAIN_ID")
         never: Future[None] = Future()
         executor.spin_until_future_complete(never, WAKE_S)
     answer = client.call_async(Trigger.Request())

@@ -1,8 +1,8 @@
-"""Offer the flight procedure as services of a node: `~/take_off`, `~/fly`, `~/hold`, `~/land`, `~/emergency`.
+"""Services of the flight procedure: `~/start`, `~/take_off`, `~/fly`, `~/hold`, `~/land`, `~/emergency`.
 
-Each answers when what it asks for has happened, or why it has not. `~/status` (latched) tells the step, what
-refuses a take-off, and what cannot be checked; every step is one line of log. Orders go to a crew, those of
-the plan to the node `trajectory`.
+Each answers when the request is done, or with the reason why it is not. `~/status` (latched) has the step,
+what refuses a take-off, and what cannot be checked; every step is logged in one line. Orders go to an
+executor, those of the plan to the node `trajectory`.
 """
 
 from collections.abc import Callable
@@ -28,11 +28,11 @@ from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import Names, SwarmSetpoint, SwarmState
 
 PERIOD_S = 0.02
-"""How often the procedure moves on [s]."""
+"""Period of the procedure's updates [s]."""
 
 
 class ProcedureServices:
-    """The procedure of one node, and those who call it."""
+    """Flight procedure of one node with its services."""
 
     def __init__(
         self,
@@ -49,25 +49,25 @@ class ProcedureServices:
         self._status = node.create_publisher(DiagnosticStatus, "~/status", LATCHED)
         self._told: tuple[Step, str, str] | None = None
         self._single: LateReplyService | None = None
-        """The service of a single act that is under way."""
+        """Service of a single act that is under way."""
         self._services = {
             call: LateReplyService(node, f"~/{call.value}", partial(self._call, call)) for call in Call
         }
         node.create_subscription(Plan, "next_plan", self._take_plan, LATCHED)
         steady_timer(node, PERIOD_S, self.move_on)
         self.guard: Callable[[Call], str] = lambda _: ""
-        """Returns why the node itself refuses a call; empty where it does not."""
+        """Returns why the node itself refuses a call; empty if it does not."""
 
     def see(self, state: SwarmState) -> None:
-        """Take a state."""
+        """Store a state."""
         self._view.see(state, monotonic())
 
     def follows(self, setpoint: SwarmSetpoint) -> bool:
-        """Take a setpoint; return whether it is to be flown."""
+        """Store a setpoint; return whether to fly it."""
         return self._procedure.follows(self._view.hear(setpoint, monotonic()))
 
     def offer(self, name: str, act: Act) -> None:
-        """Offer one act of the crew as a service, while vehicles stand on the ground."""
+        """Offer one act of the executor as a service, while vehicles stand on the ground."""
 
         def ask() -> Reply | None:
             step = self._procedure.step
@@ -80,11 +80,11 @@ class ProcedureServices:
         service = LateReplyService(self._node, f"~/{name}", ask)
 
     def emergency(self) -> None:
-        """Stop all motors for good."""
+        """Stop all motors and lock them."""
         self._call(Call.EMERGENCY)
 
     def move_on(self) -> None:
-        """Let the procedure move on, and tell what happened."""
+        """Update the procedure and publish its status."""
         now = monotonic()
         outcome = self._executor.outcome(now) or self._trajectory.outcome()
         if self._single is not None and outcome is not None:

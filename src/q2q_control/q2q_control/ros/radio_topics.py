@@ -1,6 +1,6 @@
-"""Publish what vehicles say over the radio: `<name>/onboard_pose`, `<name>/battery`, `<name>/link_quality`.
+"""Publishers of radio telemetry: `<name>/onboard_pose`, `<name>/battery`, `<name>/link_quality`.
 
-`<name>/pose` is the mocap filter's; the vehicle's own belief has another name, so that both can be compared.
+`<name>/pose` is the mocap filter's; the onboard estimate has another name, so that both can be compared.
 """
 
 import math
@@ -21,7 +21,7 @@ WORLD = "world"
 
 
 class RadioTopics:
-    """Hold the publishers of every vehicle."""
+    """Telemetry publishers of all vehicles."""
 
     def __init__(self, node: Node, names: Names, rate_hz: float) -> None:
         self._node = node
@@ -37,7 +37,7 @@ class RadioTopics:
         }
 
     def publish(self, name: str, health: LinkHealth, pose: OnboardPose | None) -> None:
-        """Publish what is known of a vehicle, at most `rate_hz` times a second, while it is connected."""
+        """Publish a vehicle's telemetry, at most `rate_hz` times a second, while it is connected."""
         if not health.connected or not self._due[name](monotonic()):
             return
         header = Header(stamp=self._node.get_clock().now().to_msg(), frame_id=WORLD)
@@ -48,7 +48,7 @@ class RadioTopics:
             self._qualities[name].publish(Float32(data=health.quality))
 
     def other_radios(self) -> str:
-        """Return the names of other nodes that publish our vehicles' batteries; empty where none do."""
+        """Return the names of other nodes that publish these vehicles' batteries; empty if there are none."""
         mine = self._node.get_name()
         found = {
             one.node_name

@@ -1,9 +1,9 @@
-"""Listen to what Crazyswarm2's server tells of its vehicles, as far as it was set up to tell.
+"""Subscriptions to what Crazyswarm2's server publishes of its vehicles, as far as it is configured to.
 
-| what | from | told where |
+| what | from | published if |
 |---|---|---|
 | battery, arming | `<name>/status` | crazyflies.yaml has `default_topics: status` |
-| own estimate | `<name>/onboard` (LogDataGeneric) | it has a custom topic `onboard`: stateEstimate.x, y, z |
+| estimate | `<name>/onboard` (LogDataGeneric) | it has a custom topic `onboard`: stateEstimate.x, y, z |
 | controller, thrust scale | parameters `<name>.params.*` | server.yaml: query_all_values_on_connect |
 
 The parameters that crazyflies.yaml sets are known without the server.
@@ -26,9 +26,9 @@ from q2q_model.ros.topics.qos import OUTSIDE
 
 SERVER = "crazyflie_server"
 ONBOARD = "onboard"
-"""Custom topic with a vehicle's own estimate; `pose` and `odom` are the mocap filter's, too."""
+"""Custom topic with a vehicle's own estimate; the mocap filter publishes `pose` and `odom`, too."""
 ASK_S = 1.0
-"""How often parameters are asked for [s]."""
+"""Period of reading parameters [s]."""
 
 
 class StatusMessage(Protocol):
@@ -45,10 +45,10 @@ class LogMessage(Protocol):
 
 
 class ServerVehicles:
-    """Vehicles of the server, and its answers on their parameters."""
+    """Vehicles of the server, and pending reads of their parameters."""
 
     def __init__(self, node: Node, vehicles: tuple[ServerVehicle, ...]) -> None:
-        """Listen to the vehicles.
+        """Subscribe to the vehicles' topics.
 
         Raises:
             ImportError: crazyflie_interfaces is missing.
@@ -63,7 +63,7 @@ class ServerVehicles:
             node.create_subscription(log, f"{one.name}/{ONBOARD}", partial(_take_estimate, one), OUTSIDE)
 
     def reports(self, *, connected: bool) -> tuple[VehicleReport, ...]:
-        """Return what every vehicle says of itself; ask the server for parameters now and then."""
+        """Return the report of every vehicle; read the server's parameters every ASK_S."""
         now = monotonic()
         for one, future in self._answers:
             if future.done() and future.exception() is None:
@@ -75,9 +75,9 @@ class ServerVehicles:
         return tuple(one.report(now, connected=connected) for one in self._vehicles)
 
     def all_armed_since(self, t: float) -> bool | None:
-        """Return whether all have told to be armed since time t [s]; None where one has never told."""
-        told = [one.armed_since(t) for one in self._vehicles]
-        return None if None in told else all(told)
+        """Return whether all report to be armed since time t [s]; None if one has never reported."""
+        armed = [one.armed_since(t) for one in self._vehicles]
+        return None if None in armed else all(armed)
 
 
 def _question(one: ServerVehicle) -> GetParameters.Request:
@@ -85,14 +85,14 @@ def _question(one: ServerVehicle) -> GetParameters.Request:
 
 
 def _known(one: ServerVehicle, values: Sequence[ParameterValue]) -> dict[str, float]:
-    """Return the parameters that an answer tells; it is empty where the server does not know one of them."""
-    told: dict[str, float] = {}
+    """Return the parameters in an answer; it is empty if the server does not know one of them."""
+    known: dict[str, float] = {}
     for name, value in zip(one.read, values, strict=False):
         if value.type == ParameterType.PARAMETER_DOUBLE:
-            told[name] = value.double_value
+            known[name] = value.double_value
         elif value.type == ParameterType.PARAMETER_INTEGER:
-            told[name] = float(value.integer_value)
-    return told
+            known[name] = float(value.integer_value)
+    return known
 
 
 def _take_status(one: ServerVehicle, status: StatusMessage) -> None:

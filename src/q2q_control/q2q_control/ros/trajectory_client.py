@@ -1,4 +1,4 @@
-"""Call the node `trajectory`: wait, glide, start, hold."""
+"""Client of the node `trajectory`: wait, glide, start, hold."""
 
 from rclpy.node import Node
 from rclpy.task import Future

@@ -1,4 +1,4 @@
-"""Make one call of the flight procedure and print its answer."""
+"""One call of the flight procedure from the command line."""
 
 import sys
 from argparse import Namespace

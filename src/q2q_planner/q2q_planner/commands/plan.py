@@ -1,4 +1,4 @@
-"""Turn waypoints into a plan file: minimum snap, and out of each other's downwash, proven for every t."""
+"""Plan minimum-snap trajectories that stay out of each other's downwash, certified for every t."""
 
 import argparse
 import sys
@@ -20,7 +20,7 @@ waypoints.yaml:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Plan as the command line says; return the exit status."""
+    """Plan from the command line; return the exit status."""
     return carry_out(parser(), _prepare, words)
 
 
@@ -41,17 +41,19 @@ def parser() -> CommandLine:
     made.add_argument("--out", type=Path, required=True, metavar="PLAN", help="plan file to write")
     made.add_argument("--json", type=Path, help="write cost and proof to this file")
     made.add_argument(
-        "--avoid", action=argparse.BooleanOptionalAction, default=True, help="keep out of the zone"
+        "--avoid", action=argparse.BooleanOptionalAction, default=True, help="stay out of the zone"
     )
-    made.add_argument("--starts", type=int, default=2, help="starts of the search (default 2)")
-    made.add_argument("--warm", type=Path, metavar="PLAN", help="search only around this plan")
-    made.add_argument("--reading", choices=("stop_and_go", "free"), default="stop_and_go", help="of eq. (17)")
+    made.add_argument("--starts", type=int, default=2, help="starting points of the search (default 2)")
+    made.add_argument("--warm", type=Path, metavar="PLAN", help="start the search from this plan")
+    made.add_argument(
+        "--reading", choices=("stop_and_go", "free"), default="stop_and_go", help="reading of eq. (17)"
+    )
     made.add_argument("--csv", type=Path, help="write setpoints at 100 Hz to this file")
     made.add_argument(
         "--upload", type=Path, help="write <name>.csv for Crazyswarm2's upload into this folder"
     )
     made.add_argument(
-        "--figures", type=Path, help="draw Figs 10 to 13 and plan and zone in 3-D, into this folder"
+        "--figures", type=Path, help="draw Figs 10 to 13 and a 3-D view of plan and zone into this folder"
     )
     _add_zone(made)
     _add_limits(made)
@@ -63,17 +65,17 @@ def _add_zone(made: CommandLine) -> None:
     zone.add_argument("--shape", choices=("cylinder", "ellipsoid"), default="cylinder")
     zone.add_argument("--eps", type=float, default=0.1, help="radius of the zone [m] (default 0.1)")
     zone.add_argument("--d", type=float, default=1.1, help="half height of the zone [m] (default 1.1)")
-    zone.add_argument("--model", help="take this interaction model's zone: a shipped name or a .q2q file")
+    zone.add_argument("--model", help="zone of this interaction model: a shipped name or a .q2q file")
     zone.add_argument(
-        "--threshold", type=float, help="with --model: where its downwash is above this [m/s^2]"
+        "--threshold", type=float, help="with --model: zone where its downwash exceeds this [m/s^2]"
     )
     zone.add_argument(
-        "--cut", type=float, help="with --model: so large that this share of the downwash is gone"
+        "--cut", type=float, help="with --model: zone that avoids this share of the height error"
     )
 
 
 def _add_limits(made: CommandLine) -> None:
-    limits = made.add_argument_group("limits; waypoints without t get times within them")
+    limits = made.add_argument_group("limits, used to time waypoints without t")
     limits.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
     limits.add_argument("--speed", type=float, default=2.0, help="[m/s] (default 2)")
     limits.add_argument("--acceleration", type=float, default=4.0, help="[m/s^2] (default 4)")

@@ -1,13 +1,13 @@
-"""Let vehicles meet at random under the safe law, with late and lost messages, and judge its promise.
+"""Random encounters under the safe replanner, with late and lost messages, that test its promise.
 
-An encounter is a plan that knows nothing of zones, and how its vehicles hear of each other: `together`, one
-replanner moves them all; or `apart`, each has its own and hears of each other vehicle by messages, one a
-tick, each of them up to `delay` late (so they may overtake each other) and lost with probability
-`loss`. The judgement knows nothing of the law but its promise (`safe_replanner`): motion between ticks is
-the cubic through positions and velocities, looked at `BETWEEN` times a tick.
+An encounter is a plan without avoidance and the communication of its vehicles: `together`, one replanner for
+all; or `apart`, one replanner each, which receives one message of every other vehicle per tick, up to `delay`
+late (so messages may overtake each other) and lost with probability `loss`. The verdict uses only the promise
+(`safe_replanner`): between ticks the motion is the cubic through positions and velocities, sampled `BETWEEN`
+times per tick.
 
-The promise's conditions are decided from the plan alone: every pair starts at rest, out of the grown zone;
-and references of vehicles apart ask for no more than `acc_max` and `speed_max`, for strangers rely on that.
+The promise's conditions follow from the plan alone: every pair starts at rest, out of the grown zone; and
+references of vehicles apart stay within `acc_max` and `speed_max`, since other replanners rely on that.
 """
 
 from collections.abc import Sequence
@@ -26,30 +26,30 @@ from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 TICKS = (0.01, 0.02, 0.05)
-"""Replanners run at 100, 50 or 20 Hz [s]; a motion is held for two ticks."""
+"""Ticks of replanners at 100, 50 or 20 Hz [s]; a motion is held for two ticks."""
 BETWEEN = 4
-"""Moments of each tick that are looked at."""
+"""Samples per tick."""
 AFTERWARDS = 1.0
-"""Flown on after the last waypoint [s]."""
+"""Flight time after the last waypoint [s]."""
 LATEST = 0.3
-"""Most that a message is late [s]."""
+"""Largest delay of a message [s]."""
 MOST_LOST = 0.1
-"""Largest share of messages that are lost."""
+"""Largest share of lost messages."""
 CLEAR = 0.02
-"""How far beyond the zone and both `tracking` vehicles start at least where the conditions hold [m]."""
+"""Least initial distance to the zone plus both `tracking` at which the conditions hold [m]."""
 NEAR = 0.05
-"""[m]"""
+"""Distance to the reference within which a vehicle has arrived [m]."""
 
 Shape = Literal["lines", "curves", "ring"]
 MOSTLY_CLEAR = 0.8
-"""Share of encounters whose starts, and ends, are drawn until they are clear of each other's zones."""
+"""Share of encounters whose starts and ends are drawn until they are out of each other's zones."""
 DRAWS = 100
 """Most draws of starts and ends."""
 APART = 0.4
-"""Two vehicles this far apart sideways are clear of each other's zones [m]."""
+"""Horizontal distance at which two vehicles are out of each other's zones [m]."""
 
 SHAPES: tuple[Shape, ...] = ("lines", "curves", "ring")
-"""Straight through a room at random; through a point of it, not stopping; all to the other side of a ring."""
+"""Random straight lines; through a random point without stopping; to the opposite side of a ring."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,9 +61,9 @@ class Encounter:
     """[s]"""
     apart: bool
     delay: Array
-    """Most that messages of j to i are late [s], (n, n); of no use together."""
+    """Largest delay of messages from j to i [s], (n, n); unused together."""
     loss: float
-    """Share of messages that are lost."""
+    """Share of lost messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,19 +76,19 @@ class EncounterVerdict:
     zone_time: float
     """Time with a pair in the zone [s]."""
     silent_time: float
-    """Of that, with a pair of which neither vehicle says that its promise is broken [s]."""
+    """Part of it with such a pair of which neither vehicle reported a broken promise [s]."""
     broken: bool
-    """Some vehicle said once that its promise is broken."""
+    """Some vehicle reported a broken promise."""
     clearance: float
     """Least signed distance of any pair to the zone [m]."""
     arrived: bool | None
-    """All ended within NEAR of their references; None where those are no place for all."""
+    """All ended within NEAR of their references; None if these are in each other's zones."""
     shift: float
-    """Furthest that a vehicle was moved sideways [m]."""
+    """Largest horizontal shift of a vehicle [m]."""
 
 
 def random_encounter(generator: np.random.Generator, fewest: int = 2, most: int = 10) -> Encounter:
-    """Return an encounter of `fewest` to `most` vehicles at up to some 2 m/s; half of them apart."""
+    """Return an encounter of `fewest` to `most` vehicles at up to about 2 m/s; half of them apart."""
     n = int(generator.integers(fewest, most + 1))
     shape = SHAPES[generator.integers(len(SHAPES))]
     end, side = generator.uniform(3.0, 5.0), generator.uniform(1.5, 2.0 + 0.2 * n)
@@ -136,7 +136,7 @@ def _waypoint(t: float, pos: Array) -> Waypoint:
 def fly_encounter(
     encounter: Encounter, params: SafeReplannerParams, generator: np.random.Generator
 ) -> list[SwarmSetpoint]:
-    """Return the modified setpoints of all vehicles at every tick; `generator` delays and loses messages."""
+    """Return the modified setpoints of all vehicles at every tick; `generator` delays and drops messages."""
     ticks = round((encounter.plan.duration + AFTERWARDS) / encounter.tick)
     references = [setpoint_at(encounter.plan, k * encounter.tick) for k in range(ticks)]
     held = replace(params, hold=2.0 * encounter.tick)
@@ -147,7 +147,7 @@ def fly_encounter(
 
 
 def _newest_heard(encounter: Encounter, ticks: int, generator: np.random.Generator) -> Array:
-    """Return the tick of the newest word of j that i has at each tick, (ticks, n, n); all hear tick 0."""
+    """Return the tick of the newest message of j received by i, (ticks, n, n); all receive tick 0."""
     n = len(encounter.plan.names)
     newest = np.zeros((ticks, n, n), dtype=np.intp)
     sent = np.arange(1, ticks)
@@ -167,7 +167,7 @@ def _fly_apart(
     replanners = [SafeReplanner(params) for _ in range(n)]
     flown: list[SwarmSetpoint] = []
     for tick, reference in enumerate(references):
-        known = flown or [reference]  # word of the same tick comes at the next one at the earliest
+        known = flown or [reference]  # a message arrives one tick later at the earliest
         rows = []
         for i, replanner in enumerate(replanners):
             heard = np.minimum(newest[tick, i], len(known) - 1)
@@ -192,7 +192,7 @@ def _alone(whole: SwarmSetpoint, row: int) -> SwarmSetpoint:
 
 
 def _heard(t: float, flown: Sequence[SwarmSetpoint], tick: Array) -> SwarmState:
-    """Return the state in which vehicle j is where it was at tick[j]."""
+    """Return the state in which vehicle j has its position of tick[j]."""
     n = len(tick)
     return SwarmState(
         t=t,
@@ -217,7 +217,7 @@ def _joined(whole: SwarmSetpoint, rows: Sequence[SwarmSetpoint]) -> SwarmSetpoin
 
 
 def conditions_hold(encounter: Encounter, params: SafeReplannerParams) -> bool:
-    """Return True where the promise must hold: said from the plan alone."""
+    """Return whether the promise must hold, from the plan alone."""
     plan = encounter.plan
     start = setpoint_at(plan, 0.0).pos
     i, j = np.triu_indices(len(plan.names), 1)
@@ -235,7 +235,7 @@ def conditions_hold(encounter: Encounter, params: SafeReplannerParams) -> bool:
 def judge(
     flown: Sequence[SwarmSetpoint], encounter: Encounter, params: SafeReplannerParams
 ) -> EncounterVerdict:
-    """Return what became of an encounter."""
+    """Return the verdict on an encounter."""
     tick = encounter.tick
     pos = _between(flown, tick)  # (ticks, BETWEEN, n, 3)
     i, j = np.triu_indices(pos.shape[2], 1)

@@ -1,18 +1,18 @@
-"""Push setpoints out of each other's interference zones by a potential field: eqs (19)-(21).
+"""Online replanner by a potential field: eqs (19)-(21).
 
 The paper, section 4.2, after Khatib (Real-time obstacle avoidance, 1986), for any number of vehicles:
 
     r~_i'' = r_i'' - k_d (r~_i' - r_i') - k_p (r~_i - r_i) + sum_j F_s(r~_i - r~_j)
     F_s(dr) = exp(-(dx^2 + dy^2) / (2 alpha eps^2)) exp(-dz^2 / (2 beta eps^2)) K_s dr
 
-The leading term is the reference's acceleration r'' (print has r~, with which a pair settles at 1.25 r);
-the widths of the Gaussian are alpha eps^2 and beta eps^2 as printed. With the paper's numbers the pair is
-*not* kept out of I(0.1, 1.1), and exactly dx = dy = 0 is an equilibrium sideways: this is the paper's law,
-kept as the reference. `safe_replanner` is the one with a promise.
+The leading term is the reference's acceleration r'' (the print has r~, with which a pair settles at 1.25 r);
+the widths of the Gaussian are alpha eps^2 and beta eps^2 as printed. The paper's parameters do *not* keep a
+pair out of I(0.1, 1.1), and dx = dy = 0 is a horizontal equilibrium: this is the paper's law, kept for
+comparison. `safe_replanner` is the one with a promise.
 
-It integrates e = r~ - r between ticks in steps of at most STEP. In a step the force is held and the linear
-part e'' = -k_d e' - k_p e + F is solved exactly (exponential Euler, first order in the step), so any
-positive gains are stable. Pairs whose Gaussian is below CUTOFF are left out.
+The error e = r~ - r is integrated between ticks in steps of at most STEP. Within a step the force is constant
+and the linear part e'' = -k_d e' - k_p e + F is solved exactly (exponential Euler, first order in the step),
+so all positive gains are stable. Pairs whose Gaussian is below CUTOFF are skipped.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -47,16 +47,16 @@ from q2q_planner.online.setpoint_error import (
 STEP = 0.01
 """Longest step of the integrator [s]: one tick at 100 Hz."""
 LONGEST_GAP = 5.0
-"""Longest stretch without stamps that is integrated [s]; a longer one starts on the reference again."""
+"""Longest gap between stamps that is integrated [s]; a longer one restarts on the reference."""
 CUTOFF = 1e-12
-"""Smallest Gaussian that still pushes: under 1e-11 m/s^2 with the paper's stiffness."""
+"""Smallest Gaussian that is computed: below 1e-11 m/s^2 with the paper's stiffness."""
 
 
 @dataclass(frozen=True, slots=True)
 class PotentialFieldParams:
     """Parameters of (19)-(21); defaults are the paper's, section 4.2."""
 
-    enabled: bool = tunable(default=True, description="push; off: every vehicle glides back to its reference")
+    enabled: bool = tunable(default=True, description="avoid; off: every vehicle returns to its reference")
     k_d: float = tunable(3.0, "damping of the error", unit="1/s", low=0.0, high=100.0)
     k_p: float = tunable(5.0, "stiffness of the error", unit="1/s^2", low=1e-3, high=1e4)
     k_s: tuple[float, ...] = tunable(
@@ -79,13 +79,13 @@ class PotentialFieldParams:
 
     @property
     def reach(self) -> Reach:
-        """Return how far a push is felt."""
+        """Return the distances beyond which the push is below CUTOFF."""
         horizontal, _, vertical = np.sqrt(-2.0 * log(CUTOFF) * self.variance)
         return Reach(float(horizontal), float(vertical))
 
 
 class PotentialField:
-    """Replanner by (20)-(21). It trusts every vehicle to follow: `state` is not used."""
+    """Replanner by (20)-(21). It assumes ideal tracking: `state` is not used."""
 
     def __init__(self, params: PotentialFieldParams | None = None) -> None:
         """Start on the reference."""
@@ -93,7 +93,7 @@ class PotentialField:
         self.reset()
 
     def configure(self, params: PotentialFieldParams) -> None:
-        """Take other parameters in flight; the modified trajectories go on without a jump."""
+        """Change the parameters in flight; the modified trajectories continue without a jump."""
         self.params = params
 
     def reset(self) -> None:
@@ -106,12 +106,12 @@ class PotentialField:
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:  # noqa: ARG002
         """Return the modified setpoints of the tick.
 
-        A repeated stamp gets the same answer; a stamp that goes back, or a gap over LONGEST_GAP, starts
-        on the reference again; other gaps are integrated through.
+        A repeated stamp returns the same setpoints; a stamp that goes back, or a gap over LONGEST_GAP,
+        restarts on the reference; other gaps are integrated.
         """
         if self._answer is not None and setpoint.t == self._answer.t:
             return self._answer
-        if self._on_reference and not self.params.enabled:  # nothing pushes, nothing glides back
+        if self._on_reference and not self.params.enabled:  # neither a push nor an error to integrate
             self._before = self._answer = setpoint
             return setpoint
         before = self._before
@@ -146,7 +146,7 @@ def swarm_push(pos: Array, params: PotentialFieldParams) -> Array:
 
 
 def _rows_as(before: SwarmSetpoint, setpoint: SwarmSetpoint) -> SwarmSetpoint:
-    """Return the last tick's setpoint with this tick's vehicles; a changed swarm takes this tick's own."""
+    """Return the last tick's setpoint; this tick's if the vehicles have changed."""
     return before if before.names == setpoint.names else setpoint
 
 
@@ -155,7 +155,7 @@ def _advance(
 ) -> SetpointError:
     """Return the error one tick later."""
     span = max(after.t - before.t, 0.0)
-    steps = max(1, ceil(span / STEP - 1e-6))  # a stamp's rounding adds no step
+    steps = max(1, ceil(span / STEP - 1e-6))  # rounding of a stamp adds no step
     motion = _step_matrix(params.k_p, params.k_d, round(span / steps, 9))  # stamps are whole nanoseconds
     for step in range(steps):
         pos = reference_between(before, after, step / steps) + error.pos
@@ -169,6 +169,6 @@ def _advance(
 
 @lru_cache(maxsize=16)
 def _step_matrix(k_p: float, k_d: float, step: float) -> Array:
-    """Return the (2, 3) map from (e, e', F) to (e, e') a step later, exact for held F."""
+    """Return the (2, 3) map from (e, e', F) to (e, e') a step later, exact for constant F."""
     generator = np.array([[0.0, 1.0, 0.0], [-k_p, -k_d, 1.0], [0.0, 0.0, 0.0]])
     return np.asarray(expm(generator * step)[:2])

@@ -1,4 +1,4 @@
-"""Say what an online replanner is: the planned setpoints in, setpoints outside the zones out."""
+"""Interface of an online replanner."""
 
 from typing import Protocol
 
@@ -6,10 +6,10 @@ from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 
 class Replanner(Protocol):
-    """Block that moves setpoints out of the interference zones, tick by tick."""
+    """Block that moves setpoints out of interference zones, tick by tick."""
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:
-        """Return the modified setpoints of the tick; `state` None trusts every vehicle to follow."""
+        """Return the modified setpoints of the tick; `state` None assumes ideal tracking."""
 
     def reset(self) -> None:
         """Forget the modified trajectories; the next update starts on the reference."""

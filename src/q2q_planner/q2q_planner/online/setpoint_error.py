@@ -1,8 +1,8 @@
-"""Hold how far each vehicle's modified trajectory is from its reference, and carry it from tick to tick.
+"""Error of the modified trajectories against their references.
 
-Replanners integrate the error e = r~ - r of the modified trajectory r~ against the reference r, because
-e = 0 then means the reference itself, to the last bit. Between two ticks the reference is the cubic that
-meets positions and velocities of both ticks, for stamps may be missing.
+The potential field integrates the error e = r~ - r of the modified trajectory r~ against the reference r, so
+that e = 0 is the reference bit for bit. Between two ticks, which may be far apart, the reference is the cubic
+through positions and velocities of both.
 """
 
 from dataclasses import dataclass, replace
@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, index_of
 
 SHIFT_TOLERANCE = 1e-3
-"""A vehicle counts as SHIFTED when moved by more than this [m]: below VICON's 2 mm dynamic error."""
+"""Shift above which a vehicle's status is SHIFTED [m]: below VICON's dynamic error of 2 mm."""
 
 SETTLE_TOLERANCE = 1e-6
-"""An error below this [m, m/s] without any push is set to zero, so that the reference returns exactly."""
+"""Error below which, without a push, it is set to zero [m, m/s], so that the reference returns exactly."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetpointError:
-    """Error e and its derivative, one row a vehicle."""
+    """Error e and its derivative, one row per vehicle."""
 
     names: Names
     pos: Array
@@ -36,7 +36,7 @@ def no_error(names: Names) -> SetpointError:
 
 
 def matched(error: SetpointError, names: Names) -> SetpointError:
-    """Return the error with the rows of `names`; a vehicle that is new starts on its reference."""
+    """Return the error with the rows of `names`; a new vehicle starts on its reference."""
     if error.names == names:
         return error
     rows = index_of(names, error.names)
@@ -47,7 +47,7 @@ def matched(error: SetpointError, names: Names) -> SetpointError:
 
 
 def settled(error: SetpointError, pushed: NDArray[np.bool_]) -> SetpointError:
-    """Return the error with the rows that are small and not pushed (n,) set to zero."""
+    """Return the error, set to zero where it is small and not pushed (n,)."""
     largest = np.maximum(np.abs(error.pos), np.abs(error.vel)).max(axis=1)
     rest = ((largest < SETTLE_TOLERANCE) & ~pushed)[:, None]
     if not rest.any():
@@ -56,9 +56,9 @@ def settled(error: SetpointError, pushed: NDArray[np.bool_]) -> SetpointError:
 
 
 def shifted(setpoint: SwarmSetpoint, error: SetpointError, acc: Array) -> SwarmSetpoint:
-    """Return the reference moved by the error and its acceleration `acc` [m/s^2], (n, 3).
+    """Return the reference shifted by the error and its acceleration `acc` [m/s^2], (n, 3).
 
-    Where both are exactly zero for all vehicles it is the reference object itself.
+    If both are exactly zero for all vehicles it is the reference object itself.
     """
     if not (error.pos.any() or error.vel.any() or acc.any()):
         return setpoint
@@ -74,7 +74,7 @@ def shifted(setpoint: SwarmSetpoint, error: SetpointError, acc: Array) -> SwarmS
 
 
 def reference_between(before: SwarmSetpoint, after: SwarmSetpoint, share: float) -> Array:
-    """Return the reference position [m], (n, 3), a share (0 to 1) of the way between two ticks."""
+    """Return the reference position [m], (n, 3), at a share (0 to 1) of the time between two ticks."""
     span = after.t - before.t
     rest = 1.0 - share
     return np.asarray(

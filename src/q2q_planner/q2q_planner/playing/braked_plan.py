@@ -1,8 +1,8 @@
-"""Brake a plan that is being flown: vehicles stay on their paths, in step with each other, until they rest.
+"""Braking of a plan in flight, by slowing its clock: vehicles stay on their certified paths until they rest.
 
-Plan time s runs as s(tau) = s_0 + tau - tau^2 / (2 T), from speed 1 to rest within T. Every vehicle's plan
-time is the same, so the vehicles keep the relative positions for which the plan was certified. On each piece
-the polynomial in s becomes one of twice its degree in tau.
+Plan time s runs as s(tau) = s_0 + tau - tau^2 / (2 T), from rate 1 to rest within T. All vehicles share the
+plan time, so they keep the relative positions for which the plan was certified. On each piece the polynomial
+in s becomes one of twice its degree in tau.
 """
 
 import numpy as np
@@ -12,11 +12,11 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 
 BRAKE_S = 1.0
-"""T: an acceleration of v / T beside the plan's own, 1 m/s^2 at 1 m/s [s]."""
+"""T [s]: adds an acceleration of v / T to the plan's own, 1 m/s^2 at 1 m/s."""
 
 
 def braked(plan: SwarmPlan, s: float, duration: float = BRAKE_S) -> SwarmPlan:
-    """Return the plan that starts at plan time s [s] of another and comes to rest within `duration` [s]."""
+    """Return the plan that starts at plan time s [s] of `plan` and comes to rest within `duration` [s]."""
     curves = tuple(_braked(one, s, duration) for one in plan.trajectories)
     return SwarmPlan(plan.names, curves, plan.certified)
 
@@ -25,7 +25,7 @@ def _braked(curve: Trajectory, s: float, duration: float) -> Trajectory:
     ends = np.cumsum(curve.durations)
     begin, last = float(np.clip(s, 0.0, ends[-1])), min(s + 0.5 * duration, float(ends[-1]))
     knots = np.array([begin, *ends[(ends > begin + _LEAST) & (ends < last - _LEAST)], last])
-    if last - begin <= _LEAST:  # rests before its start, after its end
+    if last - begin <= _LEAST:  # at rest before its start or after its end
         point = curve.at(np.array(begin))
         return Trajectory(np.array([duration]), point.reshape(1, AXES, 1))
     tau = duration - np.sqrt(np.maximum(duration**2 - 2.0 * duration * (knots - s), 0.0))
@@ -42,7 +42,7 @@ def _braked(curve: Trajectory, s: float, duration: float) -> Trajectory:
 
 
 _LEAST = 1e-6
-"""Shorter stretches of plan time are left out [s]: 1 um at 1 m/s."""
+"""Shortest piece of plan time that is kept [s]: 1 um at 1 m/s."""
 
 
 def _composed(outer: Array, inner: Array) -> Array:

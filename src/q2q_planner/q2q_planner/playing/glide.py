@@ -1,8 +1,8 @@
-"""Glide from where vehicles rest to where they should: from rest to rest, proven apart.
+"""Glide: certified plan from rest at some points to rest at others.
 
-All move at once on straight lines where the certificate holds; else one after another, each straight or
-around the others by a waypoint beside the middle of its line, in the first order for which each has such a
-way. A piece of least snap from rest to rest over a distance s in a time T peaks at 35/16 s/T.
+All vehicles move at once on straight lines if the certificate holds; else one after another, each on a
+straight line or by a waypoint beside its middle, in the first order in which every vehicle has a certified
+path. A minimum-snap piece from rest to rest over a distance s in a time T peaks at 35/16 s/T.
 """
 
 from collections.abc import Sequence
@@ -20,16 +20,16 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 PEAK = 35.0 / 16.0
-"""Largest over mean speed of a least-snap piece from rest to rest."""
+"""Ratio of largest to mean speed of a minimum-snap piece from rest to rest."""
 ORDERS = 24
-"""Most orders of one after another that are tried: all of four vehicles."""
+"""Most orders that are tried: all of four vehicles."""
 ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)
-"""How far beside the middle of its line a vehicle may pass, tried in this order [m]."""
+"""Offsets of the waypoint beside the middle of a line, tried in this order [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class GlideParams:
-    """How fast a glide is, and how far apart it keeps vehicles."""
+    """Speed and zone of a glide."""
 
     glide_speed: float = tunable(
         0.5, "largest speed of a glide to the plan's first points", unit="m/s", low=0.05, high=5.0
@@ -38,7 +38,7 @@ class GlideParams:
     glide_eps: float = tunable(
         0.2, "radius of the cylinder that a glide keeps free of other vehicles", unit="m", low=0.01, high=5.0
     )
-    glide_d: float = tunable(1.1, "half height of the same", unit="m", low=0.01, high=10.0)
+    glide_d: float = tunable(1.1, "half height of this cylinder", unit="m", low=0.01, high=10.0)
 
     def __post_init__(self) -> None:
         """Refuse values out of bounds."""
@@ -49,7 +49,7 @@ def glide(names: Names, here: Array, there: Array, params: GlideParams) -> Swarm
     """Return the certified plan from points `here` to points `there`, (n, 4): x, y, z [m], yaw [rad].
 
     Raises:
-        ValueError: no order keeps the vehicles apart, naming the pair and its distance.
+        ValueError: no order keeps the vehicles apart; names the pair and its distance.
     """
     zone = Cylinder(params.glide_eps, params.glide_d)
     together = _together(names, here, there, params)
@@ -72,7 +72,7 @@ def _together(names: Names, here: Array, there: Array, params: GlideParams) -> S
 def _one_by_one(
     names: Names, here: Array, there: Array, terms: tuple[GlideParams, Cylinder], order: tuple[int, ...]
 ) -> list[SwarmPlan] | None:
-    """Return a certified plan for each vehicle's turn, the others at rest; None where one has no way."""
+    """Return a certified plan for each vehicle's turn, the others at rest; None if one has no path."""
     now, legs = here.copy(), []
     for row in order:
         ways = (_turn(names, now, (row, there[row]), terms[0], aside) for aside in ASIDE)
@@ -85,7 +85,7 @@ def _one_by_one(
 
 
 def _turn(names: Names, now: Array, goal: tuple[int, Array], params: GlideParams, aside: float) -> SwarmPlan:
-    """Return the plan in which one vehicle moves to its goal, beside the middle of its line or on it."""
+    """Return the plan that moves one vehicle to its goal, offset by `aside` [m] at the middle of its line."""
     mover, end = goal
     start = now[mover]
     across = np.array([start[1] - end[1], end[0] - start[0], 0.0, 0.0])
@@ -125,5 +125,5 @@ def _duration(here: Array, there: Array, params: GlideParams) -> float:
 
 def _told(proof: Certificate, zone: Cylinder) -> str:
     pair = " and ".join(proof.pair or ())
-    near = f"{pair} would come {-proof.clearance:.2f} m into each other's zone at {proof.t:.1f} s"
+    near = f"{pair} would enter each other's zone by {-proof.clearance:.2f} m at {proof.t:.1f} s"
     return f"{near} (radius {zone.eps:.2f} m, half height {zone.d:.2f} m), in every order"

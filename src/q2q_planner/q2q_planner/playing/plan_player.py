@@ -1,12 +1,11 @@
-"""Play a plan tick by tick: at a given stamp, at the first tick, or, where it waits, by calls.
+"""Player of a plan, tick by tick: from a given stamp, from the first tick or, waiting, by calls.
 
     rest -- glide --> gliding, then at the first points -- start --> the plan, then at its last points
                               |                                        |
                               +------------ hold: braking, rest <------+
 
-While it waits (`wait`), the reference rests where the vehicles are seen, and moves with them: nothing is
-asked of anybody. Calls never let the reference jump: a glide starts where it rests, the plan starts where the
-glide has ended.
+While waiting (`wait`), the reference follows the measured vehicles, so it commands no motion. Calls never
+make the reference jump: a glide starts where it rests, the plan starts where the glide has ended.
 """
 
 from dataclasses import dataclass
@@ -21,18 +20,18 @@ from q2q_planner.playing.braked_plan import braked
 from q2q_planner.playing.glide import GlideParams, glide
 
 AT_FIRST = 1e-3
-"""How near to the first points the reference must rest when the plan starts [m]."""
+"""Largest distance of the reference from the first points at which the plan may start [m]."""
 AT_REST = 1e-3
-"""Slower than this the reference rests [m/s]."""
+"""Speed below which the reference is at rest [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """Plan that is being played, and since when."""
+    """Plan that is played, and its start."""
 
     plan: SwarmPlan
     start: float
-    """Stamp at which it starts [s]."""
+    """Stamp of its start [s]."""
 
     @property
     def start_ns(self) -> int:
@@ -41,13 +40,13 @@ class Played:
 
 
 class PlanPlayer:
-    """What is played now, and where vehicles were last seen."""
+    """Plan that is played, and the last measured positions."""
 
     def __init__(self, plan: SwarmPlan, start: float, params: GlideParams, *, wait: bool) -> None:
-        """Play from the stamp `start` [s], from the first tick where that is below 0, or wait for calls."""
+        """Play from the stamp `start` [s], from the first tick if it is negative, or wait for calls."""
         self._plan, self._params, self._wait = plan, params, wait
         self.played = Played(plan, start) if start >= 0.0 and not wait else None
-        """None until something is played."""
+        """None while waiting."""
         self._seen = np.full((len(plan.names), 4), np.nan)
         self._last: SwarmSetpoint | None = None
 
@@ -55,7 +54,7 @@ class PlanPlayer:
         """Return the reference at a frame.
 
         Raises:
-            ValueError: waiting for calls, a vehicle has not been seen yet.
+            ValueError: while waiting, a vehicle has not been measured yet.
         """
         self._see(frame)
         if self.played is None and not self._wait:
@@ -64,12 +63,12 @@ class PlanPlayer:
         return self._last
 
     def wait(self) -> Reply:
-        """Play nothing: let the reference rest where the vehicles are seen."""
+        """Wait: let the reference follow the measured vehicles."""
         self.played, self._wait = None, True
         return Reply(granted=True, reason="waiting")
 
     def glide(self) -> Reply:
-        """Lead the reference from where it rests to the plan's first points."""
+        """Glide the reference from its rest to the plan's first points."""
         here = self._rest()
         if isinstance(here, Reply):
             return here
@@ -78,7 +77,7 @@ class PlanPlayer:
         except ValueError as refusal:
             return Reply(granted=False, reason=str(refusal))
         self.played = Played(plan, self._now())
-        return Reply(granted=True, reason=f"gliding for {plan.duration:.1f} s, proven apart")
+        return Reply(granted=True, reason=f"gliding for {plan.duration:.1f} s, certified")
 
     def start(self) -> Reply:
         """Start the plan's clock."""
@@ -115,7 +114,7 @@ class PlanPlayer:
             if not np.isfinite(one[:3]).all()
         ]
         if missing:
-            raise ValueError(f"{', '.join(missing)} has not been seen yet: no reference before")
+            raise ValueError(f"{', '.join(missing)} has not been measured yet: no reference before that")
         n = len(self._plan.names)
         return SwarmSetpoint(
             t=t,
@@ -129,10 +128,10 @@ class PlanPlayer:
         )
 
     def _rest(self) -> Array | Reply:
-        """Return where the reference rests, (n, 4), or why it does not."""
+        """Return the reference at rest, (n, 4), or why it is not at rest."""
         last = self._last
         if last is None:
-            return Reply(granted=False, reason="no vehicle has been seen yet")
+            return Reply(granted=False, reason="no vehicle has been measured yet")
         speed = np.linalg.norm(last.vel, axis=1)
         if speed.max() > AT_REST:
             row = int(speed.argmax())

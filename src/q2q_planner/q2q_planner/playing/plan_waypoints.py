@@ -1,4 +1,4 @@
-"""Read waypoints off a plan: where the pieces of its trajectories meet."""
+"""Waypoints of a plan: the ends of its pieces."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoin
 
 
 def waypoints_of(plan: SwarmPlan) -> tuple[VehicleWaypoints, ...]:
-    """Return the first point of every piece and the last point of all, one row a vehicle.
+    """Return each vehicle's waypoints: the start of every piece and the end of the last.
 
     Raises:
-        ValueError: pieces too short, or points too far away, for waypoints.
+        ValueError: pieces are too short, or points too far away, for waypoints.
     """
     return tuple(map(_vehicle, plan.names, plan.trajectories))
 

@@ -1,4 +1,4 @@
-"""Turn a plan into its message and back, for the latched topic `plan`."""
+"""Conversion of a plan to its message and back, for the latched topic `plan`."""
 
 from array import array
 
@@ -25,7 +25,7 @@ def encode_plan(plan: SwarmPlan, start_ns: int) -> Plan:
 
 
 def decode_plan(message: Plan) -> SwarmPlan:
-    """Return the plan in a message; raise BadMessageError where its arrays do not fit each other."""
+    """Return the plan in a message; raise BadMessageError if the array lengths disagree."""
     total = sum(message.pieces)
     if len(message.pieces) != len(message.names) or len(message.durations) != total:
         raise BadMessageError(f"plan of {len(message.names)} vehicles: pieces and durations do not fit")

@@ -1,7 +1,7 @@
-"""Run the online replanner as a node: `reference` and `state` in, `reference_safe` out.
+"""Replanner node: `reference` and `state` in, `reference_safe` out.
 
-`law` chooses between the paper's potential field and the law with a promise; each has its own parameters,
-those of the second under `safe.`. `enabled` and `safe.enabled` may change while flying.
+`law` chooses between the paper's potential field and the safe replanner; each has its own parameters, those
+of the second under `safe.`. `enabled` and `safe.enabled` may change in flight.
 """
 
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 SAFE = "safe"
 PREFIX = f"{SAFE}."
-"""Before the names of the safe law's parameters, as some are named like the paper's."""
+"""Prefix of the safe replanner's parameters, some of which have the names of the paper's."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReplannerNodeParams:
-    """Parameters of the node beside those of a law."""
+    """Parameters of the node, without those of a law."""
 
-    law: str = tunable("paper", "which law moves the setpoints", choices=("paper", SAFE), read_only=True)
+    law: str = tunable("paper", "law that moves the setpoints", choices=("paper", SAFE), read_only=True)
 
     def __post_init__(self) -> None:
         """Refuse values out of bounds."""

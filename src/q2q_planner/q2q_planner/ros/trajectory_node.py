@@ -1,10 +1,9 @@
-"""Play a plan as a node: `mocap` ticks in, `reference` out; what is played latched on `plan`.
+"""Trajectory node: `mocap` ticks in, `reference` out; the played plan is latched on `plan`.
 
-With `wait` nothing is played before it is called for (q2q_planner.playing.plan_player): the reference rests
-where the vehicles are seen; `~/glide` leads it to the plan's first points, proven apart, `~/start` starts
-the plan's clock, `~/hold` brakes along what is played, `~/wait` begins anew. The plan that waits is latched
-on `next_plan`. Real vehicles are flown so: the nodes `radio` and `crazyswarm` make these calls
-(docs/real_vehicles.md).
+With `wait` the plan is played by calls (q2q_planner.playing.plan_player): the reference follows the measured
+vehicles; `~/glide` leads it to the plan's first points on a certified plan, `~/start` starts the plan's
+clock, `~/hold` brakes along the plan, `~/wait` waits again. The waiting plan is latched on `next_plan`. For
+real vehicles, the nodes `radio` and `crazyswarm` make these calls (docs/real_vehicles.md).
 """
 
 from collections.abc import Callable
@@ -33,13 +32,13 @@ from q2q_planner.ros.plan_message import encode_plan
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryParams:
-    """Parameters of the node that are not the glide's."""
+    """Parameters of the node, without those of the glide."""
 
     plan: str = tunable("", "plan file to play", read_only=True)
     start: float = tunable(
-        -1.0, "stamp at which the plan starts; below 0: at the first tick", unit="s", read_only=True
+        -1.0, "stamp at which the plan starts; negative: the first tick", unit="s", read_only=True
     )
-    wait: bool = tunable(default=False, description="play nothing before it is called for", read_only=True)
+    wait: bool = tunable(default=False, description="wait for calls before playing the plan", read_only=True)
 
     def __post_init__(self) -> None:
         """Refuse values out of bounds."""
@@ -47,16 +46,16 @@ class TrajectoryParams:
 
 
 def build(node: Node) -> TickWiring[SwarmSetpoint]:
-    """Wire the player of a plan into a node."""
+    """Wire a plan player into a node."""
     params = declare(node, TrajectoryParams())
     if not params.plan:
         raise ValueError(
-            "parameter plan is empty: give a plan file, e.g. one made by `ros2 run q2q_planner plan`"
+            "parameter plan is empty: give a plan file, e.g. one written by `ros2 run q2q_planner plan`"
         )
     plan = plan_file.load(Path(params.plan))
     player = PlanPlayer(plan, params.start, declare(node, GlideParams()), wait=params.wait)
     told = _Told(player, node.create_publisher(Plan, "plan", LATCHED))
-    if player.played is not None:  # known before the first tick: whoever looks ahead has it in time
+    if player.played is not None:  # known before the first tick, in time for previews
         note_latched(node, told.publisher)
     told.tell()
     if params.wait:

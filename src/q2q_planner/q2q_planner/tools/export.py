@@ -1,7 +1,7 @@
-"""Write a plan for others: sampled as CSV, and as the polynomials that Crazyswarm2 uploads.
+"""Export of a plan: sampled as CSV, and as polynomials for Crazyswarm2's upload.
 
-Crazyswarm2's `uploadTrajectory` reads one file a vehicle: a header and one row a piece, its duration and the
-ascending coefficients of x, y, z, yaw, degree 7 each (crazyflie_py, `uav_trajectory.Trajectory.loadcsv`).
+Crazyswarm2's `uploadTrajectory` reads one file per vehicle: a header and one row per piece, its duration and
+the ascending coefficients of x, y, z, yaw, degree 7 each (crazyflie_py, `uav_trajectory.Trajectory.loadcsv`).
 """
 
 import csv
@@ -12,20 +12,20 @@ import numpy as np
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, setpoint_at
 
 UPLOAD_ORDER = 8
-"""Coefficients a piece and axis: degree 7."""
+"""Coefficients per piece and axis: degree 7."""
 
 MOST_PIECES = 31
-"""Pieces that fit into the firmware's 4096 bytes of trajectory memory, 132 each (firmware:
+"""Pieces that fit into the firmware's trajectory memory, 4096 bytes, 132 each (firmware:
 src/modules/interface/crtp_commander_high_level.h, TRAJECTORY_MEMORY_SIZE)."""
 
 SAMPLE_STEP = 0.01
-"""Rows of the sampled CSV [s]: 100 Hz."""
+"""Period of the sampled CSV [s]: 100 Hz."""
 
 COLUMNS = ("t", "name", "x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate")
 
 
 def write_samples(path: Path, plan: SwarmPlan) -> None:
-    """Write every vehicle's setpoint at 100 Hz, SI units, one row a vehicle and tick."""
+    """Write every vehicle's setpoint at 100 Hz in SI units, one row per vehicle and tick."""
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(COLUMNS)
@@ -38,20 +38,20 @@ def write_samples(path: Path, plan: SwarmPlan) -> None:
 
 
 def write_uploads(folder: Path, plan: SwarmPlan) -> None:
-    """Write `<name>.csv` for each vehicle as Crazyswarm2 uploads it.
+    """Write `<name>.csv` for each vehicle, to be uploaded by Crazyswarm2.
 
     Raises:
-        ValueError: where a piece has a higher degree than the firmware's 7, or there are too many pieces.
+        ValueError: a piece has a degree above the firmware's 7, or there are too many pieces.
     """
     header = ["Duration", *(f"{axis}^{k}" for axis in ("x", "y", "z", "yaw") for k in range(UPLOAD_ORDER))]
     folder.mkdir(parents=True, exist_ok=True)
     for name, trajectory in zip(plan.names, plan.trajectories, strict=True):
         order = trajectory.coefficients.shape[-1]
         if order > UPLOAD_ORDER and trajectory.coefficients[..., UPLOAD_ORDER:].any():
-            raise ValueError(f"{name}: pieces of degree {order - 1}, Crazyswarm2 uploads degree 7 at most")
+            raise ValueError(f"{name}: pieces of degree {order - 1}; Crazyswarm2 uploads at most degree 7")
         if len(trajectory.durations) > MOST_PIECES:
             pieces = f"{name}: {len(trajectory.durations)} pieces"
-            raise ValueError(f"{pieces}, a Crazyflie's memory holds {MOST_PIECES}; plan a shorter flight")
+            raise ValueError(f"{pieces}; a Crazyflie's memory holds {MOST_PIECES}: plan a shorter flight")
         rows = np.zeros((len(trajectory.durations), AXES, UPLOAD_ORDER))
         rows[..., : min(order, UPLOAD_ORDER)] = trajectory.coefficients[..., :UPLOAD_ORDER]
         with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:

@@ -1,4 +1,4 @@
-"""Draw a plan as the paper draws its own: curves and distances (Figs 10, 12), z (11, 13), and in 3-D."""
+"""Figures of a plan as in the paper: curves and distances (Figs 10, 12), z (11, 13), and a 3-D view."""
 
 from itertools import combinations
 from pathlib import Path
@@ -24,7 +24,7 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 TICK = 0.02
 """Sampling of curves [s]."""
 MOST_PAIRS = 12
-"""Relative distances drawn; the pairs that come nearest."""
+"""Most relative distances drawn: of the pairs that come nearest."""
 
 
 def draw_all(
@@ -33,11 +33,11 @@ def draw_all(
     """Draw Figs 10 to 13 and the 3-D view into a folder; return the files.
 
     Args:
-        folder: made where it is not there.
-        plan: the plan that avoids.
-        free: minimum snap without avoidance; the online replanner starts from it.
-        zone: what is avoided.
-        model: the downwash in which heights are simulated.
+        folder: output folder, created if missing.
+        plan: plan with avoidance.
+        free: minimum-snap plan without avoidance, the reference of the online replanner.
+        zone: zone to avoid.
+        model: downwash in which heights are simulated.
     """
     folder.mkdir(parents=True, exist_ok=True)
     t = np.arange(0.0, plan.duration + TICK, TICK)
@@ -62,14 +62,14 @@ def sampled(plan: SwarmPlan, t: Array) -> Array:
 
 
 def replanned(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
-    """Return what the safe replanner makes of a plan, (T, n, 3), with the zone's radius and half height."""
+    """Return the plan after the safe replanner, (T, n, 3), with the zone's radius and half height."""
     hull = lathe_around(zone)
     replanner = SafeReplanner(SafeReplannerParams(eps=hull.eps, d=hull.d, tracking=0.0))
     return np.stack([replanner.update(setpoint_at(plan, float(at)), None).pos for at in t])
 
 
 def _heights(plan: SwarmPlan, curves: dict[str, Array], model: InteractionModel) -> Figure:
-    """Draw z of each vehicle and its reference, in the downwash, by the learned loop; one column a curve."""
+    """Draw z of each vehicle and its reference, simulated in the downwash; one column per curve."""
     shape = len(plan.names), len(curves)
     figure, axes = plt.subplots(*shape, sharex=True, figsize=(5.5 * shape[1], 2.4 * shape[0]), squeeze=False)
     for column, (title, pos) in enumerate(curves.items()):
@@ -88,12 +88,12 @@ def _heights(plan: SwarmPlan, curves: dict[str, Array], model: InteractionModel)
 
 def _checked(figure: object) -> Figure:
     if not isinstance(figure, Figure):
-        raise TypeError(f"matplotlib gave {type(figure).__name__}, expected a Figure")
+        raise TypeError(f"matplotlib returned a {type(figure).__name__}, expected a Figure")
     return figure
 
 
 def _beside(plan: SwarmPlan, curves: dict[str, Array], zone: Zone) -> Figure:
-    """Draw trajectories above relative distances, one column a curve."""
+    """Draw trajectories above relative distances, one column per curve."""
     figure = plt.figure(figsize=(5.5 * len(curves), 8.5))
     for column, (title, pos) in enumerate(curves.items()):
         space = figure.add_subplot(2, len(curves), column + 1, projection="3d")
@@ -123,7 +123,7 @@ def _distances(axis: Axes, plan: SwarmPlan, pos: Array, zone: Zone) -> None:
 
 
 def _solid(plan: SwarmPlan, pos: Array, zone: Zone) -> Figure:
-    """Draw every vehicle with the zone around it at the moment when a pair is nearest."""
+    """Draw every vehicle, with the zone around one at the time when a pair is nearest."""
     pairs = list(combinations(range(pos.shape[1]), 2))
     figure = plt.figure(figsize=(7, 7))
     space = figure.add_subplot(projection="3d")

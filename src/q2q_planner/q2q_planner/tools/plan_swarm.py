@@ -1,4 +1,4 @@
-"""Plan as the command line asks: zone, search, proof, and the files of the plan."""
+"""Planning from the command line: zone, search, certificate, and the files of the plan."""
 
 import json
 from argparse import Namespace
@@ -24,15 +24,15 @@ from q2q_planner.tools.export import write_samples, write_uploads
 from q2q_planner.tools.waypoint_file import read_waypoints
 
 LARGEST = 5.0
-"""Largest zone [m]: far beyond any downwash measured."""
+"""Largest zone [m]: far beyond any measured downwash."""
 
 DRAFT = "paper_law"
-"""The downwash in which Figs 11 and 13 are drawn where --model names none."""
+"""Downwash of Figs 11 and 13 without --model."""
 
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """Hold a plan and what it took."""
+    """Plan with its certificate, cost and computing time."""
 
     plan: SwarmPlan
     proof: Certificate
@@ -42,9 +42,9 @@ class Planned:
 
 
 def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, before: float) -> Planned:
-    """Return the plan that the command line asks for; raise ValueError where there is none.
+    """Return the plan for the command line; raise ValueError if there is none.
 
-    `before` is the processor time at which work on it began [s].
+    `before` is the processor time at its start [s].
     """
     warm = plan_file.load(asked.warm) if asked.warm else None
     params = AvoidanceParams(starts=asked.starts)
@@ -58,7 +58,7 @@ def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, bef
 
 
 def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
-    """Return the zone that the command line asks for, and in words."""
+    """Return the zone of the command line, and its description."""
     if asked.cut is not None:
         return _zone_by_cut(asked, swarm)
     if asked.model and asked.threshold is not None:
@@ -67,7 +67,7 @@ def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, 
     if asked.model:
         return find_model(asked.model).zone, f"the zone of {asked.model}"
     if asked.threshold is not None:
-        raise ValueError(f"--threshold {asked.threshold} needs --model: a threshold of which downwash?")
+        raise ValueError(f"--threshold {asked.threshold} needs --model, the downwash that it applies to")
     for name in ("eps", "d"):
         value = getattr(asked, name)
         if not 0.0 < value < LARGEST:
@@ -78,26 +78,26 @@ def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, 
 
 def _zone_by_cut(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
     if not asked.model or asked.threshold is not None:
-        raise ValueError(f"--cut {asked.cut} needs --model, and no --threshold: it chooses that")
+        raise ValueError(f"--cut {asked.cut} needs --model, and no --threshold, which it chooses")
     file = find_model(asked.model)
     downwash = LearnedDownwash(file.interaction, file.gains or PAPER_LOOP, asked.cut)
     made = avoid_downwash(swarm, downwash, asked.reading, AvoidanceParams(starts=asked.starts))
     if made.cut < asked.cut:
         raise ValueError(
-            f"--cut {asked.cut}: at most {made.cut:.3f} was found; ask for less, or allow more time"
+            f"--cut {asked.cut}: at most {made.cut:.3f} was found; reduce --cut, or allow more time"
         )
     words = f"level set of {asked.model} at {made.zone.threshold:.4g} m/s^2"
-    return made.zone, f"{words}: spares {100.0 * made.cut:.1f} % of the height error foretold"
+    return made.zone, f"{words}: avoids {100.0 * made.cut:.1f} % of the predicted height error"
 
 
 def swarm_of(asked: Namespace) -> tuple[VehicleWaypoints, ...]:
-    """Return the waypoints of the file, timed where it gives no times; raise ValueError naming the file."""
+    """Return the waypoints of the file, timed if it has no times; raise ValueError naming the file."""
     limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration), vehicle_by_name(asked.vehicle))
     return read_waypoints(asked.waypoints, limits, asked.reading)
 
 
 def as_json(made: Planned) -> dict[str, float | bool | int | None]:
-    """Return the numbers other programs read."""
+    """Return the content of the --json file."""
     return {
         "snap_cost": made.cost,
         "snap_infimum": made.infimum,
@@ -109,7 +109,7 @@ def as_json(made: Planned) -> dict[str, float | bool | int | None]:
 
 
 def run(asked: Namespace) -> int:
-    """Plan, prove, and write what is asked for; return the exit status."""
+    """Plan, certify, and write the files; return the exit status."""
     swarm, before = swarm_of(asked), process_time()
     zone, words = zone_of(asked, swarm)
     made = planned(asked, swarm, zone, before)
@@ -121,7 +121,7 @@ def run(asked: Namespace) -> int:
     if asked.figures:
         _draw(asked, made, swarm, zone)
     print(f"{asked.out}: {len(made.plan.names)} vehicles, {made.plan.duration:g} s")
-    print(f"  snap cost {made.cost:.6g}, {made.cost / made.infimum:.4f} of what it costs without avoidance")
+    print(f"  snap cost {made.cost:.6g}, {made.cost / made.infimum:.4f} times that without avoidance")
     print(f"  {_verdict(made)} ({words})")
     return 0
 
@@ -147,7 +147,7 @@ def _draw(asked: Namespace, made: Planned, swarm: Sequence[VehicleWaypoints], zo
 def _verdict(made: Planned) -> str:
     proof = made.proof
     if proof.pair is None:
-        return "one vehicle: nothing to keep out of"
+        return "one vehicle: no pair to certify"
     nearest = f"{' and '.join(proof.pair)} at {proof.t:.2f} s"
     if proof.holds:
         return f"certified out of the zone for every t; nearest {proof.clearance * 1e3:.2f} mm, {nearest}"

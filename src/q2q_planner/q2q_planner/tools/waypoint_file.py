@@ -1,4 +1,4 @@
-"""Read a YAML file of waypoints; what is wrong with it is said in one line, with the place in the file."""
+"""Reader of a YAML file of waypoints; an error is one line with the place in the file."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +11,7 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, swarm_f
 
 
 def read_waypoints(path: Path, limits: FlightLimits, reading: Reading) -> tuple[VehicleWaypoints, ...]:
-    """Return the waypoints of a file, timed within `limits` where it gives no times.
+    """Return the waypoints of a file, timed within `limits` if it has no times.
 
     Raises:
         ValueError: naming the file, and vehicle, waypoint and bound or the place in the file.
@@ -21,7 +21,7 @@ def read_waypoints(path: Path, limits: FlightLimits, reading: Reading) -> tuple[
     try:
         return swarm_from_document(timed_document(_document(text), limits, reading))
     except yaml.YAMLError as error:
-        raise ValueError(f"{path}: is no YAML: {_one_line(error)}") from error
+        raise ValueError(f"{path}: is not valid YAML: {_one_line(error)}") from error
     except RecursionError as error:
         raise ValueError(f"{path}: is nested too deeply") from error
     except ValueError as error:
@@ -29,15 +29,15 @@ def read_waypoints(path: Path, limits: FlightLimits, reading: Reading) -> tuple[
 
 
 def _document(text: str) -> object:
-    """Return the parsed text; YAML itself would let a key that is given twice replace the first."""
+    """Return the parsed text; a duplicate key, which YAML would silently accept, is an error."""
     node = yaml.compose(text, yaml.SafeLoader)
     for key, line in _keys_given_twice(node, set()):
-        raise ValueError(f"line {line}: {key!r} is given twice; each vehicle needs a name of its own")
+        raise ValueError(f"line {line}: duplicate key {key!r}: each vehicle needs its own name")
     return yaml.safe_load(text)
 
 
 def _keys_given_twice(node: yaml.Node | None, seen: set[int]) -> Iterator[tuple[str, int]]:
-    """Yield each key that its mapping has already, and its line."""
+    """Yield each duplicate key of a mapping, and its line."""
     if node is None or id(node) in seen:
         return
     seen.add(id(node))

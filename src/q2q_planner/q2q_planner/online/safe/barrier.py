@@ -1,21 +1,21 @@
-"""Turn accelerations so that pairs approach a zone no faster than they can stop: a control barrier.
+"""Control barrier on accelerations: pairs approach a zone no faster than they can stop.
 
 For a pair with signed distance h to the zone and outward normal n the relative acceleration must satisfy
 
     n.(a_i - a_j) >= -k_1 h' - k_0 h - (curvature),    h' = n.(v_i - v_j)
 
 (an exponential control barrier function, Nguyen and Sreenath, 2016; pairwise as Wang, Ames and Egerstedt,
-Safety barrier certificates for collisions-free multirobot systems, 2017). What is missing is added along n,
-half to each vehicle of the swarm, all to one that meets a stranger; SWEEPS of Gauss-Seidel settle crowds.
-Around the cylinder's side the rim itself turns, which the curvature term (tangential speed)^2 / radius
-credits.
+Safety barrier certificates for collisions-free multirobot systems, 2017). The violation is corrected along n,
+half by each vehicle of the swarm, or all by one that meets an external vehicle; SWEEPS Gauss-Seidel sweeps
+resolve several pairs at once. The curvature term (tangential speed)^2 / radius accounts for the rotation of n
+along the cylinder's side.
 
-Where the references want to be on each other's far side, a push across n leads around: to the side where
-the reference lies, and to the right where it lies straight behind. That breaks the symmetric tie.
+If the references are on opposite sides of each other, a push perpendicular to n leads around: to the side of
+the reference, or to the right if it is straight behind, which breaks the symmetric tie.
 
-Heights are what downwash disturb and what formations hold, so a push goes aside where aside helps: of all
-pushes p with n.p = need, the one of least |p_flat|^2 + p_up^2 / w, with w below 1 the weight of height:
-p = need (n_flat, w n_up) / (n_flat^2 + w n_up^2). Straight above each other, n_flat = 0, it is all height.
+Downwash disturbs heights and formations hold them, so horizontal pushes are preferred: of all pushes p with
+n.p = need, the one that minimises |p_flat|^2 + p_up^2 / w, where w below 1 is the weight of height:
+p = need (n_flat, w n_up) / (n_flat^2 + w n_up^2). For vehicles above each other, n_flat = 0, it is vertical.
 """
 
 from collections.abc import Callable
@@ -28,11 +28,11 @@ from q2q_model.signals.values import Array
 
 SWEEPS = 4
 FAR = 6.0
-"""A pair that would ask for this many times the largest wanted acceleration apart is too far to matter."""
+"""Required acceleration below -FAR times the largest wanted one: the pair is too far apart to matter."""
 ON_AXIS = 1e-9
-"""Nearer to the axis than this, a direction across is made up [m]."""
+"""Horizontal distance below which the direction is taken as x [m]."""
 TIE = 0.02
-"""A reference within this of straight behind the other is straight behind [m]."""
+"""Lateral offset below which a reference counts as straight behind the other [m]."""
 
 Rows = NDArray[np.intp]
 States = tuple[Array, Array, Array]
@@ -60,7 +60,7 @@ _face_of = compiled(_nearest_face)
 
 
 def _asked(states: States, pair: tuple[int, int], wide: Array, law: Law, face: Array) -> float:
-    """Return n.(a_i - a_j) that the barrier asks of a pair [m/s^2]; its face is written to `face`."""
+    """Return the least n.(a_i - a_j) of a pair [m/s^2]; its face is written to `face`."""
     pos, vel, _ = states
     i, j = pair
     _, eps, d, k_1, k_0, _, _ = law
@@ -79,13 +79,13 @@ _asked_of = compiled(_asked)
 def _push_apart(
     acc: Array, states: States, pairs: tuple[Rows, Rows], wide: Array, law: Law
 ) -> NDArray[np.bool_]:
-    """Add to acc (n, 3), in place, what the barriers ask; return which vehicles were pushed, (n,).
+    """Correct acc (n, 3) in place to satisfy the barriers; return which vehicles were pushed, (n,).
 
     Args:
         acc: wanted accelerations [m/s^2].
-        states: of vehicles and strangers.
+        states: swarm, then external vehicles.
         pairs: rows i and j of each pair.
-        wide: distance from the zone aimed at for each pair [m], and its growth [m/s], (pairs, 2).
+        wide: distance to keep from the zone for each pair [m], and its growth [m/s], (pairs, 2).
         law: see Law.
     """
     ref, faces = states[2], np.empty((pairs[0].size, 4))

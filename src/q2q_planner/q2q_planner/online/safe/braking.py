@@ -1,24 +1,24 @@
-"""Prove, in closed form and for all time, that two vehicles can still stop outside each other's zone.
+"""Proof, for all time, that two vehicles can still stop outside each other's zone.
 
-A motion holds an acceleration a for a time h, then brakes straight to rest with deceleration b:
+A motion holds an acceleration a for a time h, then brakes on a straight line to rest with deceleration b:
 
     r(s) = r + v s + a s^2 / 2                        0 <= s <= h
     r(s) = r_h + v_h / |v_h| (|v_h| u - b u^2 / 2)    u = min(s - h, |v_h| / b)
 
-Whether the relative motion of a pair keeps out of the cylinder I(eps, d), grown by g0 + g1 s for what is
-not known of the two, is decided by conservative advancement (Mirtich, Impulse-based dynamic simulation,
-1996): the signed distance changes no faster than the speeds of both and the growth, so distance over that
-rate is a time in which nothing can happen. It ends at rest, or where less than a floor is left. No sample
-of time is skipped, so a pass is a proof.
+Conservative advancement (Mirtich, Impulse-based dynamic simulation, 1996) decides whether the relative motion
+of a pair stays outside the cylinder I(eps, d), grown by g0 + g1 s for the uncertainty of both: the signed
+distance changes no faster than the sum of both speeds and the growth rate, so no contact is possible within
+distance over rate. It stops at rest, or when the distance falls below a floor. No instant is skipped, so a
+pass is a proof.
 
-Braking is a projection of velocities towards zero, which brings no two velocities further apart: a
-neighbour whose velocity is known within w is, braking, within w s of where its known velocity leads.
+Braking projects velocities towards zero, which does not increase the difference of two velocities: a vehicle
+whose velocity is known within w stays, braking, within w s of the motion from its known velocity.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | a, h | acc, hold | acceleration [m/s^2] held for h [s] |
 | b | brake | deceleration to rest [m/s^2] |
-| g0, g1 | growth | what the zone grows by [m], and its rate [m/s] |
+| g0, g1 | growth | growth of the zone [m] and its rate [m/s] |
 | eps, d | zone | radius and half height of the zone [m] |
 """
 
@@ -30,9 +30,9 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
 NEARER = 0.99
-"""Share of the distance now that a motion may come down to."""
+"""Share of the initial distance below which a motion is rejected."""
 MOST_STEPS = 1000
-"""Steps of the advancement; a pair that needs more counts as not proven."""
+"""Most steps of the advancement; a pair that needs more is not proven."""
 
 Motions = tuple[Array, Array, Array, Array, Array]
 """Of n vehicles: pos (n, 3), vel (n, 3), acc (n, 3), hold (n,), growth (n, 2): g0 and g1."""
@@ -53,7 +53,7 @@ def _speed_after(vel: Array, acc: Array, s: float) -> float:
 
 
 def _braked(s: float, hold: float, speed: float, brake: float) -> float:
-    """Return for how long, at `speed`, it would have flown as far as it has braking from hold to s [s]."""
+    """Return the braking distance from hold to s over the speed at hold [s]."""
     if s <= hold or speed == 0.0:
         return 0.0
     u = min(s - hold, speed / brake)
@@ -66,9 +66,9 @@ _share = compiled(_braked)
 
 
 def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float], floor: float) -> bool:
-    """Return True where vehicles i and j are proven to keep out; law = (eps, d, brake).
+    """Return whether vehicles i and j are proven to stay apart; law = (eps, d, brake).
 
-    Half of `floor` is kept, or of the distance now, where that is less.
+    Half of `floor` is kept, or half of the initial distance if that is less.
     """
     _, vel, acc, hold, growth = motions
     eps, d, brake = law
@@ -76,7 +76,7 @@ def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float]
     speed_i, speed_j = _speed(vel[i], acc[i], hold[i]), _speed(vel[j], acc[j], hold[j])
     fast_i, fast_j = max(_speed(vel[i], acc[i], 0.0), speed_i), max(_speed(vel[j], acc[j], 0.0), speed_j)
     end = max(hold[i] + speed_i / brake, hold[j] + speed_j / brake)
-    end += rate / brake  # a velocity known within `rate` may take this longer to brake
+    end += rate / brake  # extra braking time of a velocity known within `rate`
     s, keep = 0.0, floor
     for step in range(MOST_STEPS):
         share_i, share_j = _share(s, hold[i], speed_i, brake), _share(s, hold[j], speed_j, brake)
@@ -86,14 +86,14 @@ def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float]
         left = _distance(x, y, z, eps, d) - wide - rate * s
         if step == 0:
             keep = min(floor, NEARER * left)
-        if not (left >= keep and left >= 0.0):  # also where a number is NaN
+        if not (left >= keep and left >= 0.0):  # NaN too
             return False
         most = rate
         most += fast_i if s < hold[i] else max(0.0, speed_i - brake * (s - hold[i]))
         most += fast_j if s < hold[j] else max(0.0, speed_j - brake * (s - hold[j]))
         if most == 0.0:
             return True
-        s += (left - 0.5 * keep) / most  # half of `keep` is left in between
+        s += (left - 0.5 * keep) / most  # half of `keep` remains until then
         if s >= end:
             return True
     return False

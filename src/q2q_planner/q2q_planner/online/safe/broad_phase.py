@@ -1,9 +1,8 @@
-"""Find the pairs that could matter to each other within one tick's decisions: by a sweep over sorted x.
+"""Broad phase: the pairs that can affect each other in a tick, by a sweep over sorted x.
 
-A pair matters where the two could not stop apart (their ways to rest, with all growth, overlap), or where
-the barrier could push: n.(a_i - a_j) >= asked with `asked` above what accelerations can be. The sweep looks
-only at rows whose x differ by less than the largest reach, so in a room of bounded density its cost grows
-as n log n.
+A pair is kept if the two might not stop apart (their stopping distances, with all growth, overlap), or if
+the barrier might push: the required n.(a_i - a_j) is above what accelerations can be. Only rows whose x
+differ by less than the largest reach are compared, so at bounded density the cost grows as n log n.
 """
 
 from collections.abc import Callable
@@ -19,12 +18,12 @@ Limits = tuple[int, float, float, float, float, float]
 
 
 def broad_phase(pos: Array, vel: Array, room: tuple[Array, Array], limits: Limits) -> tuple[Rows, Rows]:
-    """Return rows i < j, i of the swarm, of all pairs that could matter.
+    """Return rows i < j, i of the swarm, of all pairs that can affect each other.
 
     Args:
-        pos: [m], (rows, 3); a row with NaN meets nobody.
+        pos: [m], (rows, 3); a row with NaN is in no pair.
         vel: [m/s], (rows, 3).
-        room: way to rest with all growth of each row [m], (rows,), and growth g0, g1, (rows, 2).
+        room: stopping distance of each row with all growth [m], (rows,), and growth g0, g1, (rows, 2).
         limits: see Limits.
     """
     order = np.argsort(pos[:, 0])  # NaN sorts last

@@ -1,4 +1,4 @@
-"""Carry the motions of a swarm from tick to tick: what every vehicle does until it is told otherwise."""
+"""Committed motion of a swarm, propagated from tick to tick."""
 
 from dataclasses import dataclass
 
@@ -11,14 +11,14 @@ from q2q_planner.online.safe.braking import motion_after
 Mask = NDArray[np.bool_]
 
 LONGEST_GAP = 5.0
-"""A longer stretch without stamps starts on the reference again [s]."""
+"""Gap between stamps after which vehicles restart on the reference [s]."""
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
-"""A vehicle this near its reference [m], [m/s] is put onto it; motions keep this much more apart."""
+"""Distance [m] and speed [m/s] at which a vehicle snaps onto its reference; added to every zone's growth."""
 
 
 @dataclass(frozen=True, slots=True)
 class CommittedMotion:
-    """Motion of every vehicle from t on: acc for hold, then it brakes."""
+    """Motion of every vehicle from t on: acc for hold, then braking."""
 
     t: float
     names: Names
@@ -29,15 +29,15 @@ class CommittedMotion:
     acc: Array
     """Held acceleration [m/s^2], (n, 3)."""
     hold: Array
-    """For how long [s], (n,)."""
+    """Remaining hold time [s], (n,)."""
     on_reference: Mask
-    """Put onto its reference, exactly, (n,)."""
+    """Exactly on its reference, (n,)."""
     pushed: Mask
-    """Turned off its wanted acceleration, (n,)."""
+    """Deviates from its wanted acceleration, (n,)."""
 
 
 def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
-    """Return a swarm that starts on its reference."""
+    """Return the motion of a swarm that starts on its reference."""
     n = len(setpoint.names)
     on, off = np.ones(n, np.bool_), np.zeros(n, np.bool_)
     start = setpoint.t, setpoint.names, setpoint.pos, setpoint.vel
@@ -45,7 +45,7 @@ def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
 
 
 def carried_on(held: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float) -> CommittedMotion:
-    """Return where the swarm is now; who is new, and everyone after a gap, starts on the reference."""
+    """Return the motion at the setpoint's stamp; new vehicles, or all after a gap, start on the reference."""
     if held is None or not 0.0 < setpoint.t - held.t <= LONGEST_GAP:
         return at_reference(setpoint)
     passed = round(setpoint.t - held.t, 9)  # stamps are whole nanoseconds
@@ -73,7 +73,7 @@ def carried_on(held: CommittedMotion | None, setpoint: SwarmSetpoint, brake: flo
 
 
 def near_reference(held: CommittedMotion, setpoint: SwarmSetpoint) -> Mask:
-    """Return who may be put onto its reference: near it, and not pushed off it, (n,)."""
+    """Return which vehicles may snap onto their reference: near it and not pushed, (n,)."""
     pos = np.sqrt(((held.pos - setpoint.pos) ** 2).sum(-1)) <= SNAP_POS
     vel = np.sqrt(((held.vel - setpoint.vel) ** 2).sum(-1)) <= SNAP_VEL
     return np.asarray(~held.pushed & pos & vel)

@@ -1,7 +1,6 @@
-"""Remember what was last heard of vehicles: neighbours that fly by others' setpoints, and our own.
+"""Last known state of every vehicle: those of the swarm and external ones.
 
-A message of age A says where a vehicle was, not where it is. Memory keeps the newest word on each vehicle,
-so that one which vanishes from the state goes on as one whose word grows old, until it is forgotten.
+A vehicle that vanishes from the state keeps its last known state, with growing age, until it is forgotten.
 """
 
 from dataclasses import dataclass
@@ -13,30 +12,29 @@ from q2q_model.signals.values import Array, Names, SwarmState
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """Newest state of some vehicles."""
+    """Last known states of some vehicles."""
 
     names: Names
     pos: Array
-    """Where they were [m], (n, 3)."""
+    """Measured position [m], (n, 3)."""
     vel: Array
-    """How they moved [m/s], (n, 3)."""
+    """Measured velocity [m/s], (n, 3)."""
     age: Array
-    """How long ago [s], (n,)."""
+    """Age of the measurement [s], (n,)."""
 
 
 class LastKnownStates:
-    """Last known state of every vehicle."""
+    """Memory of the last known states."""
 
     def __init__(self) -> None:
-        """Start with no word."""
         self._seen: dict[str, tuple[Array, Array, float]] = {}
 
     def reset(self) -> None:
-        """Forget everyone."""
+        """Forget all vehicles."""
         self._seen.clear()
 
     def hear(self, state: SwarmState) -> None:
-        """Take in a state; rows with NaN, or older than what is known, say nothing new."""
+        """Store a state; rows with NaN, or not newer than the stored one, are ignored."""
         stamps = state.t - state.age
         sound = np.isfinite(state.pos).all(1) & np.isfinite(state.vel).all(1) & np.isfinite(stamps)
         for row in np.flatnonzero(sound):
@@ -46,14 +44,14 @@ class LastKnownStates:
                 self._seen[name] = (state.pos[row], state.vel[row], stamp)
 
     def strangers(self, swarm: Names, t: float, forget: float) -> Word:
-        """Return the word on all vehicles that are not of the swarm and were heard of within `forget` [s]."""
+        """Return the states of all vehicles outside the swarm that are younger than `forget` [s]."""
         for name in [name for name, (_, _, stamp) in self._seen.items() if t - stamp > forget]:
             del self._seen[name]
         own = set(swarm)
         return self._word(tuple(name for name in self._seen if name not in own), t)
 
     def of(self, names: Names, t: float) -> Word:
-        """Return the word on these vehicles; where there is none, NaN and infinite age."""
+        """Return the states of these vehicles; NaN with infinite age for an unknown one."""
         return self._word(names, t)
 
     def _word(self, names: Names, t: float) -> Word:

@@ -1,14 +1,14 @@
-"""Choose, for every vehicle, the motion that is proven against the motions of all others.
+"""Choice, for every vehicle, of a motion that is proven against the motions of all others.
 
-Every vehicle offers a new motion and the rest of its old one. Where a pair fails, one of the two goes back to
-its old motion, by turns, and if that is not enough the other one too. Old motions were proven against each
-other, so this ends with all pairs proven. They are looked at again all the same: where even they fail,
-which only a broken condition of the promise can bring about, both vehicles are BROKEN and fly the new
-motion, which at least pushes apart.
+Every vehicle has a new motion and the rest of its old one. If a pair of new motions fails, one of the two
+vehicles returns to its old motion, taking turns, and if that does not suffice, so does the other. Old motions
+were proven against each other, so this ends with all pairs proven. They are checked again nevertheless: if
+even they fail, which requires a broken condition of the promise, both vehicles are BROKEN and fly the new
+motion, which at least pushes them apart.
 
-Rows from `own` on are strangers, whose motion cannot be chosen. A new motion is proven against all that a
-stranger may do; an old one was, and is held only against what a stranger that keeps the law surely does
-(the rows of `old`), once the two have been `proven` together.
+Rows from `own` on are external vehicles, whose motion cannot be chosen. A new motion is proven against every
+motion that an external vehicle may fly. An old one was; once the two are `proven`, it is checked only against
+the motion that an external vehicle under this law certainly flies (the rows of `old`).
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ Proven = NDArray[np.bool_]
 
 
 def _far_reach(motions: Motions, brake: float) -> Array:
-    """Return how far each row may come before it rests, with its growth by then [m], (rows,)."""
+    """Return the stopping distance of each row with its growth until rest [m], (rows,)."""
     _, vel, acc, hold, growth = motions
     reach = np.empty(vel.shape[0])
     rates = growth[:, 1].max()
@@ -46,9 +46,9 @@ _reach_of = compiled(_far_reach)
 def _pairs_that_may_meet(
     new: Motions, old: Motions, pairs: tuple[Rows, Rows], law: tuple[float, float, float]
 ) -> Rows:
-    """Return the rows of pairs that no bound on their ways keeps apart, (k,): the others are proven.
+    """Return the rows of pairs whose stopping distances overlap, (k,): the others are proven.
 
-    A pair's growth goes on until the slower one rests: the slowest of all bounds it.
+    A pair's growth continues until both rest, which the longest stopping time of all bounds.
     """
     eps, d, brake = law
     slow = 0.0

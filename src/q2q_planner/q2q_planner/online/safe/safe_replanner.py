@@ -1,32 +1,32 @@
-"""Move setpoints so that pairs keep out of each other's zone, with a promise, and say when it cannot hold.
+"""Online replanner that keeps pairs out of each other's zone, with a promise, and reports when it is broken.
 
-**The promise.** Between the ticks at which it says so, no modified trajectory of this swarm comes into the
-zone I(eps, d) of another one, or of a stranger, at any time; nor does any vehicle that follows its modified
-trajectory within `tracking`. A trajectory accelerates by more than `acc_max` only where it is the reference.
+**Promise.** While a vehicle's status is not PROMISE_BROKEN, its modified trajectory stays, at all times, out
+of the zone I(eps, d) of every other trajectory of the swarm and of every external vehicle; so does a vehicle
+that follows its modified trajectory within `tracking`. A trajectory exceeds `acc_max` only where it equals
+the reference.
 
-**Its conditions.** A vehicle whose status is not PROMISE_BROKEN is under the promise. It is broken, and
-said to be at that very tick, where
-1. at the first tick, or when a vehicle or stranger appears, two could not brake outside their zone any more;
-2. a vehicle is measured further than `tracking` from its modified trajectory, plus `drift` times the age of
-   the measurement and what it may have turned since: then the vehicle, not the trajectory, breaks it;
-3. a stranger (a vehicle of `state` that has no setpoint here) does what no vehicle under this law would do:
-   accelerate beyond `acc_max`, exceed `speed_max`, or move on when it should brake; or is not heard of for
-   longer than `forget`.
-A reference may do anything; it is followed as far as the promise allows, and exactly, to the last bit,
-where nothing is near.
+**Conditions.** The promise is broken, and reported at the same tick, if
+1. at the first tick, or when a vehicle appears, two can no longer brake outside their zone;
+2. a vehicle is measured further from its modified trajectory than `tracking`, plus `drift` times the age of
+   the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it;
+3. an external vehicle (one of `state` without a setpoint here) does what no vehicle under this law does:
+   accelerate beyond `acc_max`, exceed `speed_max`, or fly on when it should brake; or its last known state is
+   older than `forget`.
+The reference is arbitrary; it is followed as far as the promise allows, and bit for bit where nothing is
+near.
 
-**Why it holds.** Each tick every vehicle has a motion: an acceleration held for `hold`, then braking to
-rest (`braking`). All pairs of motions are proven to keep out, for all time. A vehicle whose new motion
-fails against anyone goes on with the motion of the tick before, which was proven, and whose rest is still
-proven against all that do the same; so there is always a proven choice. Lost ticks only lead further along
-a proven motion. Of a stranger only the state at an older stamp is known: in the time since it may have
-changed its velocity by acc_max times the age, so its zone grows by 1/2 acc_max age^2 and, at acc_max age a
-second, further ahead. Two replanners that meet each other so, each with delayed messages of the other,
-keep the promise together: at every tick each proves its motion against everything the other may have
-chosen at that tick, and every other choice is the rest of a motion proven before.
+**Proof.** At each tick every vehicle has a motion: an acceleration held for `hold`, then braking to rest
+(`braking`). All pairs of motions are proven to stay apart for all time. A vehicle whose new motion fails
+against any other continues the motion of the previous tick, which was proven and whose rest remains proven
+against all that do the same; so a proven choice always exists. Lost ticks only lead further along a proven
+motion. Of an external vehicle only an older state is known: since then its velocity may have changed by
+acc_max times the age, so its zone grows by 1/2 acc_max age^2, and further at acc_max age per second. Two
+replanners with delayed messages of each other thus keep the promise together: at every tick each proves its
+motion against every motion the other may have chosen at that tick, and any other choice is the rest of a
+motion proven before.
 
-**What it wants.** The tracking law of (20) turned by control barriers (`barrier`): e'' = -k_d e' - k_p e and
-the least push that keeps the pair's approach stoppable, sideways along the zone's normal.
+**Control law.** The tracking law of (20), corrected by control barriers (`barrier`): e'' = -k_d e' - k_p e
+and the least push along the zone's normal that keeps the pair's approach stoppable.
 """
 
 from collections.abc import Callable
@@ -46,15 +46,13 @@ from q2q_planner.online.safe.traffic import Traffic, astray, own_uncertainty, sc
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
 FLOOR = 1e-3
-"""Distance that a new motion keeps from the zone beside all growth [m]."""
-
-
+"""Distance that a new motion keeps from the zone, added to all growth [m]."""
 TURN = 0.01
-"""How long it is one vehicle's turn to yield, before the other's [s]: a tick."""
+"""Time for which the same vehicle of a pair yields first [s]: one tick."""
 
 
 class SafeReplanner:
-    """Replanner that keeps the promise above."""
+    """Safe replanner, with the committed motion of its swarm."""
 
     def __init__(self, params: SafeReplannerParams | None = None) -> None:
         """Start on the reference."""
@@ -63,7 +61,7 @@ class SafeReplanner:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the modified trajectories and all strangers; the next update starts on the reference."""
+        """Forget the modified trajectories and external vehicles; the next update starts on the reference."""
         self._held: CommittedMotion | None = None
         self._answer: SwarmSetpoint | None = None
         self._last_known.reset()
@@ -71,14 +69,14 @@ class SafeReplanner:
         self._proven: Proven = np.zeros((0, 0), np.bool_)
 
     def configure(self, params: SafeReplannerParams) -> None:
-        """Take other parameters in flight; the modified trajectories go on without a jump."""
+        """Change the parameters in flight; the modified trajectories continue without a jump."""
         self.params = params
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:
         """Return the modified setpoints of the tick.
 
-        A repeated stamp gets the same answer; a stamp that goes back, or a gap over LONGEST_GAP, starts
-        on the reference again. `state` None trusts every vehicle to follow and knows of no strangers.
+        A repeated stamp returns the same setpoints; a stamp that goes back, or a gap over LONGEST_GAP,
+        restarts on the reference. `state` None assumes ideal tracking and no external vehicles.
         """
         if self._answer is not None and setpoint.t == self._answer.t:
             return self._answer
@@ -99,7 +97,7 @@ class SafeReplanner:
         return self._answer
 
     def _recognise(self, own: Names, strangers: Names) -> None:
-        """Line up what is proven of pairs with this tick's names; who is new has proven nothing."""
+        """Match the proven pairs to this tick's names; a new vehicle is in none."""
         if self._known == (own, strangers):
             return
         rows, columns = index_of(own, self._known[0]), index_of(strangers, self._known[1])
@@ -112,7 +110,7 @@ class SafeReplanner:
 def _wanted(
     held: CommittedMotion, setpoint: SwarmSetpoint, scene: Traffic, params: SafeReplannerParams
 ) -> tuple[Array, Mask]:
-    """Return the accelerations wanted by the swarm (n, 3), and who was turned from its own (n,)."""
+    """Return the swarm's wanted accelerations (n, 3), and which vehicles the barrier changed (n,)."""
     pull = -params.k_d * (held.vel - setpoint.vel) - params.k_p * (held.pos - setpoint.pos)
     back = _limited(setpoint.acc + pull, params.acc_max)
     acc = np.where(held.on_reference[:, None], setpoint.acc, back)
@@ -133,13 +131,13 @@ def _wanted(
 def _choice(
     held: CommittedMotion, scene: Traffic, wanted: Array, proven: Proven, params: SafeReplannerParams
 ) -> Choices:
-    """Return what each vehicle of the swarm does, (n,); `proven` is kept up in place."""
+    """Return the choice of each vehicle of the swarm, (n,); `proven` is updated in place."""
     if not (params.enabled and len(scene.pairs[0])):
         return np.full(scene.own, NEW, dtype=np.int8)
     own, acc = scene.own, np.zeros_like(scene.pos)
     acc[:own] = wanted
     new: Motions = (scene.pos, scene.vel, acc, np.full(len(acc), params.hold), scene.growth)
-    certain = scene.growth[:own] * np.array([1.0, 0.0])  # what was proven needs no look ahead
+    certain = scene.growth[:own] * np.array([1.0, 0.0])  # a proven motion needs no growth rate
     going = held.pos, held.vel, held.acc, held.hold, certain
     pos, vel, push, hold, growth = (np.concatenate(both) for both in zip(going, scene.sure, strict=True))
     limits = params.eps, params.d, params.acc_max, FLOOR, round(held.t / TURN)
@@ -147,7 +145,7 @@ def _choice(
 
 
 def _shorten(acc: Array, most: float) -> Array:
-    """Return accelerations (n, 3) shortened to `most` [m/s^2]."""
+    """Return accelerations (n, 3) clipped to the norm `most` [m/s^2]."""
     short = acc.copy()
     for row in range(len(acc)):
         size = np.sqrt(acc[row, 0] ** 2 + acc[row, 1] ** 2 + acc[row, 2] ** 2)
@@ -162,7 +160,7 @@ _limited: Callable[[Array, float], Array] = compiled(_shorten)
 def _decided(
     held: CommittedMotion, wanted: Array, choice: Choices, pushed: Mask, hold: float
 ) -> CommittedMotion:
-    """Return what the swarm does from now on."""
+    """Return the motion that the swarm commits to."""
     fresh = choice != OLD
     return replace(
         held,
@@ -174,7 +172,7 @@ def _decided(
 
 
 def _answer(setpoint: SwarmSetpoint, held: CommittedMotion, broken: Mask, brake: float) -> SwarmSetpoint:
-    """Return the setpoint of the tick; the reference object itself where nothing is moved."""
+    """Return the setpoint of the tick; the reference object itself if no vehicle deviates from it."""
     if held.on_reference.all() and not broken.any():
         return setpoint
     speed = np.sqrt((held.vel**2).sum(-1, keepdims=True))

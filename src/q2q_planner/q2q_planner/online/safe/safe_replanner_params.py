@@ -1,4 +1,4 @@
-"""Hold the numbers of the safe law (`safe_replanner`)."""
+"""Parameters of the safe replanner (`safe_replanner`)."""
 
 from dataclasses import dataclass
 
@@ -7,31 +7,29 @@ from q2q_model.tunable import check_bounds, tunable
 
 @dataclass(frozen=True, slots=True)
 class SafeReplannerParams:
-    """Parameters of the safe law."""
+    """Parameters of the safe replanner."""
 
-    enabled: bool = tunable(
-        default=True, description="avoid; off: every vehicle glides back to its reference"
-    )
+    enabled: bool = tunable(default=True, description="avoid; off: every vehicle returns to its reference")
     eps: float = tunable(0.25, "radius of the zone", unit="m", low=1e-3, high=10.0)
     d: float = tunable(1.1, "half height of the zone", unit="m", low=1e-3, high=10.0)
-    margin: float = tunable(0.02, "distance aimed at beside the zone", unit="m", low=0.0, high=1.0)
+    margin: float = tunable(0.02, "distance to keep from the zone", unit="m", low=0.0, high=1.0)
     acc_max: float = tunable(3.0, "largest acceleration, also when braking", unit="m/s^2", low=0.1, high=50.0)
     hold: float = tunable(
-        0.02, "time an acceleration is held: the tick, and one that is lost", unit="s", low=1e-3, high=0.5
+        0.02, "time an acceleration is held: a tick and a lost one", unit="s", low=1e-3, high=0.5
     )
     k_p: float = tunable(5.0, "stiffness towards the reference", unit="1/s^2", low=0.01, high=100.0)
     k_d: float = tunable(4.0, "damping towards the reference", unit="1/s", low=0.01, high=100.0)
     approach: float = tunable(2.0, "both poles of the approach to a zone", unit="1/s", low=0.1, high=20.0)
     around: float = tunable(0.5, "share of a push that leads around", low=0.0, high=2.0)
     height: float = tunable(
-        0.05, "weight of height in a push: below 1 it goes aside where it can", low=1e-3, high=1.0
+        0.05, "weight of height in a push: below 1 prefers horizontal pushes", low=1e-3, high=1.0
     )
-    tracking: float = tunable(
-        0.05, "how far vehicles may be from their setpoints", unit="m", low=0.0, high=1.0
+    tracking: float = tunable(0.05, "largest tracking error of a vehicle", unit="m", low=0.0, high=1.0)
+    drift: float = tunable(0.2, "largest drift of an unmeasured vehicle", unit="m/s", low=0.0, high=10.0)
+    speed_max: float = tunable(2.0, "largest speed of an external vehicle", unit="m/s", low=0.1, high=100.0)
+    forget: float = tunable(
+        2.0, "age at which an external vehicle's state is dropped", unit="s", low=0.1, high=600.0
     )
-    drift: float = tunable(0.2, "how fast an unmeasured vehicle may drift", unit="m/s", low=0.0, high=10.0)
-    speed_max: float = tunable(2.0, "how fast a stranger may fly", unit="m/s", low=0.1, high=100.0)
-    forget: float = tunable(2.0, "strangers unheard of for longer are gone", unit="s", low=0.1, high=600.0)
 
     def __post_init__(self) -> None:
         """Raise ValueError where a number is out of bounds."""

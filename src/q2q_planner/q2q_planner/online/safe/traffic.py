@@ -1,12 +1,12 @@
-"""Put everyone who could meet at a tick into one table: the swarm's rows first, then the strangers'.
+"""Table of all vehicles of a tick: the swarm's rows first, then those of external vehicles.
 
-What is not known of a vehicle grows its zone by g0 [m] now and g1 [m/s] later on. Of our own: `tracking`,
-and `drift` for a measurement that is missing. Of a stranger heard of at age A: it may have turned by acc_max
-since, and go on so for `hold`, so its velocity is known within acc_max (A + hold) and its position within
-half of that times A + hold; neither can have changed by more than `speed_max` allows; and it may be off its
-own trajectory by `tracking`, as ours may be. What a stranger that
-keeps the law *surely* does is less: it brakes, from `hold` after its message, for it may only have chosen
-otherwise where that was proven against us.
+Uncertainty grows a vehicle's zone by g0 [m] now and by g1 [m/s] ahead. For a vehicle of the swarm it is
+`tracking`, and `drift` while measurements are missing. An external vehicle with a state of age A may have
+accelerated by acc_max since, and may for another `hold`, so its velocity is known within acc_max (A + hold)
+and its position within half of that times A + hold; neither changes by more than `speed_max` allows; and it
+may be off its own trajectory by `tracking`. The motion that an external vehicle under this law *certainly*
+flies has less uncertainty: it brakes from `hold` after its message on, since any other choice was proven
+against us.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from q2q_planner.online.safe.last_known_states import Word
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 GRACE = 0.1
-"""A measurement younger than this does not count as missing [s]: `tracking` holds its drift."""
+"""Age at which a measurement counts as missing [s]: until then `tracking` covers the drift."""
 
 NOBODY: Rows = np.zeros(0, dtype=np.intp)
 
@@ -37,19 +37,19 @@ class Traffic:
     own: int
     """Rows of the swarm."""
     pos: Array
-    """Strangers: where they would be had they flown on [m], (rows, 3)."""
+    """[m], (rows, 3); external vehicles extrapolated at constant velocity."""
     vel: Array
     """[m/s], (rows, 3)"""
     growth: Array
     """g0 [m] and g1 [m/s], (rows, 2)."""
     sure: Motions
-    """What each stranger surely does, (m, ...)."""
+    """Motion that each external vehicle certainly flies, (m, ...)."""
     pairs: tuple[Rows, Rows]
-    """Rows i < j that could matter to each other, i of the swarm."""
+    """Rows i < j of pairs that can affect each other, i of the swarm."""
 
     @property
     def meets(self) -> Mask:
-        """Return who of the swarm has someone to mind, (own,)."""
+        """Return which vehicles of the swarm are in a pair, (own,)."""
         found = np.zeros(len(self.pos), np.bool_)
         found[self.pairs[0]] = True
         found[self.pairs[1]] = True
@@ -64,11 +64,11 @@ _ALONE = Traffic(
     (_EMPTY, _EMPTY, _EMPTY, np.zeros(0), np.zeros((0, 2))),
     (NOBODY, NOBODY),
 )
-"""No strangers."""
+"""Table without external vehicles."""
 
 
 def own_uncertainty(held: CommittedMotion, word: Word | None, params: SafeReplannerParams) -> Array:
-    """Return the growth (n, 2) of our vehicles' zones; `word` None trusts every vehicle to follow."""
+    """Return the growth (n, 2) of the swarm's zones; `word` None assumes ideal tracking."""
     growth = np.tile([params.tracking + SNAP_POS, SNAP_VEL], (len(held.names), 1))
     if word is None:
         return growth
@@ -79,7 +79,7 @@ def own_uncertainty(held: CommittedMotion, word: Word | None, params: SafeReplan
 
 
 def astray(held: CommittedMotion, word: Word | None, params: SafeReplannerParams) -> Mask:
-    """Return who has left its modified trajectory by more than its age explains, (n,)."""
+    """Return which vehicles are off their modified trajectory by more than their age allows, (n,)."""
     if word is None:
         return np.zeros(len(held.names), np.bool_)
     age = np.minimum(word.age, params.forget)
@@ -90,9 +90,9 @@ def astray(held: CommittedMotion, word: Word | None, params: SafeReplannerParams
 def scene_of(
     held: CommittedMotion, setpoint: SwarmSetpoint, growth: Array, word: Word, params: SafeReplannerParams
 ) -> tuple[CommittedMotion, Traffic]:
-    """Return the swarm, with those put onto their references that may be, and everyone in one table.
+    """Return the motion with vehicles snapped onto their references, and the table of all vehicles.
 
-    Who was on its reference and meets nobody stays on it, however it jumps.
+    A vehicle on its reference without a pair stays on it, even if the reference jumps.
     """
     strange = _strangers(word, params)
     near = near_reference(held, setpoint)
@@ -111,7 +111,7 @@ def scene_of(
 
 
 def _strangers(word: Word, params: SafeReplannerParams) -> Traffic:
-    """Return the strangers' rows."""
+    """Return the rows of external vehicles."""
     if not word.names:
         return _ALONE
     age, most, step = word.age + params.hold, params.acc_max, params.hold
@@ -152,7 +152,7 @@ def _with_pairs(
 
 
 def _ways_to_rest(scene: Traffic, params: SafeReplannerParams) -> tuple[Array, float]:
-    """Return how far each row may come before all rest, with growth [m], (rows,), and the top speed."""
+    """Return the stopping distance of each row with growth [m], (rows,), and the largest speed [m/s]."""
     fast = np.sqrt((scene.vel**2).sum(-1)) + params.acc_max * params.hold
     top, rate = float(fast.max()), 2.0 * float(scene.growth[:, 1].max())
     rest = params.hold + (top + rate) / params.acc_max
