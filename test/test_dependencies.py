@@ -117,3 +117,13 @@ def test_every_field_of_a_message_says_its_unit_or_meaning():
         for line in path.read_text(encoding="utf-8").splitlines():
             is_field = line.strip() and not line.lstrip().startswith("#")
             assert not is_field or "#" in line, f"{path.name}: no unit and frame on '{line}'"
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda path: path.name)
+def test_every_data_file_of_a_package_is_installed_with_it(package: Path):
+    """Without --symlink-install, colcon copies what setup.py names, and nothing else."""
+    (globs,) = re.findall(r"package_data=\{PACKAGE: \[(.*)\]\}", (package / "setup.py").read_text())
+    inside = package / package.name
+    named = {path for glob in re.findall(r'"([^"]+)"', globs) for path in inside.glob(glob)}
+    data = {path for path in inside.rglob("*.*") if path.is_file() and path.suffix not in {".py", ".pyc"}}
+    assert data == named
