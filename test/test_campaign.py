@@ -123,7 +123,7 @@ def test_a_campaign_counts_runs_not_violations() -> None:
 def test_outcomes_survive_a_file_and_nonsense_is_refused() -> None:
     one = ended(2, BROKEN)
     assert from_document(json.loads(json.dumps(as_document(one)))) == one
-    with pytest.raises(ValueError, match="no outcome of a run"):
+    with pytest.raises(ValueError, match="not an outcome of a run"):
         from_document({"seed": 1})
 
 

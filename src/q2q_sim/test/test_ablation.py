@@ -120,7 +120,7 @@ def test_results_are_kept_and_read_again(tmp_path: Path):
     with pytest.raises(ValueError, match="holds 2 seeds, not 3"):
         read(file, 3)
     file.write_text("{}")
-    with pytest.raises(ValueError, match="is no ablation"):
+    with pytest.raises(ValueError, match="is not an ablation"):
         read(file, 2)
 
 

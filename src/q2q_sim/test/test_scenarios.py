@@ -141,7 +141,7 @@ def test_a_file_of_the_users_own_is_read_and_a_broken_one_refused(tmp_path: Path
     own.write_text("duration: 3\nvehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 3, pos: [1, 0, 1]}]}\n")
     assert library.load(str(own)).duration == 3.0
     own.write_text("duration: [3\n")
-    with pytest.raises(ValueError, match="is no YAML"):
+    with pytest.raises(ValueError, match="is not valid YAML"):
         library.load(str(own))
     own.write_text("just words\n")
     with pytest.raises(ValueError, match="expected names with values"):

@@ -1,1 +1,1 @@
-"""Command lines: what a user types, parsed and refused before anything heavy is imported."""
+"""Command lines, parsed and checked before any slow import."""

@@ -1,4 +1,4 @@
-"""Compare controllers that know the downwash with ones that do not, and write one table of it."""
+"""Compare controllers with and without knowledge of the downwash in one table."""
 
 import sys
 from argparse import Namespace
@@ -13,8 +13,8 @@ EXAMPLE = """  ros2 run q2q_sim ablation --seeds 20 --json out/ablation.json --o
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Fly what is missing, write the table; return the exit status."""
-    what = "interrupted; the same command goes on from the numbers in --json"
+    """Fly missing flights and write the table; return the exit status."""
+    what = "interrupted; run the same command to resume from the numbers in --json"
     return carry_out(parser(), _prepare, words, interrupted=what)
 
 
@@ -29,12 +29,18 @@ def parser() -> CommandLine:
     made = CommandLine("ablation", __doc__, EXAMPLE)
     made.add_argument("--seeds", type=int, default=20, metavar="N", help="replicas of each case, 1 to 25")
     made.add_argument(
-        "--json", type=Path, required=True, metavar="FILE", help="numbers; what it holds already is not flown"
+        "--json",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help="file of numbers; flights in it are not repeated",
     )
     made.add_argument("--out", type=Path, required=True, metavar="FILE", help="table to write (.md)")
-    made.add_argument("--jobs", type=int, default=1, metavar="N", help="flights at once")
-    made.add_argument(TABLE_ONLY, action="store_true", help="fly nothing: write what the numbers hold")
-    made.add_argument("--only", nargs="+", metavar="SCENARIO", help="these scenarios only")
+    made.add_argument("--jobs", type=int, default=1, metavar="N", help="parallel flights")
+    made.add_argument(
+        TABLE_ONLY, action="store_true", help="write the table of the present numbers without flying"
+    )
+    made.add_argument("--only", nargs="+", metavar="SCENARIO", help="fly only these scenarios")
     return made
 
 

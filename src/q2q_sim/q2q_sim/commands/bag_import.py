@@ -13,7 +13,7 @@ EXAMPLE = """\
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Convert as the command line says; return the exit status."""
+    """Convert the table of the command line; return the exit status."""
     return carry_out(parser(), _prepare, words)
 
 

@@ -1,8 +1,7 @@
-"""Fly random faults through random scenarios, and judge every flight: `campaign --runs N`.
+"""Fly random faults in random scenarios and check every flight: `campaign --runs N`.
 
-A run is a seed. Ended runs are kept in a file of JSON lines, so that a campaign that was interrupted goes
-on where it was; a violation prints its seed and keeps its bag and scenario. Ends with 1 where any policy
-was violated.
+A run is a seed. Finished runs are kept in a file of JSON lines, from which an interrupted campaign resumes;
+a violation prints its seed and keeps its bag and scenario. The exit status is 1 if any policy is violated.
 """
 
 import argparse
@@ -20,8 +19,10 @@ EXAMPLE = """  scripts/campaign --runs 20
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Fly the campaign the command line asks for; return the exit status."""
-    return carry_out(parser(), _prepare, words, interrupted="interrupted; call it again to go on", refused=2)
+    """Fly the campaign of the command line; return the exit status."""
+    return carry_out(
+        parser(), _prepare, words, interrupted="interrupted; run the same command to resume", refused=2
+    )
 
 
 def _prepare(asked: Namespace) -> Work:
@@ -35,15 +36,15 @@ def _prepare(asked: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("campaign", __doc__, EXAMPLE)
-    made.add_argument("--runs", type=_count, default=20, help="how many runs in all (default 20)")
-    made.add_argument("--jobs", type=_count, default=1, help="how many at once (default 1)")
+    made.add_argument("--runs", type=_count, default=20, help="number of runs (default 20)")
+    made.add_argument("--jobs", type=_count, default=1, help="number of parallel runs (default 1)")
     made.add_argument(
-        "--through-nodes", type=_count, default=0, help="how many of them through the real nodes, in lockstep"
+        "--through-nodes", type=_count, default=0, help="number of runs through the real nodes, in lockstep"
     )
     made.add_argument("--seed", type=_count, default=0, help="seed of the first run; the others follow it")
-    made.add_argument("--engine", choices=ENGINES, default="local", help="who runs them at once")
+    made.add_argument("--engine", choices=ENGINES, default="local", help="engine of parallel runs")
     made.add_argument("--out", type=Path, default=Path("out/campaign"), help="folder of runs and bags")
-    made.add_argument("--json", type=Path, help="write what it comes to to this file")
+    made.add_argument("--json", type=Path, help="write the totals to this file")
     return made
 
 

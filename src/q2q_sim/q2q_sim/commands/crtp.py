@@ -1,6 +1,6 @@
-"""Command line of a room that speaks CRTP without ROS: `crtp SCENARIO`.
+"""Open a simulated room to CRTP clients without ROS: `crtp SCENARIO`.
 
-Prints one URI a vehicle, then flies at 100 Hz of wall time until it is interrupted.
+Prints one URI for each vehicle, then flies at 100 Hz of wall time until interrupted.
 """
 
 import sys
@@ -13,7 +13,7 @@ from q2q_sim.scenarios import scenario_files
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Open the room that the command line asks for; return the exit status."""
+    """Open the room of the command line; return the exit status."""
     return carry_out(parser(), _prepare, words)
 
 
@@ -29,18 +29,18 @@ def parser() -> CommandLine:
     made = CommandLine("crtp", __doc__, "  ros2 run q2q_sim crtp table6 --start air")
     made.add_argument("scenario", nargs="?", default="table6", help="scenario name or YAML file")
     made.add_argument("--port", type=int, default=19850, help="first UDP port; 0 lets the system choose")
-    made.add_argument("--start", default="ground", choices=("ground", "air"), help="where vehicles wait")
+    made.add_argument("--start", default="ground", choices=("ground", "air"), help="start of the vehicles")
     made.add_argument(
-        "--positioning", default="deck", choices=("deck", "flow", "external"), help="who knows the place"
+        "--positioning", default="deck", choices=("deck", "flow", "external"), help="source of positions"
     )
     made.add_argument(
-        "--zero-expires", action="store_true", help="a setpoint without thrust gives way after 0.5 s"
+        "--zero-expires", action="store_true", help="a setpoint without thrust expires after 0.5 s"
     )
     made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
-    made.add_argument("--latency", type=float, default=0.0, help="of the link, each way [s]")
-    made.add_argument("--loss", type=float, default=0.0, help="share of transmissions lost")
-    made.add_argument("--rate", type=float, default=0.0, help="packets a second of one radio; 0 is no limit")
-    made.add_argument("--seed", type=int, default=0, help="seed of everything random")
+    made.add_argument("--latency", type=float, default=0.0, help="latency of the link in each direction [s]")
+    made.add_argument("--loss", type=float, default=0.0, help="fraction of transmissions lost")
+    made.add_argument("--rate", type=float, default=0.0, help="packet rate of one radio [1/s]; 0 is no limit")
+    made.add_argument("--seed", type=int, default=0, help="random seed")
     return made
 
 

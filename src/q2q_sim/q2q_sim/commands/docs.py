@@ -1,7 +1,7 @@
-"""Write one page a node into docs/nodes: topics, types, qualities of service, services, parameters.
+"""Write a page for each node into docs/nodes: topics, types, qualities of service, services, parameters.
 
-Nothing in the pages is typed: the words are the node module's docstring, the rest is what the node declares.
-The documents' pictures are drawn anew with `--images`.
+The text is the docstring of the node's module, the rest is what the node declares. `--images` draws the
+pictures of the documentation.
 """
 
 import sys
@@ -29,8 +29,8 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("docs", __doc__, "  scripts/docs\n  scripts/docs --check\n  scripts/docs --images")
     made.add_argument("--out", type=Path, default=OUT, help="folder of the pages")
-    made.add_argument("--check", action="store_true", help="write nothing; fail where a page is out of date")
-    made.add_argument("--images", action="store_true", help="draw docs/images anew, too")
+    made.add_argument("--check", action="store_true", help="write nothing; fail if a page is out of date")
+    made.add_argument("--images", action="store_true", help="also draw docs/images")
     return made
 
 

@@ -1,7 +1,7 @@
 """Compare the emulated firmware with tables of the real one: `firmware_check FOLDER`.
 
-Ends with 1 where a figure is out of its tolerance. FOLDER holds controllers.csv, planner.csv, supervisor.csv,
-mixer.csv and compensation.csv, computed with the firmware's own C code.
+The exit status is 1 if a figure is out of its tolerance. FOLDER has controllers.csv, planner.csv,
+supervisor.csv, mixer.csv and compensation.csv, computed with the firmware's own C code.
 """
 
 import sys
@@ -19,7 +19,7 @@ TABLES = ("controllers", "planner", "supervisor", "mixer", "compensation")
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Compare with the tables the command line names; return the exit status."""
+    """Compare with the tables of the command line; return the exit status."""
     return carry_out(parser(), _prepare, words, refused=2)
 
 

@@ -20,7 +20,7 @@ EXAMPLE = """  scripts/fly --list
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Fly as the command line says; return the exit status."""
+    """Fly the scenario of the command line; return the exit status."""
     return carry_out(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
 
 
@@ -35,7 +35,7 @@ def _prepare(asked: Namespace) -> Work:
         from q2q_sim.processes.warm_start import begin
 
         print(f"fly: {asked.real or asked.scenario}: starting", file=sys.stderr, flush=True)
-        begin()  # it imports beside us
+        begin()  # it imports in parallel
     from q2q_sim.tools.fly_scenario import run
 
     return run
@@ -49,11 +49,11 @@ def parser() -> CommandLine:
         nargs="?",
         help="scenario name (see --list), or a file: scenario or waypoints (.yaml), plan (.json)",
     )
-    made.add_argument("--list", action="store_true", help="name the scenarios, one line each")
-    made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="who computes the commands")
+    made.add_argument("--list", action="store_true", help="list the scenarios")
+    made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="controller")
     _either(made, "aware", "ignoring", "compensate the downwash, or ignore it", default=True)
     _either(
-        made, "limit", "no-limit", "hold the scenario's thrust limit, or only the vehicle's", default=True
+        made, "limit", "no-limit", "apply the scenario's thrust limit, or only the vehicle's", default=True
     )
     made.add_argument(
         "--replan",
@@ -61,25 +61,25 @@ def parser() -> CommandLine:
         const="paper",
         default="none",
         choices=REPLANNERS,
-        help="law of the online replanner (--replan alone: paper)",
+        help="online replanner (--replan alone: paper)",
     )
     made.add_argument("--no-replan", dest="replan", action="store_const", const="none", help="--replan none")
     made.add_argument(
         "--plan",
         default="none",
         choices=("none", "avoid"),
-        help="plan ahead around the model's downwash, or not",
+        help="plan around the model's downwash, or not",
     )
-    _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as the commands come", default=False)
+    _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as commands arrive", default=False)
     _either(
         made,
         "stack",
         "no-stack",
-        "filter, model, planner and controller in one process (default in lockstep: sooner, and the same"
+        "filter, model, planner and controller in one process (default in lockstep: faster, with the same"
         " numbers), or each in its own (default live)",
         default=None,
     )
-    made.add_argument("--seed", type=int, default=0, help="seed of everything random")
+    made.add_argument("--seed", type=int, default=0, help="random seed")
     made.add_argument(
         "--model",
         default="",
@@ -95,7 +95,7 @@ def parser() -> CommandLine:
         "--wake",
         default="",
         choices=WAKES,
-        help="the air, in place of the file's (a file that names none: none)",
+        help="true wake, in place of the file's (a file that names none: none)",
     )
     made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
     made.add_argument(
@@ -103,10 +103,10 @@ def parser() -> CommandLine:
         nargs="+",
         default=[],
         metavar="TOPIC",
-        help="topics for the bag (default: all; without --bag what the numbers need)",
+        help="topics for the bag (default: all; without --bag those of the numbers)",
     )
     made.add_argument("--json", type=Path, help="write the numbers to this file")
-    made.add_argument("--real", metavar="FLIGHT", help="play a recorded flight of Q2Q_DATA instead")
+    made.add_argument("--real", metavar="FLIGHT", help="replay a recorded flight of Q2Q_DATA instead")
     return made
 
 

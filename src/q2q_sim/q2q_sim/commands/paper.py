@@ -1,7 +1,7 @@
-"""Remake every table and figure of the paper from the project's own flights, beside its numbers.
+"""Reproduce every table and figure of the paper with the project's own flights, beside its numbers.
 
-Finished experiments are kept in OUT/cache and not run again until the code changes; a run that was broken off
-goes on where it stood.
+Finished experiments are cached in OUT/cache and not run again until the code changes; interrupted runs
+resume.
 """
 
 import sys
@@ -16,8 +16,8 @@ EXAMPLE = """  scripts/paper
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Remake the paper; return the exit status."""
-    what = "interrupted; what is finished is kept, run it again to go on"
+    """Reproduce the paper; return the exit status."""
+    what = "interrupted; run the same command to resume"
     return carry_out(parser(), _prepare, words, interrupted=what)
 
 

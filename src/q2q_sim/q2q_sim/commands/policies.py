@@ -1,4 +1,4 @@
-"""Judge recorded flights by the safety policies: `policies BAG...`; ends with 1 where one is violated."""
+"""Check recorded flights against the safety policies: `policies BAG...`; exit status 1 if one is violated."""
 
 import sys
 from argparse import Namespace
@@ -14,7 +14,7 @@ EXAMPLE = """  ros2 run q2q_sim policies out/fly/bag
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Judge the bags the command line names; return the exit status."""
+    """Check the bags of the command line; return the exit status."""
     return carry_out(parser(), _prepare, words, refused=2)
 
 
@@ -33,9 +33,9 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("policies", __doc__, EXAMPLE)
     made.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bag folder of a flight")
-    made.add_argument("--scenario", default="", help="what was flown: its vehicle and its faults")
+    made.add_argument("--scenario", default="", help="scenario of the flight, for its vehicle and faults")
     made.add_argument(
-        "--vehicle", default="", help=f"in place of what the bag says: one of {', '.join(VEHICLES)}"
+        "--vehicle", default="", help=f"vehicle, in place of the bag's: one of {', '.join(VEHICLES)}"
     )
     made.add_argument("--json", action="store_true", help="print the violations as JSON")
     return made

@@ -1,4 +1,4 @@
-"""Start the nodes of the package; an interrupt ends them quietly while they are being imported."""
+"""Entry points of the package's nodes; an interrupt during import ends them quietly."""
 
 from q2q_model.commands.node_start import start_node
 

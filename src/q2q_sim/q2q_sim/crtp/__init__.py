@@ -1,12 +1,12 @@
-"""Speak the Crazyflie Real Time Protocol as a vehicle does, version 12.
+"""Vehicle side of the Crazyflie Real Time Protocol, version 12.
 
 Pure: bytes in, bytes out, time from the room. Sources: bitcraze/crazyflie-firmware, commit 2a18fc2
-("firmware: FILE" is below its src/), and cflib 0.1.34, whose encoders the tests hold every packet to. No line
-of either is copied.
+("firmware: FILE" is below its src/), and cflib 0.1.34, whose encoders the tests compare every packet with. No
+line of either is copied.
 
-| port | what | file |
+| port | content | file |
 |---|---|---|
-| 0 console | words of the vehicle | vehicle |
+| 0 console | messages of the vehicle | vehicle |
 | 2 parameters | table, read, write, by name, EEPROM | parameters, parameters_misc |
 | 3 RPYT | roll, pitch, yaw rate, thrust | rpyt |
 | 4 memory | the trajectory memory | memory |
@@ -18,5 +18,5 @@ of either is copied.
 | 13 platform | protocol and firmware version, arming (old) | platform |
 | 15 link | echo, source | platform |
 
-vehicle serves all of it, fleet and room fly the vehicles, link_model delays and loses packets.
+vehicle serves all ports, fleet and fleet_room fly the vehicles, link_model delays and loses packets.
 """

@@ -1,10 +1,10 @@
-"""Fly all vehicles of a room by their own firmware, and let them speak CRTP.
+"""Fleet of vehicles that fly by their own firmware and communicate by CRTP.
 
     vehicles[i].handle(datagram, client) -> answers          at any time between ticks
     fly(swarm, drive)                                         one tick of 10 ms
-    outgoing() -> (vehicle, client, datagram)                 what is due to clients after it
+    outgoing() -> (vehicle, client, datagram)                 datagrams due to clients after it
 
-Vehicles that start in the air are held there until they get their first thrust, as by a hand.
+Vehicles that start in the air are held there until their first thrust, as by a hand.
 """
 
 from collections.abc import Hashable
@@ -24,19 +24,19 @@ from q2q_sim.plant.swarm import Swarm
 
 @dataclass(frozen=True, slots=True)
 class Sent:
-    """Hold one datagram on its way to a client."""
+    """Datagram to a client."""
 
     vehicle: int
-    """Row of the vehicle that sends it."""
+    """Row of the sending vehicle."""
     client: Hashable
     datagram: bytes
 
 
 class Fleet:
-    """Hold the firmware of every vehicle of a swarm."""
+    """Firmware of every vehicle of a swarm."""
 
     def __init__(self, swarm: Swarm, vehicle: Vehicle, build: Build) -> None:
-        """Start the firmware of a swarm of vehicles of one kind."""
+        """Start the firmware of a swarm of vehicles of one type."""
         n, airframe = len(swarm.names), airframe_of(vehicle)
         self._swarm = swarm
         self._rows = Controllers(
@@ -56,11 +56,10 @@ class Fleet:
         self._start = swarm.state.copy()
 
     def fly(self, drive: Array) -> None:
-        """Let one tick of 10 ms pass.
+        """Advance by one tick of 10 ms.
 
         Args:
-            drive: acceleration by moving air [m/s^2], world, then what each rotor gives of what is
-                asked, (n, 7).
+            drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
         """
         for i, vehicle in enumerate(self.vehicles):
             self._rows.wanted[i] = vehicle.firmware.tick()
@@ -69,7 +68,7 @@ class Fleet:
         self._hold()
 
     def outgoing(self) -> list[Sent]:
-        """Return what is due to clients now."""
+        """Return the datagrams due to clients now."""
         return [
             Sent(i, client, datagram)
             for i, vehicle in enumerate(self.vehicles)
@@ -84,7 +83,7 @@ class Fleet:
             self._rows = replace(self._rows, gains=gains)
 
     def _hold(self) -> None:
-        """Put vehicles back that hang in the air and have not been flown yet."""
+        """Reset vehicles that are held in the air and have not been flown yet."""
         idle = self._rows.wanted[:, 1, IDLE, None]
         self._held &= ~(self._rows.memory[:, MOTOR : MOTOR + 4] > idle).any(axis=1)
         self._swarm.state[self._held] = self._start[self._held]

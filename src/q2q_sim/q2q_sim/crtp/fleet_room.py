@@ -1,4 +1,4 @@
-"""Put a fleet into a room: its vehicles fly by their own firmware, the rest of the room as ever."""
+"""Fleet of a room: the vehicles fly by their own firmware, the rest of the room is unchanged."""
 
 from dataclasses import dataclass
 
@@ -18,29 +18,27 @@ _POSITIONING: dict[str, tuple[str, ...]] = {
     "flow": ("bcFlow2", "bcZRanger2"),
     "external": (),
 }
-"""Decks of each way to know the place."""
+"""Decks of each positioning method."""
 
 
 @dataclass(frozen=True, slots=True)
 class CrtpRoomParams:
-    """Hold how the vehicles wait for their clients."""
+    """Start and equipment of vehicles that wait for clients."""
 
     start: str = tunable(
         "ground",
-        "where vehicles wait: below their first waypoint (beside it where two share one), or held at it",
+        "start of the vehicles: on the ground below their first waypoint, or held at it",
         choices=("ground", "air"),
     )
     positioning: str = tunable(
         "deck",
-        "how vehicles know their place: by themselves, by flow from where they started, or told by clients",
+        "positioning of the vehicles: by themselves, by optical flow from their start, or sent by clients",
         choices=("deck", "flow", "external"),
     )
-    decks: tuple[str, ...] = tunable(
-        ("bcFlow2", "bcZRanger2"), "decks that vehicles tell of besides that for positioning"
-    )
+    decks: tuple[str, ...] = tunable(("bcFlow2", "bcZRanger2"), "reported decks besides that for positioning")
     auto_arming: bool = tunable(default=True, description="vehicles arm themselves, as the stock build does")
     zero_expires: bool = tunable(
-        default=False, description="a setpoint without thrust gives way after 0.5 s; the firmware keeps it"
+        default=False, description="a setpoint without thrust expires after 0.5 s; the firmware keeps it"
     )
 
     def __post_init__(self) -> None:
@@ -65,7 +63,7 @@ class CrtpRoomParams:
 
 
 def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
-    """Return the fleet of a room that has not begun; move its vehicles to where they wait."""
+    """Return the fleet of a room before its first tick, with the vehicles at their start."""
     if params.start == "ground":
         start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
         start[:, 2] = 0.0

@@ -1,7 +1,7 @@
-"""Pilot a fleet in simulated time: cflib's own encoders drive it without a network, a thread or a clock.
+"""Control of a fleet in simulated time by cflib's own encoders, without network, threads or clock.
 
-`Wire` is what cflib's Commander, HighLevelCommander, Localization and Supervisor take for a Crazyflie when
-they only send; `Pilot` is a swarm that flies by its own firmware, tick by tick.
+`Wire` replaces the Crazyflie object of cflib's Commander, HighLevelCommander, Localization and Supervisor;
+`Pilot` is a swarm that flies by its own firmware, tick by tick.
 """
 
 from collections.abc import Callable, Hashable
@@ -19,21 +19,21 @@ from q2q_sim.plant.swarm import Swarm
 from q2q_sim.plant.wake import Wake
 
 STILL = (0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
-"""No moving air, rotors that give what is asked."""
+"""Still air and rotors of gain 1."""
 ECHO = b"\xfc\x00"
-"""Asks a vehicle to send it back: keeps a client known."""
+"""Echo request, which keeps a client alive."""
 TICKS_PER_S = 100
 
 
 class SentPacket(Protocol):
-    """Match cflib's CRTPPacket."""
+    """Interface of cflib's CRTPPacket."""
 
     header: int
     data: bytearray
 
 
 class Wire:
-    """Take packets as cflib's Crazyflie does; keep what was sent and answered."""
+    """Packet sink with the interface of cflib's Crazyflie; keeps packets and answers."""
 
     def __init__(self, deliver: Callable[[bytes], list[bytes]]) -> None:
         self._deliver = deliver
@@ -43,26 +43,26 @@ class Wire:
         self.platform = self
         self.needs_resending = False
         self.version = 12
-        """CRTP protocol version that the encoders are told."""
+        """CRTP protocol version for the encoders."""
 
     def get_protocol_version(self) -> int:
         """Return the version of the protocol."""
         return self.version
 
     def add_port_callback(self, _: int, __: object) -> None:
-        """Take a listener: answers are kept, not delivered."""
+        """Accept a listener; answers are kept, not delivered."""
 
     def add_callback(self, _: object) -> None:
-        """Take a listener: connections do not change here."""
+        """Accept a listener; connections do not change here."""
 
     @property
     def disconnected(self) -> "Wire":
-        """Return what listeners to the end of the connection are added to."""
+        """Return the caller for listeners to the end of the connection."""
         return self
 
     @property
     def connection_requested(self) -> "Wire":
-        """Return what listeners to its beginning are added to."""
+        """Return the caller for listeners to its start."""
         return self
 
     def send_packet(self, packet: SentPacket, **_: object) -> None:
@@ -73,7 +73,7 @@ class Wire:
 
 
 class Pilot:
-    """Hold a swarm that flies by its own firmware."""
+    """Swarm that flies by its own firmware."""
 
     def __init__(
         self,
@@ -88,10 +88,10 @@ class Pilot:
         self.fleet = Fleet(self.swarm, vehicle, build or Build())
         self.drive = np.tile(STILL, (len(start), 1))
         self.out: list[Sent] = []
-        """What was due to clients since the beginning."""
+        """Datagrams to clients since the start."""
 
     def wire(self, vehicle: int = 0, client: Hashable = LOCAL) -> Wire:
-        """Return what cflib's encoders take for a Crazyflie."""
+        """Return the object that cflib's encoders use as a Crazyflie."""
         return Wire(lambda datagram: self.fleet.vehicles[vehicle].handle(datagram, client))
 
     def firmware(self, vehicle: int = 0) -> Firmware:
@@ -99,18 +99,18 @@ class Pilot:
         return self.fleet.vehicles[vehicle].firmware
 
     def pos(self, vehicle: int = 0) -> Array:
-        """Return where a vehicle is [m], world, (3,)."""
+        """Return the true position of a vehicle [m], world, (3,)."""
         return np.array(self.swarm.state[vehicle, :3])
 
     def fly(self, seconds: float, each: Callable[[float], None] = lambda _: None) -> None:
-        """Let time pass; `each` is called with the time [s] before every tick."""
+        """Advance time; `each` is called with the time [s] before every tick."""
         for _ in range(round(seconds * TICKS_PER_S)):
             each(self.firmware().seconds)
             self.fleet.fly(self.drive)
             self.out += self.fleet.outgoing()
 
     def hold(self, setpoint: Setpoint) -> Callable[[float], None]:
-        """Return what sends a setpoint to all before every tick, as a client that stays in touch."""
+        """Return a function that sends a setpoint to all before every tick and keeps the client alive."""
 
         def each(_: float) -> None:
             for vehicle in self.fleet.vehicles:

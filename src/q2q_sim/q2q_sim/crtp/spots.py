@@ -1,8 +1,8 @@
-"""Find each vehicle its own spot on the ground.
+"""Separate starting positions on the ground.
 
-Vehicles whose paths begin one above the other would stand in each other. In their order, each takes the free
-spot nearest to its own: on a grid of SPACING around it, and SPACING from those taken and from the spots of
-vehicles that have not been placed, which keep theirs.
+Vehicles whose paths start one above the other would overlap on the ground. In turn, each takes the nearest
+free point of a grid of SPACING around its own, at least SPACING from those taken and from the first choices
+of vehicles not yet placed.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 
 SPACING = 0.4
-"""Least distance of two spots [m]: twice a Crazyflie with guards, and room to set it down."""
+"""Smallest distance of two spots [m]: twice a Crazyflie with guards, and clearance."""
 
 
 def apart(wanted: Array) -> Array:
@@ -27,13 +27,13 @@ def apart(wanted: Array) -> Array:
 
 
 def _room(candidates: Array, taken: Array) -> Array:
-    """Return which candidates (m, 2) are SPACING from all that are taken, (m,)."""
+    """Return which candidates (m, 2) are at least SPACING from all taken spots, (m,)."""
     gaps = np.hypot(*np.moveaxis(candidates[:, None] - taken, -1, 0))  # (m, taken)
     return np.asarray((gaps >= SPACING * (1.0 - 1e-9)).all(axis=1))
 
 
 def _grid(count: int) -> Array:
-    """Return offsets [m], nearest first, of which some are free among `count` vehicles, (m, 2)."""
+    """Return offsets [m], nearest first, enough for a free one among `count` vehicles, (m, 2)."""
     reach = int(np.ceil(2.0 * np.sqrt(count))) + 1  # each vehicle blocks at most four of (2 reach + 1)^2
     steps = SPACING * np.arange(-reach, reach + 1)
     grid = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)

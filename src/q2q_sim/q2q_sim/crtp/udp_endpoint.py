@@ -1,8 +1,8 @@
-"""Attach a fleet to UDP ports on loopback: one port a vehicle, framed as cflib's UDP driver does.
+"""UDP ports of a fleet on loopback: one for each vehicle, framed as in cflib's UDP driver.
 
-A thread of its own takes datagrams, in turns of at most BURST a port, so that a flood on one port starves
-neither the others nor the room. Who flies the room calls `fly` between; a lock keeps both apart. Nothing here
-opens a port on another interface than loopback.
+A thread receives datagrams, at most BURST from each port in turn, so that a flood on one port starves neither
+the others nor the room. The room's loop calls `fly`; a lock separates both. Ports are opened on loopback
+only.
 """
 
 import selectors
@@ -19,9 +19,9 @@ from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
 
 LOOPBACK = "127.0.0.1"
 BURST = 32
-"""Datagrams taken from one port before the next one has its turn."""
+"""Datagrams received from one port before the next one's turn."""
 DATAGRAM_MAX = 64
-"""Bytes read of a datagram; one that is longer than a packet is refused anyway."""
+"""Bytes read of a datagram; longer than a packet, so that oversized ones are refused."""
 WAKE_S = 0.2
 """Longest sleep of the thread [s]."""
 
@@ -35,11 +35,11 @@ class Traffic:
     received: int = 0
     sent: int = 0
     dropped: int = 0
-    """Lost by the link model, or by a full socket."""
+    """Lost by the link model or a full socket."""
 
 
 class CrtpEndpoint:
-    """Sockets of a fleet. Use as a context manager."""
+    """Sockets of a fleet; a context manager."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class CrtpEndpoint:
         link: LinkParams,
         now: Callable[[], float] = monotonic,
     ) -> None:
-        """Open the ports base_port, base_port + 1, ...; 0 lets the system choose each.
+        """Open the ports base_port, base_port + 1, ...; with 0 the system chooses each.
 
         Raises:
             OSError: a port is taken, naming it.
@@ -69,7 +69,7 @@ class CrtpEndpoint:
 
     @property
     def uris(self) -> tuple[str, ...]:
-        """Return the address of every vehicle, as clients write it."""
+        """Return the URI of every vehicle for clients."""
         return tuple(f"udp://{LOOPBACK}:{one.getsockname()[1]}" for one in self._sockets)
 
     def __enter__(self) -> Self:
@@ -89,7 +89,7 @@ class CrtpEndpoint:
             one.close()
 
     def fly(self, drive: Array) -> None:
-        """Let one tick of the fleet pass (Fleet.fly) and send what is due to clients."""
+        """Advance the fleet by one tick (Fleet.fly) and send the datagrams due to clients."""
         with self._lock:
             self._fleet.fly(drive)
             for one in self._fleet.outgoing():
@@ -160,7 +160,7 @@ class CrtpEndpoint:
         try:
             self._sockets[row].sendto(datagram, client)
             self.traffic.sent += 1
-        except OSError:  # the client's buffer is full, or it is gone
+        except OSError:  # the client's buffer is full, or the client is gone
             self.traffic.dropped += 1
 
 

@@ -1,12 +1,12 @@
-"""Answer as one vehicle: datagrams in, datagrams out, for any number of clients.
+"""CRTP server of one vehicle: datagrams in, datagrams out, for any number of clients.
 
-Each client has its own log blocks and is remembered until it has been silent for SILENCE_MS; setpoints and
-parameters are the vehicle's, and the last one wins, as with two radios on one address. Every client is told
-on its console when another appears. What is no packet, cut short, not finite or unknown is refused: counted,
-with the reason, and without effect.
+Each client has its own log blocks and is kept until it has been silent for SILENCE_MS; setpoints and
+parameters are shared, and the last one wins, as with two radios on one address. Every client gets a console
+message when another appears. Malformed, short, non-finite or unknown packets are refused: counted with the
+reason, without effect.
 
-The firmware locks after an emergency stop or a watchdog's cut until somebody pulls the battery. Here that
-happens when all clients have gone, or when one sends the radio's reboot command (0xFF, 0xFE, 0x03 or 0xF0).
+The firmware locks after an emergency stop or a watchdog's shutdown until a reboot. Here it reboots when all
+clients have gone, or when one sends the radio's reboot command (0xFF, 0xFE, 0x03 or 0xF0).
 """
 
 from collections.abc import Callable, Hashable
@@ -29,19 +29,19 @@ from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.supervisor.rules import State
 
 SILENCE_MS = 1000
-"""RADIO_ACTIVITY_TIMEOUT_MS of the firmware: after this its logs to a client end."""
+"""RADIO_ACTIVITY_TIMEOUT_MS of the firmware, after which logs to a client end."""
 MOST_CLIENTS = 8
-"""More are not remembered: the most silent one gives way."""
+"""Largest number of clients; a new one replaces the one silent for longest."""
 MISC = 3
 RADIO, POWER_UP, RESET = 0xFE, 0x03, 0xF0
 """cflib: utils/power_switch.py."""
 LOCAL = "local"
-"""The client of tests without a network."""
+"""Client of tests without a network."""
 
 
 @dataclass(slots=True)
 class _Session:
-    """Hold what a vehicle remembers of a client."""
+    """State of a client."""
 
     heard_ms: int
     logs: LogBlocks = field(default_factory=LogBlocks)
@@ -49,7 +49,7 @@ class _Session:
 
 @dataclass(slots=True)
 class Refusals:
-    """Count what was refused."""
+    """Counter of refused packets."""
 
     count: int = 0
     last: str = ""
@@ -71,7 +71,7 @@ _SERVICES: dict[int, Callable[[Firmware, Packet], list[Packet]]] = {
 
 
 class CrtpVehicle:
-    """Hold one vehicle's firmware and its clients."""
+    """Firmware of one vehicle and its clients."""
 
     def __init__(self, name: str, firmware: Firmware) -> None:
         self.name = name
@@ -81,11 +81,11 @@ class CrtpVehicle:
 
     @property
     def clients(self) -> tuple[Hashable, ...]:
-        """Return the clients heard lately."""
+        """Return the active clients."""
         return tuple(self._sessions)
 
     def handle(self, datagram: bytes, client: Hashable = LOCAL) -> list[bytes]:
-        """Obey one datagram of a client; return the datagrams that answer it."""
+        """Execute one datagram of a client; return the datagrams that answer it."""
         if datagram == NULL:
             return [NULL]
         if len(datagram) > 2 and datagram[0] >= 0xF0 and datagram[1] == RADIO:
@@ -98,7 +98,7 @@ class CrtpVehicle:
         return [datagram_of(answer) for answer in answers]
 
     def step(self) -> list[tuple[Hashable, bytes]]:
-        """Return the datagrams that are due to clients at the firmware's time: logs and words."""
+        """Return the datagrams due to clients now: logs and console messages."""
         self._forget_silent()
         words, self.firmware.console = self.firmware.console, ""
         spoken = [datagram_of(one) for one in _console(words)]
@@ -120,7 +120,7 @@ class CrtpVehicle:
             return serve(self.firmware, packet)
         if packet.port in _SERVICES:
             return _SERVICES[packet.port](self.firmware, packet)
-        raise MalformedError(f"port {packet.port}: nothing listens there")
+        raise MalformedError(f"port {packet.port}: not served")
 
     def _session(self, client: Hashable) -> _Session:
         known = self._sessions.get(client)

@@ -1,24 +1,24 @@
-"""Name the faults of a room, and when they happen: a library that scenarios and campaigns draw from.
+"""Library of faults of a room and their times, for scenarios and campaigns.
 
-| kind | what happens to the named vehicles | size |
+| kind | effect on the named vehicles | size |
 |---|---|---|
 | outlier | position off in a new random direction each frame | distance [m] |
 | jump | position off along x, the same each frame | distance [m] |
 | flip | body turned half a turn about its x axis: a reflection | - |
-| swap | two vehicles carry each other's name | - |
+| swap | the names of two vehicles exchanged | - |
 | dropout | not in the frame (a long one: a vehicle silently missing) | - |
 | nan | in the frame, position not a number | - |
 | stale | the frame before the fault, under new stamps (all vehicles) | - |
 | repeated | the frame before the fault, under its old stamp (all) | - |
-| late | frames of a time ago, under their own stamps; repeated until then (all) | delay [s] |
-| reordered | every second frame comes after its successor (all) | - |
-| clock_jump | stamps off (all) | time [s] |
-| radio_loss | packets lost | share of packets [-] |
-| battery_sag | thrust fades evenly over the fault and stays weak | share of thrust lost [-] |
-| weak_rotor | rotor 1 gives less | share of its thrust lost [-] |
+| late | frames delayed, with their own stamps; the last one repeated until then (all) | delay [s] |
+| reordered | every second frame arrives after its successor (all) | - |
+| clock_jump | stamps shifted (all) | time [s] |
+| radio_loss | packets lost | fraction of packets [-] |
+| battery_sag | thrust falls linearly during the fault and stays low | fraction of thrust lost [-] |
+| weak_rotor | rotor 1 gives less thrust | fraction of its thrust lost [-] |
 
-A fault acts on the ticks with start <= t < start + duration, at least one. No vehicle named means all.
-Faults of processes (a node killed or stopped, messages lost between nodes) are not the room's: see the tools.
+A fault acts on the ticks with start <= t < start + duration, at least one; without named vehicles on all.
+Faults of processes (a node killed or stopped) are not part of the room: q2q_sim.flight.strikes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,9 +39,9 @@ class FaultKind:
     unit: str
     low: float = 0.0
     high: float = 0.0
-    """Bounds of the size; both 0: it has none."""
+    """Bounds of the size; both 0 if the kind has none."""
     whole: bool = False
-    """It strikes the frame, not single vehicles."""
+    """Acts on the whole frame, not on single vehicles."""
 
 
 KINDS: Mapping[str, FaultKind] = {
@@ -72,12 +72,12 @@ class Fault:
     duration: float = 0.0
     """[s]; 0 is one tick."""
     vehicles: Names = ()
-    """Empty: all."""
+    """Empty for all."""
     size: float = 0.0
-    """By its kind; see the table above."""
+    """Meaning by kind, as in the table above."""
 
     def __post_init__(self) -> None:
-        """Check the numbers; raise ValueError naming what is wrong and what is allowed."""
+        """Check the values; raise ValueError with the value and what is allowed."""
         if self.kind not in KINDS:
             near = get_close_matches(self.kind, KINDS, n=1)
             hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(KINDS)}"
@@ -90,9 +90,9 @@ class Fault:
             bounds = f"{kind.low} to {kind.high} {kind.unit}".rstrip()
             raise ValueError(f"fault {self.kind}: size = {self.size}: allowed is {bounds}")
         if self.kind == "swap" and len(self.vehicles) != 2:
-            raise ValueError(f"fault swap: vehicles = {list(self.vehicles)}: name the two that are swapped")
+            raise ValueError(f"fault swap: vehicles = {list(self.vehicles)}: name exactly two vehicles")
         if kind.whole and self.vehicles:
-            raise ValueError(f"fault {self.kind} strikes whole frames: name no vehicles")
+            raise ValueError(f"fault {self.kind} acts on whole frames: name no vehicles")
 
     def acts_at(self, t: float, tick: float) -> bool:
         """Return whether the fault acts on the tick at t [s]; `tick` is the time between ticks [s]."""
@@ -101,7 +101,7 @@ class Fault:
 
 
 def check_vehicles(faults: Sequence[Fault], names: Names) -> None:
-    """Raise ValueError where a fault names a vehicle that does not fly."""
+    """Raise ValueError if a fault names a vehicle that is not in the flight."""
     for fault in faults:
         for name in fault.vehicles:
             if name not in names:
@@ -112,7 +112,7 @@ def fault_from_document(document: object) -> Fault:
     """Return a fault from parsed YAML: {kind: outlier, start: 10, duration: 0.5, vehicles: [cf1], size: 1}.
 
     Raises:
-        ValueError: naming the key, the value, and what is allowed.
+        ValueError: with the key, the value, and what is allowed.
     """
     if not isinstance(document, Mapping):
         raise ValueError(f"fault {document!r}: expected kind, start and more")  # noqa: TRY004  bad document
@@ -139,12 +139,12 @@ LENGTHS: Mapping[str, tuple[float, float]] = {
     "late": (0.05, 1.0), "reordered": (0.1, 1.0), "clock_jump": (0.05, 1.0), "radio_loss": (0.05, 0.4),
     "battery_sag": (2.0, 10.0), "weak_rotor": (0.1, 5.0),
 }  # fmt: skip
-"""How long random faults last [s]: what rooms report, and up to where a vehicle should come through."""
+"""Durations of random faults [s]: from reports of rooms, up to what a vehicle should survive."""
 SIZES: Mapping[str, tuple[float, float]] = {
     "outlier": (0.05, 5.0), "jump": (0.05, 0.5), "late": (0.02, 0.1), "clock_jump": (-0.5, 0.5),
     "radio_loss": (0.3, 1.0), "battery_sag": (0.02, 0.15), "weak_rotor": (0.02, 0.1),
 }  # fmt: skip
-"""How large random faults are, in the kinds' units."""
+"""Sizes of random faults, in the units of their kinds."""
 
 
 def random_faults(seed: int, names: Names, duration: float, count: int) -> tuple[Fault, ...]:

@@ -1,9 +1,9 @@
-"""Do to a room what its faults say, tick by tick: to frames, to packets, to rotors.
+"""Injection of faults into frames, packets and rotors, tick by tick.
 
-Frames pass through in two stages. First their capture: outliers, jumps, flips, swaps, absences and NaN of
-their rows, and their stamp. Then their delivery: which frame comes in this tick. One frame comes a tick, so a
-late frame is one of the past, and a frame that does not come is the last one again, stamp and all.
-Deterministic: only outliers draw, from their own stream.
+Frames pass two stages. Capture faults change rows (outliers, jumps, flips, swaps, dropouts, NaN) and stamps.
+Delivery faults choose which frame arrives in this tick. One frame arrives each tick: a late frame is an older
+one, and a missing frame is the last one repeated with its stamp. Only outliers draw random numbers, from
+their own stream.
 """
 
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ MARKS = {
     "reordered": Injected.STAMP,
     "clock_jump": Injected.STAMP,
 }
-"""How a struck row is marked in `Room.injected`."""
+"""Mark of an affected row in `Room.injected`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,14 +42,14 @@ class Delivery:
     frame: MocapFrame
     stamp_ns: int
     captured_ns: int
-    """When it was captured, by a clock that does not jump."""
+    """Capture time, by a clock that does not jump."""
 
 
 class FaultInjection:
-    """Faults of a flight, and the frames that may be repeated."""
+    """Faults of a flight, with the past frames that may be repeated."""
 
     def __init__(self, faults: Sequence[Fault], names: Names, tick_ns: int, seed: int) -> None:
-        """Strike the vehicles `names`, tick by tick of tick_ns [ns]."""
+        """Take the faults and the vehicles `names`; `tick_ns` is the sample time [ns]."""
         self._faults = tuple(faults)
         self._names = names
         self._tick_ns = tick_ns
@@ -61,7 +61,7 @@ class FaultInjection:
         self._kept = round(longest * 1e9 / tick_ns) + 3
 
     def deliver(self, frame: MocapFrame, stamp_ns: int, injected: Flags) -> Delivery:
-        """Return what comes in the tick at stamp_ns, marking in `injected` (n,) what was done."""
+        """Return the frame that arrives in the tick at stamp_ns and mark the faults in `injected` (n,)."""
         here = Delivery(frame, stamp_ns, stamp_ns)
         if not self._faults:
             return here
@@ -89,7 +89,7 @@ class FaultInjection:
         return lost
 
     def weakened(self, drive: Array, stamp_ns: int) -> Array:
-        """Return the drive (n, 7) with what sagging batteries and weak rotors still give."""
+        """Return the drive (n, 7) with the rotor gains reduced by battery sag and weak rotors."""
         for fault in self._faults:
             if fault.kind == "battery_sag":
                 drive[self._struck(fault), 3:] *= 1.0 - fault.size * self._elapsed(fault, stamp_ns)
@@ -104,7 +104,7 @@ class FaultInjection:
         return fault.acts_at(stamp_ns * 1e-9, self._tick_ns * 1e-9)
 
     def _elapsed(self, fault: Fault, stamp_ns: int) -> float:
-        """Return which share of the fault's time is over, 0 to 1."""
+        """Return the elapsed fraction of the fault's duration, 0 to 1."""
         since = stamp_ns * 1e-9 - fault.start
         return min(max(since / max(fault.duration, self._tick_ns * 1e-9), 0.0), 1.0)
 
@@ -142,7 +142,7 @@ class FaultInjection:
         return replace(here, stamp_ns=max(here.stamp_ns + round(fault.size * 1e9), 0))
 
     def _arriving(self, here: Delivery, fault: Fault) -> Delivery:
-        """Return what a fault of delivery lets come instead of `here`."""
+        """Return the frame that a delivery fault substitutes for `here`."""
         last = self._sent or here
         if fault.kind == "stale":
             return replace(here, frame=last.frame)

@@ -1,24 +1,20 @@
-"""Fly one vehicle as the Crazyflie's firmware does: commander, planner, supervisor, controllers, motors.
+"""Emulation of the Crazyflie firmware: commander, planner, supervisor, controllers, motors.
 
 Written after bitcraze/crazyflie-firmware, commit 2a18fc2 (August 2026, protocol 12); "firmware: FILE" names
-the file below src/ that a number or a rule comes from. No line of it is copied.
+the source file below src/ of a number or a rule. No line of it is copied.
 
-Units are the firmware's where a client sees them, and the name says so: angles and rates in degrees, thrust
-in PWM (0..65535). Pitch of the firmware is the *legacy* one, nose up positive: minus theta of
+Quantities that clients see are in the firmware's units, given in their names: angles and rates in degrees,
+thrust in PWM (0..65535). The firmware's pitch is the *legacy* one, nose up positive: minus theta of
 q2q_model.geometry.rotations. Everything else is SI, world frame, z up.
 
-| file | what |
+| folder or file | content |
 |---|---|
-| setpoint | what a controller is asked for, axis by axis |
-| parameter_table, parameters | names, types, numbers with their sources; the values of one vehicle |
-| airframe | motors and inertia: what a PWM does |
-| commander, planner, polynomial | who may command; take-off, land, go-to, uploaded trajectories |
-| yaw_turn | the shorter way between two yaws, in 32 bits |
-| supervisor_rules, supervisor, supervisor_info | arming, watchdogs, emergency stop; its bits |
-| estimator, battery | what the vehicle believes of its position and its battery |
-| uploads | trajectories and stored parameters of clients |
-| thrust_curve, motors, whole | duty and force of a motor; numbers stored without fraction |
-| columns, mellinger, pid_step, position_pid, attitude_pid, flight | the compiled 500 Hz loop |
-| controller_choice | which controller flies, and what a new one forgets |
-| firmware | all of it, for one vehicle, 100 times a second |
+| commander/ | priorities of setpoints; take-off, landing, go-to, uploaded trajectories |
+| controllers/ | Mellinger and the PID cascade, compiled, at 500 Hz; mixer |
+| motors/ | airframe, battery, thrust curve |
+| parameters/ | parameter table, values of one vehicle, uploads of clients |
+| supervisor/ | arming, watchdogs, emergency stop |
+| estimator | onboard position estimate |
+| firmware | everything above the controllers, for one vehicle, at 100 Hz |
+| firmware_tick | 10 ms of flight of a swarm under its own controllers |
 """

@@ -1,7 +1,7 @@
-"""Estimate position and velocity on board from external positions, and say how sure the estimate is.
+"""Onboard estimate of position and velocity from external positions, with its covariance.
 
 Source: firmware: modules/src/kalman_core/kalman_core.c, mm_position.c (state x, v; scalar updates on x), axis
-by axis, 100 times a second. The accelerometer is taken as exact, so what is estimated is the *error* of the
+by axis, 100 times a second. The accelerometer is assumed exact, so the state is the *error* of the
 estimate e = x^ - x, which drifts with its own velocity:
 
     e' = e_v,  e_v' = 0,   P' = F P F',  F = [1 dt; 0 1]                       every 10 ms
@@ -9,10 +9,10 @@ estimate e = x^ - x, which drifts with its own velocity:
     K = P h_x / (P_11 + r^2),  e += K (z - x^),  h_x = (1, 0),  bounds again
 
 A flow deck measures velocity along the ground and height, both exact here (mm_flow.c, mm_tof.c; standard
-deviations of the stock drivers): the error along the ground stays what it was when the estimate began.
+deviations of the stock drivers): the horizontal error keeps its initial value.
 
-The attitude is taken as known (gyroscope and accelerometer are good at it); the quaternion of an external
-pose is logged, not fused.
+The attitude is assumed known, from gyroscope and accelerometer; the quaternion of an external pose is logged,
+not fused.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -31,7 +31,7 @@ DT = 0.01
 STEP = np.array([[1.0, DT], [0.0, 1.0]])
 """F."""
 NOISE_STEPS = 10
-"""Process noise is added so often each DT."""
+"""Number of process-noise updates in each DT."""
 VARIANCE_MIN, COVARIANCE_MAX = 1e-6, 100.0
 """MIN_COVARIANCE (of the diagonal), MAX_COVARIANCE, kalman_core.c [m^2], [m^2/s^2]."""
 START_STD = np.array([100.0, 100.0, 1.0])
@@ -42,16 +42,16 @@ START_VEL_STD = 0.01
 FLOW_STD = 0.2 * 0.71674 / (35.0 * 0.01)
 """Of the velocity by flow, per metre of height [1/s]: 0.2 pixels of 35, over 0.71674 rad, each 10 ms."""
 FLOW_HEIGHT_MIN = 0.1
-"""Height that the flow is scaled by at least [m]."""
+"""Smallest height that scales the flow [m]."""
 RANGE_STD = 2.5e-3
 """Of the height below 2 m: expStdA of the ranger [m]."""
 
 
 class Estimator:
-    """Error of the estimate and its covariance, one row an axis."""
+    """Error of the estimate and its covariance, one row for each axis."""
 
     def __init__(self, drift: Array) -> None:
-        """Take the row of the estimate's error that the controllers read: position, velocity, world, (6,)."""
+        """Take the row of the estimate's error for the controllers: position, velocity, world, (6,)."""
         self.drift = drift
         self._cov = np.zeros((3, 2, 2))
         self._variances = np.einsum("kii->ki", self._cov)  # a view: the diagonals, (3, 2)
@@ -63,7 +63,7 @@ class Estimator:
         return np.asarray(self._variances.T.ravel())
 
     def forget(self, believed: Array, true_pos: Array) -> None:
-        """Start anew, believing to be at rest at `believed` [m]."""
+        """Reset to an estimate at rest at `believed` [m]."""
         self.drift[:3], self.drift[3:] = believed - true_pos, 0.0
         self._cov[:] = 0.0
         self._variances[:, 0], self._variances[:, 1] = START_STD**2, START_VEL_STD**2
@@ -76,10 +76,10 @@ class Estimator:
         self._variances += noise
         self._keep_bounds()
         self._variances += (NOISE_STEPS - 1) * noise
-        np.minimum(self._variances, COVARIANCE_MAX, out=self._variances)  # no other bound is met by noise
+        np.minimum(self._variances, COVARIANCE_MAX, out=self._variances)  # noise reaches no other bound
 
     def correct(self, measured: Array, true_pos: Array, std: float) -> None:
-        """Take an external position [m], (3,), with a standard deviation [m]."""
+        """Fuse an external position [m], (3,), with a standard deviation [m]."""
         gain = self._cov[:, :, 0] / (self._cov[:, 0, 0] + std * std)[:, None]  # (3, 2)
         surprise = measured - (true_pos + self.drift[:3])
         self.drift[:3] += gain[:, 0] * surprise
@@ -88,7 +88,7 @@ class Estimator:
         self._keep_bounds()
 
     def correct_by_flow(self, state: Array) -> None:
-        """Take the velocity along the ground and the height that a flow deck measures in a state row."""
+        """Fuse horizontal velocity and height as a flow deck measures them in a state row."""
         height = self._cov[2]
         gain = height[:, 0] / (height[0, 0] + RANGE_STD**2)
         surprise = -self.drift[2]

@@ -1,8 +1,8 @@
-"""Run one vehicle's firmware: 100 times a second everything above the controllers, which run compiled.
+"""Firmware of one vehicle: everything above the controllers, at 100 Hz.
 
 A tick, in the firmware's order (modules/src/stabilizer.c): estimate, high-level commander, commander,
-supervisor (25 Hz), override by the supervisor, then the row that the controllers fly (flight.py).
-The firmware knows time in milliseconds since the room began, and its own rows of the swarm's arrays.
+supervisor (25 Hz), override by the supervisor, then the row for the controllers (firmware_tick). Firmware
+time is in milliseconds since the start of the room.
 """
 
 import math
@@ -33,32 +33,32 @@ TICK_MS = 10
 SUPERVISOR_TICKS = 4
 """RATE_SUPERVISOR of the firmware: 25 Hz."""
 ZERO_EXPIRES_MS = 500
-"""Age at which a standing vehicle forgets a setpoint without thrust, where the build lets it."""
+"""Age at which a vehicle at rest drops a setpoint without thrust, if the build does so."""
 SUPPLY_SHARE = 1.0 - 0.99**TICK_MS
-"""Of a new voltage in the supply after a tick: the low-pass of stabilizer.c takes 1 % each 1 ms."""
+"""Weight of a new voltage in the supply after a tick: the low-pass of stabilizer.c takes 1 % each 1 ms."""
 
 
 @dataclass(frozen=True, slots=True)
 class Build:
-    """Say how the firmware was built and the vehicle equipped."""
+    """Build options of the firmware and equipment of the vehicle."""
 
     auto_arming: bool = True
     """False: CONFIG_MOTORS_REQUIRE_ARMING."""
     number: int = 0
-    """Which of the room's vehicles it is: the last byte of its radio address."""
+    """Index of the vehicle in the room: the last byte of its radio address."""
     positioning_deck: bool = True
-    """The vehicle knows its position by itself, as with a Lighthouse deck; else from clients only."""
+    """The vehicle measures its position, as with a Lighthouse deck; else clients send it."""
     flow_deck: bool = False
-    """Without a positioning deck: it measures velocity and height, from where the estimate began."""
+    """Without a positioning deck: it measures velocity and height, relative to the initial estimate."""
     decks: tuple[str, ...] = ()
-    """Those that clients are told of (parameter_table.DECKS)."""
+    """Decks reported to clients (parameter_table.DECKS)."""
     zero_expires: bool = False
-    """Different from the firmware: a client's setpoint without thrust gives way after ZERO_EXPIRES_MS."""
+    """Unlike the firmware: a client's setpoint without thrust expires after ZERO_EXPIRES_MS."""
 
 
 @dataclass(frozen=True, slots=True)
 class FirmwareRows:
-    """Hold one vehicle's rows of the swarm's arrays, as views."""
+    """One vehicle's rows of the swarm's arrays, as views."""
 
     state: Array
     """quadcopter, (21,)."""
@@ -70,7 +70,7 @@ class FirmwareRows:
 
 @dataclass(slots=True)
 class ExternalPose:
-    """Hold the last external pose, for logs."""
+    """Last external pose, for logs."""
 
     pos: Three = (0.0, 0.0, 0.0)
     """[m], world."""
@@ -80,7 +80,7 @@ class ExternalPose:
 
 
 class Firmware:
-    """Hold everything one vehicle remembers."""
+    """Firmware of one vehicle with all its state."""
 
     def __init__(self, airframe: Airframe, build: Build, rows: FirmwareRows) -> None:
         self.build = build
@@ -89,12 +89,12 @@ class Firmware:
         self.battery = Battery()
         self.now_ms = 0
         self.received = 0
-        """Packets since the room began."""
+        """Packets since the start of the room."""
         self._airframe = airframe
         self.boot()
 
     def boot(self) -> None:
-        """Start anew: what was uploaded or set is forgotten, but for the EEPROM."""
+        """Reboot: everything uploaded or set is lost, except the EEPROM."""
         self.parameters = Parameters(self._airframe, auto_arming=self.build.auto_arming)
         for name, value in self.uploads.stored.items():
             self.parameters.set(name, value)
@@ -130,12 +130,12 @@ class Firmware:
 
     @property
     def pos(self) -> Array:
-        """Return where the vehicle believes to be [m], world, (3,)."""
+        """Return the estimated position [m], world, (3,)."""
         return np.asarray(self.rows.state[POS] + self.rows.drift[:3])
 
     @property
     def vel(self) -> Array:
-        """Return the velocity it believes [m/s], world, (3,)."""
+        """Return the estimated velocity [m/s], world, (3,)."""
         return np.asarray(self.rows.state[VEL] + self.rows.drift[3:])
 
     @property
@@ -146,22 +146,22 @@ class Firmware:
 
     @property
     def specific_force_g(self) -> Array:
-        """Return what the accelerometer reads [g], body, (3,)."""
+        """Return the accelerometer reading [g], body, (3,)."""
         up = np.array([0.0, 0.0, GRAVITY])
         return np.asarray(rotate_inverse(self.rows.state[QUAT], self.rows.state[ACC] + up) / GRAVITY)
 
     @property
     def rates_deg(self) -> Array:
-        """Return what the gyroscope reads [deg/s], body, (3,)."""
+        """Return the gyroscope reading [deg/s], body, (3,)."""
         return np.asarray(DEG * self.rows.state[RATE])
 
     def reset_estimate(self) -> None:
-        """Forget the position: start from kalman.initialX, Y, Z."""
+        """Reset the position estimate to kalman.initialX, Y, Z."""
         believed = np.array([float(self.parameters[f"kalman.initial{axis}"]) for axis in "XYZ"])
         self.estimator.forget(believed, self.rows.state[POS])
 
     def locate(self, measured: Three, quat: tuple[float, float, float, float] | None = None) -> None:
-        """Take an external position [m], world, and, for the log, an attitude."""
+        """Fuse an external position [m], world, and log its attitude."""
         self.external.pos, self.external.at_ms = measured, self.now_ms
         if quat is not None:
             self.external.quat = quat
@@ -169,21 +169,21 @@ class Firmware:
             self._correct(np.array(measured))
 
     def obey(self, setpoint: Setpoint) -> None:
-        """Take a client's setpoint; a plan under way is forgotten."""
+        """Accept a client's setpoint and drop the plan being flown."""
         self.asked = setpoint
         if self.commander.offer(setpoint, Priority.CLIENT, self.now_ms):
             self.planner.stop()
 
     def relax(self) -> None:
-        """Give the high-level commander way again, from where the vehicle is."""
+        """Let the high-level commander take over from the present position."""
         self._tell_planner()
         self.commander.relax()
 
     def tick(self) -> Array:
-        """Run one tick; return the rows flown in its first step and in the others, (2, columns.WANTED_WIDTH).
+        """Run one tick; return the setpoint rows of its first step and of the others, (2, WANTED_WIDTH).
 
-        They differ where the supervisor lets the vehicle fly or stops it: the setpoint of the first step has
-        been taken before its look.
+        They differ when the supervisor permits flight or stops it: the setpoint of the first step was taken
+        before its update.
         """
         self._estimate()
         self._choose_controller()
@@ -202,7 +202,7 @@ class Firmware:
 
     @property
     def idle_pwm(self) -> float:
-        """Return the least duty of a motor that may run [PWM]."""
+        """Return the smallest duty of a running motor [PWM]."""
         return 0.0 if self.build.auto_arming else float(self.parameters["powerDist.idleThrust"])
 
     @property
@@ -214,7 +214,7 @@ class Firmware:
         return self.commander.setpoint if self.supervisor.may_fly else STOP
 
     def _power(self) -> Power:
-        """Drain the battery by one tick; return what it and the supervisor leave the motors."""
+        """Drain the battery by one tick; return the motor limits set by it and the supervisor."""
         hovers = float(self.rows.state[ROTORS].sum()) / (self._airframe.mass * GRAVITY)
         self.battery.drain(hovers, DT, float(self.parameters["pm.lowVoltage"]))
         volt = self.battery.volt

@@ -1,8 +1,8 @@
-"""Fly all vehicles of a swarm by their own controllers for one tick of 10 ms, in one compiled loop.
+"""Tick of 10 ms of a swarm under its own onboard controllers, in one compiled loop.
 
 The physics is that of q2q_sim.plant.swarm, step for step: downwash, then each vehicle's controller (500 Hz;
-the position PID in the first step of a tick, 100 Hz), rotor lag, rigid body, ground. Only what asks the
-rotors differs: here it is the firmware's controller and mixer, there the house's attitude loop.
+the position PID in the first step of a tick, 100 Hz), rotor lag, rigid body, ground. Only the source of the
+rotor commands differs: here the firmware's controller and mixer, there q2q's attitude loop.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class Controllers:
     """Rows of all vehicles (columns.py)."""
 
     wanted: Array
-    """Of the first step of a tick, and of the others, (n, 2, WANTED_WIDTH)."""
+    """Setpoints of the first step of a tick, and of the others, (n, 2, WANTED_WIDTH)."""
     gains: Array
     memory: Array
     frame: Array
@@ -41,7 +41,7 @@ class Controllers:
 
 
 def _think(row: Array, brain: Brain, i: int, k: int, forces: Array) -> None:
-    """Let vehicle i decide what its motors should give in step k."""
+    """Compute the motor commands of vehicle i in step k."""
     rows, gains, memory, frame, drift = brain
     wanted = rows[i, min(k, 1)]
     if gains[i, CONTROLLER] == MELLINGER:
@@ -50,11 +50,11 @@ def _think(row: Array, brain: Brain, i: int, k: int, forces: Array) -> None:
         cascade((row, drift[i], wanted), gains[i], memory[i], k == 0)
     drive_motors(wanted, memory[i], frame[i], forces)
     for axis in range(3):
-        drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate goes on with its own velocity
+        drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate drifts with its own velocity error
 
 
 def _move(row: Array, forces: Array, drive: Array, body: Array) -> None:
-    """Move one vehicle by one step, as q2q_sim.plant.quadcopter.advance does."""
+    """Advance one vehicle by one step, as q2q_sim.plant.quadcopter.advance."""
     for r in range(4):
         target = drive[3 + r] * forces[r]
         row[13 + r] = target + (row[13 + r] - target) * body[5, 1]
@@ -82,12 +82,12 @@ _fly_tick_compiled = compiled(_fly_tick, nogil=True)
 
 
 def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:
-    """Move a swarm by one tick under its own controllers.
+    """Advance a swarm by one tick under its own controllers.
 
     Args:
-        swarm: the vehicles; their state moves.
-        controllers: what they are asked for and remember; memory and drift move.
-        drive: acceleration by moving air [m/s^2], world, then what each rotor gives of what is asked, (n, 7).
+        swarm: the vehicles; their state changes.
+        controllers: setpoints and memory; memory and drift change.
+        drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
     """
     one = controllers
     brain = (one.wanted, one.gains, one.memory, one.frame, one.drift)

@@ -1,13 +1,13 @@
-"""Compare the emulated firmware with tables of what the real one answers.
+"""Comparison of the emulated firmware with tables of the real one's answers.
 
-A table is a list of rows, column name to text; a case is the rows of one run from a fresh start.
+A table is a list of rows, column name to text; a case is the rows of one run after a reboot.
 
-| file | table | what runs |
+| file | table | tested part |
 |---|---|---|
-| cases | | rows by case; numbers of a row |
-| controllers | controllers.csv | one step of a controller a row |
-| planner | planner.csv | the high-level commander, packet by packet, 100 times a second |
-| supervisor | supervisor.csv | the supervisor, packet by packet, with motors |
-| motors | mixer.csv, compensation.csv | mixer and battery compensation |
-| verdict | | all of it, each figure beside its tolerance |
+| table_rows | | rows by case; numbers of a row |
+| controller_table | controllers.csv | one step of a controller for each row |
+| planner_table | planner.csv | the high-level commander, packet by packet, at 100 Hz |
+| supervisor_table | supervisor.csv | the supervisor, packet by packet, with motors |
+| motor_tables | mixer.csv, compensation.csv | mixer and battery compensation |
+| tolerances | | all of it, each figure with its tolerance |
 """

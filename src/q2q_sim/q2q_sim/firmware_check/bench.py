@@ -1,4 +1,4 @@
-"""Run one vehicle's firmware on a bench: it hears packets and drives motors, but nothing moves."""
+"""Test bench for one vehicle's firmware: it receives packets and drives motors, but does not move."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ UP = np.array([0.0, 0.0, GRAVITY])
 
 
 class Bench:
-    """Firmware of a vehicle that is held fast, level."""
+    """Firmware of a vehicle that is clamped, level."""
 
     def __init__(self, start: Array, *, auto_arming: bool) -> None:
         """Hold the vehicle at `start`: x, y, z [m], yaw [rad], (4,)."""
@@ -33,11 +33,11 @@ class Bench:
         return self._vehicle.handle(datagram)
 
     def feel(self, specific_force_g: Array) -> None:
-        """Set what the accelerometer reads [g], body, (3,)."""
+        """Set the accelerometer reading [g], body, (3,)."""
         self._state[ACC] = GRAVITY * specific_force_g - UP
 
     def tick(self) -> None:
-        """Let 10 ms pass."""
+        """Advance by 10 ms."""
         wanted, gains = self.firmware.tick()[None], self.firmware.parameters.gains()[None]
         forces = np.empty(4)
         for k in range(STEPS):

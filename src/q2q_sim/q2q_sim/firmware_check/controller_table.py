@@ -1,4 +1,4 @@
-"""Compare controllers: one row is one step of 2 ms; the position PID runs in every fifth."""
+"""Comparison of controllers: one row is one step of 2 ms; the position PID runs in every fifth."""
 
 from typing import NamedTuple
 

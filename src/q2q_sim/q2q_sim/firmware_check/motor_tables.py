@@ -1,4 +1,4 @@
-"""Compare the mixer and the battery compensation, row by row."""
+"""Comparison of the mixer and the battery compensation, row by row."""
 
 from typing import NamedTuple
 

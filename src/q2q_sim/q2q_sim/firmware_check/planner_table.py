@@ -1,6 +1,6 @@
-"""Compare the high-level commander: packets in, answers and setpoints out, 100 times a second.
+"""Comparison of the high-level commander: packets in, answers and setpoints out, at 100 Hz.
 
-Motors stand still, so that the supervisor lets the vehicle fly all the time.
+The motors are off, so that the supervisor always permits flight.
 """
 
 import math
@@ -13,16 +13,16 @@ from q2q_sim.firmware_check.bench import Bench
 from q2q_sim.firmware_check.table_rows import Row, Table, cases, numbers
 
 READY_TICKS = 20
-"""After so many the stock build is ready to fly."""
+"""Ticks until the stock build is ready to fly."""
 LONGEST_MS = 65535
 """Largest value of supervisor.prefltTimeout."""
 POS, VEL, ACC = ("px", "py", "pz"), ("vx", "vy", "vz"), ("ax", "ay", "az")
 START = -1
-"""Tick of the row that says where the vehicle stands."""
+"""Tick of the row with the vehicle's position."""
 
 
 class PlannerDifference(NamedTuple):
-    """Largest differences of the high-level commander's setpoints, and answers that are others."""
+    """Largest differences of the high-level commander's setpoints, and number of different answers."""
 
     cases: int
     max_pos_m: float

@@ -1,4 +1,4 @@
-"""Compare the supervisor: packets and accelerations in, state and `supervisor.info` out, at 25 Hz."""
+"""Comparison of the supervisor: packets and accelerations in, state and `supervisor.info` out, at 25 Hz."""
 
 from typing import NamedTuple
 
@@ -11,11 +11,11 @@ from q2q_sim.firmware_check.table_rows import Row, Table, cases, numbers
 
 ACC = ("accx", "accy", "accz")
 NOT_COMPARED = Info.PLAN_FINISHED
-"""A vehicle that has never flown a trajectory has finished it or not, by what its memory holds."""
+"""Bit that depends on uninitialised memory in a vehicle that has never flown a trajectory."""
 
 
 class SupervisorDifference(NamedTuple):
-    """How many rows have another state, and another `supervisor.info` but for NOT_COMPARED."""
+    """Number of rows with another state, and with another `supervisor.info` except for NOT_COMPARED."""
 
     cases: int
     states_differ: int
@@ -23,7 +23,7 @@ class SupervisorDifference(NamedTuple):
 
 
 def compare_supervisor(table: Table) -> SupervisorDifference:
-    """Return what differs over all cases of supervisor.csv."""
+    """Return the differences over all cases of supervisor.csv."""
     found = [_compare(rows) for rows in cases(table)]
     return SupervisorDifference(len(found), sum(one for one, _ in found), sum(two for _, two in found))
 

@@ -1,4 +1,4 @@
-"""Read the rows of a table: by case, and as numbers."""
+"""Rows of a table, by case and as numbers."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby

@@ -1,4 +1,4 @@
-"""Run every comparison and hold its figures to what the tables' own README allows."""
+"""Results of every comparison against the tolerances in the tables' README."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from q2q_sim.firmware_check.table_rows import Table
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """What the real firmware answers."""
+    """Answers of the real firmware."""
 
     controllers: Table
     planner: Table
@@ -27,7 +27,7 @@ class Tables:
 
 
 class FirmwareVerdict(NamedTuple):
-    """What differs, table by table."""
+    """Differences, table by table."""
 
     controllers: ControllerDifference
     planner: PlannerDifference
@@ -37,7 +37,7 @@ class FirmwareVerdict(NamedTuple):
 
 
 class Figure(NamedTuple):
-    """One difference beside the largest that is allowed."""
+    """One difference with its tolerance."""
 
     name: str
     value: float
@@ -45,12 +45,12 @@ class Figure(NamedTuple):
 
     @property
     def within(self) -> bool:
-        """Return whether the difference is allowed; one that is no number is not."""
+        """Return whether the difference is within its tolerance; NaN is not."""
         return self.value <= self.allowed
 
 
 def compare(tables: Tables) -> FirmwareVerdict:
-    """Return what differs between the emulation and the tables."""
+    """Return the differences between the emulation and the tables."""
     return FirmwareVerdict(
         compare_controllers(tables.controllers),
         compare_planner(tables.planner),
@@ -61,7 +61,7 @@ def compare(tables: Tables) -> FirmwareVerdict:
 
 
 def figures(verdict: FirmwareVerdict) -> tuple[Figure, ...]:
-    """Return the figures of a verdict beside their tolerances."""
+    """Return the figures of a verdict with their tolerances."""
     controllers, planner, supervisor, mixer, compensation = verdict
     return (
         Figure("controllers: moments and thrust [PWM]", controllers.max_pwm, 2.5),

@@ -1,4 +1,4 @@
-"""Play the mocap of a bag through the nodes mocap_filter and interference, tick by tick, losing nothing."""
+"""Replay of a bag's mocap through the nodes mocap_filter and interference, tick by tick, without losses."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,12 +12,12 @@ PLAYER = "bag_play"
 
 
 def replay(bag: Path, model: str, folder: Path) -> Flight:
-    """Return what the nodes make of a bag's mocap: filtered states and predicted downwash.
+    """Return the filtered states and the predicted downwash of the nodes for a bag's mocap.
 
     Args:
         bag: the recorded flight.
         model: interaction model: none, a shipped name, or a .q2q file.
-        folder: where parameters, logs and the new bag go.
+        folder: output folder for parameters, logs and the new bag.
 
     Raises:
         ValueError: the bag cannot be read.
@@ -26,7 +26,7 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
     made = folder / "replayed"
     specs = node_specs(bag, model, made, read_flight(bag).names)
     with running_nodes(specs, folder) as running:
-        running.processes.excuse(PLAYER)  # it ends with the bag
+        running.processes.excuse(PLAYER)  # it exits after the bag
         running.director.start(PLAYER)
         running.director.wait_playback()
     return read_flight(made)

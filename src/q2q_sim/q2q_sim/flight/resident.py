@@ -1,7 +1,7 @@
-"""Keep one process that flies flight after flight through the nodes of the road, so that it starts only once.
+"""Resident process that flies one flight after another through the nodes, so that it starts only once.
 
-A process that dies is a flight that failed; the next one gets a new process. After RECYCLE flights it is
-replaced anyway: what leaks, leaks no further.
+If the process dies, its flight has failed, and the next one gets a new process. After RECYCLE flights it is
+replaced in any case, which bounds memory leaks.
 """
 
 import os
@@ -23,19 +23,19 @@ from q2q_sim.processes.processes import NodeDiedError, NodeSpec, sections
 RECYCLE = 50
 """Flights after which the process is replaced."""
 PATIENCE_S = 300.0
-"""How long one flight may take [s]: minutes of simulated time, on a busy machine."""
+"""Time-out of one flight [s]: minutes of simulated time on a busy machine."""
 
 
 class ResidentNodes:
-    """Resident process of nodes. Use as a context manager."""
+    """Resident process of nodes; a context manager."""
 
     def __init__(self, log: Path) -> None:
-        """Take the file for what the nodes say."""
+        """Take the log file of the nodes."""
         self._log = log
         self._domain = own_domain()
 
     def __enter__(self) -> Self:
-        """Start the process; it keeps a ROS domain of its own."""
+        """Start the process in a ROS domain of its own."""
         self._domain.__enter__()
         self._pool = self._made()
         return self
@@ -46,11 +46,11 @@ class ResidentNodes:
         self._domain.__exit__(None, None, None)
 
     def fly(self, specs: Sequence[NodeSpec], folder: Path) -> FlightTiming:
-        """Fly nodes (tools.flight.node_specs, with the stack) in the process; their bag and parameters stay.
+        """Fly nodes (scenario_flight.node_specs, with the stack) in the process; bag and parameters stay.
 
         Raises:
             NodeDiedError: the process ended.
-            ValueError, TimeoutError: a node refused its parameters, or the flight stood still.
+            ValueError, TimeoutError: a node refused its parameters, or the flight stalled.
         """
         folder.mkdir(parents=True, exist_ok=True)
         parameters = folder / "stack.yaml"
@@ -63,21 +63,21 @@ class ResidentNodes:
             raise NodeDiedError(f"the process of the nodes ended: {died}") from died
 
     def _made(self) -> ProcessPoolExecutor:
-        context = get_context("spawn")  # threads of the middleware do not survive a fork
+        context = get_context("spawn")  # middleware threads do not survive a fork
         return ProcessPoolExecutor(
             1, mp_context=context, initializer=_speak_into, initargs=(self._log,), max_tasks_per_child=RECYCLE
         )
 
 
 def _together(specs: Sequence[NodeSpec]) -> NodeSpec:
-    """Return one process of all the nodes."""
+    """Return one process with all the nodes."""
     (stack,) = (spec for spec in specs if spec.inside)
     beside = tuple(spec for spec in specs if not spec.inside)
     return replace(stack, inside=(*stack.inside, *beside))
 
 
 def _speak_into(log: Path) -> None:
-    """Let what the nodes say go into a file: they log to the streams of their process."""
+    """Redirect the process's output streams, to which the nodes log, into a file."""
     with log.open("ab") as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
@@ -87,5 +87,5 @@ def _fly(parameters: Path) -> FlightTiming:
     from q2q_sim.ros.resident_flight import fly_here
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # stamps that jump are mended with a warning: they were injected
+        warnings.simplefilter("ignore")  # injected clock jumps are corrected with a warning
         return fly_here(parameters, PATIENCE_S)

@@ -1,4 +1,4 @@
-"""Say flights as the JSON that `fly` and `demo` write: the contract other programs read."""
+"""JSON of flights as `fly` and `demo` write it, a contract with other programs."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
 
 
 def runs_json(runs: Sequence[FlightRun]) -> Json:
-    """Return {"runs": [...]}; a quantity that a run does not have is null."""
+    """Return {"runs": [...]}; missing quantities are null."""
     return {"runs": [_run(run) for run in runs]}
 
 
@@ -41,5 +41,5 @@ def _vehicle(one: VehicleMetrics) -> Json:
 
 
 def finite(value: float | None) -> float | None:
-    """Return a number JSON can say; None for what is not one."""
+    """Return a finite number, else None."""
     return value if value is not None and math.isfinite(value) else None

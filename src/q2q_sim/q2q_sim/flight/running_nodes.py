@@ -1,8 +1,8 @@
-"""Run the nodes of a flight or of a replay together: started, wired, watched, drained, ended.
+"""Running nodes of a flight or replay: started, connected, watched, drained, ended.
 
-    specs -> processes, each on its cores -> wired -> (the caller flies) -> drained -> ended
+    specs -> processes, each on its cores -> connected -> (the caller flies) -> drained -> ended
 
-Who is excused (q2q_sim.processes.processes: struck, and not to come back) is not waited for at the end.
+Excused nodes (q2q_sim.processes.processes: killed or stopped for good) are not waited for at the end.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -18,13 +18,13 @@ from q2q_sim.ros.flight_director import FlightDirector
 
 RECORDER = "bag_record"
 WIRING_TIMEOUT_S = 600.0
-"""How long all nodes together may take to start and find each other [s]: from an empty cache of compiled code
-two idle cores need 60, busy ones a multiple. Whether a node has died is asked all the while."""
+"""Time-out for starting and connecting all nodes [s]: with an empty kernel cache two idle cores need 60, busy
+ones several times that. A node that dies meanwhile is noticed at once."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunningNodes:
-    """Processes and their watcher."""
+    """Processes and flight director of running nodes."""
 
     processes: Processes
     director: FlightDirector
@@ -34,11 +34,11 @@ class RunningNodes:
 def running_nodes(
     specs: Sequence[NodeSpec], folder: Path, meanwhile: Callable[[], None] = lambda: None
 ) -> Iterator[RunningNodes]:
-    """Hold nodes that have found each other; leaving it takes in what they said, and ends them.
+    """Yield connected nodes; on exit drain their messages and end them.
 
     Args:
         specs: the nodes; one of them is the recorder.
-        folder: where parameters and logs go.
+        folder: output folder for parameters and logs.
         meanwhile: called while they start.
 
     Raises:

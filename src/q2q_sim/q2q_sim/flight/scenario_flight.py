@@ -1,7 +1,7 @@
-"""Fly one scenario through the real nodes: start them, fly, end them, measure from the bag.
+"""Flight of a scenario through the real nodes: start, fly, end, measure from the bag.
 
-Every node runs as a process of its own and talks over DDS on this machine only. Parameters, plan, logs and
-bag are left in the flight's folder, so that any node of it can be started again by hand.
+Every node is a process of its own and communicates over DDS on this machine only. Parameters, plan, logs and
+bag stay in the flight's folder, so that any node can be started again by hand.
 """
 
 from collections.abc import Callable
@@ -25,12 +25,12 @@ from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario, with_choices
 
 MEASURED = ("mocap", "truth", "reference", "reference_safe", "command")
-"""Topics that the numbers and the verdict of a flight need; a bag that nobody keeps has no others."""
+"""Topics that metrics and verdict need; a temporary bag has no others."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightRequest:
-    """Hold what to fly and how."""
+    """Request for a flight: scenario, controller and options."""
 
     scenario: str
     mode: str = "aware"
@@ -45,23 +45,23 @@ class FlightRequest:
     model: str = ""
     """Interaction model in place of the scenario's; empty keeps that."""
     stack: bool = False
-    """Run the road from mocap_filter to controller in one process."""
+    """Run the nodes from mocap_filter to controller in one process."""
     record: tuple[str, ...] = ()
-    """Topics that go into the bag; empty is all."""
+    """Recorded topics; empty is all."""
     vehicle: str = ""
     """Vehicle in place of the scenario's; empty keeps that."""
     wake: str = ""
-    """Air in place of the scenario's; empty keeps that."""
+    """Wake in place of the scenario's; empty keeps that."""
 
     @property
     def options(self) -> assembly.Options:
-        """Return the choices between blocks; raise ValueError for one there is not."""
+        """Return the choices between blocks; raise ValueError for an unknown one."""
         return assembly.Options(self.mode, self.controller, self.replan)
 
 
 @dataclass(frozen=True, slots=True)
 class FlightRun:
-    """Hold a flight that was flown."""
+    """Finished flight with its metrics."""
 
     request: FlightRequest
     flight: Flight
@@ -72,7 +72,7 @@ class FlightRun:
 
 
 def load_scenario(request: FlightRequest) -> Scenario:
-    """Return the scenario with the requested vehicle, air and model; refuse what cannot be flown."""
+    """Return the scenario with the requested vehicle, wake and model; refuse what cannot be flown."""
     scenario = with_choices(library.load(request.scenario), request.vehicle, request.wake)
     if request.plan == "avoid" and scenario.plan is not None:
         raise ValueError(f"{request.scenario} is flown by its own plan: leave out --plan avoid")
@@ -82,13 +82,13 @@ def load_scenario(request: FlightRequest) -> Scenario:
 
 
 def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[float], None]) -> FlightRun:
-    """Fly a scenario and measure it.
+    """Fly a scenario and return its metrics and verdict.
 
     Args:
-        request: what to fly and how.
-        folder: where parameters, plan and logs go.
-        bag: where the bag goes; must not exist.
-        progress: called with the flown share, 0 to 1.
+        request: scenario and options.
+        folder: output folder for parameters, plan and logs.
+        bag: output folder of the bag; must not exist.
+        progress: called with the flown fraction, 0 to 1.
 
     Raises:
         ValueError: an unknown scenario, vehicle or parameter.
@@ -110,7 +110,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
 
 
 def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Path) -> list[NodeSpec]:
-    """Return the nodes of a flight with their parameters; write the plan they fly."""
+    """Return the nodes of a flight with their parameters, and write their plan."""
     plan = folder / "plan.json"
     if request.plan == "avoid":
         plan_file.save(plan, assembly.plan_around(scenario, find_model(scenario.model)))
@@ -158,7 +158,7 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
 
 
 def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
-    """Return what the bag of a flight says of it."""
+    """Return the metadata for the bag of a flight."""
     return FlightFacts(
         vehicle=scenario.vehicle.name,
         firmware=firmware_of(scenario.vehicle),
@@ -172,6 +172,6 @@ def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
 
 
 def one_process(road: tuple[NodeSpec, ...]) -> list[NodeSpec]:
-    """Return the process in which these nodes run together."""
+    """Return the process that runs these nodes together."""
     names = tuple(spec.executable for spec in road)
     return [NodeSpec("q2q_sim", "stack", {"nodes": names}, inside=road)]

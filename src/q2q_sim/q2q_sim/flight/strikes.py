@@ -1,10 +1,10 @@
-"""Fly a scenario through the nodes and strike some of them: kill, or stop; let them come back, or not.
+"""Process faults: flight of a scenario in which nodes are killed or stopped, and perhaps come back.
 
-    kill       SIGKILL: it is gone without a word; come back: started anew, to take its place in flight
-    stop       SIGSTOP: it stands still; come back: SIGCONT
+    kill       SIGKILL; come back: restarted in flight
+    stop       SIGSTOP; come back: SIGCONT
 
-In lockstep the simulator waits for its tick with the patience given (q2q_sim.loop.lockstep), so that a node
-which comes back in time costs no tick; live, nothing waits.
+In lockstep the simulator waits for its tick with the given time-outs (q2q_sim.loop.lockstep), so that a node
+which returns in time costs no tick; in live flight nothing waits.
 """
 
 import os
@@ -20,23 +20,23 @@ from q2q_sim.loop.flight_clock import FlightTiming, timing_of
 from q2q_sim.processes.processes import NodeSpec, Processes
 
 LOOKS = 20
-"""Looks of the flight director (50 ms each) from a strike to the coming back."""
+"""Polls of the flight director (50 ms each) from a strike to the return."""
 
 
 @dataclass(frozen=True, slots=True)
 class Strike:
-    """What happens to which node, and when."""
+    """Fault of one node's process."""
 
     node: str
     tick: int
-    """Once the flight has come to this tick, and nodes that were struck before are back."""
+    """First tick of the strike; earlier strikes must be over."""
     how: Literal["kill", "stop"] = "kill"
     comes_back: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """Patience of the simulator in lockstep."""
+    """Time-outs of the simulator in lockstep."""
 
     again_s: float = 0.2
     give_up_s: float = 60.0
@@ -45,11 +45,11 @@ class Waiting:
 def fly_struck(
     request: FlightRequest, strikes: Sequence[Strike], folder: Path, waiting: Waiting | None = None
 ) -> FlightTiming:
-    """Fly a scenario into `folder`/bag, striking nodes; return how it went in wall time.
+    """Fly a scenario into `folder`/bag with strikes; return its wall-clock timing.
 
     Raises:
-        ValueError: an unknown scenario, no such node in the flight, or no such tick.
-        NodeDiedError, TimeoutError: another node ended early, or the flight stood still.
+        ValueError: an unknown scenario, node or tick.
+        NodeDiedError, TimeoutError: another node ended early, or the flight stalled.
     """
     scenario = load_scenario(request)
     folder.mkdir(parents=True, exist_ok=True)
@@ -71,7 +71,7 @@ def fly_struck(
 
 
 def _look(hands: Sequence["_Hand"], ticks: int) -> None:
-    """Let the first of the hands look that is not done."""
+    """Advance the first strike that is not done."""
     for hand in hands:
         if not hand.done:
             hand.look(ticks)
@@ -79,20 +79,20 @@ def _look(hands: Sequence["_Hand"], ticks: int) -> None:
 
 
 class _Hand:
-    """What a strike has come to."""
+    """Progress of a strike."""
 
     def __init__(self, processes: Processes, spec: NodeSpec, strike: Strike) -> None:
         self._processes, self._spec, self._strike = processes, spec, strike
         self._looks = -1
-        """Since the strike; below 0: it has not fallen."""
+        """Polls since the strike; below 0 before it."""
 
     @property
     def done(self) -> bool:
-        """Return whether the strike has fallen, and the node is back if it comes back."""
+        """Return whether the strike is over, including the return of the node."""
         return self._looks >= (LOOKS if self._strike.comes_back else 0)
 
     def look(self, ticks: int) -> None:
-        """Strike once the flight has come to the tick, and let the node come back some looks later."""
+        """Strike at the tick, and bring the node back some polls later."""
         if self._looks < 0 and ticks < self._strike.tick:
             return
         self._looks += 1

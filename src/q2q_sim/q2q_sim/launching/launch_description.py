@@ -1,4 +1,4 @@
-"""Turn arguments and nodes into a launch description; used by the launch files, needs `launch_ros`."""
+"""Launch description from arguments and nodes, for the launch files; needs `launch_ros`."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -20,10 +20,10 @@ def describe(
     """Return the description.
 
     Args:
-        arguments: those of the launch file; `namespace` and `use_sim_time` are added.
+        arguments: of the launch file; `namespace` and `use_sim_time` are added.
         nodes: returns the nodes, or raises ValueError before any is started.
-        renamed: maps a topic to the argument that holds its outside name.
-        others: returns what else is to be started, as the launch file of another package.
+        renamed: maps a topic to the argument with its outside name.
+        others: returns further actions, such as the launch file of another package.
     """
 
     def start(context: LaunchContext) -> list[LaunchDescriptionEntity]:

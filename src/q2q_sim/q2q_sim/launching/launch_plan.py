@@ -1,8 +1,7 @@
-"""Say which nodes a launch file starts, and what its arguments mean; the launch files only pass them on.
+"""Nodes and arguments of the launch files.
 
-Three launch files: `scenario` flies in the simulator, `real_room` flies vehicles over radios by an outside
-motion capture, `crazyswarm` lets Crazyswarm2's server have the radios. Arguments are words, as `ros2 launch`
-gives them.
+`scenario` flies in the simulator, `real_room` flies vehicles over radios with external motion capture,
+`crazyswarm` leaves the radios to Crazyswarm2's server. Arguments are strings, as from `ros2 launch`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,17 +33,17 @@ class Argument:
     choices: tuple[str, ...] = ()
 
 
-FOLDER = Argument("folder", "", "where parameters, plan and bag go; empty: out/launch/ and the date")
+FOLDER = Argument("folder", "", "output folder for parameters, plan and bag; empty: out/launch/ and the date")
 VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
-FOXGLOVE = Argument("foxglove", NO, "with view: serve Foxglove on this machine", (YES, NO))
+FOXGLOVE = Argument("foxglove", NO, "with view: Foxglove server on this machine", (YES, NO))
 MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
 
 SCENARIO_ARGUMENTS = (
     Argument("scenario", "table6", "scenario name or file; `scripts/fly --list` names them"),
     Argument("mode", "aware", "compensate the downwash or not", ("aware", "aware_unlimited", "ignoring")),
-    Argument("controller", "pid", "who computes the commands", ("pid", "mpc")),
-    Argument("pace", "live", "100 Hz of wall time, or as fast as commands come", ("live", "lockstep")),
-    Argument("seed", "0", "seed of everything random"),
+    Argument("controller", "pid", "controller", ("pid", "mpc")),
+    Argument("pace", "live", "100 Hz of wall time, or as fast as commands arrive", ("live", "lockstep")),
+    Argument("seed", "0", "random seed"),
     MODEL,
     FOLDER,
     VIEW,
@@ -53,7 +52,7 @@ SCENARIO_ARGUMENTS = (
 
 ROOM_ARGUMENTS = (
     Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
-    Argument("crazyflies", "", "crazyflies.yaml, as Crazyswarm2 reads it"),
+    Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
     Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
     Argument("vehicle", "crazyflie_2_0", "vehicle constants"),
     Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
@@ -65,7 +64,7 @@ ROOM_ARGUMENTS = (
 
 COMMON_ARGUMENTS = (
     Argument("namespace", "", "namespace of all nodes and topics"),
-    Argument("use_sim_time", NO, "stamps by /clock, as beside a simulator", (YES, NO)),
+    Argument("use_sim_time", NO, "use /clock, as with a simulator", (YES, NO)),
 )
 """Arguments of every launch file."""
 
@@ -74,8 +73,8 @@ CRAZYSWARM_ARGUMENTS = (
     Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
     Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
     Argument("poses_version", "1", "as in motion_capture.yaml: 2 is NamedPoseArrayV2", ("1", "2")),
-    Argument("twin", NO, "the simulator in place of radios and room", (YES, NO)),
-    Argument("scenario", "table6", "with twin: the scenario whose vehicles and air are flown"),
+    Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
+    Argument("scenario", "table6", "with twin: scenario of the vehicles and the wake"),
     Argument("model", "measured_law", MODEL.words),
     FOLDER,
     VIEW,
@@ -83,11 +82,11 @@ CRAZYSWARM_ARGUMENTS = (
 )
 
 ENDS_ALL = frozenset({RECORDER, "trajectory", "radio", "crazyswarm", "simulator"})
-"""Where one of these ends, all nodes of a launch end."""
+"""Nodes whose end ends the launch."""
 
 
 def scenario_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
-    """Return the nodes that fly a scenario; write its plan into the folder.
+    """Return the nodes that fly a scenario, and write its plan into the folder.
 
     Raises:
         ValueError: an unknown scenario, model or value.
@@ -110,7 +109,7 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     """Return the nodes that fly a plan in a real room.
 
     Raises:
-        ValueError: a file is not given or absent, the bag exists, the model is unknown.
+        ValueError: a file is not given or missing, the bag exists, the model is unknown.
     """
     folder = _checked(given)
     by_stick = given["mode"] == "command"
@@ -131,10 +130,10 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
 
 
 def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
-    """Return our nodes beside Crazyswarm2's server; with `twin`, the simulator is its radios and its room.
+    """Return q2q's nodes beside Crazyswarm2's server; with `twin` the simulator replaces its radios and room.
 
     Raises:
-        ValueError: a file is not given or absent, the bag exists, the model is unknown.
+        ValueError: a file is not given or missing, the bag exists, the model is unknown.
     """
     folder = _checked(given)
     twin = given["twin"] == YES
@@ -155,14 +154,14 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
 
 
 def folder_of(asked: str, now: datetime | None = None) -> Path:
-    """Return the folder of a launch: the one asked for, or a new one named by the time `now`."""
+    """Return the folder of a launch: the requested one, or a new one named by the time `now`."""
     if asked:
         return Path(asked)
     return Path("out", "launch", (now or datetime.now(UTC).astimezone()).strftime("%Y-%m-%d_%H-%M-%S"))
 
 
 def _checked(given: Mapping[str, str]) -> Path:
-    """Return the folder of a launch whose files are there and whose bag is not."""
+    """Return the folder of a launch after checking that its files exist and its bag does not."""
     for name in ("plan", "crazyflies"):
         if not given[name]:
             raise ValueError(f"give {name}:=FILE")
@@ -178,7 +177,7 @@ def _checked(given: Mapping[str, str]) -> Path:
 
 
 def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
-    """Return what is known of a flight beside Crazyswarm2; only a twin's vehicle has a name here."""
+    """Return the metadata of a flight beside Crazyswarm2; only a twin's vehicle is known."""
     if given["twin"] != YES:
         return FlightFacts(model=given["model"])
     vehicle = library.load(given["scenario"]).vehicle
@@ -191,7 +190,7 @@ def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
 
 
 def _road(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[NodeSpec]:
-    """Return recorder and road of a real room; the trajectory waits until it is called."""
+    """Return recorder and nodes of a real room; the trajectory waits for its service call."""
     promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
     return [
         NodeSpec(
@@ -212,7 +211,7 @@ def defaults(arguments: Sequence[Argument]) -> dict[str, str]:
 
 
 def _at_once(spec: NodeSpec) -> NodeSpec:
-    """Let the simulator start by itself: no flight director waits for the nodes of a launch file."""
+    """Set the simulator to start by itself: a launch file has no flight director."""
     if spec.executable != "simulator":
         return spec
     return NodeSpec(spec.package, spec.executable, {**spec.parameters, "autostart": True})

@@ -1,13 +1,13 @@
-"""Carry the packets of `q2q_sim.link.radio` in compiled loops: into the air, and from it to the vehicles.
+"""Compiled loops of `q2q_sim.link.radio`: send packets, and deliver those that have arrived.
 
 | name | meaning [unit] |
 |---|---|
 | when | arrival [ns] and vehicle of each packet in the air, in the order they were sent, (capacity, 2) |
 | what | thrust [N], roll, pitch [rad], yaw rate [rad/s] of each, (capacity, 4) |
 | next_ns | when each vehicle may be sent the next packet [ns], (n,) |
-| heard_ns | when each vehicle heard the last one [ns], (n,) |
-| locked | whose thrust is locked, (n,) |
-| obeyed | what each vehicle obeys, columns as `what`, (n, 4) |
+| heard_ns | when each vehicle received the last one [ns], (n,) |
+| locked | vehicles whose thrust is locked, (n,) |
+| obeyed | setpoint of each vehicle, columns as `what`, (n, 4) |
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ Rows = NDArray[np.intp]
 Flying = tuple[Nanoseconds, Array]
 """when, what."""
 Sent = tuple[Rows, Nanoseconds, Flags, Nanoseconds]
-"""Vehicle of each command; next_ns; whose packets are lost, (n,); how late they come besides [ns], (n,)."""
+"""Vehicle of each command; next_ns; lost packets, (n,); delay beyond the latency [ns], (n,)."""
 Onboard = tuple[Nanoseconds, Flags, Array]
 """heard_ns, locked, obeyed."""
 
@@ -55,7 +55,7 @@ def _put(
 
 
 def _watch(onboard: Onboard, now_ns: int) -> None:
-    """Let vehicles that have heard nothing for long stand level, then cut their motors."""
+    """Level vehicles that have received nothing for 0.5 s and cut their motors after 2 s."""
     heard_ns, locked, obeyed = onboard
     for i in range(heard_ns.size):
         silent_ns = now_ns - heard_ns[i]
@@ -95,5 +95,5 @@ put = compiled(_put)
 """Send packets, values (4, k): (flying, packets in the air, (values, largest thrust [N]), sent,
 (now, gap, latency) [ns]); return how many are in the air then."""
 deliver = compiled(_deliver)
-"""Write what each vehicle obeys in each physics step from now on into `out` (steps, n, 4):
+"""Write the setpoint of each vehicle in each physics step of the tick into `out` (steps, n, 4):
 (flying, packets in the air, onboard, (now, step) [ns], out); return how many packets are still in the air."""

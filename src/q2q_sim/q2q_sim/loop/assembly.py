@@ -1,6 +1,6 @@
-"""Build the blocks of a flight from its scenario, and say their parameters: for nodes and for `closed_loop`.
+"""Blocks of a flight and their parameters, built from its scenario, for the nodes and for `closed_loop`.
 
-Both roads take plan and parameters from here, so that they fly the same.
+Both take plan and parameters from here, so that they fly the same.
 """
 
 from dataclasses import asdict, dataclass, replace
@@ -42,14 +42,14 @@ NodeParameters = dict[str, ParameterValue]
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Hold the choices between blocks."""
+    """Choices between blocks."""
 
     mode: str = "aware"
     controller: str = "pid"
     replan: str = "none"
 
     def __post_init__(self) -> None:
-        """Refuse choices there are not."""
+        """Check the values."""
         _check("mode", self.mode, MODES)
         _check("controller", self.controller, CONTROLLERS)
         _check("replan", self.replan, REPLANNERS)
@@ -61,13 +61,13 @@ class Options:
 
     @property
     def limited(self) -> bool:
-        """Return whether the scenario's thrust limit holds."""
+        """Return whether the scenario's thrust limit applies."""
         return self.mode != "aware_unlimited"
 
 
 @dataclass(frozen=True, slots=True)
 class Blocks:
-    """Hold the blocks of one flight, in the order of the road."""
+    """Blocks of one flight, in the order of the data flow."""
 
     plan: SwarmPlan
     mocap_filter: MocapFilter
@@ -77,7 +77,7 @@ class Blocks:
 
 
 def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
-    """Return the plan that the scenario names, else minimum snap; with a zone, proven to keep every pair out.
+    """Return the scenario's own plan, else minimum snap; with a zone, certified to keep every pair out of it.
 
     Raises:
         InfeasibleError: no such plan was found.
@@ -90,10 +90,9 @@ def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
 
 
 def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
-    """Return a plan proven to keep every pair out of the downwash of a learned model.
+    """Return a plan certified to keep every pair out of the downwash of a learned model.
 
-    How much air that is, is chosen by what it brings (`downwash_zone`); where the model knows no downwash,
-    the zone of its file is taken.
+    `downwash_zone` chooses the size of the zone; a model without downwash uses the zone of its file.
 
     Raises:
         InfeasibleError: no such plan was found.
@@ -110,12 +109,12 @@ def filter_params(scenario: Scenario) -> MocapFilterParams:
 
 
 def replanner_params(scenario: Scenario, *, enabled: bool) -> PotentialFieldParams:
-    """Return the replanner's parameters; not enabled, it passes setpoints through."""
+    """Return the replanner's parameters; a disabled replanner passes setpoints through."""
     return replace(block_params("replanner", PotentialFieldParams(), scenario.overrides), enabled=enabled)
 
 
 def safe_replanner_params(scenario: Scenario) -> SafeReplannerParams:
-    """Return the parameters of the replanner with a promise."""
+    """Return the parameters of the safe replanner."""
     return block_params("safe_replanner", SafeReplannerParams(), scenario.overrides)
 
 
@@ -125,7 +124,7 @@ def pid_params(scenario: Scenario, *, limited: bool) -> PidParams:
 
 
 def mpc_params(scenario: Scenario, *, limited: bool) -> MpcParams:
-    """Return the MPC's parameters: it knows the room's latency, and the thrust limit where there is one."""
+    """Return the MPC's parameters, with the room's latency and the thrust limit if there is one."""
     latency = scenario.vicon.latency + scenario.radio.latency
     params = replace(MpcParams(), latency=latency)
     return replace(block_params("mpc", params, scenario.overrides), thrust_limited=limited)
@@ -134,7 +133,7 @@ def mpc_params(scenario: Scenario, *, limited: bool) -> MpcParams:
 def blocks_of(
     scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan | None = None
 ) -> Blocks:
-    """Return fresh blocks for a flight; `plan` in place of the scenario's own."""
+    """Return new blocks for a flight; `plan` replaces the scenario's own."""
     flown = plan or plan_of(scenario)
     return Blocks(
         plan=flown,

@@ -1,8 +1,8 @@
-"""Fly a scenario without ROS: the very blocks of the nodes, one after the other, as fast as they compute.
+"""Flight of a scenario without ROS: the blocks of the nodes, called in turn, as fast as they compute.
 
     room.capture -> mocap filter -> predictor -> plan -> replanner -> controller -> room.advance
 
-Order, inputs and stamps are those of the nodes in lockstep; a test holds both to the same numbers.
+Order, inputs and stamps are those of the nodes in lockstep; a test checks that both give the same numbers.
 """
 
 from collections.abc import Callable
@@ -20,16 +20,16 @@ from q2q_sim.loop.room import TICK_NS, Room, Tick
 from q2q_sim.scenarios.scenario import Scenario
 
 Listener = Callable[[str, int, Signal], None]
-"""Called with topic, tick's stamp [ns] and signal."""
+"""Function of topic, stamp of the tick [ns] and signal."""
 
 
 def ignore_signals(_: str, __: int, ___: Signal) -> None:
-    """Hear nothing."""
+    """Ignore the signal."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightOptions:
-    """Hold how a scenario is flown."""
+    """Options of a flight."""
 
     mode: Mode = "aware"
     controller: str = "pid"
@@ -37,16 +37,16 @@ class FlightOptions:
     """none, paper or safe."""
     seed: int = 0
     model: InteractionModel = field(default_factory=NoInteraction)
-    """What the predictor is given; the scenario's own is find_model(scenario.model).interaction
+    """Interaction model of the predictor; the scenario's own is find_model(scenario.model).interaction
     (q2q_model.files.find_model)."""
     plan: SwarmPlan | None = None
-    """Flown in place of the scenario's own."""
+    """Plan in place of the scenario's own."""
     hear: Listener = ignore_signals
-    """Told every signal, as a recorder of the nodes' topics would be."""
+    """Called with every signal, as a recorder of the nodes' topics."""
 
 
 def fly(scenario: Scenario, options: FlightOptions) -> Flight:
-    """Fly a scenario and return all that happened.
+    """Fly a scenario and return its recording.
 
     Raises:
         ValueError: an unknown mode or controller, or a seed below 0.
@@ -65,13 +65,13 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
 
 
 def ticks_of(scenario: Scenario) -> int:
-    """Return how many ticks a flight has."""
+    """Return the number of ticks of a flight."""
     count = round(scenario.duration / TICK_S)
     return count + (count * TICK_S < scenario.duration)
 
 
 def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: FlightOptions) -> SwarmCommand:
-    """Return the command of a tick, and write down how it came about."""
+    """Return the command of a tick and record the signals that led to it."""
     number = tick.stamp_ns // TICK_NS
     state = blocks.mocap_filter.update(tick.frame)
     downwash = blocks.predictor.update(state)

@@ -1,4 +1,4 @@
-"""Keep the wall-clock record of a flight: latency of each tick, ticks missed, real-time factor."""
+"""Wall-clock timing of a flight: latency of each tick, missed ticks, real-time factor."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 RECENT = 100
-"""Ticks that `/diagnostics` speaks of: a second of live flight."""
+"""Ticks that `/diagnostics` reports on: one second of live flight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,14 +16,14 @@ class FlightTiming:
     ticks: int
     missed_ticks: int
     real_time_factor: float | None
-    """Simulated over wall time; None where nothing was simulated."""
+    """Simulated over wall time; None if nothing was simulated."""
     latency_p50_ms: float | None
-    """Mocap frame out to its command in, median; None where no command came."""
+    """From sending a mocap frame to receiving its command, median; None without commands."""
     latency_p99_ms: float | None
 
 
 class FlightClock:
-    """Note when each tick went out and its command came back, in wall time given by the caller [s]."""
+    """Timer of ticks and their commands; the caller gives the wall time [s]."""
 
     def __init__(self) -> None:
         self._start = 0.0
@@ -33,31 +33,31 @@ class FlightClock:
         self._ticks = 0
 
     def start(self, now: float) -> None:
-        """Note the start of the flight."""
+        """Record the start of the flight."""
         self._start = now
 
     def frame_out(self, now: float) -> None:
-        """Note that a tick's frame was published."""
+        """Record that the frame of a tick was published."""
         self._out = now
         self._ticks += 1
 
     def command_in(self, now: float) -> None:
-        """Note that the tick's command came."""
+        """Record that the command of the tick arrived."""
         self._latencies.append(now - self._out)
 
     def missed(self) -> None:
-        """Note that the tick's command did not come."""
+        """Record that the command of the tick did not arrive."""
         self._missed += 1
 
     def recent(self) -> Mapping[str, str]:
-        """Return the latency of the last ticks in words; nothing before the first command."""
+        """Return the latency of the last ticks as text; empty before the first command."""
         p50, p99 = _percentiles_ms(self._latencies[-RECENT:])
         if p50 is None:
             return {}
         return {"latency_p50_ms": f"{p50:.3g}", "latency_p99_ms": f"{p99:.3g}"}
 
     def timing(self, now: float, flown: float) -> FlightTiming:
-        """Return the record after `flown` simulated seconds."""
+        """Return the timing after `flown` simulated seconds."""
         wall = now - self._start
         p50, p99 = _percentiles_ms(self._latencies)
         return FlightTiming(
@@ -70,7 +70,7 @@ class FlightClock:
 
 
 def _percentiles_ms(latencies: Sequence[float]) -> tuple[float, float] | tuple[None, None]:
-    """Return the median and 99th percentile [ms] of latencies [s]; None where there are none."""
+    """Return the median and 99th percentile [ms] of latencies [s]; None if there are none."""
     if not latencies:
         return None, None
     p50, p99 = (1e3 * np.percentile(latencies, (50, 99))).tolist()
@@ -78,7 +78,7 @@ def _percentiles_ms(latencies: Sequence[float]) -> tuple[float, float] | tuple[N
 
 
 def timing_of(fields: Mapping[str, float | None]) -> FlightTiming:
-    """Return the record in the plain fields of `as_fields`."""
+    """Return the timing that `as_fields` wrote."""
     return FlightTiming(
         ticks=int(fields["ticks"] or 0),
         missed_ticks=int(fields["missed_ticks"] or 0),
@@ -89,5 +89,5 @@ def timing_of(fields: Mapping[str, float | None]) -> FlightTiming:
 
 
 def as_fields(timing: FlightTiming) -> dict[str, int | float | None]:
-    """Return the record as plain fields for JSON."""
+    """Return the timing as plain fields for JSON."""
     return asdict(timing)

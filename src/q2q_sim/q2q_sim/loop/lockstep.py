@@ -1,4 +1,4 @@
-"""Decide, without ROS, what the simulator does with the commands that arrive and those that do not."""
+"""Lockstep rules of the simulator: collect the commands of a tick, and time out those that do not arrive."""
 
 import numpy as np
 
@@ -6,10 +6,10 @@ from q2q_model.signals.values import Names, SwarmCommand
 
 
 class CommandGate:
-    """Gather a tick's commands until every vehicle has one: one controller for all, or one a vehicle."""
+    """Collector of a tick's commands: from one controller for all vehicles, or from one for each."""
 
     def __init__(self, names: Names, *, exact: bool = True) -> None:
-        """Take the vehicles; exact: only commands of the awaited tick count, else all newer than the last."""
+        """Take the vehicles; `exact` accepts only the awaited tick's commands, else all newer ones."""
         self._names = names
         self._exact = exact
         self._stamp_ns = 0
@@ -17,12 +17,12 @@ class CommandGate:
         self._rows: dict[str, tuple[SwarmCommand, int]] = {}
 
     def expect(self, stamp_ns: int) -> None:
-        """Wait for the commands of this tick; forget what came for others."""
+        """Wait for the commands of this tick; drop those collected for others."""
         self._stamp_ns = stamp_ns
         self._rows.clear()
 
     def offer(self, stamp_ns: int, command: SwarmCommand) -> SwarmCommand | None:
-        """Add a command; return the swarm's once it is complete, None before or for another tick.
+        """Add a command; return the swarm's command when complete, None before that and for other ticks.
 
         Raises:
             ValueError: the command names a vehicle that does not exist.
@@ -38,10 +38,10 @@ class CommandGate:
 
 
 class Patience:
-    """When to ask again for a lost message, and when to fly on without it.
+    """Time-outs of lockstep: when to publish a frame again, and when to fly on without a command.
 
-    A stalled tick is asked for again every `again_s`. After `give_up_s` without an answer the tick is
-    missed; the ticks after it wait only `again_s`, until an answer comes.
+    The frame of a stalled tick is published again every `again_s`. After `give_up_s` without an answer the
+    tick is missed; the following ticks wait only `again_s`, until an answer arrives.
     """
 
     def __init__(self, again_s: float, give_up_s: float) -> None:
@@ -56,7 +56,7 @@ class Patience:
         self._since = self._asked = now
 
     def answered(self) -> None:
-        """Note that the tick was answered."""
+        """Record that the tick was answered."""
         self._limit = self._give_up_s
 
     def gives_up(self, now: float) -> bool:
@@ -75,7 +75,7 @@ class Patience:
 
 
 def check_known(names: Names, known: Names) -> None:
-    """Raise ValueError where a command names a vehicle that does not exist."""
+    """Raise ValueError if a command names a vehicle that does not exist."""
     strangers = [name for name in names if name not in known]
     if strangers:
         raise ValueError(f"command for unknown vehicle {', '.join(strangers)}; flying are {', '.join(known)}")

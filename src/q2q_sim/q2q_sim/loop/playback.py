@@ -1,4 +1,4 @@
-"""Say when each message of a bag is due when it is played: at a rate, from a start."""
+"""Playback schedule of a bag: offset and rate between bag time and wall time."""
 
 from dataclasses import dataclass
 
@@ -10,10 +10,10 @@ class Playback:
     first_ns: int
     """Bag time of the first message to play [ns]."""
     began: float
-    """Wall time at which it is played [s]."""
+    """Wall time of the first message [s]."""
     rate: float
-    """Bag seconds a wall second."""
+    """Bag seconds per wall second."""
 
     def due(self, stamp_ns: int) -> float:
-        """Return the wall time at which a message of this bag time is due [s]."""
+        """Return the wall time of a message with this bag time [s]."""
         return self.began + (stamp_ns - self.first_ns) * 1e-9 / self.rate

@@ -1,4 +1,4 @@
-"""Gather a flight tick by tick into the arrays of q2q_model.flights.flight.Flight."""
+"""Recording of a flight, tick by tick, into the arrays of q2q_model.flights.flight.Flight."""
 
 import numpy as np
 
@@ -24,10 +24,10 @@ _WIDTHS = {
 
 
 class FlightRecording:
-    """Arrays that a flight fills; what is not written stays NaN."""
+    """Arrays of a flight; entries that are not written stay NaN."""
 
     def __init__(self, names: Names, ticks: int) -> None:
-        """Make room for `ticks` ticks of the vehicles `names`."""
+        """Allocate `ticks` ticks of the vehicles `names`."""
         n = len(names)
         self._names = names
         self._stamps = np.full(ticks, np.nan)
@@ -37,14 +37,14 @@ class FlightRecording:
         }
 
     def frame(self, tick: int, stamp_ns: int, frame: MocapFrame) -> None:
-        """Write what came from motion capture in the tick at stamp_ns."""
+        """Write the motion-capture frame of the tick at stamp_ns."""
         self._stamps[tick] = stamp_ns * 1e-9
         rows = index_of(frame.names, self._names)
         self._arrays["mocap_pos"][tick, rows] = frame.pos
         self._arrays["mocap_quat"][tick, rows] = frame.quat
 
     def truth(self, tick: int, truth: SwarmState, downwash: Interference, imu: SwarmImu) -> None:
-        """Write what only a simulator knows, and the inertial sensors."""
+        """Write the true state and the inertial measurements."""
         self._put(tick, true_pos=truth.pos, true_vel=truth.vel, true_eta=downwash.acc)
         self._put(tick, specific_force_body=imu.specific_force_body, gyro_body=imu.ang_vel_body)
 
@@ -53,7 +53,7 @@ class FlightRecording:
         self._put(tick, pos=state.pos, vel=state.vel, quat=state.quat, eta=interference.acc)
 
     def setpoints(self, tick: int, planned: SwarmSetpoint, given: SwarmSetpoint) -> None:
-        """Write the plan's setpoint and the one the controller was given."""
+        """Write the setpoint of the plan and that of the replanner."""
         self._put(tick, ref_pos=planned.pos, ref_vel=planned.vel, ref_acc=planned.acc)
         self._put(tick, safe_pos=given.pos, safe_vel=given.vel, safe_acc=given.acc)
 

@@ -1,11 +1,11 @@
-"""Stand in for the room: VICON looks, commands come, and 10 ms pass.
+"""Simulated room: motion capture, inertial sensors, radio, faults and vehicles, advanced in 10 ms ticks.
 
-    capture()          what VICON and the inertial sensors see now, with the truth beside it
-    advance(command)   give the radio the tick's command, move everything by one tick
+    capture()          measurements of VICON and the inertial sensors now, with the truth
+    advance(command)   send the command of the tick over the radio, advance everything by one tick
 
-Delays: a controller knows capture stamps only, so a frame that is late and a command that is late look the
-same to it. The camera's latency is therefore added to the radio's, and frames come at once.
-Both calls are deterministic: the same scenario, seed and commands give the same numbers to the last bit.
+Delays: a controller knows only capture stamps, so a late frame and a late command are equivalent. The
+camera's latency is therefore added to the radio's, and frames arrive at once. Both calls are deterministic:
+the same scenario, seed and commands give the same numbers to the last bit.
 """
 
 import math
@@ -43,12 +43,12 @@ STEPS = PHYSICS_RATE // 100
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """Hold what can be known of one tick."""
+    """Measurements and truth of one tick."""
 
     stamp_ns: int
-    """When it is: it names the tick."""
+    """True time; it identifies the tick."""
     frame_stamp_ns: int
-    """The stamp the frame carries: another one only where a fault makes it late, repeated or wrong."""
+    """Stamp of the frame; differs from `stamp_ns` only if a fault makes the frame late, repeated or wrong."""
     truth: SwarmState
     truth_interference: Interference
     frame: MocapFrame
@@ -56,7 +56,7 @@ class Tick:
 
 
 class Room:
-    """Hold vehicles, air, cameras and radio of one flight."""
+    """Vehicles, air, cameras and radio of one flight."""
 
     def __init__(self, scenario: Scenario, seed: int) -> None:
         """Place the vehicles at their first waypoints."""
@@ -82,16 +82,16 @@ class Room:
 
     @property
     def tick(self) -> int:
-        """Return how many ticks have passed."""
+        """Return the number of ticks that have passed."""
         return self._tick
 
     @property
     def injected(self) -> Flags:
-        """Return what was done to each vehicle in the last captured frame: vicon.Injected, (n,)."""
+        """Return the effects on each vehicle in the last captured frame: vicon.Injected, (n,)."""
         return self._vicon.injected
 
     def capture(self) -> Tick:
-        """Return what is seen now; asked again in the same tick, the same again."""
+        """Return the present measurements; repeated calls in a tick return the same."""
         if self._seen is None:
             stamp_ns = self._tick * TICK_NS
             truth = self._swarm.truth(stamp_ns * 1e-9)
@@ -108,12 +108,12 @@ class Room:
         return self._seen
 
     def advance(self, command: SwarmCommand | None) -> None:
-        """Let one tick pass; `command` None means that none came.
+        """Advance by one tick; `command` is None if none arrived.
 
         Raises:
             ValueError: the command is for a vehicle that does not exist, or is not finite; nothing has moved.
         """
-        self.capture()  # every tick is looked at once, so that its noise does not depend on who asks
+        self.capture()  # captured once every tick, so that the noise does not depend on the callers
         now_ns = self._tick * TICK_NS
         if command is not None:
             self._radio.send(now_ns, self._rows_of(command), command, self._faults.jammed(now_ns))
@@ -124,11 +124,11 @@ class Room:
 
     @property
     def swarm(self) -> Swarm:
-        """Return the vehicles, for those who fly them by other means than commands."""
+        """Return the vehicles, for fleets that fly by their own firmware."""
         return self._swarm
 
     def fly(self, move: Callable[[Array], None]) -> None:
-        """Let one tick pass in which `move` moves the swarm: it is given the disturbance's drive (n, 7)."""
+        """Advance by one tick in which `move` steps the swarm with the disturbance's drive (n, 7)."""
         self.capture()
         move(self._disturbance.step())
         self._tick += 1

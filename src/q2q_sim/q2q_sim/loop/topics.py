@@ -1,4 +1,4 @@
-"""List the topics of a flight and their types: what a bag holds."""
+"""Topics of a flight and their types: the contents of a bag."""
 
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.values import (
@@ -21,7 +21,7 @@ TICK_TOPICS: dict[str, type[Signal]] = {
     "interference": Interference,
     "command": SwarmCommand,
 }
-"""Topic to signal, in the order of the road."""
+"""Topic to signal, in the order of the data flow."""
 
 TYPE_NAMES: dict[str, str] = {
     topic: f"q2q_msgs/msg/{LAYOUTS[kind].message}" for topic, kind in TICK_TOPICS.items()

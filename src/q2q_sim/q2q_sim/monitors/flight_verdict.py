@@ -1,15 +1,15 @@
-"""Judge a flight in one line: it went as it was sent, or what went wrong first, where and when.
+"""One-line verdict on a flight: ok, or the first failure with its place and time.
 
 | finding | judged by |
 |---|---|
 | a vehicle hit the floor | policy `floor` |
-| a vehicle landed blind, or its motors were cut | its commands: LAND on the floor, CUT |
+| a vehicle landed without feedback, or its motors were cut | its commands: LAND on the floor, CUT |
 | two vehicles collided | policy `separation` |
 | a vehicle left the room | policy `room` |
-| commands ended before the flight | the last command is older than the firmware's watchdog, 0.5 s |
-| ticks were missed | more than 1 % of them had no command in time |
+| commands ended before the flight | last command older than the firmware's watchdog, 0.5 s |
+| ticks were missed | more than 1 % without a command in time |
 
-The policies that are not here judge the stack's own promises (`policies BAG`), not how the flight went.
+The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight.
 """
 
 from collections.abc import Iterator, Sequence
@@ -28,17 +28,17 @@ from q2q_sim.monitors.policies.flown import evidence_of_flight
 from q2q_sim.monitors.policies.tracking import room
 
 MISSED_SHARE = 0.01
-"""Share of ticks without a command in time from which on a flight was not flown as told [-]."""
+"""Largest fraction of ticks without a command in time [-]."""
 COMMANDS_END_S = 0.5
-"""Silence after which the Crazyflie's firmware levels out by itself [s] (q2q_sim.link.radio)."""
+"""Time without commands after which the Crazyflie firmware levels out [s] (q2q_sim.link.radio)."""
 IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
-"""The policies that say how a flight went."""
+"""Policies that decide on the outcome of a flight."""
 WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left the room"}
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that went wrong in a flight."""
+    """One failure in a flight."""
 
     t: float
     """When [s]."""
@@ -47,13 +47,13 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class FlightVerdict:
-    """How a flight went: what went wrong, in order of time, and what could not be judged."""
+    """Outcome of a flight: failures in order of time, and what could not be judged."""
 
     duration: float
     """[s]"""
     findings: tuple[Finding, ...] = ()
     unjudged: tuple[str, ...] = ()
-    """What the recording lacks, in words."""
+    """Quantities missing from the recording."""
 
     @property
     def ok(self) -> bool:
@@ -74,9 +74,9 @@ def verdict_of(
     """Return the verdict on a flight.
 
     Args:
-        flight: what was recorded of it.
+        flight: recording of the flight.
         circumstances: its vehicle and faults, as for the policies.
-        missed_ticks: ticks whose command came too late or not at all; None counts those without a command.
+        missed_ticks: ticks whose command was late or missing; None counts those without a command.
     """
     if not len(flight.t):
         return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
@@ -93,7 +93,7 @@ def verdict_of(
 
 
 def verdict_line(flights: Sequence[tuple[str, FlightVerdict]]) -> str:
-    """Return the verdicts on named flights in one line; the name of a single flight is left out."""
+    """Return the verdicts on named flights in one line; without the name for a single flight."""
     if len(flights) == 1:
         return f"verdict: {flights[0][1]}"
     return "verdict: " + " | ".join(f"{name}: {verdict}" for name, verdict in flights)
@@ -108,7 +108,7 @@ def _words(broken: Violation) -> str:
 
 
 def _sent_down(evidence: Evidence, circumstances: Circumstances) -> Iterator[Finding]:
-    """Yield who was brought to the floor by its own controller, away from its plan."""
+    """Yield the vehicles that their controller brought to the floor, away from their plan."""
     status = evidence.command_status
     landed = touches(evidence, circumstances.limits)
     for row, name in enumerate(evidence.names):
@@ -131,7 +131,7 @@ def _commands_ended(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _missed(evidence: Evidence, counted: int | None) -> Iterator[Finding]:
-    """Yield the ticks that were missed, where they are too many."""
+    """Yield a finding if too many ticks were missed."""
     commanded = np.isfinite(evidence.command_status).any(axis=1)
     ticks = len(evidence.t)
     missed = counted if counted is not None else int(ticks - commanded.sum()) if commanded.any() else 0

@@ -1,11 +1,11 @@
-"""Measure a flight as the paper's Table 6 does, and how close its vehicles came.
+"""Metrics of a flight: those of the paper's Table 6, separation and time in the zone.
 
-    z RMSE   = sqrt(1/T int (z - z_ref)^2 dt)          against the plan, on the truth where it is known
+    z RMSE   = sqrt(1/T int (z - z_ref)^2 dt)          against the plan, of the truth if known
     energy   = int U1^2 dt,   above hover: - (m g)^2 T
     separation = min over pairs and time of |r_i - r_j|
     zone time  = time with any pair in the zone I(eps, d)
 
-Integrals are sums over ticks times the tick. NaN where a flight lacks what is needed.
+Integrals are sums over ticks times the tick. NaN if the flight lacks the data.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from q2q_model.vehicle.constants import Vehicle
 
 @dataclass(frozen=True, slots=True)
 class VehicleMetrics:
-    """Figures of one vehicle; NaN where unknown."""
+    """Metrics of one vehicle; NaN where unknown."""
 
     z_rmse_m: float
     xy_rmse_m: float
@@ -35,7 +35,7 @@ class VehicleMetrics:
 
 @dataclass(frozen=True, slots=True)
 class FlightMetrics:
-    """Figures of a flight; NaN where unknown."""
+    """Metrics of a flight; NaN where unknown."""
 
     vehicles: Mapping[str, VehicleMetrics]
     min_separation_m: float
@@ -43,7 +43,7 @@ class FlightMetrics:
 
 
 def measure(flight: Flight, vehicle: Vehicle, zone: Zone | None = None) -> FlightMetrics:
-    """Measure a flight of vehicles like `vehicle`; the zone is the paper's I(0.1, 1.1) unless given."""
+    """Return the metrics of a flight of `vehicle`s; the zone defaults to the paper's I(0.1, 1.1)."""
     pos = best_position(flight)
     dt = tick_of(flight)
     separation, zone_time = _closeness(pos, dt, zone or Cylinder())
@@ -56,7 +56,7 @@ def measure(flight: Flight, vehicle: Vehicle, zone: Zone | None = None) -> Fligh
 
 
 def best_position(flight: Flight) -> Array:
-    """Return the true positions where known, else the filtered ones [m], (T, n, 3)."""
+    """Return the true positions if known, else the filtered ones [m], (T, n, 3)."""
     return np.where(np.isfinite(flight.true_pos), flight.true_pos, flight.pos)
 
 
@@ -66,7 +66,7 @@ def tick_of(flight: Flight) -> float:
 
 
 def _vehicle(error: Array, thrust: Array, dt: float, weight: float) -> VehicleMetrics:
-    """Measure one vehicle by its position error (T, 3) and thrust (T,)."""
+    """Return the metrics of one vehicle from its position error (T, 3) and thrust (T,)."""
     given = held(thrust)
     known = len(given) > 0
     energy = float(np.sum(given**2)) * dt if known else float("nan")
@@ -80,7 +80,7 @@ def _vehicle(error: Array, thrust: Array, dt: float, weight: float) -> VehicleMe
 
 
 def held(thrust: Array) -> Array:
-    """Return commanded thrust from the first command on; a tick without one obeys the last, (<= T,)."""
+    """Return commanded thrust from the first command; a tick without one holds the last, (<= T,)."""
     known = np.isfinite(thrust)
     last = np.maximum.accumulate(np.where(known, np.arange(len(thrust)), -1))
     return np.asarray(thrust[last[last >= 0]])

@@ -1,6 +1,6 @@
-"""Say how well motion capture saw a flight: rate, gaps, what was missing, what the filter did not believe.
+"""Quality of motion capture in a flight: rate, gaps, missing vehicles, rejected measurements.
 
-Read from the frames and the filtered states of a flight, so that it works on any bag, without a truth.
+Computed from frames and filtered states, so that it works on any bag, without the true states.
 """
 
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ import numpy as np
 from q2q_model.flights.flight import Flight
 
 DISBELIEF = 0.02
-"""A measurement further than this from the filtered state was not believed [m]: ten times VICON's dynamic
-error of 2 mm (Merriaux et al., A study of Vicon system positioning performance, Sensors 2017)."""
+"""Distance from the filtered state beyond which a measurement counts as rejected [m]: ten times VICON's
+dynamic error of 2 mm (Merriaux et al., A study of Vicon system positioning performance, Sensors 2017)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,17 +19,17 @@ class MocapQuality:
     """Quality of one vehicle's motion capture."""
 
     rate_hz: float
-    """Median rate of the frames that hold the vehicle."""
+    """Median rate of the frames with the vehicle."""
     seen_share: float
-    """Share of all frames that hold it."""
+    """Fraction of all frames with the vehicle."""
     longest_gap_s: float
-    """Longest time between two frames that hold it."""
+    """Longest time between two frames with the vehicle."""
     disbelieved: int
     """Measurements that the filter did not follow."""
 
 
 def mocap_quality(flight: Flight) -> dict[str, MocapQuality]:
-    """Return how well each vehicle of a flight was seen."""
+    """Return the motion-capture quality of each vehicle of a flight."""
     return {name: _of(flight, row) for row, name in enumerate(flight.names)}
 
 

@@ -1,12 +1,12 @@
-"""Disturb the vehicles as a room does: moving air, and rotors that give a little less than is asked.
+"""Disturbances of a real room: moving air, and rotors that give slightly less thrust than commanded.
 
-Air: an acceleration on each axis that wanders with a correlation time T (Ornstein-Uhlenbeck), exact for any
-tick dt, stationary from the first tick on:
+Air: an Ornstein-Uhlenbeck acceleration on each axis with correlation time T, exact for any tick dt and
+stationary from the first tick:
 
     a(t + dt) = a(t) e^(-dt/T) + sigma sqrt(1 - e^(-2 dt/T)) n,    n ~ N(0, 1)
 
-Rotors: each vehicle gives a share k of its thrust, drawn once a flight. Real flights show k of 0.97 to 0.99,
-which is their constant offset of 0.1 to 0.3 m/s^2: (1 - k) g.
+Rotors: each vehicle gives a fraction k of its thrust, drawn once per flight. Real flights show k of 0.97 to
+0.99, a constant offset of (1 - k) g = 0.1 to 0.3 m/s^2.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -29,10 +29,14 @@ from q2q_sim.plant.random_streams import stream
 class DisturbanceParams:
     """Size of wind and rotor errors; the defaults are still air and perfect rotors."""
 
-    air_std: float = tunable(0.0, "standard deviation of the air's push", unit="m/s^2", low=0.0, high=10.0)
-    air_time: float = tunable(1.0, "correlation time of the air's push", unit="s", low=1e-3, high=100.0)
-    thrust_gain_min: float = tunable(1.0, "least share of its thrust a vehicle gives", low=0.5, high=1.5)
-    thrust_gain_max: float = tunable(1.0, "largest share of its thrust a vehicle gives", low=0.5, high=1.5)
+    air_std: float = tunable(
+        0.0, "standard deviation of the acceleration by moving air", unit="m/s^2", low=0.0, high=10.0
+    )
+    air_time: float = tunable(
+        1.0, "correlation time of the acceleration by moving air", unit="s", low=1e-3, high=100.0
+    )
+    thrust_gain_min: float = tunable(1.0, "smallest rotor gain", low=0.5, high=1.5)
+    thrust_gain_max: float = tunable(1.0, "largest rotor gain", low=0.5, high=1.5)
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -45,10 +49,10 @@ class DisturbanceParams:
 
 
 class Disturbance:
-    """Wind around the vehicles and gains of their rotors."""
+    """Wind and rotor gains of the vehicles of a flight."""
 
     def __init__(self, params: DisturbanceParams, vehicles: int, tick: float, seed: int) -> None:
-        """Disturb `vehicles` vehicles every `tick` [s]."""
+        """Draw the rotor gains of `vehicles` vehicles; `tick` is the sample time [s]."""
         self._rng = stream(seed, "air")
         self._std = params.air_std
         self._keep = math.exp(-tick / params.air_time)
@@ -58,10 +62,10 @@ class Disturbance:
         )
         air = self._std * self._rng.standard_normal((vehicles, 3))
         self.drive = np.hstack([air, np.repeat(gain, 4, axis=1)])
-        """Acceleration by the air [m/s^2], world, then the gain of each rotor, (n, 7)."""
+        """Acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7)."""
 
     def step(self) -> Array:
-        """Return the drive of this tick, (n, 7), and move the air on by one tick."""
+        """Return the drive of this tick, (n, 7), and advance the air by one tick."""
         now = self.drive.copy()
         if self._std > 0.0:
             fresh = self._rng.standard_normal((len(now), 3))

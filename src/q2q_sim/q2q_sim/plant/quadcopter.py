@@ -1,4 +1,4 @@
-"""Move one quadcopter by one physics step: rigid body, rotor lag, onboard attitude loop, ground.
+"""Physics step of one quadcopter: rigid body, rotor lag, onboard attitude loop, ground.
 
 The equations are (1)-(9) in quaternion form, without small angles:
 
@@ -7,15 +7,15 @@ The equations are (1)-(9) in quaternion form, without small angles:
     q'  = q (w, 0) / 2
     f'  = (k f_c - f) / T_lag                          f_c: attitude law, then allocation, every step
 
-One step of h: the rotor lag is exact for a constant command; v takes T of the new rotors and R of the old
-attitude; the position moves by the mean of old and new velocity, which is exact for a constant
-acceleration; w moves first, then q by exp(w h) (semi-implicit). Below z = 0 is the ground: the vehicle
-stops, stands level and keeps its yaw. A commanded thrust of zero stops the motors, as on the firmware.
+One step of h: the rotor lag is exact for a constant command; v uses T of the new rotors and R of the old
+attitude; position advances by the mean of old and new velocity, which is exact for constant acceleration;
+w is integrated first, then q by exp(w h) (semi-implicit). The ground is at z = 0: there the vehicle stops,
+level, with its yaw kept. A commanded thrust of zero stops the motors, as in the firmware.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | f | rotors | thrust of each rotor [N] |
-| k | gain | what a rotor gives of what is asked: battery, wear [-] |
+| k | gain | thrust over commanded thrust of a rotor: battery, wear [-] |
 | T_lag | thrust_lag | [s]; decay = exp(-h / T_lag) |
 | eta + a_air | push | acceleration by downwash and by moving air [m/s^2], world |
 | h | step | [s] |
@@ -84,14 +84,14 @@ def _torque(rotors: Four, lever: float, drag: float) -> Three:
 
 
 def _tilt(quat: Four) -> Three:
-    """Return roll, pitch [rad], and 0 for the yaw that the attitude law does not read."""
+    """Return roll, pitch [rad], and 0 for the yaw, which the attitude law does not read."""
     x, y, z, w = quat
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     return roll, math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0)), 0.0
 
 
 def _wanted(row: Array, command: Four, body: Array, wanted: Array) -> None:
-    """Write the rotor thrusts [N] that the onboard loop asks for."""
+    """Write the rotor thrusts [N] that the onboard loop commands."""
     thrust, roll, pitch, yaw_rate = command
     if thrust <= 0.0:
         wanted[:] = 0.0
@@ -105,7 +105,7 @@ def _wanted(row: Array, command: Four, body: Array, wanted: Array) -> None:
 
 
 def _push(row: Array, push: Three, body: Array) -> None:
-    """Move velocity and position by one step."""
+    """Integrate velocity and position over one step."""
     x, y, z, w = row[6], row[7], row[8], row[9]
     lift = (row[13] + row[14] + row[15] + row[16]) / body[5, 0]
     h = body[5, 2]
@@ -129,7 +129,7 @@ def _half_turn(square: float) -> tuple[float, float]:
 
 
 def _turn(row: Array, body: Array) -> None:
-    """Move angular velocity and attitude by one step."""
+    """Integrate angular velocity and attitude over one step."""
     tx, ty, tz = torque((row[13], row[14], row[15], row[16]), body[4, 0], body[4, 1])
     ix, iy, iz, h = body[2, 0], body[2, 1], body[2, 2], body[5, 2]
     p, q, r = row[10], row[11], row[12]
@@ -150,7 +150,7 @@ def _turn(row: Array, body: Array) -> None:
 
 
 def _stand(row: Array, body: Array) -> None:
-    """Stop a vehicle that is below the ground: level, yaw kept; the ground gives what acc lacks."""
+    """Stop a vehicle below the ground, level, with its yaw kept; acc includes the ground's reaction."""
     for k in range(3):
         after = max(row[5], 0.0) if k == 2 else 0.0
         row[17 + k] += (after - row[3 + k]) / body[5, 2]

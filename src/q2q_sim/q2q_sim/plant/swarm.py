@@ -1,10 +1,10 @@
-"""Move a whole swarm: every vehicle's step, and the downwash between them, in one compiled loop.
+"""Physics step of a swarm: all vehicles, and the downwash between them, in one compiled loop.
 
-Per physics step: sort by x (insertion sort of the last order, which hardly changes), look at pairs only
-while x_j - x_i is within the widest reach of the wake at the swarm's height range, add the downwash of both
-to the pair, then move every vehicle (q2q_sim.plant.quadcopter). Positions and thrusts of the last 0.4 s are
-kept in a ring, one slot a step, for downwash that arrive late; between slots they are interpolated.
-`q2q_sim.plant.swarm_numpy` says the same in plain numpy; a test holds both together.
+Each physics step sorts the vehicles by x (insertion sort from the last order, which hardly changes), visits
+pairs only while x_j - x_i is within the widest reach of the wake over the swarm's height range, adds their
+downwash, then steps every vehicle (q2q_sim.plant.quadcopter). Positions and thrusts of the last 0.4 s are
+kept in a ring buffer, one slot a step, for delayed downwash; between slots they are interpolated.
+A test compares the kernel with a plain numpy implementation.
 """
 
 import math
@@ -39,7 +39,7 @@ Rows = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Air:
-    """Past states of the sources, for downwash that travels."""
+    """Past states of the sources, for delayed downwash."""
 
     kind: Wake
     ring: Array
@@ -65,7 +65,7 @@ def _seen(ring: Array, steps: int, vehicle: int, late: float) -> Four:
 
 
 def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int], step: float) -> float:
-    """Return the measured downwash eta_z [m/s^2] that vehicle j puts on vehicle i, `pair` = (i, j)."""
+    """Return the measured downwash eta_z [m/s^2] of vehicle j on vehicle i, `pair` = (i, j)."""
     i, j = pair
     late = delay(2, state[j, 2] - state[i, 2]) / step
     x, y, z, share = seen(ring, steps, j, late)
@@ -84,7 +84,7 @@ def _sort_by_x(state: Array, rows: Rows) -> None:
 
 
 def _downwash(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
-    """Write every vehicle's eta_z into its state."""
+    """Write eta_z of every vehicle into its state."""
     n = state.shape[0]
     lowest, highest = state[0, 2], state[0, 2]
     for i in range(n):
@@ -120,7 +120,7 @@ def _remember(state: Array, ring: Array, slot: int, weight: float) -> None:
 
 
 def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Array, body: Array) -> None:
-    """Take one physics step for each row of commands."""
+    """Advance by one physics step for each row of commands."""
     kind, ring, rows = air
     n = state.shape[0]
     wanted = np.empty(4)
@@ -147,11 +147,11 @@ downwash = compiled(_downwash)
 downwash_of = compiled(_downwash_of)
 """Write eta [m/s^2] (n, 3) of every vehicle now: (state, (kind, ring, rows), step, eta)."""
 run = compiled(_run, nogil=True)
-"""Take steps: (state, (kind, ring, rows), commands, drive, body); releases the interpreter while it runs."""
+"""Advance by steps: (state, (kind, ring, rows), commands, drive, body); releases the GIL."""
 
 
 def still_air(state: Array, kind: Wake, body: Array) -> Air:
-    """Return the air around vehicles that have always been where they are."""
+    """Return the air around vehicles that have always hovered at their present positions."""
     mass, _, step = body[MASS_ROW]
     slots = math.ceil(max_delay(kind) / step) + 2
     now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (mass * GRAVITY)])  # (n, 4)
@@ -160,7 +160,7 @@ def still_air(state: Array, kind: Wake, body: Array) -> Air:
 
 
 class Swarm:
-    """Vehicles of a room and their motion."""
+    """Vehicles of a room and their states."""
 
     def __init__(self, names: Names, vehicle: Vehicle, start: Array, wake: Wake) -> None:
         """Place vehicles at rest at `start` (n, 4): x, y, z [m], yaw [rad]."""
@@ -174,12 +174,11 @@ class Swarm:
         self._age.flags.writeable = self._tracked.flags.writeable = False
 
     def step(self, commands: Array, drive: Array) -> None:
-        """Move by one physics step a row of `commands`.
+        """Advance by one physics step for each row of `commands`.
 
         Args:
-            commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] that each obeys, (steps, n, 4).
-            drive: acceleration by moving air [m/s^2], world, then what each rotor gives of what is asked,
-                (n, 7).
+            commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] of each vehicle, (steps, n, 4).
+            drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
         """
         run(self.state, self._air, commands, drive, self.body)
 

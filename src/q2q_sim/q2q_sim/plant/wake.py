@@ -1,30 +1,30 @@
-"""Hold the true downwash of the simulated air. Never a model under test: nothing that flies reads this.
+"""True downwash of the simulated air. Never a model under test: no block under test reads it.
 
 A source j at dz = z_j - z_i above i, dxy beside it, pushes i down by P(dz, dxy) >= 0 [m/s^2] and feels a
-share u of it upwards. With s(dz) the downwash's width:
+fraction u of it upwards. With s(dz) the width of the downwash:
 
-paper (paper/NOTES.md, what reproduces; acts at once):
+paper (paper/NOTES.md, what reproduces; no delay):
     P = A ((z0 + .5) / (z0 + dz))^2 exp(-dxy^2 / 2 s^2),  s = s0 + ks dz
     A .392, z0 .33, s0 .06, ks .08, u .2
 measured (two real Crazyflies 2.1, feed-forward off):
     P = A exp(-beta (dz - .4)) exp(-dxy^2 / 2 s^2) T_j / (m g),  s = .054 + .03 (dz - .4)
     A 2.5, beta .95, u .02
-    it travels down at 7.5 m/s: r_j and T_j are those of tau = dz / 7.5 ago
-    A, beta and the width .054 m are those of the three-parameter fit; on the same flights (dc19) the R2 of
-    the vertical acceleration is .853 so, .865 with the delay, .866 with a growth of the width of .03, less
-    with more; u: the upper vehicles' mean is -.01 and +.05 m/s^2, never above 2 % of g.
+    it travels down at 7.5 m/s: r_j and T_j are those at time t - tau, tau = dz / 7.5
+    A, beta and the width .054 m are from the three-parameter fit; on the same flights (dc19) the R2 of the
+    vertical acceleration is .853 without delay, .865 with it, .866 if the width also grows by .03, and lower
+    with more growth; u: the upper vehicles' mean is -.01 and +.05 m/s^2, never above 2 % of g.
 none: P = 0.
 
-Both are accelerations of vehicles whose own weight carries the source: a source of weight m_j g pushes
-its like by P, so the law is kept for every vehicle kind, and lengths are not scaled (the paper does the
-same when it flies 0.65 kg with downwash learned at 34 g). All vehicles of a swarm are of one kind.
-Where the pair changes roles, |dz| < b, the two shares blend by a cubic, so that eta is smooth.
+Both are accelerations between vehicles of equal weight. The law is the same for every vehicle type and
+lengths are not scaled (the paper does the same when it flies 0.65 kg with downwash learned at 34 g). All
+vehicles of a swarm are of one type. Where the pair changes roles, |dz| < b, the two parts are blended by a
+cubic, so that eta is smooth.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | P | push | acceleration of the lower vehicle, downwards [m/s^2] |
-| s | width | standard deviation of the downwash's profile [m] |
-| u | UPPER | share that the upper vehicle feels, upwards [-] |
+| s | width | standard deviation of the downwash profile [m] |
+| u | UPPER | fraction that the upper vehicle feels, upwards [-] |
 | tau | delay | transport delay [s] |
 | b | BLEND | half height of the change of roles [m] |
 """
@@ -46,7 +46,7 @@ class Wake(IntEnum):
 PAPER_A, PAPER_Z0, PAPER_S0, PAPER_KS, PAPER_UPPER = 0.392, 0.33, 0.06, 0.08, 0.2
 """[m/s^2], [m], [m], [m/m], [-]: paper/NOTES.md."""
 PAPER_DZ = 0.5
-"""Height difference at which the push is A [m]: the same."""
+"""Height difference at which P = A [m]: the same fit."""
 MEASURED_A, MEASURED_BETA, MEASURED_DZ = 2.5, 0.95, 0.4
 """[m/s^2], [1/m], [m]: three-parameter fit of the real flights, feed-forward off."""
 MEASURED_S, MEASURED_KS, MEASURED_UPPER = 0.054, 0.03, 0.02
@@ -54,15 +54,15 @@ MEASURED_S, MEASURED_KS, MEASURED_UPPER = 0.054, 0.03, 0.02
 MEASURED_SPEED = 7.5
 """Speed at which the downwash travels down [m/s]: lag 25 ms at dz 0.15 m to over 110 ms at 0.8 m."""
 NARROWEST = 0.02
-"""Least width [m]; reached only where the vehicles touch."""
+"""Smallest width [m]; reached only where vehicles touch."""
 MAX_DELAY = 0.4
-"""Longest delay kept [s]: 3 m of travel, where 8 % of the push is left."""
+"""Longest delay kept [s]: 3 m of travel, where P has fallen to 8 %."""
 BLEND = 0.1
-"""b [m]: closer than about 0.1 m no two vehicles fly."""
+"""b [m]: no two vehicles fly closer than about 0.1 m."""
 EDGE = 6.0
-"""Widths beyond which the push is zero: there it is 1.5e-8 of its peak [-]."""
+"""Distance in widths beyond which P is zero: there it is 1.5e-8 of its peak [-]."""
 FASTEST = 3.0
-"""Speed up to which a source's downwash is followed to its past place [m/s]."""
+"""Largest speed of a source whose past position is searched [m/s]."""
 
 
 def wake_by_name(name: str) -> Wake:
@@ -74,7 +74,7 @@ def wake_by_name(name: str) -> Wake:
 
 
 def max_delay(kind: Wake) -> float:
-    """Return how long the past of the sources matters [s]."""
+    """Return the longest delay of the downwash [s]."""
     return MAX_DELAY if kind == Wake.MEASURED else 0.0
 
 
@@ -101,19 +101,19 @@ def _pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
     strength = push(kind, abs(dz), dxy_squared)
     upper = PAPER_UPPER if kind == 1 else MEASURED_UPPER
     along = min(max(0.5 * (dz / BLEND + 1.0), 0.0), 1.0)
-    share = along * along * (3.0 - 2.0 * along)  # of the lower vehicle's part, for i
+    share = along * along * (3.0 - 2.0 * along)  # weight of the lower vehicle's part, for i
     return strength * ((1.0 - share) * upper - share), strength * (share * upper - (1.0 - share))
 
 
 def _delay(kind: int, dz: float) -> float:
-    """Return how long the downwash of a source at dz [m] travels [s]; it does not travel up."""
+    """Return the delay of the downwash from a source at height difference dz [m], [s]; 0 upwards."""
     if kind != 2 or dz <= 0.0:
         return 0.0
     return min(dz / MEASURED_SPEED, MAX_DELAY)
 
 
 def _reach(kind: int, gap: float) -> float:
-    """Return how far beside a vehicle a source at |dz| = gap may be now to act on it [m]."""
+    """Return the largest horizontal distance at which a source at |dz| = gap acts on a vehicle [m]."""
     return float(EDGE * width(kind, gap) + FASTEST * delay(kind, gap))
 
 

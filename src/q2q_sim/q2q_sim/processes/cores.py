@@ -1,19 +1,19 @@
-"""Choose the cores that a flight's nodes run on.
+"""CPU cores of a flight's nodes.
 
 Within a tick most nodes wait for each other: simulator, mocap_filter, interference, controller, simulator.
-Left to the scheduler they wander between cores, and each finds the cache of another; on one core of their own
-a tick takes a quarter less. What works beside the chain (trajectory, replanner, recorder) gets all others.
+Under the scheduler they migrate between cores with cold caches; pinned to one core of their own a tick takes
+a quarter less. Nodes outside the chain (trajectory, replanner, recorder) use all other cores.
 """
 
 import os
 from collections.abc import Collection
 
 BESIDE = ("trajectory", "replanner", "bag_record")
-"""Nodes that work while the chain does; every other one is a link of it."""
+"""Nodes outside the chain of a tick."""
 
 
 def cores_of(executable: str, domain: int, allowed: Collection[int]) -> frozenset[int]:
-    """Return the cores for a node; flights in neighbouring domains keep their chains apart.
+    """Return the cores for a node; flights in neighbouring domains use different cores for their chains.
 
     Args:
         executable: the node.
@@ -25,7 +25,7 @@ def cores_of(executable: str, domain: int, allowed: Collection[int]) -> frozense
 
 
 def beside_chain(domain: int, allowed: Collection[int]) -> frozenset[int]:
-    """Return the cores that the chain of a tick does not run on; the only one, where there is one."""
+    """Return the cores without the chain of a tick; the only core if there is one."""
     cores = sorted(allowed)
     return frozenset(cores) - {cores[domain % len(cores)]} or frozenset(cores)
 

@@ -1,11 +1,11 @@
-"""Keep Fast DDS's timer threads off the core on which a tick is computed, and have it acknowledge soon.
+"""Fast DDS profile: timer threads off the core of the tick, and frequent acknowledgements.
 
-Every reliable publication sets a timer, and so wakes a thread that does nothing: on the publisher's core it
-pushes the publisher aside three times a message. On another core a tick takes a tenth less. A profile of the
-user's own (VARIABLES) is left alone; another middleware ignores ours.
+Every reliable publication sets a timer, which wakes an idle thread: on the publisher's core it preempts the
+publisher three times a message. On another core a tick takes a tenth less. A profile of the user (VARIABLES)
+takes precedence; other middleware ignores ours.
 
-A reader says what it has taken when its writer asks, by default every 3 s: a flight that waits at its end
-until all is with the recorder would wait that long for one topic after another.
+A reader acknowledges on the writer's heartbeat, by default every 3 s, for which a flight would wait at its
+end for each topic of the recorder.
 
 Source: Fast DDS 2.14, XML profiles, `timed_events_thread` (ThreadSettings: affinity is a mask of cores) and
 `heartbeatPeriod` (WriterTimes).
@@ -16,11 +16,11 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 
 VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
-"""What names a profile: up to Fast DDS 2, whose form ours has, and from 3 on."""
+"""Environment variables of a profile: up to Fast DDS 2, the version of ours, and from 3."""
 MOST_CORE = 63
 """Cores above this do not fit the mask."""
 HEARTBEAT_NS = 100_000_000
-"""How often a writer asks its readers what they have, while they have not acknowledged all [ns]."""
+"""Heartbeat period of writers with unacknowledged samples [ns]."""
 PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns="http://www.eprosima.com"><profiles>
   <participant profile_name="timers_aside" is_default_profile="true"><rtps>
@@ -34,7 +34,7 @@ PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def profile_environment(folder: Path, cores: Collection[int]) -> Mapping[str, str]:
-    """Write a profile that keeps timers on `cores` into a folder; return what tells Fast DDS of it."""
+    """Write a profile with timers on `cores` into a folder; return its environment variables."""
     usable = [core for core in cores if core <= MOST_CORE]
     if not usable or any(os.environ.get(name) for name in VARIABLES):
         return {}

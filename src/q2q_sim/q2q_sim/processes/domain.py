@@ -1,4 +1,4 @@
-"""Choose a ROS domain that no other flight on this machine uses, so that two flights never mix."""
+"""Choice of a ROS domain that no other flight on this machine uses."""
 
 import fcntl
 import os
@@ -8,12 +8,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 DOMAINS = range(20, 100)
-"""Domains to choose from: below 101, above what people pick by hand (ROS 2 documentation, domain id)."""
+"""Candidate domains: below 101, above those usually set by hand (ROS 2 documentation, domain id)."""
 
 
 @contextmanager
 def own_domain() -> Iterator[int]:
-    """Hold a free domain and set ROS_DOMAIN_ID to it; a domain the user has set is kept.
+    """Reserve a free domain and set ROS_DOMAIN_ID; a domain set by the user is kept.
 
     Raises:
         RuntimeError: all domains are taken.

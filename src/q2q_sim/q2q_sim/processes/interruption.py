@@ -1,20 +1,20 @@
-"""Note that a user or a parent asks a tool to end, and end it where that does no harm."""
+"""Deferred handling of SIGINT and SIGTERM, so that tools end at a safe point."""
 
 import signal
 from types import FrameType
 
 
 class Interruption:
-    """Flag that SIGINT or SIGTERM came."""
+    """Flag set by SIGINT or SIGTERM."""
 
     def __init__(self) -> None:
-        """Catch both signals from now on: they raise nothing by themselves, wherever they come."""
+        """Install handlers for both signals that only set the flag."""
         self._asked = False
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._note)
 
     def check(self) -> None:
-        """Raise KeyboardInterrupt if a signal came."""
+        """Raise KeyboardInterrupt if a signal has arrived."""
         if self._asked:
             raise KeyboardInterrupt
 

@@ -1,4 +1,4 @@
-"""Start the nodes of a flight as processes, watch them, and end them: none outlives its starter."""
+"""Processes of a flight's nodes: start, supervision and end; none outlives its parent."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ from q2q_model.tunable import ParameterValue
 from q2q_sim.processes.warm_start import NodeStart, fork
 
 END_PATIENCE_S = 10.0
-"""How long a node may take to end after SIGINT before it is killed [s]."""
+"""Time from SIGINT to SIGKILL [s]."""
 
 
 KILLED = -signal.SIGKILL
@@ -22,15 +22,15 @@ KILLED = -signal.SIGKILL
 
 @dataclass(frozen=True, slots=True)
 class NodeSpec:
-    """Hold what a node needs to start."""
+    """Executable and parameters of a node."""
 
     package: str
     executable: str
     parameters: Mapping[str, ParameterValue]
     cores: frozenset[int] = frozenset()
-    """Where it may run; empty is anywhere."""
+    """Allowed cores; empty is any."""
     inside: tuple["NodeSpec", ...] = ()
-    """Nodes that run in its process."""
+    """Nodes within its process."""
 
     @property
     def nodes(self) -> tuple[str, ...]:
@@ -39,11 +39,11 @@ class NodeSpec:
 
 
 class NodeDiedError(ChildProcessError):
-    """Say which node ended before its flight, and what it said last."""
+    """Node that ended before its flight, with its last output."""
 
 
 def find_executable(package: str, executable: str) -> Path:
-    """Return an installed executable; raise FileNotFoundError that says how to install it."""
+    """Return an installed executable; raise FileNotFoundError with the remedy."""
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         found = Path(prefix) / "lib" / package / executable
         if found.is_file():
@@ -54,10 +54,10 @@ def find_executable(package: str, executable: str) -> Path:
 
 
 class Processes:
-    """Hold the running nodes. Use as a context manager: leaving it ends them all."""
+    """Running nodes; a context manager that ends them all."""
 
     def __init__(self, folder: Path, environment: Mapping[str, str] | None = None) -> None:
-        """Take the folder for parameter files and logs, and what to add to the nodes' environment."""
+        """Take the folder for parameter files and logs, and additions to the nodes' environment."""
         self._folder = folder
         self._environment = environment or {}
         self._running: dict[str, BaseProcess] = {}
@@ -93,15 +93,15 @@ class Processes:
 
     @property
     def excused(self) -> frozenset[str]:
-        """Return the nodes that may be gone."""
+        """Return the nodes that may have ended."""
         return frozenset(self._excused)
 
     def excuse(self, executable: str) -> None:
-        """Let a node be gone from now on."""
+        """Allow a node to end from now on."""
         self._excused.add(executable)
 
     def expect(self, executable: str) -> None:
-        """Let a node be gone no longer."""
+        """Allow a node to end no longer."""
         self._excused.discard(executable)
 
     def pid(self, executable: str) -> int:
@@ -119,7 +119,7 @@ class Processes:
                 raise NodeDiedError(f"{name} ended with status {process.exitcode}: {words}")
 
     def end(self) -> dict[str, int]:
-        """Send SIGINT to every node, wait, kill what stays; return the exit statuses."""
+        """Send SIGINT to every node, wait, kill those that remain; return the exit statuses."""
         for name, process in self._running.items():
             if process.exitcode is None:
                 os.kill(self.pid(name), signal.SIGINT)
@@ -132,7 +132,7 @@ class Processes:
 
     def _last_words(self, name: str) -> str:
         lines = [line for line in self._log(name).read_text(errors="replace").splitlines() if line.strip()]
-        return lines[-1] if lines else "it said nothing"
+        return lines[-1] if lines else "no output"
 
 
 def sections(spec: NodeSpec) -> dict[str, object]:
@@ -145,13 +145,13 @@ def sections(spec: NodeSpec) -> dict[str, object]:
 
 
 def _plain(parameters: Mapping[str, ParameterValue]) -> dict[str, object]:
-    """Return what YAML can say; an empty list is left out, as ROS cannot tell its type."""
+    """Return plain values for YAML, without empty lists, whose type ROS cannot infer."""
     lists = {key: list(value) if isinstance(value, tuple) else value for key, value in parameters.items()}
     return _nested({key: value for key, value in lists.items() if value != []})
 
 
 def _nested(flat: Mapping[str, object]) -> dict[str, object]:
-    """Return parameters named `a.b` as {a: {b: ...}}, as parameter files want them."""
+    """Return parameters named `a.b` as {a: {b: ...}}, the form of parameter files."""
     made: dict[str, object] = {key: value for key, value in flat.items() if "." not in key}
     for group in dict.fromkeys(key.partition(".")[0] for key in flat if "." in key):
         prefix = f"{group}."

@@ -1,9 +1,9 @@
-"""Start nodes as forks of one process that has imported and rehearsed their code, so that it is done once.
+"""Start of nodes as forks of one process that has imported and run their code once.
 
     this process --starts--> warm parent (q2q_sim.ros.warm_parent) --forks--> node, node, ...
 
-The warm parent is Python's fork server: a process of its own that never initialises ROS, so that it has no
-threads of the middleware, which would not survive a fork. It dies with this process, and the nodes with it.
+The warm parent is Python's fork server: a separate process that never initialises ROS, so that it has no
+middleware threads, which would not survive a fork. It ends with this process, and the nodes with it.
 """
 
 import ctypes
@@ -18,33 +18,33 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 PARENT = "q2q_sim.ros.warm_parent"
-"""What the fork server imports."""
+"""Module that the fork server imports."""
 PR_SET_PDEATHSIG = 1
-"""prctl option: signal to get when the parent dies (Linux)."""
+"""prctl option: signal on the death of the parent (Linux)."""
 IMPORTER = os.getpid()
 """Process that imported this module: in a node, which is a fork, its warm parent."""
 
 
 @dataclass(frozen=True, slots=True)
 class NodeStart:
-    """Executable of the house, and how it is to run."""
+    """q2q executable with its process settings."""
 
     package: str
     executable: str
     command: Sequence[str]
-    """What it finds as its own command line."""
+    """Its command line."""
     environment: Mapping[str, str]
-    """What is read when code is imported (NUMBA_CACHE_DIR) stays as the warm parent found it."""
+    """Environment; variables read on import (NUMBA_CACHE_DIR) keep the warm parent's values."""
     log: Path
-    """File for what it prints."""
+    """File for its output."""
     cores: frozenset[int] = frozenset()
-    """Where it may run; empty is anywhere."""
+    """Allowed cores; empty is any."""
 
 
 def begin() -> None:
-    """Let the warm parent start, if it has not; it is ready some seconds later."""
+    """Start the warm parent unless it runs; it is ready some seconds later."""
     forkserver.set_forkserver_preload([PARENT])
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # inherited: Ctrl-C is for this process to pass on
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # inherited: only this process handles Ctrl-C
     try:
         forkserver.ensure_running()
     finally:
@@ -52,7 +52,7 @@ def begin() -> None:
 
 
 def fork(start: NodeStart) -> BaseProcess:
-    """Start a node; return its process once it has begun."""
+    """Start a node and return its process."""
     begin()
     process = get_context("forkserver").Process(target=_become, args=(start,), daemon=True)
     process.start()
@@ -60,22 +60,22 @@ def fork(start: NodeStart) -> BaseProcess:
 
 
 def die_with_parent() -> None:
-    """Have this process get SIGTERM when its parent dies."""
+    """Request SIGTERM for this process on the death of its parent."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 def settle(cores: frozenset[int]) -> None:
-    """Make this process a session of its own that dies with its warm parent and stays on its cores.
+    """Make this process a session of its own on its cores that ends with the warm parent.
 
     Raises:
-        SystemExit: the warm parent died before its death could be signalled.
+        SystemExit: the warm parent is already dead.
     """
     os.setsid()
     if cores:
         os.sched_setaffinity(0, cores)
     die_with_parent()
     if os.getppid() != IMPORTER:
-        sys.exit("the warm parent is gone")
+        sys.exit("the warm parent has ended")
 
 
 def _become(start: NodeStart) -> None:

@@ -1,4 +1,4 @@
-"""Draw flights side by side, as the paper's Figs 14a-d: altitude and U1 of each vehicle over time."""
+"""Figures of flights, as the paper's Figs 14a-d: altitude and U1 of each vehicle over time."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 
 COLOURS = ("#c0392b", "#1f77b4", "#2a9d55", "#8e44ad")
-"""One a flight: the first is what the others are compared with."""
+"""One for each flight; the first is the reference."""
 REFERENCE_COLOUR = "#555555"
 DPI = 130
 
@@ -52,7 +52,7 @@ def thrust_figure(curves: Sequence[PlotCurve], name: str) -> Figure:
 
 
 def downwash_figure(curves: Sequence[PlotCurve], name: str) -> Figure:
-    """Draw the vertical downwash eta_z [m/s^2] of vehicle `name`: predicted, and true where known."""
+    """Draw the vertical downwash eta_z [m/s^2] of vehicle `name`: predicted, and true if known."""
     figure, axes = _axes(f"{name}: vertical downwash", "eta z [m/s²]")
     for curve, colour in zip(curves, COLOURS, strict=False):
         flight = curve.flight
@@ -87,7 +87,7 @@ def sideways_figure(curves: Sequence[PlotCurve], name: str) -> Figure:
 
 
 def flown_pos(flight: Flight) -> Array:
-    """Return where the vehicles were [m], (T, n, 3): the truth where it is known, else the filtered state."""
+    """Return the positions [m], (T, n, 3): true ones if known, else the filtered state."""
     return flight.pos if bool((flight.true_pos != flight.true_pos).all()) else flight.true_pos
 
 
@@ -98,7 +98,7 @@ KINDS: dict[str, Callable[[Sequence[PlotCurve], str], Figure]] = {
     "thrust": thrust_figure,
     "tilt": tilt_figure,
 }
-"""The figures of a report, one a vehicle each."""
+"""Figures of a report, one for each vehicle."""
 
 
 def save(figure: Figure, path: Path) -> Path:

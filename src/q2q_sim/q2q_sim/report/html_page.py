@@ -1,4 +1,4 @@
-"""Write one HTML page that needs nothing beside it: tables and pictures inside."""
+"""Self-contained HTML page with tables and pictures."""
 
 from base64 import b64encode
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ figure { margin: 0; } img { width: 100%; } figcaption { color: #666; font-size: 
 """
 
 WORDS = 24
-"""A column with a cell of so many characters holds words: set to the left, and broken into lines."""
+"""Cell length from which a column is text: left-aligned and wrapped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Table: its head and its rows, already as text."""
+    """Table of texts: head and rows."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]

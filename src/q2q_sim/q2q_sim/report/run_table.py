@@ -1,4 +1,4 @@
-"""Say flights as a table, one row a vehicle and mode, as the paper's Table 6."""
+"""Table of flights, one row for each vehicle and mode, as the paper's Table 6."""
 
 from collections.abc import Sequence
 
@@ -46,12 +46,12 @@ def run_table(runs: Sequence[FlightRun]) -> Table:
 
 
 def run_notes(runs: Sequence[FlightRun]) -> list[str]:
-    """Say how each flight went beside its table."""
+    """Print zone time and timing of each flight."""
     return [_note(run) for run in runs]
 
 
 def run_verdicts(runs: Sequence[FlightRun]) -> str:
-    """Return how the flights went, in one line."""
+    """Return the verdicts on the flights in one line."""
     return verdict_line([(MODE_WORDS[run.request.mode], run.verdict) for run in runs])
 
 

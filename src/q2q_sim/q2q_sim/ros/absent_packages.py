@@ -1,4 +1,4 @@
-"""Stand in for Crazyswarm2's interface packages, which the ROS wheels do not have: fields, and nothing more.
+"""Substitutes for Crazyswarm2's interface packages, which the ROS wheels lack: fields only.
 
 Definitions: crazyflie_interfaces 1.0.5, motion_capture_tracking_interfaces 1.0.5, and the NamedPose of before
 December 2021, which had no name of its own.
@@ -31,7 +31,7 @@ OLD_NAMED_POSE = ("header", "pose", "twist", "acc")
 
 
 class Fields:
-    """Fields of a message; other names are refused."""
+    """Message with fixed fields; other names are refused."""
 
     names: tuple[str, ...] = ()
 
@@ -49,12 +49,12 @@ class Fields:
 
     @classmethod
     def get_fields_and_field_types(cls) -> dict[str, str]:
-        """Return the names of the fields; their types do not matter here."""
+        """Return the names of the fields, without types."""
         return dict.fromkeys(cls.names, "")
 
 
 def interface_packages(*, old_poses: bool = False) -> dict[str, ModuleType]:
-    """Return modules by name, to be put into sys.modules."""
+    """Return modules by name, for sys.modules."""
     modules: dict[str, ModuleType] = {}
     for path, kinds in FIELDS.items():
         package, _, folder = path.partition(".")
@@ -72,7 +72,7 @@ def interface_packages(*, old_poses: bool = False) -> dict[str, ModuleType]:
 
 @contextmanager
 def standing_in() -> Iterator[None]:
-    """Let the packages be imported for a while, where they are absent."""
+    """Make absent packages importable within the context."""
     made = {name: module for name, module in interface_packages().items() if name not in sys.modules}
     sys.modules.update(made)
     try:

@@ -1,6 +1,6 @@
-"""Play a bag as a node: its messages on their topics at a rate, or one tick at a time as answers come.
+"""Bag playback node: messages on their topics at a given rate, or tick by tick in lockstep with answers.
 
-The node ends when the bag does.
+The node exits at the end of the bag.
 """
 
 import sys
@@ -31,13 +31,13 @@ from q2q_sim.loop.playback import Playback
 from q2q_sim.loop.topics import TYPE_NAMES
 
 TICK_TOPIC = "mocap"
-"""The topic whose messages are the ticks that an answer is awaited for."""
+"""Topic whose messages are the ticks in lockstep."""
 LOOK_S = 0.1
-"""How often a tick without an answer is looked for [s]."""
+"""Period of the check for unanswered ticks [s]."""
 AGAIN_S = 2.0
-"""A tick without an answer is played again after [s]."""
+"""Time after which an unanswered tick is played again [s]."""
 BEAT_S = 0.001
-"""How often due messages are looked for [s]."""
+"""Period of the check for due messages [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,21 +45,21 @@ class PlayParams:
     """Parameters of the node."""
 
     bag: str = tunable("", "bag folder to play", read_only=True)
-    rate: float = tunable(1.0, "bag seconds a wall second", low=0.001, high=1000.0, read_only=True)
+    rate: float = tunable(1.0, "bag seconds per wall second", low=0.001, high=1000.0, read_only=True)
     start: float = tunable(0.0, "seconds of the bag to skip", unit="s", low=0.0, read_only=True)
-    loop: bool = tunable(False, "begin again at the end", read_only=True)  # noqa: FBT003
+    loop: bool = tunable(False, "start again at the end", read_only=True)  # noqa: FBT003
     topics: tuple[str, ...] = tunable((), "topics to play; empty is all", read_only=True)
     topic_map: str = tunable(
-        "", "file that names the topics of a bag that is not q2q's, as identify --topics", read_only=True
+        "", "topic map of a bag that q2q did not record, as identify --topics", read_only=True
     )
     clock: bool = tunable(False, "publish /clock with the bag's time", read_only=True)  # noqa: FBT003
     answer: str = tunable(
-        "", "play the next tick when this topic has answered the last; empty: by rate", read_only=True
+        "", "play the next tick after this topic has answered the last; empty: by rate", read_only=True
     )
     autostart: bool = tunable(True, "play at once; else wait for ~/start", read_only=True)  # noqa: FBT003
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
@@ -167,7 +167,7 @@ class Player:
 
 
 def _opened(params: PlayParams) -> BagReader | MappedBag:
-    """Return the bag to play, under our topics where a map says which are which."""
+    """Return the bag to play, with its topics mapped to q2q's if there is a map."""
     if not params.topic_map:
         return BagReader(Path(params.bag))
     return MappedBag(params.bag, load_topic_map(params.topic_map))

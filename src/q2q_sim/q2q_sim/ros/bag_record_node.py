@@ -1,4 +1,4 @@
-"""Record the topics of a flight into a rosbag2 MCAP bag, as bytes, without decoding them."""
+"""Recording node: the serialised messages of a flight's topics into a rosbag2 MCAP bag."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,16 +24,16 @@ class RecordParams:
     """Parameters of the node."""
 
     bag: str = tunable("", "folder to write; must not exist", read_only=True)
-    topics: tuple[str, ...] = tunable((), "topics of the house to record; empty is all", read_only=True)
-    extra: tuple[str, ...] = tunable((), "more topics, each as topic:package/msg/Type", read_only=True)
-    stamps: str = tunable("receive", "bag time of a message", choices=("receive", "header"), read_only=True)
+    topics: tuple[str, ...] = tunable((), "q2q topics to record; empty is all", read_only=True)
+    extra: tuple[str, ...] = tunable((), "further topics, each as topic:package/msg/Type", read_only=True)
+    stamps: str = tunable("receive", "clock of the bag times", choices=("receive", "header"), read_only=True)
 
     facts: tuple[str, ...] = tunable(
-        (), "what the bag says of the flight, each as name=value, e.g. vehicle=crazyflie_2_1", read_only=True
+        (), "metadata of the flight, each as name=value, e.g. vehicle=crazyflie_2_1", read_only=True
     )
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
@@ -54,7 +54,7 @@ class Recorder:
         publish_health(node, self._health)
 
     def close(self) -> None:
-        """Finish the bag."""
+        """Close the bag."""
         self._writer.close()
 
     def _taker(self, topic: str) -> Callable[[bytes], None]:

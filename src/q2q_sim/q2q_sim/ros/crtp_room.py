@@ -1,4 +1,4 @@
-"""Open a simulator's room to CRTP clients, and say on `/diagnostics` who talks to its vehicles."""
+"""CRTP endpoint of a simulator's room, with its clients on `/diagnostics`."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
 
 TELL_S = 1.0
-"""How often clients are told of [s]."""
+"""Period of the diagnostics [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,39 +28,46 @@ class CrtpNodeParams:
     )
     crtp_start: str = tunable(
         "ground",
-        "where vehicles wait: below their first waypoint (beside it where two share one), or held at it",
+        "start of the vehicles: on the ground below their first waypoint, or held at it",
         choices=("ground", "air"),
         read_only=True,
     )
     crtp_positioning: str = tunable(
         "deck",
-        "how vehicles know their place: by themselves, by flow from where they started, or told by clients",
+        "positioning of the vehicles: by themselves, by optical flow from their start, or sent by clients",
         choices=("deck", "flow", "external"),
         read_only=True,
     )
     crtp_decks: tuple[str, ...] = tunable(
-        ("bcFlow2", "bcZRanger2"), "decks that vehicles tell of besides that for positioning", read_only=True
+        ("bcFlow2", "bcZRanger2"), "reported decks besides that for positioning", read_only=True
     )
     crtp_auto_arming: bool = tunable(True, "vehicles arm themselves, as the stock build does", read_only=True)  # noqa: FBT003
     crtp_zero_expires: bool = tunable(
         False,  # noqa: FBT003
-        "a setpoint without thrust gives way after 0.5 s; the firmware keeps it",
+        "a setpoint without thrust expires after 0.5 s; the firmware keeps it",
         read_only=True,
     )
-    crtp_latency: float = tunable(0.0, "of the link, each way", unit="s", low=0.0, high=0.5, read_only=True)
-    crtp_loss: float = tunable(0.0, "share of transmissions lost", low=0.0, high=0.9, read_only=True)
+    crtp_latency: float = tunable(
+        0.0, "latency of the link in each direction", unit="s", low=0.0, high=0.5, read_only=True
+    )
+    crtp_loss: float = tunable(0.0, "fraction of transmissions lost", low=0.0, high=0.9, read_only=True)
     crtp_rate: float = tunable(
-        0.0, "packets of one radio, both ways; 0 is no limit", unit="Hz", low=0.0, high=1e5, read_only=True
+        0.0,
+        "packet rate of one radio, both directions; 0 is no limit",
+        unit="Hz",
+        low=0.0,
+        high=1e5,
+        read_only=True,
     )
     crtp_per_radio: int = tunable(15, "vehicles that share one radio", low=1, high=1000, read_only=True)
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
 def open_crtp(node: Node, room: Room, scenario: Scenario, health: Health) -> CrtpEndpoint:
-    """Return the endpoint of a room that has not begun; its vehicles wait for clients.
+    """Return the endpoint of a room before its first tick; its vehicles wait for clients.
 
     Raises:
         OSError: a port is taken.
@@ -88,7 +95,7 @@ def open_crtp(node: Node, room: Room, scenario: Scenario, health: Health) -> Crt
 
 
 def rehearse_crtp(scenario: Scenario) -> None:
-    """Fly a room by its own firmware for a tick and forget it, so that the first real one is not slow."""
+    """Fly a temporary room by its own firmware for a tick, so that the first real tick is not slow."""
     room = Room(scenario, seed=0)
     room.fly(fleet_in(room, scenario, CrtpRoomParams()).fly)
 

@@ -1,4 +1,4 @@
-"""Watch a flight from outside: wait until its nodes are wired, start it, follow it, read its summary."""
+"""Director of a flight through node processes: wait for connections, start, follow, read the summary."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping
@@ -22,23 +22,23 @@ from q2q_model.signals.stamps import stamp_from_parts
 from q2q_sim.loop.room import TICK_NS
 
 POLL_S = 0.05
-"""How often the graph is asked [s]."""
+"""Period of graph queries [s]."""
 START_S = 5.0
-"""How long the service that starts a flight may take to be found [s]; rclpy's own wait looks every 0.25 s."""
+"""Time-out for discovery of the start service [s]; rclpy's own wait polls every 0.25 s."""
 DRAIN_S = 10.0
-"""How long one node may take to hand over what it published [s]."""
+"""Time-out for draining the messages of one node [s]."""
 STILL_S = 60.0
-"""A flight that makes no tick for this long has failed [s]."""
+"""Time without a tick after which a flight has failed [s]."""
 SOURCES = ("/simulator", "/bag_play")
-"""The nodes that make ticks."""
+"""Nodes that publish ticks."""
 
 
 class FlightDirector:
-    """Node that starts and watches a flight. Use as a context manager."""
+    """Node that starts and follows a flight; a context manager."""
 
     def __init__(self, check: Callable[[], None]) -> None:
-        """Take a check that is called while waiting; it raises when a process has died."""
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # signals are the tool's business
+        """Take a check that is called while waiting; it raises if a process has died."""
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # the tool handles signals
         self._node = Node("flight_director")
         self._executor = make_executor()
         self._executor.add_node(self._node)
@@ -48,7 +48,7 @@ class FlightDirector:
         self._played = False
         self._moved_at = monotonic()
         self._drains: dict[str, Client] = {}
-        """Made before the flight, so that they have long found their services when it ends."""
+        """Created before the flight, so that they have discovered their services when it ends."""
         self._node.create_subscription(String, "flight_summary", self._on_summary, LATCHED)
         self._node.create_subscription(String, "playback_over", self._on_playback_over, LATCHED)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
@@ -62,21 +62,21 @@ class FlightDirector:
         rclpy.try_shutdown()
 
     def follow_clock(self) -> None:
-        """Count a flight's ticks by its clock, as they come: diagnostics tell them once a second."""
+        """Count the ticks of a flight by /clock; diagnostics report them only once a second."""
         self._node.create_subscription(Clock, "/clock", self._on_clock, TICK)
 
     @property
     def ticks(self) -> int:
-        """Return the ticks the simulator has flown, as it last said."""
+        """Return the number of ticks flown, as last reported."""
         return self._ticks
 
     def wait_wired(
         self, nodes: Iterable[str], timeout_s: float, meanwhile: Callable[[], None] = lambda: None
     ) -> None:
-        """Return once every writer of the named nodes has matched every reader, and what is latched has come.
+        """Return once every writer of the named nodes has matched every reader and latched messages arrived.
 
         Raises:
-            TimeoutError: naming what is not wired after timeout_s [s].
+            TimeoutError: some are not connected after timeout_s [s].
         """
         clients = {name: self._node.create_client(Trigger, f"{name}/{SERVICE}") for name in nodes}
         self._drains = {name: self._drain_client(name) for name in clients}
@@ -88,7 +88,7 @@ class FlightDirector:
             self._spin(POLL_S)
 
     def start(self, source: str = "simulator") -> None:
-        """Let the simulator fly, or the bag play: whichever node makes the ticks."""
+        """Start the simulator or the bag playback."""
         client = self._node.create_client(Trigger, f"{source}/start")
         deadline = monotonic() + START_S
         while not client.service_is_ready():
@@ -99,16 +99,16 @@ class FlightDirector:
         self._moved_at = monotonic()
 
     def wait_summary(self, progress: Callable[[int], None]) -> dict[str, float | None]:
-        """Return the flight's timing once it is over; call `progress` with the ticks flown meanwhile."""
+        """Return the flight's timing once it is over; `progress` is called with the ticks flown."""
         while self._summary is None:
             self._follow()
             progress(self._ticks)
         return self._summary
 
     def wait_drained(self, nodes: Iterable[str]) -> None:
-        """Return once every reader has all that the nodes published, or after DRAIN_S.
+        """Return once every reader has all messages of the nodes, or after DRAIN_S.
 
-        Give the recorder last: it answers only after it has taken what came before the question.
+        Name the recorder last: it answers only after it has taken all earlier messages.
         """
         for name in nodes:
             client = self._drains.pop(name, None) or self._drain_client(name)
@@ -120,12 +120,12 @@ class FlightDirector:
                 self._spin(POLL_S)
 
     def wait_playback(self) -> None:
-        """Return once the bag has been played to its end."""
+        """Return at the end of the playback."""
         while not self._played:
             self._follow()
 
     def _follow(self) -> None:
-        """Wait a moment; raise TimeoutError where the source of ticks makes none for too long."""
+        """Wait briefly; raise TimeoutError if no tick came for too long."""
         before = self._ticks
         self._spin(POLL_S)
         if self._ticks != before:
@@ -134,7 +134,7 @@ class FlightDirector:
             raise TimeoutError(f"no tick for {STILL_S:g} s after tick {self._ticks}; see the nodes' logs")
 
     def _waiting(self, clients: Mapping[str, Client]) -> list[str]:
-        """Return what is not wired yet, in words."""
+        """Return descriptions of the missing connections."""
         answers = {name: self._call(client) for name, client in clients.items() if client.service_is_ready()}
         wirings = {name: wiring_from_text(answer.message) for name, answer in answers.items() if answer}
         silent = [f"{name} has not answered" for name in clients if name not in wirings]

@@ -1,7 +1,7 @@
-"""Survey the nodes of the house: topics, types, qualities of service, services and parameters of each.
+"""Survey of q2q's nodes: topics, types, qualities of service, services and parameters of each.
 
-Every module `q2q_*.ros.*_node` is built on a StandInNode as its `main` would build it, once in each way of
-`WAYS`, and fed one tick, so that topics of a vehicle appear too. The union is the node's interface.
+Every module `q2q_*.ros.*_node` is built on a StandInNode by its `main`, once for each of its start
+configurations, and given one tick, so that topics of a vehicle appear too. The union is its interface.
 """
 
 from collections.abc import Callable
@@ -30,7 +30,7 @@ from q2q_sim.scenarios import library
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 VEHICLE = "cf1"
-"""The vehicle whose topics stand for everybody's."""
+"""Example vehicle in the names of topics."""
 ANY_VEHICLE = "<name>"
 SCENARIO = "table6"
 
@@ -46,9 +46,9 @@ class NodeInterface:
     words: str
     """The node module's docstring."""
     ports: tuple[tuple[RecordedPort, str], ...]
-    """Each with the parameters that it takes to have it; empty for always."""
+    """Each with the parameters it requires; empty for always."""
     parameters: tuple[tuple[Declared, bool], ...]
-    """Each with whether the node heeds it in flight."""
+    """Each with whether it takes effect in flight."""
 
 
 def survey() -> list[NodeInterface]:
@@ -57,7 +57,7 @@ def survey() -> list[NodeInterface]:
 
 
 def node_modules(package: str) -> list[str]:
-    """Return the node modules of a package that can be run, sorted."""
+    """Return the executable node modules of a package, sorted."""
     path = import_module(f"{package}.ros").__path__
     named = sorted(found.name for found in iter_modules(path) if found.name.endswith("_node"))
     with standing_in():
@@ -65,7 +65,7 @@ def node_modules(package: str) -> list[str]:
 
 
 def ways(executable: str, folder: Path) -> list[Way]:
-    """Return the ways to start a node that differ in topics or parameters; `folder` has what they need."""
+    """Return start configurations of a node that differ in topics or parameters, with files in `folder`."""
     link: Way = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
     bridged: Way = {"vehicles": (VEHICLE,)}
     known: dict[str, list[Way]] = {
@@ -121,7 +121,7 @@ def _surveyed(package: str, name: str) -> NodeInterface:
 
 
 def _built(module: ModuleType, executable: str, way: Way) -> StandInNode:
-    """Return the stand-in after `main` of a node module has built on it and one tick has passed."""
+    """Return the stand-in on which `main` of a node module has built its node, after one tick."""
     node = StandInNode(executable, way)
     with ExitStack() as stack:
         stack.enter_context(standing_in())
@@ -156,7 +156,7 @@ def _write_bag(folder: Path) -> None:
 
 
 def _ports(built: list[StandInNode], chosen: list[Way]) -> list[tuple[RecordedPort, str]]:
-    """Return every port once, with the parameters common to the ways that have it, if not all have it."""
+    """Return every port once, with the parameters that it requires."""
     owners: dict[RecordedPort, list[Way]] = {}
     for node, way in zip(built, chosen, strict=True):
         for port in dict.fromkeys(_of_any_vehicle(port) for port in node.ports):
@@ -167,7 +167,7 @@ def _ports(built: list[StandInNode], chosen: list[Way]) -> list[tuple[RecordedPo
 
 
 def _told(having: list[Way], chosen: list[Way]) -> str:
-    """Return the parameters that all these ways share and no other way has; empty where there is no other."""
+    """Return the parameters shared by these configurations and no other; empty if there is no other."""
     lacking = [way for way in chosen if way not in having]
     if not lacking:
         return ""

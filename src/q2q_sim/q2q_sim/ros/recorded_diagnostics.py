@@ -1,6 +1,6 @@
-"""Sum up what nodes said on `/diagnostics` in a bag that recorded it: worst level, last words, last values.
+"""Summary of a bag's `/diagnostics`: worst level, last message and last values of each node.
 
-A bag has it where the recorder was told so: `bag_record` with
+Recorded by `bag_record` with
 `-p extra:="['diagnostics:diagnostic_msgs/msg/DiagnosticArray']"`.
 """
 
@@ -22,17 +22,17 @@ class NodeLife:
 
     node: str
     seconds: int
-    """How many reports there are of it."""
+    """Number of its reports."""
     troubled: int
-    """How many of them were graded WARN or ERROR."""
+    """Number of reports with level WARN or ERROR."""
     worst: Level
-    """The worst of OK, WARN and ERROR; STALE where it never ticked."""
+    """The worst of OK, WARN and ERROR; STALE if it never ticked."""
     values: str
     """Its last values that are not empty, as `name value, ...`."""
 
 
 def recorded_lives(bag: Path) -> tuple[NodeLife, ...]:
-    """Return a row for each node that told of itself, sorted by name; none where nothing was recorded."""
+    """Return a row for each node with reports, sorted by name; none if nothing was recorded."""
     reader = BagReader(bag)
     if TOPIC not in reader.topics:
         return ()

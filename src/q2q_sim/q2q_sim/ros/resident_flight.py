@@ -1,10 +1,10 @@
-"""Fly a scenario through the nodes within this very process, flight after flight.
+"""Flights of scenarios through the nodes within this process.
 
-    parameter file -> ROS starts -> stack + simulator + recorder on one executor -> wired -> flown -> ended
+    parameter file -> start ROS -> stack + simulator + recorder on one executor -> connect -> fly -> end
 
-The nodes are those of `ros2 run q2q_sim stack`, with the simulator and the recorder beside them; what crosses
-between processes there crosses the middleware here, too. ROS and every node are made anew for each flight,
-so that nothing is left of the one before but loaded code: which is what starting processes costs.
+The nodes are those of `ros2 run q2q_sim stack`, with the simulator and the recorder; messages between
+processes there pass through the middleware here, too. ROS and every node are created anew for each flight, so
+that only loaded code remains from the one before.
 """
 
 import json
@@ -32,16 +32,16 @@ from q2q_sim.ros.simulator_node import Simulator
 
 RECORDER, SIMULATOR = "bag_record", "simulator"
 WIRE_S = 20.0
-"""How long nodes of one process may take to find each other [s]."""
+"""Time-out for connecting the nodes of one process [s]."""
 STILL_S = 60.0
-"""A flight in which nothing happens for this long has failed [s]."""
+"""Time without an event after which a flight has failed [s]."""
 LOOK_S = 0.05
 """Longest wait for the next event [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Cast:
-    """Nodes of a flight and their watcher."""
+    """Nodes of a flight and their observer."""
 
     executor: Executor
     nodes: Mapping[Node, object]
@@ -49,11 +49,11 @@ class _Cast:
     watcher: Node
 
     def turn(self) -> None:
-        """Let the next event happen."""
+        """Process the next event."""
         self.executor.spin_once(timeout_sec=LOOK_S)
 
     def wait(self, over: Callable[[], bool], patience_s: float, what: str) -> None:
-        """Let events happen until it is over; raise TimeoutError after patience_s [s]."""
+        """Process events until `over` returns true; raise TimeoutError after patience_s [s]."""
         deadline = monotonic() + patience_s
         while not over():
             if monotonic() > deadline:
@@ -62,11 +62,11 @@ class _Cast:
 
 
 def fly_here(parameters: Path, patience_s: float) -> FlightTiming:
-    """Fly what a parameter file says, with a section for each node; return how it went in wall time.
+    """Fly a parameter file with a section for each node; return the wall-clock timing.
 
     Raises:
-        ValueError: a parameter that a node refuses.
-        TimeoutError: nodes that do not find each other, or a flight not over after patience_s [s].
+        ValueError: a node refuses a parameter.
+        TimeoutError: the nodes do not connect, or the flight is not over after patience_s [s].
     """
     rclpy.init(
         args=["--ros-args", "--params-file", str(parameters)], signal_handler_options=SignalHandlerOptions.NO
@@ -80,7 +80,7 @@ def fly_here(parameters: Path, patience_s: float) -> FlightTiming:
 
 @contextmanager
 def _cast() -> Iterator[_Cast]:
-    """Hold the nodes of a flight; leaving it ends them and finishes the bag."""
+    """Yield the nodes of a flight; on exit end them and close the bag."""
     own = Node(RECORDER)
     recorder = Recorder(own)
     offer_drained(own)
@@ -117,7 +117,7 @@ def _is_wired(cast: _Cast) -> bool:
 
 
 def _drain(cast: _Cast) -> None:
-    """Let the recorder take all that was published: it answers after what came before the question."""
+    """Drain the recorder: it answers after it has taken all earlier messages."""
     for node in cast.nodes:
         for writer in node.publishers:
             writer.wait_for_all_acked(DRAIN)

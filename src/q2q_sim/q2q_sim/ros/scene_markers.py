@@ -1,4 +1,4 @@
-"""Turn a scene into a MarkerArray for RViz and others."""
+"""MarkerArray of a scene, for RViz and other viewers."""
 
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA, Header
@@ -15,13 +15,13 @@ TYPES = {
     ShapeKind.TEXT: Marker.TEXT_VIEW_FACING,
 }
 BY_POINTS = (ShapeKind.ARROW, ShapeKind.LINE)
-"""Kinds that are drawn by their points, not by a pose."""
+"""Shapes drawn by points, not by a pose."""
 HEAD = 2.0
 """Width of an arrow's head over its shaft's."""
 
 
 def marker_array(scene: Scene, stamp_ns: int) -> MarkerArray:
-    """Return the markers of a scene; the first clears what was drawn before."""
+    """Return the markers of a scene; the first deletes all earlier ones."""
     header = header_at(stamp_ns)
     clear = Marker(header=header, action=Marker.DELETEALL)
     return MarkerArray(markers=[clear, *(_marker(shape, header) for shape in scene.shapes)])

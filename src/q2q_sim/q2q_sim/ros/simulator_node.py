@@ -1,12 +1,12 @@
-"""Stand in for the room: publish what VICON sees, take commands as the radio would, move the vehicles.
+"""Simulator node: motion capture out, commands in over the simulated radio, vehicles in between.
 
-| pace | what makes time pass |
+| pace | source of time |
 |---|---|
 | lockstep | the command of the tick: the same seed gives the same flight, faster than real time |
 | live | the wall clock, 100 Hz |
 
-With `crtp` the vehicles fly by their own firmware and wait for CRTP clients (docs/real_vehicles.md): live,
-until the node is ended; `command` is not read.
+With `crtp` the vehicles fly by their own firmware under CRTP clients (docs/real_vehicles.md): live, until the
+node is ended; `command` is not read.
 """
 
 import json
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 STALL_LOOK_S = 0.05
-"""How often a stalled lockstep is looked at [s]."""
+"""Period of the check for stalled ticks [s]."""
 OUTPUTS = {
     "mocap": MocapFrame,
     "truth": SwarmState,
@@ -54,34 +54,39 @@ OUTPUTS = {
 
 @dataclass(frozen=True, slots=True)
 class SimulatorParams:
-    """Hold the node's parameters."""
+    """Parameters of the node."""
 
     scenario: str = tunable("table6", "scenario name or file", read_only=True)
     vehicle: str = tunable(
         "", "vehicle constants; empty is the scenario's", choices=("", *VEHICLES), read_only=True
     )
-    wake: str = tunable("", "the air; empty is the scenario's", choices=("", *WAKES), read_only=True)
+    wake: str = tunable("", "true wake; empty is the scenario's", choices=("", *WAKES), read_only=True)
     firmware: str = tunable(
         "", "thrust per PWM; empty is the scenario's", choices=("", *FIRMWARES), read_only=True
     )
-    seed: int = tunable(0, "seed of everything random", low=0, read_only=True)
-    pace: str = tunable("lockstep", "what makes time pass", choices=("lockstep", "live"), read_only=True)
+    seed: int = tunable(0, "random seed", low=0, read_only=True)
+    pace: str = tunable("lockstep", "source of time", choices=("lockstep", "live"), read_only=True)
     autostart: bool = tunable(True, "fly at once; else wait for ~/start", read_only=True)  # noqa: FBT003
-    crtp: bool = tunable(False, "fly live by CRTP clients instead of commands", read_only=True)  # noqa: FBT003
+    crtp: bool = tunable(False, "let CRTP clients fly the vehicles instead of commands", read_only=True)  # noqa: FBT003
     again_s: float = tunable(
-        5.0, "lockstep: ask for a lost tick again after", unit="s", low=0.01, high=60.0, read_only=True
+        5.0,
+        "lockstep: publish an unanswered frame again after",
+        unit="s",
+        low=0.01,
+        high=60.0,
+        read_only=True,
     )
     give_up_s: float = tunable(
         10.0, "lockstep: fly on without a command after", unit="s", low=0.01, high=3600.0, read_only=True
     )
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
 class Simulator:
-    """Hold the room and its topics."""
+    """Room and its topics."""
 
     def __init__(self, node: Node) -> None:
         self._params = declare(node, SimulatorParams())
@@ -200,7 +205,7 @@ class Simulator:
             self._health.missed += 1
         try:
             self._room.advance(self._command)
-        except ValueError as refusal:  # not finite: the vehicles obey what they last heard
+        except ValueError as refusal:  # not finite: the vehicles keep their last setpoint
             self._refuse(refusal)
             self._room.advance(None)
         self._command = None
@@ -218,7 +223,7 @@ class Simulator:
 
 
 def rehearse(scenario: Scenario) -> None:
-    """Run a room for two ticks and forget it, so that the first real tick is not slow."""
+    """Run a temporary room for two ticks, so that the first real tick is not slow."""
     room = Room(scenario, seed=0)
     for _ in range(2):
         room.capture()

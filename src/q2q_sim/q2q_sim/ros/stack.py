@@ -1,8 +1,8 @@
-"""Run the nodes of the road in one process, for the smallest latency.
+"""Nodes from mocap_filter to controller in one process, for the smallest latency.
 
-Every node keeps its name, topics, services and parameters (one parameter file with a section a node), so that
-a recorder, a view or a person sees no difference. Within the process signals pass by a bus
-(q2q_model.signals.local_bus); the command goes out before what led to it is told to the world.
+Every node keeps its name, topics, services and parameters (one parameter file with a section for each node).
+Within the process signals pass over a bus (q2q_model.signals.local_bus); the command is published before the
+signals that led to it.
 """
 
 from collections.abc import Callable, Mapping
@@ -49,7 +49,7 @@ class StackParams:
     )
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds, and nodes there are not."""
+        """Check the bounds and the names of the nodes."""
         check_bounds(self)
         strangers = [name for name in self.nodes if name not in BUILDERS]
         if strangers or not self.nodes:
@@ -58,7 +58,7 @@ class StackParams:
 
 
 def build() -> dict[Node, object]:
-    """Return every node with what must be kept alive for it."""
+    """Return every node with the objects that it needs to stay alive."""
     own = Node("stack")
     chosen = declare(own, StackParams()).nodes
     bus = LocalBus({WRITES[name] for name in chosen})

@@ -1,7 +1,7 @@
-"""Stand in for a ROS node and write down what a block wires to it: nothing goes over any wire.
+"""Stand-in for a ROS node that records the interface a block declares on it, without communication.
 
-A block that is built on a StandInNode declares, subscribes, publishes and serves as in flight, so its
-interface can be read off without a graph, without a wait, the same each time.
+A block built on a StandInNode declares, subscribes, publishes and serves as in flight, so its interface is
+known without a graph and without waiting.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,7 +14,7 @@ from q2q_model.ros.node.node_parameters import UNBOUNDED
 from q2q_model.tunable import ParameterValue
 
 ENDLESS = 2**62
-"""Stands for no bound of a whole number (q2q_model.ros.node.node_parameters)."""
+"""Represents an unbounded integer (q2q_model.ros.node.node_parameters)."""
 
 Receive = Callable[..., None]
 
@@ -29,7 +29,7 @@ class RecordedPort:
     kind: str
     """package/msg/Type or package/srv/Type."""
     quality: str
-    """Quality of service in words; empty for a service."""
+    """Description of the quality of service; empty for a service."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +39,9 @@ class Declared:
     name: str
     default: object
     words: str
-    """What it means, with its unit."""
+    """Description with unit."""
     allowed: str
-    """What it may be, in words; empty for anything of its type."""
+    """Description of the allowed values; empty for any of its type."""
     read_only: bool
 
 
@@ -54,7 +54,7 @@ class Valued:
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """Parameter that is set in flight."""
+    """Parameter set in flight."""
 
     name: str
     value: object
@@ -66,27 +66,27 @@ class Deaf:
     topic_name = ""
 
     def publish(self, _: object) -> None:
-        """Forget a message."""
+        """Ignore a message."""
 
     def send_response(self, _: object, __: object) -> None:
-        """Forget an answer."""
+        """Ignore an answer."""
 
     def get_subscription_count(self) -> int:
-        """Return one reader, so that nothing is left untold."""
+        """Return one, so that publishers do not skip their messages."""
         return 1
 
     def info(self, _: str, **__: object) -> None:
-        """Forget a line."""
+        """Ignore a line."""
 
     def error(self, _: str, **__: object) -> None:
-        """Forget a line."""
+        """Ignore a line."""
 
     def warning(self, _: str, **__: object) -> None:
-        """Forget a line."""
+        """Ignore a line."""
 
 
 class StandInNode:
-    """Declared parameters, and the callbacks of what is read."""
+    """Declared parameters, recorded ports and callbacks of subscriptions."""
 
     def __init__(self, name: str, given: Mapping[str, ParameterValue]) -> None:
         """Take the node's name and the parameters a user would have set."""
@@ -99,37 +99,37 @@ class StandInNode:
         self._changed: list[Callable[[list[Update]], SetParametersResult]] = []
 
     def create_publisher(self, kind: type, topic: str, qos: QoSProfile | int) -> Deaf:
-        """Write down a published topic."""
+        """Record a published topic."""
         self.ports.append(RecordedPort("publishes", topic, type_name(kind, "msg"), quality(qos)))
         return Deaf()
 
     def create_subscription(
         self, kind: type, topic: str, receive: Receive, qos: QoSProfile | int, **_: object
     ) -> Deaf:
-        """Write down a topic that is read, and who reads it."""
+        """Record a subscribed topic and its callback."""
         self.ports.append(RecordedPort("reads", topic, type_name(kind, "msg"), quality(qos)))
         self.readers.append((kind, receive))
         return Deaf()
 
     def create_service(self, kind: type, name: str, _: Receive) -> Deaf:
-        """Write down a service."""
+        """Record a service."""
         self.ports.append(RecordedPort("serves", name, type_name(kind, "srv"), ""))
         return Deaf()
 
     def create_client(self, kind: type, name: str) -> Deaf:
-        """Write down a service that is called."""
+        """Record a service client."""
         self.ports.append(RecordedPort("calls", name, type_name(kind, "srv"), ""))
         return Deaf()
 
     def create_timer(self, _: float, __: Callable[[], None], **___: object) -> None:
-        """Let no time pass."""
+        """Return a timer that never fires."""
 
     def resolve_topic_name(self, topic: str) -> str:
         """Return the name of a topic in the root namespace."""
         return f"/{topic}"
 
     def declare_parameter(self, name: str, default: object, descriptor: ParameterDescriptor) -> Valued:
-        """Write down a parameter; return what the user would have set, else its default."""
+        """Record a parameter; return the user's value, else its default."""
         self.parameters.append(
             Declared(name, default, descriptor.description, allowed(descriptor), bool(descriptor.read_only))
         )
@@ -137,15 +137,15 @@ class StandInNode:
         return Valued(self._given.get(name, fallback))
 
     def add_on_set_parameters_callback(self, changed: Callable[[list[Update]], SetParametersResult]) -> None:
-        """Write down who heeds parameters in flight."""
+        """Record a callback for parameters set in flight."""
         self._changed.append(changed)
 
     def heeds(self, name: str) -> bool:
-        """Return whether the node looks at a parameter in flight: whether it refuses nonsense for it."""
+        """Return whether a parameter takes effect in flight: whether the node refuses an invalid value."""
         return any(_refuses(changed, Update(name, None)) for changed in self._changed)
 
     def get_logger(self) -> Deaf:
-        """Return a logger that forgets."""
+        """Return a logger without output."""
         return Deaf()
 
     def get_name(self) -> str:
@@ -165,7 +165,7 @@ def _refuses(changed: Callable[[list[Update]], SetParametersResult], update: Upd
 
 
 def allowed(descriptor: ParameterDescriptor) -> str:
-    """Return what a parameter may be, in words; empty for anything of its type."""
+    """Return a description of a parameter's allowed values; empty for any of its type."""
     if descriptor.additional_constraints:
         return str(descriptor.additional_constraints)
     for bounds in (*descriptor.floating_point_range, *descriptor.integer_range):
@@ -182,7 +182,7 @@ def type_name(kind: type, folder: str) -> str:
 
 
 def quality(qos: QoSProfile | int) -> str:
-    """Return a quality of service in words; a bare depth is reliable and volatile, as in rclpy."""
+    """Return a description of a quality of service; a bare depth is reliable and volatile, as in rclpy."""
     if isinstance(qos, int):
         return f"reliable, volatile, depth {qos}"
     words = (qos.reliability.name, qos.durability.name)

@@ -1,8 +1,8 @@
-"""Show a running flight: signals in, `scene` (MarkerArray) out, and to Foxglove where asked.
+"""View of a running flight: signals in, `scene` (MarkerArray) out, and optionally a Foxglove server.
 
 RViz: `rviz2 -d` with the shipped `config/q2q.rviz`. Foxglove: `-p foxglove:=true`, then open a WebSocket
-connection to ws://localhost:8765 and import the shipped `config/foxglove_layout.json`. What the scene shows:
-q2q_sim.view.scene. It reads best effort, so that a slow viewer holds up no flight.
+connection to ws://localhost:8765 and import the shipped `config/foxglove_layout.json`. Content of the scene:
+q2q_sim.view.scene. It subscribes best effort, so that a slow viewer does not delay a flight.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ INPUTS: dict[str, type[Signal]] = {
     "reference_safe": SwarmSetpoint,
 }
 FOXGLOVE_PORT = 8765
-"""Where Foxglove looks by itself (docs.foxglove.dev)."""
+"""Foxglove's default port (docs.foxglove.dev)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class ViewParams:
     )
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
@@ -58,10 +58,10 @@ class View:
     """Scene memory, last signals and viewers."""
 
     def __init__(self, node: Node) -> None:
-        """Subscribe, and open the server for Foxglove where asked.
+        """Subscribe, and open the Foxglove server if requested.
 
         Raises:
-            ValueError: foxglove-sdk is asked for and not installed.
+            ValueError: foxglove-sdk is required and not installed.
             OSError: its port is taken.
         """
         params = declare(node, ViewParams())
@@ -79,7 +79,7 @@ class View:
         publish_health(node, self._health)
 
     def close(self) -> None:
-        """Let Foxglove's viewers go."""
+        """Close the Foxglove server."""
         if self.foxglove is not None:
             self.foxglove.close()
 
@@ -108,7 +108,7 @@ class View:
 
 
 def glimpse(state: SwarmState, last: dict[str, Signal]) -> Glimpse:
-    """Return what is known with a state: the last signal of each kind."""
+    """Return the last signal of each kind with a state."""
     downwash, planned, safe = (last.get(topic) for topic in ("interference", "reference", "reference_safe"))
     return Glimpse(
         state,

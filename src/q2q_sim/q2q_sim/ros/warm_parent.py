@@ -1,7 +1,7 @@
-"""Import and rehearse all that the nodes of a flight need, for the parent of q2q_sim.processes.warm_start.
+"""Preloading of all code of a flight's nodes, for the parent process of q2q_sim.processes.warm_start.
 
-Some ticks of a short flight, without ROS, load the compiled code of every block. What stands then is frozen:
-no fork's garbage collector looks at it, so its memory stays shared.
+A few ticks of flight without ROS load the compiled code of every block. All objects are then frozen: the
+garbage collectors of forks skip them, so their memory stays shared.
 """
 
 import gc
@@ -20,7 +20,7 @@ REHEARSED_S = 0.05
 
 
 def rehearse() -> None:
-    """Fly some ticks with each controller."""
+    """Fly a few ticks with each controller."""
     from q2q_model.files.find_model import find_model
     from q2q_sim.loop.closed_loop import FlightOptions, fly
     from q2q_sim.scenarios import library

@@ -1,14 +1,14 @@
-"""Name what a user may choose between; the code behind it is elsewhere, and imports more."""
+"""Choices of the command lines, apart from the code behind them, which imports more."""
 
 CONTROLLERS = ("pid", "mpc")
-"""Who computes commands (q2q_sim.loop.assembly)."""
+"""Controllers (q2q_sim.loop.assembly)."""
 REPLANNERS = ("none", "paper", "safe")
-"""Laws of the online replanner (q2q_sim.loop.assembly)."""
+"""Online replanners (q2q_sim.loop.assembly)."""
 WAKES = ("none", "paper", "measured")
-"""Airs of the simulator (q2q_sim.plant.wake)."""
+"""True wakes of the simulator (q2q_sim.plant.wake)."""
 ENGINES = ("local", "dask")
-"""Who runs a campaign's flights at once (q2q_sim.experiments.campaign.engine)."""
+"""Engines that run a campaign in parallel (q2q_sim.experiments.campaign.engine)."""
 TABLE_ONLY = "--table-only"
-"""Option of the ablation that flies nothing."""
+"""Option of the ablation that only writes the table."""
 STDOUT = "-"
-"""File name that means standard output."""
+"""File name for standard output."""

@@ -1,6 +1,6 @@
-"""Load scenarios: the shipped YAML files, `swarmN` for any N, and files of the user's own.
+"""Loading of scenarios: shipped YAML files, `swarmN` for any N, and user files.
 
-A user's file is a scenario, waypoints alone, or a plan; what it does not name has the scenario's default.
+A user file is a scenario, waypoints alone, or a plan; missing keys have the defaults of a scenario.
 """
 
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ __all__ = ["Scenario", "describe", "document", "load", "names"]
 
 
 def describe(name: str) -> str:
-    """Return one line on a scenario."""
+    """Return the one-line description of a scenario."""
     return load(name).description
 
 
@@ -26,14 +26,14 @@ def load(name_or_path: str) -> Scenario:
     """Return a scenario by its name, or from a YAML file or plan file.
 
     Raises:
-        ValueError: no such scenario (with the nearest right name), or a value that is not allowed.
+        ValueError: unknown scenario (with the nearest name), or a value that is not allowed.
     """
     count = swarm_size(name_or_path)
     return swarm_scenario(count) if count is not None else _read(path_of(name_or_path))
 
 
 def document(name: str) -> Mapping[str, object]:
-    """Return a shipped scenario as its YAML says it; raise ValueError where there is no such file."""
+    """Return the shipped scenario of a YAML file; raise ValueError if there is no such file."""
     return _parsed(FOLDER / f"{name}.yaml")
 
 
@@ -46,7 +46,7 @@ def _read(path: Path) -> Scenario:
 
 
 def _plan(parsed: object, folder: Path) -> SwarmPlan | None:
-    """Return the plan that a document names; its path is taken from the document's folder."""
+    """Return the plan that a document names; its path is relative to the document's folder."""
     if not isinstance(parsed, Mapping) or "plan" not in parsed:
         return None
     if not isinstance(parsed["plan"], str):
@@ -60,5 +60,5 @@ def _parsed(path: Path) -> Mapping[str, object]:
     except OSError as error:
         raise ValueError(f"scenario file {path}: cannot be read ({error.strerror})") from error
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise ValueError(f"scenario file {path}: is no YAML ({error})") from error
+        raise ValueError(f"scenario file {path}: is not valid YAML ({error})") from error
     return found

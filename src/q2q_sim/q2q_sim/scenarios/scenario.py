@@ -1,21 +1,19 @@
-"""Hold one scenario: who flies where, in which room, with which downwash, and what the blocks are told.
+"""Scenario of a flight: vehicles, paths, room, downwash and parameters of the blocks.
 
-A document (parsed YAML) becomes a Scenario here, every value checked; `q2q_sim.scenarios.library` finds the
-files.
+A document (parsed YAML) is checked and converted to a Scenario here; `q2q_sim.scenarios.library` finds files.
 
     description: one line
     duration: 50.0            # [s]; default: to the last waypoint
     vehicle: textbook_065     # q2q_model.vehicle.constants
     firmware: stock           # its thrust per PWM: q2q_model.vehicle.thrust_map
     wake: paper               # the true downwash: none, paper, measured
-    model: paper_law          # what a controller is given: none, a shipped name, a .q2q file
+    model: paper_law          # of the controllers: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.scenarios.settings; vicon, radio, imu, disturbance below override
     single values reading: stop_and_go      # of eq. (17): stop_and_go or free
-    vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}   # times that `plan` would give where there is no t
+    vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}   # without t: times as from `plan`
     plan: mine.json           # in place of vehicles: a plan file, beside this file
     overrides: {pid: {thrust_max: 6.6}}
-    faults: [{kind: outlier, start: 10, duration: 0.1, vehicles: [cf1], size: 1}, ...]   #
-    q2q_sim.faults.faults
+    faults: [{kind: outlier, start: 10, duration: 0.1, vehicles: [cf1], size: 1}, ...]
 """
 
 from collections.abc import Mapping
@@ -67,7 +65,7 @@ KEYS = (
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """Hold everything that is decided before a flight, but its seed."""
+    """Everything that is decided before a flight except its seed."""
 
     name: str
     description: str
@@ -75,13 +73,13 @@ class Scenario:
     """[s]"""
     vehicle: Vehicle
     waypoints: tuple[VehicleWaypoints, ...]
-    """One a vehicle."""
+    """One for each vehicle."""
     plan: SwarmPlan | None = None
-    """Flown as it is; None: planned through the waypoints."""
+    """Flown unchanged; None to plan through the waypoints."""
     reading: Reading = "stop_and_go"
     wake: str = "none"
     model: str = "none"
-    """The interaction model that controllers are given."""
+    """Interaction model of the controllers."""
     vicon: ViconParams = field(default_factory=ViconParams)
     radio: RadioParams = field(default_factory=RadioParams)
     imu: ImuParams = field(default_factory=ImuParams)
@@ -91,7 +89,7 @@ class Scenario:
     """Parameters of blocks that differ from their defaults: {block: {parameter: value}}."""
 
     def __post_init__(self) -> None:
-        """Check what no part checks by itself; raise ValueError naming the value and what is allowed."""
+        """Check the values that no part checks itself; raise ValueError with what is allowed."""
         if not (isfinite(self.duration) and 0.0 < self.duration <= LONGEST):
             raise ValueError(f"{self.name}: duration = {self.duration}: above 0 to {LONGEST} s is allowed")
         wake_by_name(self.wake)
@@ -110,12 +108,12 @@ class Scenario:
 
 
 def scenario_from_document(name: str, document: object, plan: SwarmPlan | None = None) -> Scenario:
-    """Return the scenario a parsed YAML document describes; `plan` is what its plan file holds.
+    """Return the scenario of a parsed YAML document; `plan` is the content of its plan file.
 
-    All but `vehicles`, or `plan`, has a default: a file of waypoints alone is a scenario.
+    Only `vehicles` or `plan` is required: a file of waypoints alone is a scenario.
 
     Raises:
-        ValueError: naming the key, the value, and what is allowed there.
+        ValueError: with the key, the value, and what is allowed there.
     """
     entries = _mapping(document, name)
     for key in entries:
@@ -148,10 +146,10 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
 
 
 def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
-    """Return the scenario with its vehicles on a firmware; an empty name keeps theirs.
+    """Return the scenario with another firmware; an empty name keeps the present one.
 
     Raises:
-        ValueError: a firmware that the vehicle does not have.
+        ValueError: the vehicle does not have this firmware.
     """
     if not firmware:
         return scenario
@@ -159,10 +157,10 @@ def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
 
 
 def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
-    """Return the scenario with another vehicle, on its firmware, and another air; empty names keep its own.
+    """Return the scenario with another vehicle, on its firmware, and another wake; empty names keep its own.
 
     Raises:
-        ValueError: a vehicle or wake there is not, or a firmware that the vehicle does not have.
+        ValueError: an unknown vehicle or wake, or a firmware that the vehicle does not have.
     """
     firmware = firmware_of(scenario.vehicle) or STOCK
     chosen = vehicle_by_name(vehicle, firmware) if vehicle else scenario.vehicle
@@ -186,7 +184,7 @@ def block_params(block: str, default: P, overrides: Overrides) -> P:
 
 
 def overridden(params: P, values: object, where: str) -> P:
-    """Return `params` with values of a document.
+    """Return `params` with values from a document.
 
     Raises:
         ValueError: an unknown parameter, a value of another type, or one out of bounds.
@@ -195,7 +193,7 @@ def overridden(params: P, values: object, where: str) -> P:
 
 
 def _values(params: ParamsClass, values: object, where: str) -> dict[str, ParameterValue]:
-    """Return a document's values as parameters; an unknown name is left for `with_overrides` to refuse."""
+    """Return a document's values as parameters; `with_overrides` refuses unknown names."""
     entries = _mapping(values, where)
     return {
         key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in entries.items()
@@ -203,7 +201,7 @@ def _values(params: ParamsClass, values: object, where: str) -> dict[str, Parame
 
 
 def _value(value: object, default: object, where: str) -> ParameterValue:
-    """Return a document's value as a parameter's: 1 is a float where a float is meant, a list a tuple."""
+    """Return a document's value in the type of a parameter: an integer as float, a list as tuple."""
     if isinstance(default, tuple | list) and isinstance(value, list | tuple):
         return tuple(_number(one, where) for one in value)
     if isinstance(default, float):

@@ -1,36 +1,36 @@
-"""Find the file of a scenario by its name, without reading it: shipped ones, `swarmN`, and a user's own."""
+"""Files of scenarios by name, without reading them: shipped ones, `swarmN`, and user files."""
 
 import re
 from difflib import get_close_matches
 from pathlib import Path
 
 FOLDER = Path(__file__).parent
-"""Where the shipped scenarios lie."""
+"""Folder of the shipped scenarios."""
 SWARM = re.compile(r"swarm([0-9]+)")
 EXAMPLE_SWARM = "swarm10"
-"""Stands for all `swarmN` in the list."""
+"""Represents all `swarmN` in the list."""
 PLAN = ".json"
 """Ending of a plan file."""
 OWN = (".yaml", ".yml", PLAN)
-"""Endings of a user's files: a scenario or waypoints, or a plan."""
+"""Endings of user files: a scenario or waypoints, or a plan."""
 MOST = 1000
-"""Most vehicles of a swarm; the room is then 100 m wide."""
+"""Largest swarm; its room is 100 m wide."""
 
 
 def names() -> list[str]:
-    """Return the names of scenarios; `swarm10` stands for any `swarmN`."""
+    """Return the names of scenarios; `swarm10` represents any `swarmN`."""
     return [*sorted(path.stem for path in FOLDER.glob("*.yaml")), EXAMPLE_SWARM]
 
 
 def check(name_or_path: str) -> None:
-    """Raise ValueError where there is no such scenario."""
+    """Raise ValueError if there is no such scenario."""
     count = swarm_size(name_or_path)
     if count is None:
         path_of(name_or_path)
 
 
 def swarm_size(name: str) -> int | None:
-    """Return the N of `swarmN`, None for another name; raise ValueError for none or too many."""
+    """Return the N of `swarmN`, None for another name; raise ValueError if N is 0 or too large."""
     swarm = SWARM.fullmatch(name)
     count = int(swarm[1]) if swarm else None
     if count is not None and not 1 <= count <= MOST:
@@ -42,7 +42,7 @@ def path_of(name_or_path: str) -> Path:
     """Return the file of a scenario.
 
     Raises:
-        ValueError: no such scenario (with the nearest right name), or no such file.
+        ValueError: unknown scenario (with the nearest name), or no such file.
     """
     shipped, own = FOLDER / f"{name_or_path}.yaml", Path(name_or_path)
     if own.suffix in OWN:

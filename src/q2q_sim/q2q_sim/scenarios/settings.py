@@ -1,14 +1,14 @@
-"""Hold the kinds of room a flight may happen in: how well it sees, hears, senses, and how still its air is.
+"""Rooms of a flight: quality of motion capture, radio and inertial sensors, and disturbances.
 
-| name | what it is |
+| name | meaning |
 |---|---|
-| ideal | the paper's simulations: perfect sensing, commands at once, still air |
+| ideal | the paper's simulations: perfect sensing, no latency, still air |
 | capture | the paper's experiments (section 2.2): VICON with noise, dropouts and outliers, IMU noise |
 | real | a Crazyswarm room: 26 ms from camera to actuator, noise, losses, outliers, dropouts, thrust offset |
 | rough | real, with axis flips, marker swaps, absences and stale bursts |
 
-Sources: 26 ms in all and sub-millimetre noise: Preiss et al., Crazyswarm, ICRA 2017; dropouts,
-outliers, flips, swaps: what users of Crazyswarm report; IMU: Bosch BMI088 data sheet at 80 Hz of bandwidth.
+Sources: 26 ms in total and sub-millimetre noise: Preiss et al., Crazyswarm, ICRA 2017; dropouts,
+outliers, flips, swaps: reports of Crazyswarm users; IMU: Bosch BMI088 data sheet at 80 Hz bandwidth.
 Air and thrust of `real`: see CLEAR_AIR.
 """
 
@@ -26,7 +26,7 @@ Overrides = Mapping[str, Mapping[str, ParameterValue]]
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """Kind of room, and what the blocks should know of it."""
+    """Parameters of a room, with those that the blocks know."""
 
     vicon: ViconParams = field(default_factory=ViconParams)
     radio: RadioParams = field(default_factory=RadioParams)
@@ -48,13 +48,13 @@ _SENSED = ImuParams(acc_noise=0.02, acc_bias=0.05, gyro_noise=0.002, gyro_bias=0
 CAPTURE = Setting(
     vicon=_SEEN,
     imu=_SENSED,
-    disturbance=DisturbanceParams(air_std=0.005),  # 1 cm of wander in the paper's soft loop
+    disturbance=DisturbanceParams(air_std=0.005),  # 1 cm of drift in the paper's soft loop
 )
 
 CLEAR_AIR = DisturbanceParams(air_std=0.09, air_time=1.0, thrust_gain_min=1.008, thrust_gain_max=1.028)
-"""What real flights show away from other vehicles: two Crazyflies 2.1 that exchange places (dc21_swap_ss),
-loop K_p 10, K_d 5. There z is off by 1.87 cm rms: 1.7 cm upwards on the average of a vehicle and flight, 0.6
-to 1 cm around it, with an autocorrelation of .93, .80 and .56 after 0.2, 0.4 and 0.8 s. These numbers, flown
+"""Fit to real flights away from other vehicles: two Crazyflies 2.1 that exchange places (dc21_swap_ss),
+loop K_p 10, K_d 5. Their z error is 1.87 cm rms: 1.7 cm upwards in the mean of a vehicle and flight, 0.6 to
+1 cm about it, with an autocorrelation of .93, .80 and .56 after 0.2, 0.4 and 0.8 s. These values, simulated
 with that loop, 0.07 s of thrust lag and 26 ms of delay, give 1.88 cm: 1.7, 0.74, and .95, .83, .55."""
 
 REAL = Setting(
@@ -74,7 +74,7 @@ SETTINGS = {"ideal": IDEAL, "capture": CAPTURE, "real": REAL, "rough": ROUGH}
 
 
 def setting_by_name(name: str) -> Setting:
-    """Return the named kind of room; raise ValueError with the known names."""
+    """Return the named room; raise ValueError with the known names."""
     if name not in SETTINGS:
         raise ValueError(f"unknown room {name!r}; known are {', '.join(SETTINGS)}")
     return SETTINGS[name]

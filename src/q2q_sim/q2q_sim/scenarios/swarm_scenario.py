@@ -1,8 +1,8 @@
-"""Make the scenario `swarmN`: two rings, one above the other, that turn against each other.
+"""Scenario `swarmN`: two counter-rotating rings of vehicles, one above the other.
 
-Odd vehicles fly in the lower ring to the left, even ones half a metre above to the right, so that every
-vehicle passes under many others. Neighbours in a ring are SPACING apart; the ring's radius follows from
-their number, and all fly at SPEED.
+Odd vehicles fly in the lower ring counter-clockwise, even ones half a metre above clockwise, so that every
+vehicle passes under many others. Neighbours in a ring are SPACING apart; the radius follows from their
+number, and all fly at SPEED.
 
     angle_k(t) = 2 pi k / n + direction * SPEED t / radius
 """
@@ -16,11 +16,11 @@ from q2q_sim.scenarios.scenario_files import MOST
 from q2q_sim.scenarios.settings import IDEAL
 
 SPACING = 0.6
-"""Along the ring [m]: well outside each other's downwash and six times eps."""
+"""Along the ring [m]: six times eps, well outside each other's downwash."""
 SPEED = 0.5
 """[m/s]: the slower flyover of Table 2."""
 HEIGHTS = (1.0, 1.5)
-"""Of the rings [m]: the nearer distance of Table 2 apart."""
+"""Heights of the rings [m]: the smaller distance of Table 2 apart."""
 DURATION = 30.0
 """[s]"""
 POINT_EVERY = 1.0
@@ -28,7 +28,7 @@ POINT_EVERY = 1.0
 
 
 def swarm_scenario(count: int) -> Scenario:
-    """Return the scenario of `count` vehicles; raise ValueError for none or too many."""
+    """Return the scenario of `count` vehicles; raise ValueError if `count` is 0 or too large."""
     if not 1 <= count <= MOST:
         raise ValueError(f"swarm{count}: 1 to {MOST} vehicles are allowed")
     return Scenario(

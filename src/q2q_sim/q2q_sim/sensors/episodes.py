@@ -1,8 +1,8 @@
-"""Let things begin at random and last a while: dropouts, swaps, flips.
+"""Random episodes of a sensor: dropouts, swaps, flips.
 
-Beginnings are a Poisson process a row (rate lambda): in a tick of dt one begins with probability
-1 - exp(-lambda dt). Each lasts a time drawn evenly between two bounds, at least one tick; while one lasts,
-no other begins in its row.
+Onsets are a Poisson process for each row (rate lambda): in a tick of dt one occurs with probability
+1 - exp(-lambda dt). The duration is uniform between two bounds, at least one tick; during an episode no
+other starts in the same row.
 """
 
 import math
@@ -19,10 +19,10 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class Frequency:
-    """Rate and duration of an event."""
+    """Rate and duration of a kind of episode."""
 
     rate: float
-    """Beginnings a second and row [1/s]."""
+    """Onsets per second in each row [1/s]."""
     shortest: float = 0.0
     """[s]"""
     longest: float = 0.0
@@ -30,17 +30,17 @@ class Frequency:
 
 
 class Episodes:
-    """Rows that are in an episode now."""
+    """Active episodes of each row."""
 
     def __init__(self, frequency: Frequency, rows: int, tick: float, rng: np.random.Generator) -> None:
-        """Take the tick [s] and a stream of its own."""
+        """Start without active episodes; `tick` is the sample time [s], `random` its own stream."""
         chance = -math.expm1(-frequency.rate * tick)
         self._numbers = chance, frequency.shortest, frequency.longest - frequency.shortest, tick
         self._rng = rng
         self._left = np.zeros(rows, dtype=np.int64)
 
     def step(self) -> tuple[Mask, Mask]:
-        """Move one tick on; return which rows are in an episode and which begin one, (rows,) each."""
+        """Advance one tick; return which rows are in an episode and which start one, (rows,) each."""
         n = len(self._left)
         draws, acting, begins = self._rng.random((2, n)), np.empty(n, np.bool_), np.empty(n, np.bool_)
         move_on(self._left, draws, self._numbers, acting, begins)
@@ -65,5 +65,5 @@ def _move_on(
 
 
 move_on = compiled(_move_on)
-"""Count down `left` [ticks] (n,) and let episodes begin, writing who is in one and who begins one, (n,):
+"""Count down `left` [ticks] (n,) and start episodes, writing which rows are in one and which start one, (n,):
 (left, draws (2, n), (chance a tick, shortest, longest minus shortest, tick [s]), acting, begins)."""

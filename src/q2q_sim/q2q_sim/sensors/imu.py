@@ -1,10 +1,10 @@
-"""Read the inertial sensors of every vehicle: specific force and rate in the body frame, biased and noisy.
+"""Inertial sensors of every vehicle: biased and noisy specific force and angular rate, body frame.
 
     f_body = R^T (a - g) + b_a + n_a,    g = (0, 0, -9.81)
     w_body = w + b_w + n_w
 
-Biases are drawn once a flight, noise every tick. `a` is the acceleration of the physics step that ends at
-the tick.
+Biases are drawn once per flight, noise every tick. `a` is the acceleration during the physics step that ends
+at the tick.
 """
 
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ def _readings(motion: tuple[Array, Array, Array], bias: Array, out: tuple[Array,
 
 
 readings = compiled(_readings)
-"""Write force and rate (n, 3): ((quat, ang_vel_body, acc), bias (2, n, 3), (force, rate))."""
+"""Write specific force and rate (n, 3): ((quat, ang_vel_body, acc), bias (2, n, 3), (force, rate))."""
 
 
 class Imu:
@@ -60,7 +60,7 @@ class Imu:
         self._bias = scale * stream(seed, "imu bias").standard_normal((2, vehicles, 3))
 
     def read(self, truth: SwarmState, acc: Array) -> SwarmImu:
-        """Return the readings at `truth` with acceleration `acc` [m/s^2], world, (n, 3); a call is a tick."""
+        """Return the readings at `truth` with acceleration `acc` [m/s^2], world, (n, 3); call once a tick."""
         force, rate = np.empty_like(self._bias[0]), np.empty_like(self._bias[0])
         readings((truth.quat, truth.ang_vel_body, acc), self._bias, (force, rate))
         params = self._params

@@ -1,20 +1,20 @@
-"""See the vehicles as motion capture does: 100 frames a second, noisy, and now and then wrong.
+"""Motion capture: 100 frames a second with noise, outliers, dropouts, flips and swaps.
 
-What happens to a frame, in this order, each from its own random stream:
+Effects on a frame, applied in this order, each from its own random stream:
 
 | effect | what the frame shows | injected flag |
 |---|---|---|
 | noise | position off by 0.15 mm rms, attitude by a few mrad | - |
-| flip | body axes turned half a turn about x, y or z: reflections | FLIP |
-| swap | the nearest vehicle's pose under this name, and the other way round | SWAP |
+| flip | body turned half a turn about x, y or z: reflections | FLIP |
+| swap | poses of the vehicle and its nearest neighbour exchanged | SWAP |
 | outlier | position off by a step in a random direction, one frame | OUTLIER |
-| stale | the frame before the burst again, under a new stamp, all vehicles | STALE |
-| dropout, missing | the vehicle is not in the frame: for 0.1-0.3 s, or for seconds | DROPOUT |
+| stale | the frame before the burst repeated under new stamps, all vehicles | STALE |
+| dropout, missing | vehicle absent from the frame for 0.1-0.3 s, or for seconds | DROPOUT |
 
-Rates and sizes are what rooms report (docs and issue trackers of Crazyswarm users); VICON's static noise is
-0.15 mm. `injected` tells tests, and only tests, what was done to the last frame.
-The camera's latency is not made here: a controller knows stamps only, so late frames and late commands are
-the same to it, and the room adds both delays to the radio's (q2q_sim.loop.room).
+Rates and sizes are those that Crazyswarm users report (docs and issue trackers); VICON's static noise is
+0.15 mm. `injected` lists the effects on the last frame, for tests only. The camera's latency is not modelled
+here: a controller knows only stamps, so late frames and late commands are equivalent, and the room adds both
+delays to the radio's (q2q_sim.loop.room).
 """
 
 import math
@@ -33,7 +33,7 @@ from q2q_sim.sensors.episodes import Episodes, Frequency, Mask
 
 
 class Injected(IntFlag):
-    """What was done to a vehicle's row of a frame."""
+    """Effects on a vehicle's row of a frame."""
 
     NOTHING = 0
     OUTLIER = 1
@@ -43,7 +43,7 @@ class Injected(IntFlag):
     STALE = 16
     NAN = 32
     STAMP = 64
-    """The frame came late, again, out of order, or with a wrong stamp (q2q_sim.faults.faults)."""
+    """Frame late, repeated, out of order, or with a wrong stamp (q2q_sim.faults.faults)."""
 
 
 Flags = NDArray[np.uint8]
@@ -85,10 +85,10 @@ class ViconParams:
 
 
 class Vicon:
-    """Motion capture: true states to frames, one a tick."""
+    """Motion capture from true states to frames, one a tick."""
 
     def __init__(self, params: ViconParams, vehicles: int, tick: float, seed: int) -> None:
-        """See `vehicles` vehicles every `tick` [s]."""
+        """Observe `vehicles` vehicles every `tick` [s]."""
         self._params = params
         self._rng = {name: stream(seed, f"vicon {name}") for name in ("noise", "flip axis", "outlier size")}
         self._happens = {
@@ -101,10 +101,10 @@ class Vicon:
         self._partner = np.arange(vehicles)
         self._last: tuple[Array, Array] | None = None
         self.injected: Flags = np.zeros(vehicles, dtype=np.uint8)
-        """What was done to each vehicle in the last frame: Injected, (n,)."""
+        """Effects on each vehicle in the last frame: Injected, (n,)."""
 
     def observe(self, truth: SwarmState) -> MocapFrame:
-        """Return the frame of a tick; each call is one tick."""
+        """Return the frame of a tick; call once a tick."""
         self.injected = np.zeros(len(truth.names), dtype=np.uint8)
         pos, quat = self._noisy(truth)
         if not self._happens:
@@ -170,7 +170,7 @@ class Vicon:
         return pos, quat
 
     def _step(self, name: str) -> tuple[Mask, Mask]:
-        """Return which rows something happens to, and which it begins with; it moves one tick on."""
+        """Return which rows are in an episode and which start one, and advance one tick."""
         happens = self._happens.get(name)
         return happens.step() if happens else (self._never, self._never)
 
@@ -208,8 +208,8 @@ def _blur(
 
 
 blur = compiled(_blur)
-"""Write poses off by noise: ((pos, quat), normal numbers (2, n, 3), their sizes [m], [rad], pos, quat); the
-attitude turns by exp of a rotation vector, as q2q_model.geometry.rotations has it."""
+"""Write noisy poses: ((pos, quat), normal deviates (2, n, 3), standard deviations [m], [rad], pos, quat);
+the attitude is turned by exp of a rotation vector, as in q2q_model.geometry.rotations."""
 
 
 def _frequencies(params: ViconParams) -> dict[str, Frequency]:

@@ -1,1 +1,1 @@
-"""Command-line tools of q2q_sim: parse, read files, call the pure floor, print, draw."""
+"""Command-line tools of q2q_sim: read files, call pure code, print, draw."""

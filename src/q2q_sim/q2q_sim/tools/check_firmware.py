@@ -1,4 +1,4 @@
-"""Compare the emulated firmware with a folder of tables of the real one."""
+"""Comparison of the emulated firmware with a folder of tables of the real one."""
 
 import csv
 import json
@@ -11,7 +11,7 @@ from q2q_sim.scenarios.choices import STDOUT
 
 
 def run(asked: Namespace) -> int:
-    """Compare with the tables of the folder; return 1 where a figure is out of its tolerance."""
+    """Compare with the tables of the folder; return 1 if a figure is out of its tolerance."""
     verdict = compare(tables_in(asked.folder))
     words = json.dumps({name: part._asdict() for name, part in verdict._asdict().items()}, indent=1)
     if asked.json not in {None, STDOUT}:
@@ -21,7 +21,7 @@ def run(asked: Namespace) -> int:
 
 
 def tables_in(folder: Path) -> Tables:
-    """Return the tables of a folder; raise OSError or ValueError where one is missing or empty."""
+    """Return the tables of a folder; raise OSError or ValueError if one is missing or empty."""
     return Tables(
         controllers=_table(folder / "controllers.csv"),
         planner=_table(folder / "planner.csv"),
@@ -40,7 +40,7 @@ def _table(file: Path) -> Table:
 
 
 def report(verdict: FirmwareVerdict) -> str:
-    """Return each figure beside its tolerance, one a line."""
+    """Return each figure with its tolerance, one on a line."""
     counts = (verdict.controllers.cases, verdict.planner.cases, verdict.supervisor.cases)
     head = "cases: {} of controllers, {} of the planner, {} of the supervisor".format(*counts)
     lines = [

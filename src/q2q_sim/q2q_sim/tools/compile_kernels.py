@@ -1,6 +1,6 @@
-"""Compile every kernel into the cache, on two cores, where the cache lacks one: a step of scripts/setup.
+"""Compilation of all kernels missing in the cache, on two cores: a step of scripts/setup.
 
-A flight that compiles stands still for seconds, and its vehicles fall.
+Compilation in flight would stall the loop for seconds.
 """
 
 import importlib
@@ -15,12 +15,12 @@ from q2q_model.compiled import KERNELS, uncached
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 NOT_PURE = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training")
-"""Parts of the packages without kernels, but with ROS or torch."""
+"""Parts of the packages without kernels that import ROS or torch."""
 SHARES = 2
 
 
 def main() -> int:
-    """Fill the cache; return the exit status, 1 where nobody calls a kernel."""
+    """Fill the cache; return the exit status, 1 if a kernel is never called."""
     import_kernels()
     missing = uncached()
     if not missing:
@@ -31,7 +31,9 @@ def main() -> int:
         list(pool.map(call_share, range(SHARES)))
     left = uncached()
     for name in left:
-        print(f"compile_kernels: nobody calls {name}: do so in q2q_sim.tools.kernel_calls", file=sys.stderr)
+        print(
+            f"compile_kernels: {name} is never called: call it in q2q_sim.tools.kernel_calls", file=sys.stderr
+        )
     if left:
         return 1
     print(f"compiled in {monotonic() - began:.0f} s", flush=True)
@@ -39,13 +41,13 @@ def main() -> int:
 
 
 def import_kernels() -> None:
-    """Import every module that may hold a kernel, so that KERNELS has all of them."""
+    """Import every module with kernels, so that KERNELS has all of them."""
     for name in _modules():
         importlib.import_module(name)
 
 
 def call_share(share: int) -> None:
-    """Call every kernel of a share."""
+    """Call every kernel of one half."""
     from q2q_sim.tools.kernel_calls import calls
 
     for call in calls()[share]:

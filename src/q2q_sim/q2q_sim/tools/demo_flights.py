@@ -1,4 +1,4 @@
-"""Fly the demonstration's three flights; leave bags, pictures and a page behind."""
+"""The demonstration's three flights, with bags, pictures and a page."""
 
 import json
 import shutil
@@ -30,7 +30,7 @@ def run(asked: Namespace) -> int:
 
 
 def show(out: Path, json_file: Path | None) -> Sequence[FlightRun]:
-    """Fly the three modes; print the table; leave bags, pictures, page and JSON; return the flights."""
+    """Fly the three modes; print the table; write bags, pictures, page and JSON; return the flights."""
     shutil.rmtree(out / "bags", ignore_errors=True)
     interruption = Interruption()
     runs = [

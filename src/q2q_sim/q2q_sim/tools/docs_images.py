@@ -1,6 +1,6 @@
-"""Draw the documents' pictures without a display: what the view shows of a flight, and its altitudes.
+"""Pictures of the documentation without a display: the view of a flight, and its altitudes.
 
-The flight is table6 by the closed loop, so the picture needs no ROS and is the same every time.
+The flight is table6 by the closed loop, so the picture needs no ROS and is reproducible.
 """
 
 from pathlib import Path
@@ -23,9 +23,9 @@ from q2q_sim.view.shapes import Scene, Shape, ShapeKind
 OUT = Path("docs/images")
 SCENARIO, LOWER = "table6", "cf1"
 SHOWN_AT = 21.0
-"""When the upper vehicle of table6 comes above the lower one [s]."""
+"""Time at which the upper vehicle of table6 is above the lower one [s]."""
 FORCE_SCALE = 1.0
-"""Length of an arrow for 1 m/s^2 [m]: long enough to see downwash of a few tenths."""
+"""Length of an arrow for 1 m/s^2 [m]: shows downwash of a few tenths."""
 ROUND = 24
 """Corners of a drawn circle."""
 DPI = 100
@@ -50,7 +50,7 @@ def write_images(out: Path = OUT) -> list[Path]:
 
 
 def scene_at(scenario: Scenario, flight: Flight, t: float) -> Scene:
-    """Return what the view shows at time t [s] of a flight, its past drawn too."""
+    """Return the view at time t [s] of a flight, with its past."""
     builder = SceneBuilder(SceneParams(force_scale=FORCE_SCALE))
     builder.take_plan(plan_of(scenario))
     last = int(np.searchsorted(flight.t, t))
@@ -59,7 +59,7 @@ def scene_at(scenario: Scenario, flight: Flight, t: float) -> Scene:
 
 
 def draw_scene(axes: Axes3D, scene: Scene) -> None:
-    """Draw a scene's shapes; boxes and texts as marks of a size that can be seen."""
+    """Draw a scene's shapes, boxes and texts as visible marks."""
     for shape in scene.shapes:
         points = np.array(shape.points)  # (k, 3)
         if shape.kind is ShapeKind.BOX:

@@ -1,4 +1,4 @@
-"""Open a room that speaks CRTP without ROS, and fly it at the pace of the wall clock."""
+"""CRTP room without ROS, flown in real time."""
 
 import signal
 from argparse import Namespace
@@ -14,7 +14,7 @@ from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import with_firmware
 
 LATE_S = 0.5
-"""A room that falls behind the wall clock by this counts from anew [s]."""
+"""Delay behind the wall clock at which its schedule restarts [s]."""
 
 
 def run(asked: Namespace) -> int:

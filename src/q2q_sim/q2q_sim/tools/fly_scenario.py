@@ -1,4 +1,4 @@
-"""Fly one scenario as the command line asks, show how far it is, and print how it went."""
+"""Flight of one scenario from the command line, with progress, table and verdict."""
 
 import json
 import tempfile
@@ -17,7 +17,7 @@ from q2q_sim.scenarios import library
 
 
 def run(asked: Namespace) -> int:
-    """Fly, and print and write how it went; return the exit status."""
+    """Fly, print and write the results; return the exit status."""
     if asked.list:
         for name in library.names():
             print(f"{name:14} {library.describe(name)}")
@@ -35,7 +35,7 @@ def run(asked: Namespace) -> int:
 
 
 def conclude(runs: Sequence[FlightRun]) -> int:
-    """Print the verdict on some flights as the last line; return the exit status, 1 where one is not ok."""
+    """Print the verdict on some flights as the last line; return the exit status, 1 if one is not ok."""
     print(run_verdicts(runs))
     return int(not all(run.verdict.ok for run in runs))
 
@@ -49,7 +49,7 @@ def show(runs: Sequence[FlightRun]) -> None:
 
 
 def request_of(asked: Namespace) -> FlightRequest:
-    """Return what the command line asks for."""
+    """Return the requested flight."""
     mode = "ignoring" if not asked.aware else "aware" if asked.limit else "aware_unlimited"
     return FlightRequest(
         scenario=asked.scenario,

@@ -78,7 +78,7 @@ def read_columns(path: Path) -> Mapping[str, Array]:
         table = parquet.read_table(path) if path.suffix == ".parquet" else csv.read_csv(path)
         return {name: np.asarray(table[name].to_numpy(), dtype=np.float64) for name in table.column_names}
     except (ArrowException, ValueError) as damage:
-        raise ValueError(f"{path} is no table of numbers: {damage}") from damage
+        raise ValueError(f"{path} is not a table of numbers: {damage}") from damage
 
 
 def write_bag(table: FlightTable, path: Path) -> dict[str, int]:

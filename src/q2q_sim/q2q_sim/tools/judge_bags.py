@@ -1,4 +1,4 @@
-"""Judge recorded flights by the safety policies."""
+"""Check of recorded flights against the safety policies."""
 
 import json
 import sys
@@ -24,7 +24,7 @@ from q2q_sim.scenarios import library
 
 
 def run(asked: Namespace) -> int:
-    """Judge the bags that are named; return 1 where a policy is violated."""
+    """Check the named bags; return 1 if a policy is violated."""
     found = {
         str(bag): judge(evidence_in(bag), circumstances_of(bag, asked.scenario, asked.vehicle))
         for bag in asked.bags
@@ -38,7 +38,7 @@ def run(asked: Namespace) -> int:
 
 
 def circumstances_of(bag: Path, scenario: str, vehicle: str) -> Circumstances:
-    """Return what is known of a flight besides its signals; raise ValueError for an unknown name."""
+    """Return the circumstances of a flight; raise ValueError for an unknown name."""
     if scenario:
         flown = library.load(scenario)
         return Circumstances(vehicle=flown.vehicle, faults=flown.faults)

@@ -1,7 +1,7 @@
-"""Call every compiled function of the house, so that set-up can fill the cache with all of them.
+"""Calls of every compiled function, with which set-up fills the cache.
 
-Compiling takes minutes and calling nothing: flights last a few ticks. The two lists are for two processes;
-they share few kernels. What neither calls, `q2q_model.compiled.uncached` names afterwards.
+Compilation takes minutes, the calls almost nothing: flights last a few ticks. The two lists are for two
+processes and share few kernels. `q2q_model.compiled.uncached` names kernels that neither calls.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,14 +34,14 @@ from q2q_sim.scenarios import library
 
 Call = Callable[[], object]
 TICKS = 0.06
-"""Long enough for a track to be believed [s]."""
+"""Long enough to confirm a track [s]."""
 MANY = tuple(f"cf{k}" for k in range(1, 11))
-"""More vehicles than all pairs are looked at of."""
+"""Swarm large enough for the spatial search of pairs."""
 CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
 
 
 def calls() -> tuple[Sequence[Call], Sequence[Call]]:
-    """Return what calls every kernel, in two shares of about equal time."""
+    """Return the functions that call every kernel, in two lists of about equal time."""
     flights = (_estimators, _room, _replanned, _many, _firmware)
     solvers = (_mpc, _explicit, _identification, _planes)
     return flights, solvers

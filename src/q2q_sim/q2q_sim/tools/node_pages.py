@@ -1,7 +1,7 @@
-"""Write one page a node into docs/nodes: topics, types, qualities of service, services, parameters.
+"""Pages in docs/nodes: topics, types, qualities of service, services and parameters of each node.
 
-Nothing in the pages is typed: the words are the node module's docstring, the rest is what the node declares.
-The documents' pictures are drawn anew with `--images`.
+The text is the docstring of the node's module, the rest is what the node declares. `--images` draws the
+pictures of the documentation.
 """
 
 import sys
@@ -43,7 +43,7 @@ def out_of_date(wanted: dict[str, str], folder: Path) -> list[str]:
 
 
 def write(wanted: dict[str, str], folder: Path) -> None:
-    """Write every page, and delete pages of nodes that are no more."""
+    """Write every page and delete pages of removed nodes."""
     folder.mkdir(parents=True, exist_ok=True)
     for path in folder.glob("*.md"):
         if path.name not in wanted:
@@ -82,14 +82,14 @@ def page(node: NodeInterface) -> str:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a Markdown table; columns that are empty in every row are left out."""
+    """Return a Markdown table without columns that are empty in every row."""
     kept = [column for column in range(len(head)) if any(row[column] for row in rows)]
     lines = [[cells[column] for column in kept] for cells in (head, ["---"] * len(head), *rows)]
     return "".join(f"| {' | '.join(map(_in_cell, cells))} |\n" for cells in lines)
 
 
 def _in_cell(text: str) -> str:
-    """Return text whose bars end no cell, and whose <name> is no HTML."""
+    """Return text with bars and <name> escaped for a Markdown cell."""
     parts = text.replace("|", r"\|").split("`")
     return "`".join(part if inside % 2 else part.replace("<", "&lt;") for inside, part in enumerate(parts))
 

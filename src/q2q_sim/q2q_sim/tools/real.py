@@ -1,7 +1,7 @@
-"""Fly a real recorded flight through the nodes: its mocap through filter and interference; score the model.
+"""Replay of a real recorded flight: its mocap through the nodes of filter and interference, and model score.
 
-The observed downwash is the vertical force that the flight's log shows, by the rule of
-q2q_model.identification.force.downwash_force; the predicted one comes out of the node `interference`.
+The observed downwash is the vertical force in the flight's log by
+q2q_model.identification.force.downwash_force; the predicted one is the output of the node `interference`.
 """
 
 import json
@@ -25,13 +25,13 @@ from q2q_sim.report import figures
 from q2q_sim.tools.import_table import read_columns, write_bag
 
 DATA = Path("neural_swarm")
-"""Where the flights lie within Q2Q_DATA."""
+"""Folder of the flights within Q2Q_DATA."""
 DEFAULT_MODEL = "measured_law"
 OUT = Path("out/real")
 
 
 def fly_real(name: str, model: str, json_file: Path | None) -> int:
-    """Replay a real flight, print how well its downwash was predicted, draw it; return the status."""
+    """Replay a real flight, print and draw the prediction of its downwash; return the exit status."""
     chosen = model or DEFAULT_MODEL
     table = flight_table(read_columns(find_flight(name)))
     with TemporaryDirectory(prefix="q2q-real-") as scratch:
@@ -53,14 +53,14 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
 
 
 def scored(samples: Sequence[ForceSamples], eta_z: Array) -> ForceScore:
-    """Score predicted vertical downwash [m/s^2], (T, n), as they came out of the node."""
+    """Score predicted vertical downwash [m/s^2], (T, n), as published by the node."""
     y = [one.y[one.exposed] for one in samples]
     misses = [one.y[one.exposed] - eta_z[one.exposed, one.vehicle] for one in samples]
     return pooled(y, misses, samples)
 
 
 def tell(name: str, model: str, found: ForceScore) -> None:
-    """Print the score in words."""
+    """Print the score."""
     if found.r2_exposed is None or found.rmse_exposed_mps2 is None:
         print(f"{name}: no sample lies under another vehicle; nothing to score")
         return
@@ -74,7 +74,7 @@ def find_flight(name: str) -> Path:
     """Return the file of a real flight.
 
     Raises:
-        ValueError: Q2Q_DATA is no folder of flights, or has no flight of this name.
+        ValueError: Q2Q_DATA is not a folder of flights, or has no flight of this name.
     """
     folder = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / DATA
     known = sorted(path.stem for path in folder.glob("*.parquet"))

@@ -1,4 +1,4 @@
-"""Measure recorded flights and lay them over each other on one HTML page."""
+"""Report on recorded flights: metrics and figures of all on one HTML page."""
 
 import json
 import sys
@@ -33,20 +33,20 @@ HEAD_MOCAP = ("flight", "vehicle", "rate [Hz]", "seen [%]", "longest gap [s]", "
 
 @dataclass(frozen=True, slots=True)
 class Reported:
-    """Hold a flight and what was measured of it."""
+    """Flight with its metrics."""
 
     flight: Flight
     metrics: FlightMetrics
     quality: dict[str, MocapQuality]
     lives: tuple[NodeLife, ...]
-    """How its nodes fared, where `/diagnostics` was recorded."""
+    """Health of its nodes, if `/diagnostics` was recorded."""
     verdict: FlightVerdict
     note: str = ""
-    """Which vehicle was taken, where the bag does not say it."""
+    """Assumed vehicle, if the bag does not name it."""
 
 
 def run(asked: Namespace) -> int:
-    """Write the report that is asked for; return the exit status."""
+    """Write the requested report; return the exit status."""
     topics, bags = topic_map(asked.topics), [asked.bag, *asked.compare]
     flights = [reported(bag, flown_vehicle(bag, asked.vehicle), topics) for bag in bags]
     write(flights, asked.out)
@@ -60,7 +60,7 @@ def run(asked: Namespace) -> int:
 
 
 def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None) -> Reported:
-    """Return a bag's flight, measured; `topics` says which topics of another's bag are what."""
+    """Return a bag's flight with its metrics; `topics` maps the topics of a foreign bag."""
     flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
     verdict = verdict_of(flight, Circumstances(vehicle=flown.vehicle))
     metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)
@@ -68,12 +68,12 @@ def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None) -> 
 
 
 def verdicts(flights: Sequence[Reported]) -> str:
-    """Return how the flights went, in one line."""
+    """Return the verdicts on the flights in one line."""
     return verdict_line([(one.flight.name, one.verdict) for one in flights])
 
 
 def notes(flights: Sequence[Reported]) -> list[str]:
-    """Return what was assumed about the flights."""
+    """Return the assumptions about the flights."""
     return [one.note for one in flights if one.note]
 
 
@@ -149,7 +149,7 @@ def _mocap(one: Reported) -> list[tuple[str, ...]]:
 
 
 def _nodes(flights: Sequence[Reported]) -> list[Grid]:
-    """Return the table of the nodes; none where no bag has `/diagnostics`."""
+    """Return the table of the nodes; none if no bag has `/diagnostics`."""
     rows = [
         (one.flight.name, life.node, str(life.seconds), str(life.troubled), life.worst.name, life.values)
         for one in flights

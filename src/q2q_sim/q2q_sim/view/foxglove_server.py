@@ -1,4 +1,4 @@
-"""Serve a scene to Foxglove, in a browser or on the desktop, through its own SDK, on this machine only.
+"""Foxglove server of a scene, on this machine only.
 
 The SDK (foxglove-sdk) is optional: it is imported when a server is opened.
 """
@@ -19,10 +19,10 @@ HEAD_LENGTH, HEAD = 0.05, 2.0
 
 
 class FoxgloveScene:
-    """Foxglove server and the channels it shows."""
+    """Foxglove server with its channels."""
 
     def __init__(self, port: int) -> None:
-        """Listen on a port of this machine; 0 lets the system choose.
+        """Listen on a port of this machine; with 0 the system chooses.
 
         Raises:
             ValueError: foxglove-sdk is not installed.
@@ -36,7 +36,7 @@ class FoxgloveScene:
                 "foxglove: foxglove-sdk is not installed: pip install -r requirements/view.txt, "
                 "or leave foxglove:=false"
             ) from missing
-        context = self._context = foxglove.Context()  # kept: the server shows no channel of a lost context
+        context = self._context = foxglove.Context()  # kept: channels end with their context
         try:
             self._server = foxglove.start_server(name="q2q", host=LOOPBACK, port=port, context=context)
         except RuntimeError as refusal:
@@ -51,7 +51,7 @@ class FoxgloveScene:
         return int(self._server.port)
 
     def show(self, scene: Scene, stamp_ns: int) -> None:
-        """Draw a scene in place of the last one."""
+        """Replace the scene."""
         sec, nanosec = stamp_parts(stamp_ns)
         stamp = self._messages.Timestamp(sec=sec, nsec=nanosec)
         entities = [self._entity(shape, scene, stamp) for shape in scene.shapes]
@@ -66,7 +66,7 @@ class FoxgloveScene:
         self._channel.log(self._messages.SceneUpdate(entities=entities, deletions=gone), log_time=stamp_ns)
 
     def close(self) -> None:
-        """Let every viewer go."""
+        """Close the server."""
         self._server.stop()
 
     def _entity(self, shape: Shape, scene: Scene, stamp: "messages.Timestamp") -> "messages.SceneEntity":

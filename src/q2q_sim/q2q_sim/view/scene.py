@@ -1,15 +1,15 @@
-"""Build the picture of a flight from its signals: plain shapes that any viewer can draw.
+"""Scene of a flight from its signals, in plain shapes for any viewer.
 
-| group | shape | what it shows |
+| group | shape | meaning |
 |---|---|---|
-| vehicle | box | pose; grey while it coasts, dark when lost |
+| vehicle | box | pose; grey while coasting, dark when lost |
 | name | text | name, above the vehicle |
 | zone | cylinder | I(eps, d) about the vehicle; red while another vehicle is in it |
-| wake | line | where the air is that left the rotors: r(t - tau) - b(t - tau) w tau, b body z, w its speed |
+| wake | line | air that left the rotors: r(t - tau) - b(t - tau) w tau, b body z, w its speed |
 | force | arrow | eta, `force_scale` metres for each m/s^2 |
-| plan | line | the planned path; the recent reference where no plan is known |
-| replanned | line | what the replanner lets through, of the last `trail_s` |
-| flown | line | where the vehicle was, of the last `trail_s` |
+| plan | line | planned path; the recent reference without a plan |
+| replanned | line | output of the replanner in the last `trail_s` |
+| flown | line | path of the vehicle in the last `trail_s` |
 """
 
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ COLOURS: tuple[Colour, ...] = (
     (0.84, 0.47, 0.09, 1.0),
     (0.56, 0.27, 0.68, 1.0),
 )
-"""One a vehicle, in turn."""
+"""One for each vehicle, repeated."""
 COASTING: Colour = (0.6, 0.6, 0.6, 1.0)
 LOST: Colour = (0.2, 0.2, 0.2, 1.0)
 CLEAR: Colour = (0.4, 0.6, 0.9, 0.12)
@@ -54,11 +54,11 @@ BODY: Point = (0.092, 0.092, 0.029)
 TEXT_HEIGHT = 0.08
 """[m]"""
 TEXT_ABOVE = 0.12
-"""How far above a vehicle its name stands [m]."""
+"""Height of the name above the vehicle [m]."""
 FORCE_SHOWN = 0.01
-"""The least downwash that is drawn [m/s^2]: a thousandth of g."""
+"""Smallest downwash that is drawn [m/s^2]: a thousandth of g."""
 PLAN_STEP = 0.1
-"""Between points of a planned path [s]."""
+"""Time between points of a planned path [s]."""
 THIN, THICK = 0.008, 0.02
 """Widths of lines and arrows [m]."""
 
@@ -73,17 +73,17 @@ class SceneParams:
         MEASURED_SPEED, "speed at which the downwash travels", unit="m/s", low=0.1, high=100.0
     )
     force_scale: float = tunable(0.3, "length of an arrow for 1 m/s^2", unit="m", low=0.0, high=10.0)
-    trail_s: float = tunable(10.0, "how much of the past is drawn", unit="s", low=0.1, high=600.0)
-    trail_hz: float = tunable(20.0, "points of the past for a second", unit="Hz", low=0.1, high=100.0)
+    trail_s: float = tunable(10.0, "duration of trails", unit="s", low=0.1, high=600.0)
+    trail_hz: float = tunable(20.0, "points of a trail per second", unit="Hz", low=0.1, high=100.0)
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
 @dataclass(frozen=True, slots=True)
 class Glimpse:
-    """Signals known at one time; what is missing is not drawn."""
+    """Signals at one time; missing ones are not drawn."""
 
     state: SwarmState
     interference: Interference | None = None
@@ -92,29 +92,29 @@ class Glimpse:
 
 
 class SceneBuilder:
-    """Builder of scenes; it keeps paths and air between ticks."""
+    """Builder of scenes, with the memory of paths and air."""
 
     def __init__(self, params: SceneParams) -> None:
-        """Take what is drawn how."""
+        """Take the parameters of the drawing."""
         self._params = params
         self._plans: dict[str, tuple[Point, ...]] = {}
         self._air: dict[str, AirTrail] = {}
         self._trails: dict[tuple[str, str], Trail] = {}
 
     def reset(self) -> None:
-        """Forget the past, and the plan."""
+        """Clear trails and plan."""
         self._plans.clear()
         self._air.clear()
         self._trails.clear()
 
     def take_plan(self, plan: SwarmPlan) -> None:
-        """Draw this plan from now on."""
+        """Set the plan to draw."""
         for name, curve in zip(plan.names, plan.trajectories, strict=True):
             times = np.arange(0.0, curve.duration + PLAN_STEP, PLAN_STEP).clip(max=curve.duration)
             self._plans[name] = tuple(point_of(row) for row in curve.at(times)[:, :3])
 
     def update(self, seen: Glimpse) -> Scene:
-        """Return the scene at the time of `seen.state`; call it in the order of time."""
+        """Return the scene at the time of `seen.state`; call in order of time."""
         state = seen.state
         known = [row for row in range(len(state.names)) if np.isfinite(state.pos[row]).all()]
         shapes = [

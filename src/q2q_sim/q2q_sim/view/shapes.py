@@ -1,4 +1,4 @@
-"""Hold a picture as plain shapes that any viewer can draw: boxes, cylinders, arrows, lines, texts."""
+"""Plain shapes of a scene: boxes, cylinders, arrows, lines, texts."""
 
 import math
 from dataclasses import dataclass
@@ -26,12 +26,12 @@ class ShapeKind(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """One thing to draw."""
+    """One shape."""
 
     kind: ShapeKind
     group: str
     row: int
-    """Which vehicle's, in the order of names."""
+    """Index of its vehicle in the order of names."""
     colour: Colour
     points: tuple[Point, ...]
     """Centre of a box, cylinder or text; tail and tip of an arrow; all of a line. [m], world."""
@@ -57,7 +57,7 @@ class Scene:
 
 
 def arrow_quat(tail: Point, tip: Point) -> Quat:
-    """Return the shortest rotation of +x to the arrow's direction; none for an arrow without length.
+    """Return the shortest rotation of +x to the arrow's direction; identity for an arrow of zero length.
 
     q = (x cross d, 1 + x . d) normalised; straight back it is half a turn about z. Backwards 1 + d_x is
     (d_y^2 + d_z^2) / (1 - d_x), which does not cancel.

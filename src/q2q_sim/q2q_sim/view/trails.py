@@ -1,4 +1,4 @@
-"""Remember where vehicles were, and the air they blew, for pictures."""
+"""Trails of vehicles and of the air from their rotors, for the view."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from q2q_sim.view.shapes import Point
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """Length and resolution of the past that is kept."""
+    """Length and resolution of a trail."""
 
     seconds: float
     rate_hz: float
@@ -22,7 +22,7 @@ class Trail:
     points: deque[tuple[float, Point]] = field(default_factory=deque)
 
     def add(self, t: float, point: Point, span: Span) -> None:
-        """Add a point if the last is old enough; forget what is too old, or all if time jumps back."""
+        """Add a point if the last is old enough; drop old points, or all if time jumps back."""
         if self.points and t < self.points[-1][0]:
             self.points.clear()
         if not self.points or t - self.points[-1][0] >= (1.0 - 1e-6) / span.rate_hz:
@@ -37,12 +37,12 @@ class Trail:
 
 @dataclass(slots=True)
 class AirTrail:
-    """Recent rotor positions and blowing directions of one vehicle, each with its time [s]."""
+    """Recent positions and thrust axes of one vehicle, each with its time [s]."""
 
     parcels: deque[tuple[float, Array, Array]] = field(default_factory=deque)
 
     def add(self, t: float, pos: Array, axis: Array, longest: float) -> None:
-        """Add the air that leaves now; forget what left longer ago than `longest` [s]."""
+        """Add the air that leaves now; drop air older than `longest` [s]."""
         if self.parcels and t <= self.parcels[-1][0]:
             self.parcels.clear()
         self.parcels.append((t, pos, axis))
@@ -50,7 +50,7 @@ class AirTrail:
             self.parcels.popleft()
 
     def at(self, t: float, speed: float) -> tuple[Point, ...]:
-        """Return where the air is at time t [s], the youngest first."""
+        """Return the positions of the air at time t [s], the youngest first."""
         return tuple(point_of(pos - axis * speed * (t - left)) for left, pos, axis in reversed(self.parcels))
 
 

@@ -1,4 +1,4 @@
-"""Read packed fields of a packet and refuse what is short or not finite."""
+"""Packed fields of a packet; short packets and numbers that are not finite are refused."""
 
 import math
 from struct import Struct
@@ -7,7 +7,7 @@ from q2q_sim.crtp.packets.packet import MalformedError
 
 
 def read(layout: Struct, data: bytes, at: int = 0) -> tuple[float, ...]:
-    """Return the numbers that a layout has at `at` in `data`.
+    """Return the numbers of a layout at `at` in `data`.
 
     Raises:
         MalformedError: the data end before the layout does, or a number is not finite.
@@ -21,7 +21,7 @@ def read(layout: Struct, data: bytes, at: int = 0) -> tuple[float, ...]:
 
 
 def byte(data: bytes, at: int) -> int:
-    """Return one byte; raise MalformedError where the data end before."""
+    """Return one byte; raise MalformedError if the data end before it."""
     if len(data) <= at:
         raise MalformedError(f"{len(data)} bytes; {at + 1} are needed")
     return data[at]

@@ -1,14 +1,13 @@
-"""Delay, lose and queue packets as radios do, each shared by several vehicles.
+"""Latency, loss and queueing of packets on radios that are each shared by several vehicles.
 
-A radio sends one packet at a time, in both directions: a packet offered at t goes on the air when the radio
-is free, takes 1 / rate, and arrives `latency` after that. One that would wait for longer than `patience` is
-dropped, whatever it is.
+A radio sends one packet at a time, in both directions: a packet offered at t is sent when the radio is free,
+takes 1 / rate, and arrives `latency` after that. A packet that would wait longer than `patience` is dropped.
 
     air(t) = max(free, t),  free' = air(t) + 1 / rate,  arrival = free' + latency
 
-Packets that answer each other (tables, parameters, memory, commands of the high-level commander, ...) are
-carried by safe links, which send them again until they arrive: a loss costs them one more turn of
-1 / rate + latency. Streams (setpoints, positions, log data) are lost for good: the next one follows anyway.
+Requests and answers (tables, parameters, memory, commands of the high-level commander, ...) use safe links,
+which retransmit until they arrive: a loss costs another 1 / rate + latency. Streams (setpoints, positions,
+log data) are not retransmitted.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -33,21 +32,25 @@ from q2q_sim.plant.random_streams import stream
 T = TypeVar("T")
 
 STREAMED = frozenset((Port.SETPOINT, Port.GENERIC, Port.LOCALIZATION))
-"""Ports whose packets are not sent again."""
+"""Ports whose packets are not retransmitted."""
 LOG_DATA = 2
-"""Channel of port 5 whose packets are not sent again."""
+"""Channel of port 5 whose packets are not retransmitted."""
 TRIES = 20
-"""A safe link gives a packet up after so many losses."""
+"""Losses after which a safe link drops a packet."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkParams:
-    """Hold how well packets arrive; the defaults are transparent."""
+    """Quality of the link; the defaults are transparent."""
 
-    latency: float = tunable(0.0, "packet sent to packet received, each way", unit="s", low=0.0, high=0.5)
-    loss: float = tunable(0.0, "share of transmissions lost", low=0.0, high=0.9)
-    rate: float = tunable(0.0, "packets of one radio, both ways; 0 is no limit", unit="Hz", low=0.0, high=1e5)
-    patience: float = tunable(0.1, "longest wait for the radio; then dropped", unit="s", low=0.0, high=10.0)
+    latency: float = tunable(0.0, "from sending a packet to receiving it", unit="s", low=0.0, high=0.5)
+    loss: float = tunable(0.0, "fraction of transmissions lost", low=0.0, high=0.9)
+    rate: float = tunable(
+        0.0, "packet rate of one radio, both directions; 0 is no limit", unit="Hz", low=0.0, high=1e5
+    )
+    patience: float = tunable(
+        0.1, "longest wait for the radio before a packet is dropped", unit="s", low=0.0, high=10.0
+    )
     per_radio: int = tunable(15, "vehicles that share one radio", low=1, high=1000)
 
     def __post_init__(self) -> None:
@@ -56,7 +59,7 @@ class LinkParams:
 
 
 class Radios:
-    """Hold when each radio is free."""
+    """Radios with the times from which they are free."""
 
     def __init__(self, params: LinkParams, vehicles: int, seed: int) -> None:
         self._params = params
@@ -64,7 +67,7 @@ class Radios:
         self._losses = stream(seed, "crtp loss")
 
     def arrival(self, vehicle: int, datagram: bytes, t: float) -> float | None:
-        """Return when a datagram of a vehicle, offered at t [s], arrives [s]; None where it does not."""
+        """Return the arrival time of a vehicle's datagram offered at t [s]; None if it is lost."""
         radio = vehicle // self._params.per_radio
         losses = self._count_losses(streamed=is_stream(datagram))
         if losses is None:
@@ -77,7 +80,7 @@ class Radios:
         return begin + (turn + self._params.latency) * (1 + losses)
 
     def _count_losses(self, *, streamed: bool) -> int | None:
-        """Return how often a packet is lost before it arrives; None where it never does."""
+        """Return how often a packet is lost before it arrives; None if it never arrives."""
         if self._params.loss == 0.0:
             return 0
         lost = self._losses.random(1 if streamed else TRIES) < self._params.loss
@@ -85,18 +88,18 @@ class Radios:
 
 
 class DelayLine(Generic[T]):
-    """Hold what is under way, in the order of arrival; what arrives together keeps its order."""
+    """Items in transit in the order of arrival, first in first out for equal times."""
 
     def __init__(self) -> None:
         self._heap: list[tuple[float, int, T]] = []
         self._serial = count()
 
     def push(self, arrival: float, item: T) -> None:
-        """Put an item under way that arrives at `arrival` [s]."""
+        """Add an item that arrives at `arrival` [s]."""
         heapq.heappush(self._heap, (arrival, next(self._serial), item))
 
     def due(self, t: float) -> list[T]:
-        """Return, and forget, what has arrived by t [s]."""
+        """Remove and return the items that have arrived by t [s]."""
         arrived = []
         while self._heap and self._heap[0][0] <= t:
             arrived.append(heapq.heappop(self._heap)[2])
@@ -104,7 +107,7 @@ class DelayLine(Generic[T]):
 
     @property
     def next_arrival(self) -> float | None:
-        """Return when the next item arrives [s]."""
+        """Return the next arrival time [s]."""
         return self._heap[0][0] if self._heap else None
 
 

@@ -1,8 +1,8 @@
-"""Take datagrams apart and put them together: one header byte, then up to 30 bytes.
+"""CRTP packets as datagrams: one header byte, then up to 30 bytes.
 
     header = port << 4 | 3 << 2 | channel        bits 2 and 3 are set for old bootloaders
 
-A lone 0xFF is the null packet, with which clients look for vehicles (cflib: crtp/udpdriver.py).
+A single 0xFF is the null packet, with which clients search for vehicles (cflib: crtp/udpdriver.py).
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ NULL = b"\xff"
 
 
 class Port(IntEnum):
-    """Name the ports of a Crazyflie."""
+    """Ports of a Crazyflie."""
 
     CONSOLE = 0
     PARAM = 2
@@ -30,12 +30,12 @@ class Port(IntEnum):
 
 
 class MalformedError(ValueError):
-    """Refuse a datagram that is no packet, or a packet that is cut short or makes no sense."""
+    """Datagram that is not a packet, or packet that is short or invalid."""
 
 
 @dataclass(frozen=True, slots=True)
 class Packet:
-    """Hold one packet."""
+    """One packet."""
 
     port: int
     channel: int
@@ -47,14 +47,14 @@ class Packet:
 
 
 def packet_of(datagram: bytes) -> Packet:
-    """Return the packet in a datagram; raise MalformedError where there is none."""
+    """Return the packet in a datagram; raise MalformedError if there is none."""
     if not 1 <= len(datagram) <= 1 + MAX_DATA:
         raise MalformedError(f"datagram of {len(datagram)} bytes: 1 to {1 + MAX_DATA} are allowed")
     return Packet(datagram[0] >> 4, datagram[0] & 0x03, datagram[1:])
 
 
 def datagram_of(packet: Packet) -> bytes:
-    """Return the datagram of a packet; raise ValueError where it is too long."""
+    """Return the datagram of a packet; raise ValueError if it is too long."""
     if len(packet.data) > MAX_DATA:
         raise ValueError(f"packet of {len(packet.data)} bytes on port {packet.port}: {MAX_DATA} are allowed")
     return bytes([packet.port << 4 | 0x0C | packet.channel]) + packet.data

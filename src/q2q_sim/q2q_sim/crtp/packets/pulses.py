@@ -1,4 +1,4 @@
-"""Read setpoint type 3: the pulses of a model aircraft's radio control, packed.
+"""Setpoint type 3: packed pulse widths of a model aircraft's radio control.
 
 Source: firmware: modules/src/crtp_commander_generic.c (cppmEmuDecoder). A byte with the number of further
 channels in its lower half, then channels of 1000 to 2000 us, uint16: roll, pitch, yaw, thrust, further ones.
@@ -26,7 +26,7 @@ PWM_TOP = float(PWM_FULL)
 
 
 def pulses(data: bytes, parameters: Parameters) -> Setpoint:
-    """Return the setpoint of a packet after its type; raise MalformedError where its length is wrong."""
+    """Return the setpoint of a packet after its type; raise MalformedError if its length is wrong."""
     further = byte(data, 0) & 0x0F
     needed = 1 + _CHANNELS.size + further * _SWITCH.size
     if further > MOST_FURTHER or len(data) != needed:

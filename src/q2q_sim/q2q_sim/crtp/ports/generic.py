@@ -1,4 +1,4 @@
-"""Read port 7: setpoints of many kinds, and the word that no more will come.
+"""Port 7: setpoints of many types, and the notification that they stop.
 
 Source: firmware: modules/src/crtp_commander_generic.c, crtp_commander.c. Channel 0 is a type byte and fields;
 angles in degrees, pitch nose up (legacy) for attitudes, yaw rates left for the new types:
@@ -15,11 +15,11 @@ angles in degrees, pitch nose up (legacy) for attitudes, yaw rates left for the 
 | 4 alt hold | roll, pitch [deg], yaw rate [deg/s], climb [m/s] |
 | 11 manual | roll, pitch [deg or deg/s], yaw rate [deg/s], thrust [PWM], uint8: the first two are rates |
 
-Full state carries body rates as they are (x, y, z). cflib's send_full_state_setpoint calls its rates degrees
-a second but sends thousandths of what it is given, which the firmware reads as mrad/s: give it rad/s.
+Full state carries body rates (x, y, z). cflib's send_full_state_setpoint documents its rates in degrees a
+second but sends its arguments times 1000, which the firmware reads as mrad/s: pass rad/s.
 Channel 1, type 0: notify that setpoints stop; the high-level commander may take over.
 
-Different from the firmware: a packet that is too short is refused; the firmware stops for good (ASSERT).
+Unlike the firmware, which stops until a reboot (ASSERT), a packet that is too short is refused.
 """
 
 import math
@@ -42,7 +42,7 @@ MILLI = 1e-3
 
 
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
-    """Fly the setpoint in a packet, or give way to the high-level commander."""
+    """Apply the setpoint in a packet, or let the high-level commander take over."""
     kind = byte(packet.data, 0)
     if packet.channel == META and kind == NOTIFY_STOP:
         firmware.relax()
@@ -175,4 +175,4 @@ _READERS: dict[int, Callable[[bytes], Setpoint]] = {
     10: _hover(1.0),
     11: _manual,
 }
-"""Type to its reader."""
+"""Reader of each type."""

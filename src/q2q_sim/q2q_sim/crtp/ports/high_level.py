@@ -1,8 +1,8 @@
-"""Serve port 8: take-off, landing, go-to, spirals and uploaded trajectories.
+"""Port 8: take-off, landing, go-to, spirals and uploaded trajectories.
 
 Source: firmware: modules/src/crtp_commander_high_level.c. The answer is the request's first three bytes and
-what became of it (onboard.planner.Answer). Commands carry a group mask: 0 is everyone, else the vehicle obeys
-if hlCommander.groupmask shares a bit. Yaw is in radians here, heights in the world.
+the result (firmware.commander.planner.Answer). Commands carry a group mask: 0 is everyone, else the vehicle
+obeys if hlCommander.groupmask shares a bit. Yaw is in radians here, heights are in the world frame.
 
 | command | fields after it |
 |---|---|
@@ -16,9 +16,9 @@ if hlCommander.groupmask shares a bit. Yaw is in radians here, heights in the wo
 | 9, 10 the same | mask, height, relative, yaw, keep, velocity |
 | 11 spiral | mask, sideways, clockwise, angle, first and last radius, ascent, duration |
 
-Durations are taken as they are, and a trajectory that is not defined is answered OK and not flown. Different
-from the firmware: compressed trajectories (type 1) are answered UNKNOWN, and so are those without pieces or
-with pieces beyond the memory, where the firmware reads what else is there.
+Durations are not checked, and a trajectory that is not defined is answered OK and not flown. Unlike in the
+firmware, compressed trajectories (type 1), those without pieces and those with pieces beyond the memory are
+answered UNKNOWN.
 """
 
 import struct
@@ -46,7 +46,7 @@ TRAJECTORIES = 31
 
 
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
-    """Obey a command and answer it."""
+    """Execute a command and return the answer."""
     command = byte(packet.data, 0)
     rest = packet.data[1:]
     answer = _COMMANDS[command](firmware, rest) if command in _COMMANDS else PlannerAnswer.UNKNOWN
@@ -58,7 +58,7 @@ def _obeys(firmware: Firmware, mask: float) -> bool:
 
 
 def _flying(act: Callable[[Firmware, bytes], PlannerAnswer]) -> Callable[[Firmware, bytes], PlannerAnswer]:
-    """Return `act` where the supervisor lets the vehicle fly and the command is for its group."""
+    """Return `act` if the supervisor permits flight and the command is for the vehicle's group."""
 
     def guarded(firmware: Firmware, data: bytes) -> PlannerAnswer:
         if not firmware.supervisor.may_fly:
@@ -92,7 +92,7 @@ def _at_speed(firmware: Firmware, data: bytes, name: str, up: float) -> Vertical
     now = float(firmware.planner.here.pos[2])
     end = now + up * height if relative else height
     pace = speed if speed > 0.0 else float(firmware.parameters[f"hlCommander.{name}"])
-    with np.errstate(all="ignore"):  # a pace of 0 takes for ever
+    with np.errstate(all="ignore"):  # a speed of 0 takes for ever
         duration = float(np.float64(abs(end - now)) / pace)
     return Vertical(end, duration, None if keep else yaw)
 
@@ -134,7 +134,7 @@ def _start_2(firmware: Firmware, data: bytes) -> PlannerAnswer:
 
 
 def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool, bool]) -> PlannerAnswer:
-    """Fly an uploaded trajectory; `how`: from here, turned, backwards."""
+    """Fly an uploaded trajectory; `how`: from here, rotated, reversed."""
     one = firmware.uploads.defined.get(number)
     if one is None or one.location != IN_MEMORY or one.kind not in {POLY4D, COMPRESSED}:
         return PlannerAnswer.OK
@@ -168,4 +168,4 @@ _COMMANDS: dict[int, Callable[[Firmware, bytes], PlannerAnswer]] = {
     12: _flying(_go_2),
     13: _flying(_start_2),
 }
-"""Command to what it does."""
+"""Function of each command."""

@@ -1,4 +1,4 @@
-"""Read port 6: external position and pose, and the old emergency stop.
+"""Port 6: external position and pose, and the old emergency stop.
 
 Source: firmware: modules/src/crtp_localization_service.c. Positions in the world [m], quaternions x y z w:
 
@@ -11,7 +11,7 @@ Source: firmware: modules/src/crtp_localization_service.c. Positions in the worl
 | 1, 3 emergency stop; 1, 4 its watchdog | |
 
 A packed item is for the vehicle whose radio address ends in its number; in the simulator that number is the
-place of the vehicle's port, counted from the first (0, 1, ...).
+index of the vehicle's port (0, 1, ...).
 """
 
 import struct
@@ -29,7 +29,7 @@ MILLI = 1e-3
 
 
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
-    """Take what a packet says of the vehicle's place."""
+    """Apply the position or pose in a packet."""
     if packet.channel == POSITION:
         x, y, z = read(_POSITION, packet.data)
         firmware.locate((x, y, z))

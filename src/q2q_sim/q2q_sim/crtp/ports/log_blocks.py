@@ -1,9 +1,9 @@
-"""Serve port 5: make, start, stop and delete log blocks, and send them when they are due.
+"""Port 5: creation, start, stop and deletion of log blocks, and their data when due.
 
-Source: firmware: modules/src/log.c. One LogBlocks a client, so that a second client's reset does not end the
-first one's logs. Answers on channel 1 are command, block, error.
+Source: firmware: modules/src/log.c. One LogBlocks for each client, so that a second client's reset does not
+end the first one's logs. Answers on channel 1 are command, block, error.
 
-| command | what follows | error |
+| command | fields after it | error |
 |---|---|---|
 | 6 create | block, then type byte and variable uint16, repeated | EEXIST, ENOMEM, as append |
 | 7 append | the same | ENOENT, E2BIG (26 bytes a block), ENOMEM (128 variables) |
@@ -36,7 +36,7 @@ _TYPE_MASK = 0x0F
 
 @dataclass(slots=True)
 class _Block:
-    """Hold one block."""
+    """One block."""
 
     variables: list[tuple[Variable, NumberType]] = field(default_factory=list)
     period_ms: int = 0
@@ -49,13 +49,13 @@ class _Block:
 
 
 class LogBlocks:
-    """Hold one client's blocks."""
+    """Log blocks of one client."""
 
     def __init__(self) -> None:
         self._blocks: dict[int, _Block] = {}
 
     def serve(self, packet: Packet, now_ms: int) -> list[Packet]:
-        """Return the answers to a packet that came at now_ms [ms]."""
+        """Return the answers to a packet received at now_ms [ms]."""
         if packet.channel == TOC:
             listed = CONTENTS.answer(packet.data)
             return [] if listed is None else [packet.answer(listed)]
@@ -75,7 +75,7 @@ class LogBlocks:
             if block.period_ms == 0 or firmware.now_ms < block.next_ms:
                 continue
             block.next_ms += block.period_ms
-            if block.next_ms <= firmware.now_ms:  # the room has jumped ahead: no burst
+            if block.next_ms <= firmware.now_ms:  # time has jumped ahead: no burst
                 block.next_ms = firmware.now_ms + block.period_ms
             sent.append(_data(number, block, firmware))
         return sent

@@ -1,4 +1,4 @@
-"""Serve port 4: one memory, that of the high-level commander's trajectories.
+"""Port 4: one memory, for the high-level commander's trajectories.
 
 Source: firmware: modules/src/crtp_mem.c, crtp_commander_high_level.c.
 

@@ -1,4 +1,4 @@
-"""Serve port 2: the parameters' table, their values by number and by name.
+"""Port 2: parameter table, values by number and by name.
 
 Source: firmware: modules/src/param_task.c, param_logic.c.
 
@@ -9,7 +9,7 @@ Source: firmware: modules/src/param_task.c, param_logic.c.
 | 2 write | id uint16, value | the same; id, 2 for an unknown id; none for a read-only one |
 | 3 misc | parameters_misc.py | |
 
-A value that is cut short or no number is refused without an answer; a write of a read-only one as well.
+A short or NaN value is refused without an answer, as is a write of a read-only parameter.
 """
 
 import math
@@ -45,7 +45,7 @@ CONTENTS = contents()
 
 
 def definition(data: bytes, at: int = 0) -> Definition | None:
-    """Return the parameter whose id is at `at` in `data`; None where there is none."""
+    """Return the parameter whose id is at `at` in `data`; None if unknown."""
     number = int(read(ID, data, at)[0])
     return TABLE[number] if number < len(TABLE) else None
 
@@ -56,7 +56,7 @@ def packed_value(firmware: Firmware, one: Definition) -> bytes:
 
 
 def value_in(kind: NumberType, data: bytes) -> Value:
-    """Return the value at the front of `data`; raise MalformedError where it is short or not finite."""
+    """Return the value at the front of `data`; raise MalformedError if it is short or not finite."""
     value = read(kind.layout, data)[0]
     if not math.isfinite(value):
         raise MalformedError(f"value {value}: must be finite")

@@ -1,4 +1,4 @@
-"""Serve channel 3 of port 2: set by name, extended types, defaults, and the EEPROM.
+"""Channel 3 of port 2: set by name, extended types, defaults, and the EEPROM.
 
 Source: firmware: modules/src/param_logic.c.
 
@@ -110,4 +110,4 @@ _COMMANDS: dict[int, tuple[Made, int]] = {
     7: (_extended_v2, ENOENT),
     8: (_default_v2, ENOENT),
 }
-"""Command to what makes the answer's body, and the error where that gives None."""
+"""Function for the body of each command's answer, and the error if it returns None."""

@@ -1,4 +1,4 @@
-"""Serve ports 13 and 15: versions, the old arming, echo and source.
+"""Ports 13 and 15: versions, the old arming, echo and source.
 
 Source: firmware: modules/src/platformservice.c, crtpservice.c; protocol 12: modules/interface/crtp.h.
 

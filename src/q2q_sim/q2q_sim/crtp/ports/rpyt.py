@@ -1,4 +1,4 @@
-"""Read port 3: roll, pitch, yaw rate and thrust, as a stick gives them.
+"""Port 3: roll, pitch, yaw rate and thrust, as from a stick.
 
 Source: firmware: modules/src/crtp_commander_rpyt.c. Three floats and a uint16:
 
@@ -7,13 +7,13 @@ Source: firmware: modules/src/crtp_commander_rpyt.c. Three floats and a uint16:
 | roll | [deg], right side down |
 | pitch | [deg], *legacy*: nose up; cflib's send_setpoint turns the sign: its pitch is nose down |
 | yaw | rate [deg/s], *inverted*: positive turns right |
-| thrust | 0, or 1000 to 60000 [PWM]; locked at 0 until one packet with thrust 0 has come |
+| thrust | 0, or 1000 to 60000 [PWM]; locked at 0 until a packet with thrust 0 has arrived |
 
 The flightmode parameters change what the fields mean, as in the firmware: stabModeRoll and stabModePitch
 (0: rates [deg/s]), stabModeYaw (1: angle, not inverted), althold (thrust is a climb rate), poshold (pitch and
 roll are velocities), posSet (-pitch, roll, thrust / 1000 are a position). A packet overwrites the client's
-last setpoint of any port, and what it says nothing of stays: after a hover packet, poshold velocities are the
-body's.
+last setpoint of any port and keeps the fields it does not carry: after a hover packet, poshold velocities are
+in the body frame.
 """
 
 import struct
@@ -32,9 +32,9 @@ _FIELDS = struct.Struct("<fffH")
 PWM_MIN = 1000
 """MIN_THRUST."""
 MIDDLE = 32767.0
-"""Thrust that neither climbs nor sinks under althold; as far above it 1 m/s."""
+"""Thrust of zero climb rate under althold; twice it is 1 m/s."""
 STICK_PER_SPEED = 30.0
-"""Degrees of stick for 1 m/s under poshold."""
+"""Stick angle for 1 m/s under poshold [deg]."""
 
 
 class Stick(NamedTuple):
@@ -47,7 +47,7 @@ class Stick(NamedTuple):
 
 
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
-    """Fly the setpoint in a packet."""
+    """Apply the setpoint in a packet."""
     if packet.channel != 0:
         return []
     roll, pitch, yaw, thrust = read(_FIELDS, packet.data)

@@ -1,4 +1,4 @@
-"""Serve port 9: what the supervisor thinks, arming, recovery, emergency stop.
+"""Port 9: state of the supervisor, arming, recovery, emergency stop.
 
 Source: firmware: modules/src/crtp_supervisor.c. Answers carry the command with its highest bit set.
 
@@ -22,7 +22,7 @@ RESPONSE = 0x80
 
 
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
-    """Obey and answer a packet."""
+    """Execute a packet and return the answers."""
     command = byte(packet.data, 0)
     body = None
     if packet.channel == INFO:

@@ -1,14 +1,14 @@
-"""Offer a table of contents: how many entries, their checksum, and each entry by its number (version 2).
+"""Table of contents: number of entries, checksum, and each entry by number (version 2).
 
 Source: firmware: modules/src/log.c, param_logic.c. The checksum chains CRC-32 over the entries and the groups
-that open and close around them, so it changes with any name, type or order: a client's cache stays true.
+around them, so it changes with any name, type or order, which keeps client caches valid.
 
     crc' = crc32(crc, little endian | type | name)
 
 | command | answer |
 |---|---|
-| 3 | 3, count uint16, crc uint32, then what the table adds |
-| 2, number uint16 | 2, number uint16, type, group, 0, name, 0; only 2 where there is none |
+| 3 | 3, count uint16, crc uint32, then `extra` of the table |
+| 2, number uint16 | 2, number uint16, type, group, 0, name, 0; only 2 for an unknown number |
 """
 
 import struct
@@ -27,7 +27,7 @@ _GROUP, _START = 0x80, 1
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """Hold one entry."""
+    """One entry."""
 
     group: str
     name: str
@@ -41,16 +41,16 @@ class Entry:
 
 
 class Contents:
-    """Hold a table."""
+    """Table of contents."""
 
     def __init__(self, entries: Sequence[Entry], extra: bytes = b"") -> None:
-        """Take the entries, those of a group together; `extra` is added to the answer to INFO."""
+        """Take the entries, sorted by group; `extra` is appended to the answer to INFO."""
         self._entries = tuple(entries)
         self._extra = extra
         self.crc = _checksum(self._entries)
 
     def answer(self, data: bytes) -> bytes | None:
-        """Return the answer to a request, None where none is due; raise MalformedError where it is short."""
+        """Return the answer to a request, None if none is due; raise MalformedError if it is short."""
         if data[:1] == bytes([INFO]):
             return bytes([INFO]) + _COUNT_CRC.pack(len(self._entries), self.crc) + self._extra
         if data[:1] == bytes([ITEM]):

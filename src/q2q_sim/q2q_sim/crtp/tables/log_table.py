@@ -1,4 +1,4 @@
-"""List the variables that a vehicle logs, under the firmware's names, in its units and signs.
+"""Log variables of a vehicle, with the firmware's names, units and signs.
 
 Source: firmware: LOG_ADD of modules/src/stabilizer.c, supervisor.c, crtp_localization_service.c,
 estimator/estimator_kalman.c, controller/controller_mellinger.c, controller_pid.c, position_controller_pid.c,
@@ -38,12 +38,12 @@ Numbers = Array | tuple[float, ...]
 RSSI = 40
 """Signal strength of a vehicle in the same room [-dBm]."""
 LOG_MAX_BLOCKS, LOG_MAX_OPS = 16, 128
-"""Blocks and variables in all blocks that the firmware holds."""
+"""Largest number of blocks, and of variables in all blocks."""
 
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """Hold one variable that can be logged."""
+    """One log variable."""
 
     group: str
     name: str
@@ -55,7 +55,7 @@ class Variable:
 def _vector(
     names: str, kind: str, read: Callable[[Firmware], Numbers], scale: float = 1.0
 ) -> tuple[Variable, ...]:
-    """Return one variable for each entry of what `read` gives; `names` is "group: first second ..."."""
+    """Return one variable for each component of `read`; `names` is "group: first second ..."."""
     group, rest = names.split(": ")
 
     def entry(k: int) -> Callable[[Firmware], float]:
@@ -91,7 +91,7 @@ def _compressed_quat(firmware: Firmware) -> float:
 
 
 def _turned(firmware: Firmware, vector: Array) -> Array:
-    """Return a world vector in the frame turned by the yaw."""
+    """Return a world vector in the frame rotated by the yaw."""
     yaw = math.radians(firmware.attitude_deg[2])
     c, s = math.cos(yaw), math.sin(yaw)
     return np.array([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0], vector[2]])

@@ -1,4 +1,4 @@
-"""Name the firmware's number types, with the bytes that stand for them in both tables.
+"""The firmware's number types with their codes in both tables.
 
 Source: firmware: modules/interface/log.h, param.h.
 """
@@ -10,19 +10,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class NumberType:
-    """Hold one type."""
+    """One number type."""
 
     layout: struct.Struct
     log: int | None
-    """Its number in log blocks; None where it cannot be logged."""
+    """Code in log blocks; None if it cannot be logged."""
     param: int | None
-    """Its number in the parameter table; None where it cannot be a parameter."""
+    """Code in the parameter table; None if it cannot be a parameter."""
     high: float
     """Largest value."""
     whole: bool = True
 
     def packed(self, value: float) -> bytes:
-        """Return a value as the firmware casts it: whole ones towards zero and modulo the width."""
+        """Return a value as the firmware casts it: integers towards zero and modulo the width."""
         if not self.whole:
             return self.layout.pack(value if abs(value) <= self.high else math.copysign(math.inf, value))
         bits = 8 * self.layout.size

@@ -1,1 +1,1 @@
-"""Compare controllers that know the downwash with ones that do not."""
+"""Ablation: controllers with and without knowledge of the downwash."""

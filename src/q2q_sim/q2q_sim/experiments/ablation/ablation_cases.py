@@ -1,13 +1,13 @@
-"""Say which flights the ablation flies, and put many of one side by side.
+"""Flights of the ablation, with many replicas side by side.
 
-A case is a scenario in an air. Replicas of it stand SPACING apart in one room, out of reach of each
-other's downwash, each with noise, losses and rotors of its own: so one flight gives as many independent
-samples as it has replicas, at a fraction of the cost of flying them one by one. A room of the kind `ideal`
-has nothing random: there one replica is all.
+A case is a scenario in a wake. Its replicas are SPACING apart in one room, out of reach of each other's
+downwash, each with its own noise, losses and rotors: one flight gives as many independent samples as
+replicas, at a fraction of the cost of separate flights. The room `ideal` has no randomness and needs one
+replica.
 
-Two cases need vehicles of their own. The measured downwash pushes with 2.3 m/s^2 at 0.5 m, the 0.65 kg
-vehicle of section 5 has 0.34 m/s^2 to spare below its 6.6 N: in that air `table6` is flown without the
-limit, and `table6_room` as `table6_measured`, by Crazyflies.
+Two cases need other vehicles. The measured downwash is 2.3 m/s^2 at 0.5 m, and the 0.65 kg vehicle of section
+5 has a margin of 0.34 m/s^2 below its 6.6 N: in that wake `table6` is flown without the limit, and
+`table6_room` as `table6_measured`, by Crazyflies.
 """
 
 from dataclasses import dataclass, replace
@@ -22,12 +22,12 @@ COLUMNS = 5
 """Replicas in a row."""
 TABLE2 = tuple(f"table2_{k}" for k in range(1, 7))
 IN_PLACE = {("table6_room", "measured"): "table6_measured"}
-"""Scenario flown in place of the named one in an air."""
+"""Scenario flown in place of the named one in a wake."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Scenario and air of a cell."""
+    """Scenario and wake of a cell."""
 
     scenario: str
     wake: str
@@ -35,7 +35,7 @@ class Case:
 
     @property
     def limited(self) -> bool:
-        """Return whether section 5's bound on U1 holds."""
+        """Return whether section 5's bound on U1 applies."""
         return self.wake == "paper"
 
 
@@ -49,11 +49,11 @@ CASES = (
     *(Case(name, "measured") for name in TABLE2),
     Case("stack3", "paper"),
 )
-"""What is flown, the ones that matter most first."""
+"""Cases, the most important first."""
 
 
 def scenario_of(case: Case) -> Scenario:
-    """Return the scenario of a case, its air included."""
+    """Return the scenario of a case with its wake."""
     name = IN_PLACE.get((case.scenario, case.wake), case.scenario)
     return replace(library.load(name), wake=case.wake)
 

@@ -1,8 +1,8 @@
-"""Say the ablation as one Markdown page: medians over replicas with 95 % intervals of the median.
+"""Markdown page of the ablation: medians over replicas with 95 % intervals of the median.
 
 Intervals are percentiles of the medians of RESAMPLES bootstrap samples (Efron, Tibshirani, 1993), always
-drawn with the same seed. Ratios are those of each replica, then their median: a replica has the same noise,
-air and rotors in every flight.
+drawn with the same seed. Ratios are medians of the ratio of each replica, which has the same noise, air and
+rotors in every flight.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ def key(case: Case, contender: str) -> str:
 
 
 def page(cells: Cells, notes: Sequence[str], command: str) -> str:
-    """Return the page; cases and contenders that are not flown are left out."""
+    """Return the page, without cases and contenders that have not been flown."""
     parts = ["# Ablation\n", f"Made by `{command}`; do not edit.\n", *(f"{note}\n" for note in notes)]
     for case in CASES:
         rows = [_row(cells, case, contender) for contender in CONTENDERS if key(case, contender) in cells]
@@ -44,7 +44,7 @@ def page(cells: Cells, notes: Sequence[str], command: str) -> str:
 
 
 def median_interval(values: Array) -> tuple[float, float, float]:
-    """Return median and 95 % interval of `values` (n,); NaN are left out."""
+    """Return median and 95 % interval of `values` (n,) without NaN."""
     known = values[np.isfinite(values)]
     if known.size == 0:
         return (np.nan, np.nan, np.nan)

@@ -1,6 +1,6 @@
-"""Build the controllers that the ablation compares, all from the same gains and the same learned model.
+"""Controllers of the ablation, all with the same gains and the same learned model.
 
-| name | knows the downwash | against what is not explained |
+| name | downwash model | against the residual |
 |---|---|---|
 | ignoring | no | nothing |
 | integral | no | integral |
@@ -12,9 +12,9 @@
 | MPC observer | yes, ahead | disturbance observer |
 | explicit | yes, ahead | disturbance observer |
 
-K_p and K_d are the scenario's; K_i = 0.12 K_p K_d, an eighth of what the loop bears (Routh: K_i < K_p K_d).
-The MPC's tuning is its default. The explicit law is distilled from "MPC observer" for the case's vehicle,
-bound and model, and takes all but the solving from it; where no bound is ever met it is its linear law.
+K_p and K_d are the scenario's; K_i = 0.12 K_p K_d, an eighth of the stability limit (Routh: K_i < K_p K_d).
+The MPC has its default tuning. The explicit law is distilled from "MPC observer" for the case's vehicle,
+bound and model, and replaces only its solver; without active bounds it is the linear law.
 """
 
 from dataclasses import replace
@@ -43,7 +43,7 @@ CONTENDERS = (
     "explicit",
 )  # fmt: skip
 BLIND = ("ignoring", "integral", "observer")
-"""Those that are given no downwash."""
+"""Contenders without a downwash model."""
 INTEGRAL_SHARE = 0.12
 """K_i over K_p K_d [-]."""
 
@@ -76,7 +76,7 @@ def built(name: str, flown: tuple[Scenario, SwarmPlan], learned: Learned, *, lim
 def _law(scenario: Scenario, learned: Learned, *, limited: bool) -> ExplicitLaw:
     vehicle, params = scenario.vehicle, mpc_params(scenario, limited=limited)
     bound = min(params.thrust_max, vehicle.thrust_max) if limited else vehicle.thrust_max
-    # neither the room's latency nor the sources' thrust is the law's matter: its inputs know them
+    # the law needs neither the room's latency nor the sources' thrust: its inputs include them
     return _distilled(Teacher(replace(params, latency=0.0, loading=0.0), vehicle, learned.model, bound))
 
 

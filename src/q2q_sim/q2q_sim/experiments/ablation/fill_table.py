@@ -1,4 +1,4 @@
-"""Fly what a table of the ablation lacks, and write the table."""
+"""Missing flights of the ablation and its table."""
 
 import json
 import shlex
@@ -46,14 +46,14 @@ CAUTION = (
     " another law than the air."
 )
 FIRST = ("ignoring", "MPC observer")
-"""Flown first: an interrupted run can compare the worst and the best everywhere."""
+"""Flown first, so that an interrupted run has the worst and the best of every case."""
 WAKES = ("measured", "paper")
-"""Airs that a model is learned of."""
+"""Wakes with a learned model."""
 
 
 @dataclass(slots=True)
 class Results:
-    """Hold what has been flown, and keep it in a file after every flight."""
+    """Finished flights, saved to a file after each."""
 
     file: Path
     seeds: int
@@ -61,7 +61,7 @@ class Results:
     cells: dict[str, Array]
 
     def save(self) -> None:
-        """Write the file in whole, so that an interrupted run loses one flight at most."""
+        """Replace the file, so that an interrupted run loses at most one flight."""
         body = {
             "seeds": self.seeds,
             "models": {wake: _plain(learned) for wake, learned in self.models.items()},
@@ -91,7 +91,7 @@ def run(given: Namespace) -> int:
 
 
 def read(file: Path, seeds: int) -> Results:
-    """Return what a file holds, nothing where there is none; raise ValueError for one of other seeds."""
+    """Return the results in a file, empty if there is none; raise ValueError for other seeds."""
     if not file.is_file():
         return Results(file, seeds, {}, {})
     try:
@@ -100,26 +100,26 @@ def read(file: Path, seeds: int) -> Results:
         cells = {name: np.array(values, dtype=np.float64) for name, values in body["cells"].items()}
         flown = int(body["seeds"])
     except (KeyError, TypeError, AttributeError, ValueError) as wrong:
-        raise ValueError(f"{file} is no ablation ({wrong}): remove it, or give another --json") from wrong
+        raise ValueError(f"{file} is not an ablation ({wrong}): remove it, or give another --json") from wrong
     if flown != seeds:
         raise ValueError(f"{file} holds {flown} seeds, not {seeds}: give another --json, or --seeds {flown}")
     return Results(file, seeds, models, cells)
 
 
 def notes(results: Results) -> list[str]:
-    """Return what a reader of the table must know."""
+    """Return the notes below the table."""
     models = [
         f"- {wake} wake: {learned.model!r}, loading {learned.loading:.2f}{_shown(learned.loading_interval)}"
         + (f"; R² {learned.r2:.3f} on a flight left out" if learned.r2 is not None else "")
         for wake, learned in sorted(results.models.items())
     ]
     missing = len(CASES) * len(CONTENDERS) - len(results.cells)
-    rest = [f"{missing} of the flights are not flown yet: the same command goes on."] if missing > 0 else []
+    rest = [f"{missing} of the flights are missing: run the same command again."] if missing > 0 else []
     return [*rest, READING, CAUTION, LEARNED, "\n".join(models)]
 
 
 def _fill(results: Results, wanted: Sequence[Case], jobs: int) -> None:
-    """Learn and fly what is missing."""
+    """Learn missing models and fly missing flights."""
     if not 1 <= results.seeds <= 25 or jobs < 1:
         raise ValueError(f"seeds = {results.seeds}, jobs = {jobs}: 1 to 25 seeds, 1 job or more")
     first = [(case, contender) for contender in FIRST for case in wanted]

@@ -1,11 +1,11 @@
-"""Learn the model that the contenders are given, from flights other than those they are judged by.
+"""Learning of the contenders' downwash model, from flights other than those of the ablation.
 
-Pairs of Crazyflies in the room `real`, in the air of the case: one hovers, one passes over it at 0.3 to 1 m,
-along other lines and at other speeds than in any case, and the controller ignores the downwash. From
-accelerometers, commands and places the jet is fitted as `identify` does (downwash_force, jet_fit); whether
-the air keeps its source's motion is chosen on a flight left out. Thrust is known to lag by the room's
-latency and the rotors' lag. A stack of three then shows whether the downwash of a vehicle grows with its
-thrust, as momentum theory says and the paper does not (q2q_model.identification.force.loading).
+Pairs of Crazyflies in the room `real`, in the wake of the case: one hovers, one passes over it at 0.3 to 1 m,
+along other lines and at other speeds than in any case, and the controller ignores the downwash. The jet is
+fitted to accelerometers, commands and positions as in `identify` (downwash_force, jet_fit); whether the air
+keeps its source's motion is chosen on a held-out flight. The thrust lag is known: the room's latency and the
+rotors' lag. A stack of three then shows whether the downwash of a vehicle grows with its thrust, as by
+momentum theory but not in the paper (q2q_model.identification.force.loading).
 """
 
 from dataclasses import dataclass, replace
@@ -26,30 +26,30 @@ from q2q_sim.scenarios import library
 PAIRS = 3
 """Pairs in a training flight."""
 FLIGHTS = 3
-"""Training flights of pairs; the last is the one left out."""
+"""Training flights of pairs; the last is held out."""
 FORMS = (JetForm(carried=0.0), JetForm(carried=1.0))
-"""What is chosen between."""
+"""Candidate models."""
 DURATION = 30.0
 """[s]"""
 FIRST_SEED = 1000
-"""Seeds of training flights begin here, those of the judged flights at 0."""
+"""First seed of training flights; those of the ablation start at 0."""
 
 
 @dataclass(frozen=True, slots=True)
 class Learned:
-    """Model and gains learned in one air."""
+    """Model and gains learned in one wake."""
 
     model: InteractionModel
     loading: float
-    """Share of a source's thrust beyond its weight that strengthens its downwash [-]."""
+    """Fraction of a source's thrust beyond its weight that strengthens its downwash [-]."""
     r2: float | None
-    """On pushes of the flight left out."""
+    """On the downwash of the held-out flight."""
     loading_interval: Interval | None = None
-    """Where the stack of three shows it; the loading is 0 where this holds 0."""
+    """95 % interval from the stack of three; the loading is 0 if it contains 0."""
 
 
 def learn(wake: str) -> Learned:
-    """Return what flights in an air teach."""
+    """Return the model learned in a wake."""
     flown = [_flown(pairs_over(k), wake, FIRST_SEED + k) for k in range(FLIGHTS)]
     pushes = [_pushes(flight) for flight in flown]
     taught, left_out = [one for flight in pushes[:-1] for one in flight], pushes[-1]
@@ -76,7 +76,7 @@ def pairs_over(number: int) -> tuple[VehicleWaypoints, ...]:
 
 
 def stack_of_three() -> tuple[VehicleWaypoints, ...]:
-    """Return two vehicles that pass one after the other under a third."""
+    """Return two vehicles that pass in turn under a third."""
     low = [(0.0, -1.0), (8.0, -1.0), (14.0, 0.0), (18.0, 0.0), (24.0, 1.0)]
     mid = [(0.0, -1.0), (4.0, -1.0), (10.0, 0.0), (21.0, 0.0), (27.0, 1.0)]
     return (
@@ -100,13 +100,13 @@ def _flown(vehicles: tuple[VehicleWaypoints, ...], wake: str, seed: int) -> Flig
 
 
 def _to_the_end(name: str, points: list[Waypoint]) -> VehicleWaypoints:
-    """Return a vehicle that rests at its last way-point until the flight ends."""
+    """Return a vehicle that hovers at its last waypoint until the end of the flight."""
     return VehicleWaypoints(name, (*points, replace(points[-1], t=DURATION)))
 
 
 def _beside(
     middle: float, place: tuple[float, float], turn: float, height: float
 ) -> tuple[float, float, float]:
-    """Return a place `along` and `aside` [m] a line through (middle, 0), turned by `turn` [rad]."""
+    """Return the point `along` and `aside` [m] of a line through (middle, 0), rotated by `turn` [rad]."""
     (along, aside), c, s = place, float(np.cos(turn)), float(np.sin(turn))
     return middle + along * c - aside * s, along * s + aside * c, height

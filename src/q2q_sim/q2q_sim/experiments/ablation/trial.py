@@ -1,14 +1,14 @@
-"""Fly one contender in one case and measure every replica.
+"""Flight of one contender in one case, with the metrics of every replica.
 
-The blocks are those of closed_loop, the controller the contender. Errors are the truth's, against the plan.
+The blocks are those of closed_loop with the contender as controller. Errors are true minus planned positions.
 
 | column | meaning |
 |---|---|
 | flight | z RMSE of all vehicles over the flight [m] |
 | lower | z RMSE of the first vehicle, the lowest, over the flight [m] |
-| under | z RMSE of vehicles while under another, and AFTER seconds beyond [m] |
+| under | z RMSE of vehicles while under another, and for AFTER seconds after it [m] |
 | worst | largest |z error| in the same time [m] |
-| clear | z RMSE of vehicles that are under nobody, nor were FORGOTTEN seconds ago or less [m] |
+| clear | z RMSE of vehicles that have not been under another for FORGOTTEN seconds [m] |
 | energy | int U1^2 dt of the first vehicle, above hover [N^2 s] |
 """
 
@@ -29,20 +29,20 @@ from q2q_sim.scenarios.scenario import Scenario
 
 COLUMNS = ("flight", "lower", "under", "worst", "clear", "energy")
 SETTLE = 3.0
-"""The first of a flight, in which every loop finds its offset, is not judged [s]."""
+"""Initial transient that is not measured [s]."""
 ASIDE = 0.15
-"""Nothing of the downwash is left beyond this beside its source [m] (real flights)."""
+"""Radius of the downwash [m] (real flights)."""
 BELOW = 1.5
-"""Nor worth counting beyond this below it [m]."""
+"""Length of the downwash that counts [m]."""
 AFTER = 1.0
-"""A slow loop's error comes after its cause [s]."""
+"""Time after a pass in which its error counts [s]."""
 FORGOTTEN = 3.0
-"""After this the air counts as clear again [s]."""
+"""Time after which the air counts as clear again [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """Judged quantities of a flight of n vehicles."""
+    """Measured quantities of a flight of n vehicles."""
 
     pos: Array
     """True positions [m], world, (T, n, 3)."""
@@ -53,7 +53,7 @@ class Trace:
 
 
 def trial(case: Case, contender: str, learned: Learned, count: int) -> Array:
-    """Return COLUMNS of every replica, (count, 6); one row where nothing is random."""
+    """Return COLUMNS of every replica, (count, 6); one row without randomness."""
     one = scenario_of(case)
     replicas = count if is_random(one) else 1
     scenario = side_by_side(one, replicas)
@@ -82,7 +82,7 @@ def flown(scenario: Scenario, blocks: Blocks, *, aware: bool, seed: int = 0) -> 
 
 
 def measured(trace: Trace, each: int, weight: float) -> Array:
-    """Return COLUMNS of every replica of `each` vehicles, (replicas, 6); NaN where nobody was under another.
+    """Return COLUMNS of every replica of `each` vehicles, (replicas, 6); NaN if none was under another.
 
     `weight` is m g [N].
     """
@@ -100,7 +100,7 @@ def measured(trace: Trace, each: int, weight: float) -> Array:
 
 
 def exposed(pos: Array, after: float) -> NDArray[np.bool_]:
-    """Return who is under another, or was `after` seconds ago or less, (T, n), of positions (T, n, 3)."""
+    """Return which vehicles are under another or were `after` [s] before, (T, n), of positions (T, n, 3)."""
     rel = pos[:, None] - pos[:, :, None]  # [t, i, j] = r_j - r_i
     near = (np.hypot(rel[..., 0], rel[..., 1]) < ASIDE) & (rel[..., 2] > 0.0) & (rel[..., 2] < BELOW)
     now = near.any(axis=2)

@@ -1,7 +1,7 @@
-"""Fly random faults through random scenarios, and judge every flight by the safety policies.
+"""Campaign: random faults in random scenarios, with every flight checked against the safety policies.
 
     seed -> draw (scenario document, controller, faults) -> flight (closed_loop, or nodes) -> policies ->
     Outcome
 
-A run is its seed: the same seed draws the same flight on any machine.
+A run is defined by its seed: the same seed draws the same flight on any machine.
 """

@@ -1,4 +1,4 @@
-"""Fly one run of a campaign, without ROS or through the nodes, judge it, and keep the bag of a violation."""
+"""One run of a campaign by closed_loop, checked against the policies; violations keep their bag."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -30,7 +30,7 @@ class JudgedFlight:
 
 
 def fly_and_judge(seed: int, kept: Path) -> RunOutcome:
-    """Fly the run of a seed by closed_loop and judge it; a violation leaves bag and scenario in `kept`."""
+    """Fly the run of a seed by closed_loop and check it; a violation leaves bag and scenario in `kept`."""
     began = perf_counter()
     run = drawn(seed)
     flown = flown_pure(run)
@@ -46,7 +46,7 @@ def fly_and_judge(seed: int, kept: Path) -> RunOutcome:
 
 
 def flown_pure(run: Run) -> JudgedFlight:
-    """Return the run's flight by closed_loop; an error is a violation too."""
+    """Return the run's flight by closed_loop; an error counts as a violation."""
     heard: list[RecordedSignal] = []
 
     def hear(topic: str, stamp_ns: int, signal: Signal) -> None:
@@ -55,13 +55,13 @@ def flown_pure(run: Run) -> JudgedFlight:
     try:
         fly(run.scenario, flight_options(run, hear))
         violations = judged(run, heard)
-    except Exception as error:  # noqa: BLE001 - whatever a flight raises is what a campaign looks for
+    except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         violations = (crash(error),)
     return JudgedFlight(tuple(heard), violations)
 
 
 def flight_options(run: Run, hear: Listener) -> FlightOptions:
-    """Return how closed_loop flies a run."""
+    """Return the options of closed_loop for a run."""
     options = run.options
     return FlightOptions(
         mode=next(mode for mode in MODES if mode == options.mode),
@@ -74,13 +74,13 @@ def flight_options(run: Run, hear: Listener) -> FlightOptions:
 
 
 def judged(run: Run, heard: Sequence[RecordedSignal]) -> tuple[Violation, ...]:
-    """Return what a run's flight violated."""
+    """Return the violations of a run's flight."""
     scenario = run.scenario
     return judge(evidence_of(told(heard)), Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
 
 
 def told(heard: Sequence[RecordedSignal]) -> list[RecordedSignal]:
-    """Return what was heard as a bag in lockstep has it: bag time is the stamp."""
+    """Return the recorded messages as in a bag in lockstep: bag time is the stamp."""
     return [RecordedSignal(one.topic, one.signal.t, one.signal) for one in heard]
 
 
@@ -90,7 +90,7 @@ def crash(error: Exception) -> Violation:
 
 
 def words(run: Run) -> str:
-    """Return what a run is, in one line."""
+    """Return a one-line description of a run."""
     scenario, options = run.scenario, run.options
     faults = ", ".join(
         f"{fault.kind} {fault.start:.1f}+{fault.duration:.2f} s"
@@ -104,7 +104,7 @@ def words(run: Run) -> str:
 
 
 def keep(run: Run, heard: tuple[RecordedSignal, ...], folder: Path) -> None:
-    """Leave a run's scenario and what was heard of its flight in a folder, in place of older ones."""
+    """Write a run's scenario and the messages of its flight into a folder, replacing older ones."""
     folder.mkdir(parents=True, exist_ok=True)
     write_scenario(run, folder / f"{run.seed}.yaml")
     (folder / f"{run.seed}.options.yaml").write_text(yaml.safe_dump(asdict(run.options)))
@@ -130,12 +130,12 @@ def _facts(run: Run) -> FlightFacts:
 
 
 def write_scenario(run: Run, path: Path) -> None:
-    """Write what a run flies as a scenario file."""
+    """Write a run as a scenario file."""
     path.write_text(yaml.safe_dump(_plain(run.document), sort_keys=False))
 
 
 def _plain(value: object) -> object:
-    """Return a document without numpy's numbers and without tuples."""
+    """Return a document without numpy numbers and tuples."""
     if isinstance(value, dict):
         return {str(key): _plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""Run many runs of a campaign at once: by processes of this machine, or by Dask over many."""
+"""Parallel runs of a campaign: in processes of this machine, or by Dask on many."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -12,14 +12,14 @@ from q2q_sim.monitors.policies import Violation
 from q2q_sim.scenarios.choices import ENGINES
 
 RECYCLE = 200
-"""Runs after which a process is replaced: what leaks, leaks no further. By new pools: one that replaces its
-own processes (max_tasks_per_child) may wait for ever, https://github.com/python/cpython/issues/115634."""
+"""Runs after which a process is replaced, which bounds memory leaks. By new pools: with max_tasks_per_child a
+pool may deadlock, https://github.com/python/cpython/issues/115634."""
 
 Fly = Callable[[int], RunOutcome]
 
 
 def outcomes(engine: str, seeds: Sequence[int], jobs: int, kept: Path) -> Iterator[RunOutcome]:
-    """Yield the outcome of every seed as it ends, in any order.
+    """Yield the outcome of every seed in the order of completion.
 
     Raises:
         ValueError: an unknown engine, or one that is not installed.
@@ -53,7 +53,7 @@ def _by_pool(fly: Fly, seeds: Sequence[int], jobs: int) -> Iterator[RunOutcome]:
 
 
 def _result(ended: "Future[RunOutcome]", seed: int) -> RunOutcome:
-    """Return a run's outcome; a process that died is a crash of its run."""
+    """Return a run's outcome; if its process died, a crash."""
     error = ended.exception()
     if error is None:
         return ended.result()
@@ -62,7 +62,7 @@ def _result(ended: "Future[RunOutcome]", seed: int) -> RunOutcome:
 
 
 def _dask(fly: Fly, seeds: Sequence[int], jobs: int) -> Iterator[RunOutcome]:
-    """Run on the cluster that DASK_SCHEDULER_ADDRESS names, else on one of `jobs` processes made here."""
+    """Run on the cluster at DASK_SCHEDULER_ADDRESS, else on a local one of `jobs` processes."""
     try:
         from dask.distributed import Client
         from dask.distributed import as_completed as ended_first

@@ -1,10 +1,9 @@
-"""Draw one run of a campaign from its seed: what is flown, by whom, and what goes wrong.
+"""Random run of a campaign from its seed: scenario, controller and faults.
 
-The scenarios are shipped ones, cut to where something happens and flown at a brisk pace, so that a run lasts
-seconds. Vehicles fly with the gains of real flights and an integral: the paper's loop (K_p 0.81, no
-integral) is moved by 1.8 m where a sagging battery takes 15 % of its thrust, by its own equation; no
-fallback mends that. Nor do they fly with the paper's bound on thrust, in any mode: 6.6 N carry 0.65 kg
-(6.38 N) only while a battery sags by less than 3.4 %.
+The scenarios are shipped ones, cut to their encounters and flown faster, so that a run lasts seconds.
+Vehicles fly with the gains of real flights and an integral: under a battery sag of 15 % of thrust the paper's
+loop (K_p 0.81, no integral) has an error of 1.8 m by its own equation, which no fallback can correct. The
+paper's bound on thrust does not apply in any mode: 6.6 N carry 0.65 kg (6.38 N) only up to a sag of 3.4 %.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,35 +19,35 @@ from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
 Document = dict[str, object]
 
 GAINS = {"k_p_z": 10.0, "k_d_z": 5.0, "k_i_z": 8.0, "k_p_xy": 6.0, "k_d_xy": 4.0, "k_i_xy": 4.0}
-"""K_p and K_d: real flights dc21 (scenario stack3). K_i: a sixth of K_p K_d, where stability ends."""
+"""K_p and K_d: real flights dc21 (scenario stack3). K_i: a sixth of K_p K_d, the stability limit."""
 FEWEST, MOST = 1, 4
 """Faults in a run."""
 CALM_S = 4.5
-"""Time at the end of a run in which no fault begins [s]: its vehicles must be back."""
+"""Time at the end of a run without new faults [s], in which the vehicles must return to their paths."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """Flown part of a scenario and its speed."""
+    """Section of a scenario and its speed."""
 
     scenario: str
     begin: float
-    """[s]; every vehicle is at rest then."""
+    """[s]; every vehicle is at rest there."""
     end: float
     """[s]"""
     pace: float = 1.0
-    """Time flown for a second of the scenario [-]."""
+    """Flight time per second of the scenario [-]."""
     pace_of_detours: float | None = None
-    """The same where a replanner adds detours [-]; None for no difference."""
+    """The same with a replanner, which adds detours [-]; None for no difference."""
 
     def replanned(self) -> "Cut":
-        """Return the cut as it is flown with a replanner."""
+        """Return the cut for flight with a replanner."""
         return self if self.pace_of_detours is None else replace(self, pace=self.pace_of_detours)
 
 
 CUTS = (
     Cut("table6_room", 0.0, 50.0, 0.2),
-    # off its way by 0.15 m without faults; replanned at 0.45 it is by 0.28 m, its detours being faster
+    # path error 0.15 m without faults; replanned at 0.45 it is 0.28 m, as its detours are faster
     Cut("stack3", 10.0, 32.0, 0.45, pace_of_detours=0.65),
     Cut("table2_1", 15.5, 25.0),
     Cut("table2_2", 15.5, 25.0),
@@ -66,12 +65,12 @@ class Run:
 
     seed: int
     document: Document
-    """The scenario, as YAML says it."""
+    """The scenario as a YAML document."""
     options: Options
 
     @property
     def scenario(self) -> Scenario:
-        """Return what is flown."""
+        """Return the scenario of the run."""
         return scenario_from_document(f"run {self.seed}", self.document)
 
 
@@ -97,7 +96,7 @@ def drawn(seed: int) -> Run:
 
 
 def shortened(document: Mapping[str, object], cut: Cut) -> Document:
-    """Return a scenario's document from begin to end of a cut, at its pace, with a calm end."""
+    """Return a scenario's document from begin to end of a cut, at its speed, with a hover at the end."""
     made = deepcopy(dict(document))
     vehicles = made["vehicles"]
     if not isinstance(vehicles, Mapping):
@@ -108,7 +107,7 @@ def shortened(document: Mapping[str, object], cut: Cut) -> Document:
 
 
 def _cut_waypoints(points: Sequence[Mapping[str, object]], cut: Cut) -> list[Document]:
-    """Return the waypoints of a cut: the last before it holds at its begin, the next after it at its end."""
+    """Return the waypoints of a cut, the last before it moved to its begin and the next one to its end."""
     times = [float(str(point["t"])) for point in points]
     first = max(k for k, t in enumerate(times) if t <= cut.begin)
     last = min((k for k, t in enumerate(times) if t >= cut.end), default=len(times) - 1)

@@ -1,4 +1,4 @@
-"""Fly a campaign: go on where it was, keep what ended, print what violated a policy."""
+"""Resumable campaign: finished runs are kept, violations printed."""
 
 import json
 from argparse import Namespace
@@ -15,7 +15,7 @@ from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 
 
 def run(asked: Namespace) -> int:
-    """Fly the campaign that is asked for; return 1 where a policy is violated."""
+    """Fly the requested campaign; return 1 if a policy is violated."""
     flown, seconds = _fly(asked)
     show(flown, seconds)
     if asked.json:
@@ -58,10 +58,10 @@ def _all(asked: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path
 
 
 def read(log: Path) -> list[RunOutcome]:
-    """Return the runs in a file of JSON lines; a last line that was cut off is no run.
+    """Return the runs in a file of JSON lines, without an incomplete last line.
 
     Raises:
-        ValueError: the file holds something else.
+        ValueError: the file has other content.
     """
     lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
     found = []
@@ -70,12 +70,12 @@ def read(log: Path) -> list[RunOutcome]:
             found.append(from_document(json.loads(line)))
         except ValueError as wrong:
             if number < len(lines):
-                raise ValueError(f"{log}, line {number}: {wrong}; delete the file to begin anew") from wrong
+                raise ValueError(f"{log}, line {number}: {wrong}; delete the file to start anew") from wrong
     return found
 
 
 def mend(log: Path) -> None:
-    """Take off a last line that was cut off."""
+    """Remove an incomplete last line."""
     text = log.read_text(encoding="utf-8") if log.exists() else ""
     if text and not text.endswith("\n"):
         log.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Say how one run of a campaign ended, and what a campaign comes to."""
+"""Outcome of a run and totals of a campaign."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass
 from q2q_sim.monitors.policies import POLICIES, Violation
 
 CRASH = "crash"
-"""Stands beside the policies for a run that raised an error: the worst violation of all."""
+"""Name, beside the policies, of a run that raised an error: the worst violation."""
 TWIN = "twin"
-"""Stands beside the policies for a run through the nodes that is not the flight of closed_loop."""
+"""Name, beside the policies, of a run through the nodes that differs from closed_loop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,13 +19,13 @@ class RunOutcome:
     seed: int
     through_nodes: bool
     what: str
-    """Scenario, controller and faults, in words."""
+    """Description of scenario, controller and faults."""
     violations: tuple[Violation, ...]
     seconds: float
 
     @property
     def policies(self) -> list[str]:
-        """Return the policies it violated, once each."""
+        """Return the violated policies, once each."""
         return sorted({one.policy for one in self.violations})
 
 
@@ -35,7 +35,7 @@ def as_document(outcome: RunOutcome) -> dict[str, object]:
 
 
 def from_document(document: Mapping[str, object]) -> RunOutcome:
-    """Return an outcome from plain values; raise ValueError for those that are none."""
+    """Return an outcome from plain values; raise ValueError if they are invalid."""
     try:
         violations = document["violations"]
         if not isinstance(violations, Sequence):
@@ -48,11 +48,11 @@ def from_document(document: Mapping[str, object]) -> RunOutcome:
             seconds=float(str(document["seconds"])),
         )
     except (KeyError, TypeError) as wrong:
-        raise ValueError(f"no outcome of a run: {wrong}") from wrong
+        raise ValueError(f"not an outcome of a run: {wrong}") from wrong
 
 
 def summary(outcomes: Sequence[RunOutcome], seconds: float) -> dict[str, object]:
-    """Return what a campaign comes to: the contract of `campaign --json`."""
+    """Return the totals of a campaign: the contract of `campaign --json`."""
     counts = Counter(policy for one in outcomes for policy in one.policies)
     return {
         "runs": len(outcomes),

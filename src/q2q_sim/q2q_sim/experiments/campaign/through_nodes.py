@@ -1,6 +1,6 @@
-"""Fly runs of a campaign through the real nodes in lockstep, judge their bags, and hold them to closed_loop.
+"""Runs of a campaign through the real nodes in lockstep, checked by the policies and against closed_loop.
 
-The nodes must fly what closed_loop flies, to TWIN_M, whatever goes wrong: one violation more to look for.
+The nodes must reproduce closed_loop to TWIN_M under any fault; a deviation is a violation.
 """
 
 import os
@@ -21,35 +21,35 @@ from q2q_sim.monitors.policies import Circumstances, Evidence, Violation, eviden
 from q2q_sim.tools.judge_bags import evidence_in
 
 TWIN_M = 1e-9
-"""How far a flight through the nodes may be from closed_loop's [m]: rounding of sums in another order."""
+"""Largest deviation of a flight through the nodes from closed_loop [m]: rounding of reordered sums."""
 TOPICS = ("mocap", "truth", "state", "reference_safe", "command")
-"""What is recorded: what policies judge."""
+"""Recorded topics: those of the policies."""
 APART_EVERY = 20
-"""Every so many runs fly with a process for each node; the others all in one process, which stays."""
+"""Period of runs with a process for each node; the others use one resident process."""
 
 
 class NodeFlights:
-    """Folder of flights. Use as a context manager: leaving it deletes what need not be kept."""
+    """Folder of flights; a context manager that deletes temporary files."""
 
     def __init__(self, folder: Path, kept: Path) -> None:
-        """Take the folder for running flights, and that for bags of violations."""
+        """Take the folder of running flights and that of violations."""
         self._folder = folder / str(os.getpid())
         self._kept = kept
         folder.mkdir(parents=True, exist_ok=True)
         self._resident = ResidentNodes(folder / "nodes.log")
 
     def __enter__(self) -> Self:
-        """Return the flights; a process for their nodes is ready."""
+        """Start the process of the nodes and return the flights."""
         self._resident.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End the process, delete the running flights' folder."""
+        """End the process and delete the folder of running flights."""
         self._resident.__exit__()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def fly_and_judge(self, seed: int) -> RunOutcome:
-        """Fly the run of a seed through the nodes and judge it; a violation leaves bag and scenario."""
+        """Fly the run of a seed through the nodes and check it; a violation leaves bag and scenario."""
         began = perf_counter()
         run = drawn(seed)
         violations = self._flown(run)
@@ -75,12 +75,10 @@ class NodeFlights:
         bag = self._folder / "bag"
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter(
-                    "ignore"
-                )  # stamps that jump are mended with a warning: they were injected
+                warnings.simplefilter("ignore")  # injected clock jumps are corrected with a warning
                 self._through(request, bag)
             evidence = evidence_in(bag)
-        except Exception as error:  # noqa: BLE001 - whatever a flight raises is what a campaign looks for
+        except Exception as error:  # noqa: BLE001 - a campaign looks for any error
             return (crash(error),)
         scenario = run.scenario
         found = judge(evidence, Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
@@ -102,7 +100,7 @@ class NodeFlights:
 
 
 def twin(through_nodes: Evidence, pure: Evidence) -> tuple[Violation, ...]:
-    """Return where a flight through the nodes leaves that of closed_loop, if it does."""
+    """Return the violation if a flight through the nodes deviates from closed_loop."""
     if through_nodes.true_pos.shape != pure.true_pos.shape:
         ticks = float(len(through_nodes.t) - len(pure.t))
         return (Violation(TWIN, "number of ticks", float("nan"), ticks, 0.0),)

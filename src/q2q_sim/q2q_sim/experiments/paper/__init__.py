@@ -1,1 +1,1 @@
-"""Tables and figures of the paper, remade from the project's own flights."""
+"""Tables and figures of the paper, reproduced with the project's own flights."""

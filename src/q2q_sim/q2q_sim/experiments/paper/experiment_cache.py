@@ -1,4 +1,4 @@
-"""Keep the outcomes of finished experiments, so that a broken-off run goes on where it stood."""
+"""Cache of finished experiments, from which interrupted runs resume."""
 
 import json
 from hashlib import sha256
@@ -9,14 +9,14 @@ from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, Figu
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 SUFFIXES = (".py", ".yaml", ".q2q")
-"""What decides about a result."""
+"""Packages whose code and data affect the results."""
 
 
 class PaperCache:
-    """Folder of the outcomes, and the code they are of."""
+    """Folder of outcomes with the fingerprint of their code."""
 
     def __init__(self, out: Path, code: str) -> None:
-        """Take the folder of the remade paper and the fingerprint of the code."""
+        """Take the output folder and the fingerprint of the code."""
         self._out = out
         self._code = code
 
@@ -25,7 +25,7 @@ class PaperCache:
         return self._out / name
 
     def load(self, name: str) -> ExperimentOutcome | None:
-        """Return an outcome; None where it is missing, of other code, or damaged."""
+        """Return an outcome; None if it is missing, of other code, or damaged."""
         try:
             kept = json.loads(self._file(name).read_text(encoding="utf-8"))
             if kept["code"] != self._code:
@@ -39,7 +39,7 @@ class PaperCache:
         return outcome if whole else None
 
     def save(self, name: str, outcome: ExperimentOutcome) -> None:
-        """Keep an outcome; a half-written file is never read as one."""
+        """Save an outcome atomically."""
         pictures = [[one.group, one.file, one.caption] for one in outcome.pictures]
         kept = {"code": self._code, "values": dict(outcome.values), "pictures": pictures}
         file = self._file(name)
@@ -53,7 +53,7 @@ class PaperCache:
 
 
 def fingerprint() -> str:
-    """Return a hash of the code and data of all packages but their nodes, which the paper does not use."""
+    """Return a hash of the code and data of all packages except the nodes, which the paper does not use."""
     total = sha256()
     for package in PACKAGES:
         root = Path(import_module(package).__path__[0])

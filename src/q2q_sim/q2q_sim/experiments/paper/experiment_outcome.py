@@ -1,4 +1,4 @@
-"""Hold what an experiment of `scripts/paper` found: numbers by their id, and pictures by their figure."""
+"""Outcome of an experiment of `scripts/paper`: numbers by id, and pictures by figure."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from q2q_model.signals.values import Array
 
 @dataclass(frozen=True, slots=True)
 class FigurePicture:
-    """Picture that was drawn."""
+    """Picture of a figure."""
 
     group: str
     """fig10"""
@@ -32,12 +32,12 @@ class ExperimentOutcome:
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """Maker of some of the paper's tables and figures."""
+    """Experiment behind some of the paper's tables and figures."""
 
     name: str
     groups: tuple[str, ...]
     seconds: float
-    """What it takes on two quiet cores [s]: the weight of its share of the progress bar."""
+    """Time on two idle cores [s]: its weight in the progress bar."""
     run: Callable[[Path], ExperimentOutcome]
     """Called with the folder for its pictures."""
 

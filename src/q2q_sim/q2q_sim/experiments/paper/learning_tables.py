@@ -1,6 +1,6 @@
-"""Remake Tables 1 to 4 and Figs 4 to 9: the six flights of Table 2, and what is learned from them.
+"""Tables 1 to 4 and Figs 4 to 9: the six flights of Table 2, and the models learned from them.
 
-Nothing that learns sees the simulator's truth: records hold motion capture, references and commands.
+Learning does not use the simulator's true states: records have motion capture, references and commands.
 """
 
 from collections.abc import Sequence
@@ -34,16 +34,16 @@ from q2q_sim.scenarios import library
 
 FLIGHTS = range(1, 7)
 SHOWN = 4
-"""The flight that Figs 5 to 9 show: #5, the longest overlap at the small distance."""
+"""Flight of Figs 5 to 9: #5, the longest overlap at the small distance."""
 ZONE = Cylinder()
 HOVER_STEP_S = 0.1
 """Step of the battery model [s]."""
 ADAM_STEPS = 20
-"""Iterations of Adam that are timed; one takes milliseconds."""
+"""Number of timed iterations of Adam; one takes milliseconds."""
 
 
 def vehicle(_: Path) -> ExperimentOutcome:
-    """Read the constants of the vehicle, and hover until its battery is low."""
+    """Return the constants of the vehicle and its hover time until the battery is low."""
     x, y, z = CRAZYFLIE_2_0.inertia
     found = {
         "table1.takeoff_weight": 1e3 * CRAZYFLIE_2_0.mass,
@@ -57,7 +57,7 @@ def vehicle(_: Path) -> ExperimentOutcome:
 
 
 def hover_time() -> float:
-    """Return how long a full battery carries a hover before the firmware calls it low [s]."""
+    """Return the hover time of a full battery until the firmware reports it low [s]."""
     low_volt = float(next(one.default for one in TABLE if one.name == "pm.lowVoltage"))
     battery, flown = Battery(), 0.0
     while battery.state != LOW_POWER:
@@ -77,7 +77,7 @@ def timed_adam(passages: Sequence[Passage]) -> tuple[float, float]:
 
 
 def learning(folder: Path) -> ExperimentOutcome:
-    """Fly the six flights, learn loop, zone and downwash from them."""
+    """Fly the six flights and learn loop, zone and downwash from them."""
     flights = [fly(library.load(f"table2_{k}"), FlightOptions(mode="ignoring", seed=k)) for k in FLIGHTS]
     records = [altitude_record(flight, CRAZYFLIE_2_0) for flight in flights]
     by_paper = gains_from_trajectories(records)
@@ -119,7 +119,7 @@ def felt(model: EnvelopeNetwork, record: AltitudeRecord) -> Array:
 
 
 def _flown(flights: Sequence[Flight]) -> dict[str, float]:
-    """Return what Table 2 says of each flight."""
+    """Return the numbers of Table 2 for each flight."""
     found = {}
     for number, flight in zip(FLIGHTS, flights, strict=True):
         rel = flight.true_pos[:, 1] - flight.true_pos[:, 0]

@@ -1,4 +1,4 @@
-"""Read the paper's own numbers: one file with the place of each, so that none is typed twice."""
+"""Numbers of the paper, from one file with the place of each."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -8,7 +8,7 @@ from pathlib import Path
 import yaml
 
 SAME = "as above"
-"""A note that stands for the one before it."""
+"""Note that repeats the one before it."""
 FILE = Path(__file__).with_name("paper.yaml")
 
 
@@ -18,15 +18,15 @@ class PaperNumber:
 
     id: str
     paper: float | None
-    """None where the paper has a curve or words."""
+    """None if the paper has a curve or text."""
     unit: str
     where: str
     note: str
-    """Why ours differs, or why there is none."""
+    """Reason for a different or missing value of ours."""
 
     @property
     def group(self) -> str:
-        """Return the table or figure it stands in: table6, fig10."""
+        """Return its table or figure: table6, fig10."""
         return self.id.partition(".")[0]
 
 
@@ -45,10 +45,10 @@ def paper_numbers(file: Path = FILE) -> tuple[PaperNumber, ...]:
 
 
 def chosen(numbers: tuple[PaperNumber, ...], only: str) -> tuple[PaperNumber, ...]:
-    """Return the numbers of the groups in `only` (table6,fig10); all where it is empty.
+    """Return the numbers of the groups in `only` (table6,fig10); all if it is empty.
 
     Raises:
-        ValueError: there is no such table or figure; the message names the nearest.
+        ValueError: unknown table or figure; the message names the nearest.
     """
     known = tuple(dict.fromkeys(one.group for one in numbers))
     wanted = [word.strip() for word in only.split(",") if word.strip()]

@@ -1,4 +1,4 @@
-"""Remake Table 5, Figs 10 to 13: the climbs of section 4.1, planned with and without the zone, replanned."""
+"""Table 5 and Figs 10 to 13: the climbs of section 4.1, planned with and without the zone, and replanned."""
 
 from pathlib import Path
 
@@ -67,7 +67,7 @@ def rms(flight: Flight, reference: Array) -> Array:
 
 
 def _gaps(folder: Path, group: str, paths: dict[str, tuple[Array, Array]]) -> FigurePicture:
-    """Draw how far pairs are from the zone."""
+    """Draw the distances of pairs from the zone."""
     lines = [Line(label, t, ZONE.signed_distance(pos[:, 1] - pos[:, 0])) for label, (t, pos) in paths.items()]
     title = f"{group}: distance of the pair from the interference zone, inside below 0"
     file = drawn(folder / f"{group}_distance.png", title, ("t [s]", "distance [m]"), lines)

@@ -1,7 +1,7 @@
-"""Remake every table and figure of the paper from the project's own flights, beside its numbers.
+"""Reproduction of every table and figure of the paper with the project's own flights, beside its numbers.
 
-Finished experiments are kept in OUT/cache and not run again until the code changes; a run that was broken off
-goes on where it stood.
+Finished experiments are cached in OUT/cache and not run again until the code changes; interrupted runs
+resume.
 """
 
 import json
@@ -31,16 +31,16 @@ EXPERIMENTS = (
     ),
     Experiment("mpc", ("table7", "fig15"), 60.0, tracking_tables.mpc),
 )
-"""In the order they are run: quick ones first."""
+"""In the order of execution: quick ones first."""
 
 
 def run(asked: Namespace) -> int:
-    """Remake what is asked for; return the exit status."""
+    """Reproduce the requested tables and figures; return the exit status."""
     return _remake(chosen(paper_numbers(), asked.only), asked.out, asked.json, again=asked.again)
 
 
 def needed(numbers: Sequence[PaperNumber]) -> list[Experiment]:
-    """Return the experiments that make any of these numbers."""
+    """Return the experiments behind any of these numbers."""
     groups = {one.group for one in numbers}
     return [one for one in EXPERIMENTS if groups & set(one.groups)]
 
@@ -58,7 +58,7 @@ def _remake(numbers: Sequence[PaperNumber], out: Path, json_file: Path | None, *
 
 
 def run_all(experiments: Sequence[Experiment], cache: PaperCache, *, again: bool) -> list[ExperimentOutcome]:
-    """Return the outcome of every experiment, from the cache where it is finished, with a progress bar."""
+    """Return the outcome of every experiment, cached if finished, with a progress bar."""
     columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
     outcomes = []
     with Progress(*columns, console=Console(stderr=True), speed_estimate_period=3600.0) as bar:

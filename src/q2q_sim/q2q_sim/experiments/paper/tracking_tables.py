@@ -1,4 +1,4 @@
-"""Remake Tables 6 and 7, Figs 14 and 15: Q2 passes over Q1 under the PID and under the MPC."""
+"""Tables 6 and 7 and Figs 14 and 15: Q2 passes over Q1 under the PID and under the MPC."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from q2q_sim.scenarios.scenario import Scenario
 
 SCENARIO = "table6"
 VEHICLES = {"q1": "cf1", "q2": "cf2"}
-"""The paper's names and ours."""
+"""The paper's names of the modes and ours."""
 
 
 def pid(folder: Path) -> ExperimentOutcome:
@@ -36,7 +36,7 @@ def pid(folder: Path) -> ExperimentOutcome:
 
 
 def mpc(folder: Path) -> ExperimentOutcome:
-    """Fly the MPC, and beside it the PD within its limit, both aware of the downwash."""
+    """Fly the MPC, and for comparison the PD within its limit, both aware of the downwash."""
     scenario = library.load(SCENARIO)
     flight, beside = (_flown(scenario, "aware", controller) for controller in ("mpc", "pid"))
     dips = {"fig15.q1_dip": _dip(flight), "fig15.q1_dip_pd": _dip(beside)}
@@ -59,7 +59,7 @@ def _numbers(scenario: Scenario, flight: Flight, group: str, suffix: str) -> dic
 
 
 def _dip(flight: Flight) -> float:
-    """Return how far Q1 sinks below its reference at most [m]."""
+    """Return the largest sag of Q1 below its reference [m]."""
     row = flight.names.index(VEHICLES["q1"])
     return float(np.nanmax(flight.ref_pos[:, row, 2] - best_position(flight)[:, row, 2]))
 

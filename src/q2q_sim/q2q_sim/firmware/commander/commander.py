@@ -1,7 +1,7 @@
-"""Decide whose setpoint is flown: the high-level commander's, or a client's, which has priority.
+"""Priority of setpoints: those of clients over those of the high-level commander.
 
-Source: firmware: modules/src/commander.c. A setpoint of lower priority than the present one is not taken. A
-client's setpoint stops the high-level plan. `relax` gives the priority back, so that the next plan is taken.
+Source: firmware: modules/src/commander.c. A setpoint of lower priority than the present one is ignored. A
+client's setpoint stops the high-level plan. `relax` lowers the priority, so that the next plan is accepted.
 """
 
 from enum import IntEnum
@@ -10,7 +10,7 @@ from q2q_sim.firmware.commander.setpoint import STOP, Setpoint
 
 
 class Priority(IntEnum):
-    """Rank the sources of setpoints."""
+    """Sources of setpoints by rank."""
 
     DISABLE = 0
     HIGH_LEVEL = 1
@@ -18,21 +18,21 @@ class Priority(IntEnum):
 
 
 class Commander:
-    """Hold the setpoint of the moment, who set it, and when."""
+    """Present setpoint with its source and time."""
 
     def __init__(self) -> None:
         self.setpoint: Setpoint = STOP
         self.priority = Priority.DISABLE
         self.set_ms = 0
-        """Age counts from here [ms]."""
+        """Time from which its age counts [ms]."""
 
     def offer(self, setpoint: Setpoint, priority: Priority, now_ms: int) -> bool:
-        """Take a setpoint if nobody of higher priority commands; return whether it was taken."""
+        """Accept a setpoint unless a source of higher priority commands; return whether it was accepted."""
         if priority < self.priority:
             return False
         self.setpoint, self.priority, self.set_ms = setpoint, priority, now_ms
         return True
 
     def relax(self) -> None:
-        """Let any source of setpoints take over."""
+        """Allow any source to take over."""
         self.priority = Priority.HIGH_LEVEL

@@ -1,7 +1,7 @@
-"""Read a trajectory of polynomial pieces: shifted, turned, slowed, or backwards.
+"""Evaluation of a piecewise polynomial trajectory: shifted, rotated, scaled in time, or reversed.
 
 Source: firmware: modules/src/pptraj.c (piecewise_eval, piecewise_eval_reversed). After its end a trajectory
-rests at its last point. A time scale of 2 takes twice as long. Backwards it is shifted but not turned.
+rests at its last point. A time scale of 2 takes twice as long. Reversed, it is shifted but not rotated.
 """
 
 import math
@@ -15,22 +15,22 @@ from q2q_sim.firmware.commander.polynomial import ORDER, Goal, Piece, goal_at, r
 
 @dataclass(frozen=True, slots=True)
 class Piecewise:
-    """Hold a trajectory under way."""
+    """Trajectory being flown."""
 
     pieces: tuple[Piece, ...]
     """At least one."""
     begin: float
-    """When it starts [s]."""
+    """Start time [s]."""
     timescale: float = 1.0
     backwards: bool = False
     shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Added to every position [m], world."""
     turn: float = 0.0
-    """Turns everything about the world's z before the shift [rad]; forwards only."""
+    """Rotation about the world's z before the shift [rad]; forwards only."""
 
     @property
     def duration(self) -> float:
-        """Return how long it takes [s]."""
+        """Return the duration [s]."""
         return sum(piece.duration for piece in self.pieces) * self.timescale
 
     def goal(self, t: float) -> Goal:
@@ -68,6 +68,6 @@ class Piecewise:
 
 @np.errstate(all="ignore")
 def _stretched(piece: Piece, scale: float) -> Piece:
-    """Return the piece at another pace."""
+    """Return the piece with another time scale."""
     powers: Array = scale ** -np.arange(ORDER, dtype=np.float64)
     return Piece(piece.duration * scale, piece.coefficients * powers)

@@ -1,14 +1,13 @@
-"""Plan take-off, landing, go-to, spirals and uploaded trajectories on board.
+"""Onboard planner: take-off, landing, go-to, spirals and uploaded trajectories.
 
 Source: firmware: modules/src/planner.c, crtp_commander_high_level.c. Three states:
 
     IDLE -- take-off, go-to, trajectory --> FLYING -- land --> LANDING -- end of the polynomial --> IDLE
-    FLYING, LANDING -- goal that is no number --> DISABLED -- go-to, trajectory, land --> as from IDLE
+    FLYING, LANDING -- NaN goal --> DISABLED -- go-to, trajectory, land --> as from IDLE
 
-IDLE asks for motors off, DISABLED asks for nothing: the last setpoint grows old. A new piece starts from the
-goal of the moment, or, when none is flown, from where the vehicle believes to be. Yaw turns the shorter way
-(yaw_turn). A go-to at constant speed in 0 s, or a trajectory of senseless numbers, has a goal that is no
-number.
+IDLE commands motors off, DISABLED commands nothing: the last setpoint ages. A new piece starts from the
+present goal, or, if there is none, from the estimated position. Yaw turns the shorter way (yaw_turn). A go-to
+at constant speed in 0 s, or a trajectory with invalid numbers, has a NaN goal.
 """
 
 from dataclasses import dataclass, replace
@@ -23,7 +22,7 @@ from q2q_sim.firmware.commander.yaw_turn import shortest_turn, wrapped
 
 
 class PlanState(IntEnum):
-    """Name what the planner does."""
+    """States of the planner."""
 
     IDLE = 0
     FLYING = 1
@@ -32,23 +31,23 @@ class PlanState(IntEnum):
 
 
 MOVING = (PlanState.FLYING, PlanState.LANDING)
-"""A trajectory is under way."""
+"""A trajectory is being flown."""
 
 
 class PlannerAnswer(IntEnum):
-    """Say what became of a command; values as errno on the wire."""
+    """Result of a command; values as errno on the wire."""
 
     OK = 0
     WRONG_STATE = 1
     UNKNOWN = 8
     """ENOEXEC."""
     BLOCKED = 16
-    """EBUSY: the supervisor does not let it fly."""
+    """EBUSY: the supervisor does not permit flight."""
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """Say where a go-to ends."""
+    """End point of a go-to."""
 
     pos: tuple[float, float, float]
     """[m], world."""
@@ -57,14 +56,14 @@ class Target:
     duration: float
     """[s]"""
     relative: bool = False
-    """Position and yaw count from the goal of the moment."""
+    """Position and yaw are relative to the present goal."""
     linear: bool = False
-    """Constant speed instead of rest to rest; in 0 s it is no number."""
+    """Constant speed instead of rest to rest; NaN for 0 s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Vertical:
-    """Say how a take-off or landing ends."""
+    """End of a take-off or landing."""
 
     height: float
     """[m], world."""
@@ -75,7 +74,7 @@ class Vertical:
 
 
 class Planner:
-    """Hold the trajectory under way."""
+    """Planner with the trajectory being flown."""
 
     def __init__(self) -> None:
         self.state = PlanState.IDLE
@@ -83,16 +82,16 @@ class Planner:
         self._here = resting(np.zeros(3), 0.0)
 
     def tell(self, pos: Array, vel: Array, yaw: float) -> None:
-        """Note where the vehicle believes to be: new plans start there when idle."""
+        """Set the estimated position, from which plans start when idle."""
         self._here = Goal(pos, vel, np.zeros(3), yaw, np.zeros(3))
 
     def finished(self, t: float) -> bool:
-        """Return whether no trajectory is under way at time t [s]."""
+        """Return whether no trajectory is being flown at time t [s]."""
         one = self._trajectory
         return one is None or t - one.begin >= one.duration
 
     def goal(self, t: float) -> Goal | None:
-        """Return the goal at time t [s]; None when there is none."""
+        """Return the goal at time t [s]; None if there is none."""
         if self.state == PlanState.LANDING and self.finished(t):
             self.state = PlanState.IDLE
         if self.state not in MOVING or self._trajectory is None:
@@ -105,18 +104,18 @@ class Planner:
         return goal
 
     def stop(self) -> PlannerAnswer:
-        """Forget the trajectory: motors off."""
+        """Drop the trajectory: motors off."""
         self.state = PlanState.IDLE
         return PlannerAnswer.OK
 
     def take_off(self, end: Vertical, t: float) -> PlannerAnswer:
-        """Rise at once, if idle."""
+        """Take off at once, if idle."""
         if self.state != PlanState.IDLE:
             return PlannerAnswer.WRONG_STATE
         return self._vertical(end, t, PlanState.FLYING)
 
     def land(self, end: Vertical, t: float) -> PlannerAnswer:
-        """Descend at once, if not landing; the motors stop at the end."""
+        """Land at once, unless landing already; the motors stop at the end."""
         if self.state == PlanState.LANDING:
             return PlannerAnswer.WRONG_STATE
         return self._vertical(end, t, PlanState.LANDING)
@@ -141,9 +140,9 @@ class Planner:
 
     @np.errstate(all="ignore")
     def follow(self, trajectory: Piecewise, *, from_here: bool, turned: bool) -> PlannerAnswer:
-        """Fly a trajectory; shifted by what its start lacks to here, and turned by what its yaw lacks.
+        """Fly a trajectory, shifted to start at the present position and rotated to the present yaw.
 
-        As in the firmware, the turn is about the world's origin and the shift is not turned with it: the
+        As in the firmware, the rotation is about the world's origin and does not apply to the shift: the
         trajectory starts here only if its first point is the origin.
         """
         self._trajectory = trajectory
@@ -161,7 +160,7 @@ class Planner:
 
     @property
     def here(self) -> Goal:
-        """Return the last goal, or where the vehicle believes to be when idle."""
+        """Return the last goal, or the estimated position when idle."""
         return self._here
 
     def _now(self, t: float) -> Goal:

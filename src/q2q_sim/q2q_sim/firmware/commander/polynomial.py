@@ -1,9 +1,9 @@
-"""Plan and read the polynomials of the firmware's high-level commander.
+"""Polynomials of the firmware's high-level commander.
 
 Source: firmware: modules/src/pptraj.c (poly7_nojerk, poly4d_eval), after Mellinger, Kumar, ICRA 2011.
-Degree 7 in x, y, z [m] and yaw [rad]: value, velocity and acceleration given at both ends, jerk zero there,
-which is the Hermite piece of q2q_model.trajectory.hermite with k = 4. A goal also needs the body rates of
-flat flight:
+Degree 7 in x, y, z [m] and yaw [rad]: value, velocity and acceleration given at both ends, jerk zero there:
+the Hermite piece of q2q_model.trajectory.hermite with k = 4. A goal also has body rates by differential
+flatness:
 
     t = a + g e_z,  z_B = t / |t|,  y_B = z_B x (cos psi, sin psi, 0) / |..|,  x_B = y_B x z_B
     h = (j - (j . z_B) z_B) / |t|,  omega = (-h . y_B, h . x_B, z_B,z psi')
@@ -25,14 +25,14 @@ from q2q_model.trajectory.polynomials import derive
 from q2q_model.vehicle.constants import GRAVITY
 
 ORDER = 8
-"""Coefficients of an axis."""
+"""Number of coefficients of an axis."""
 HALF = 4
-"""Data at each end: value and three derivatives."""
+"""Boundary conditions at each end: value and three derivatives."""
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """Hold where a trajectory wants the vehicle."""
+    """Point of a trajectory."""
 
     pos: Array
     """[m], world, (3,)."""
@@ -48,7 +48,7 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """Hold one polynomial of x, y, z, yaw."""
+    """Polynomial of x, y, z, yaw."""
 
     duration: float
     """[s]"""
@@ -63,7 +63,7 @@ def resting(pos: Array, yaw: float) -> Goal:
 
 @np.errstate(all="ignore")
 def piece_between(start: Goal, end: Goal, duration: float) -> Piece:
-    """Return the piece from one goal to another in `duration` [s]; at 0 s or less, its end at once."""
+    """Return the piece from one goal to another in `duration` [s]; for 0 s or less, the end at once."""
     if duration <= 0.0:
         nodes = _node(end)
         coefficients = np.zeros((4, ORDER))
@@ -95,7 +95,7 @@ def _node(goal: Goal) -> Array:
 def _rates(acc: Array, jerk: Array, yaw: tuple[float, float]) -> Array:
     """Return the body rates [rad/s], (3,); `yaw` and its rate."""
     thrust = acc + np.array([0.0, 0.0, GRAVITY])
-    size = max(float(np.linalg.norm(thrust)), 1e-9)  # free fall: no direction, no rate
+    size = max(float(np.linalg.norm(thrust)), 1e-9)  # free fall: direction undefined
     up = thrust / size
     left = _cross(up, np.array([math.cos(yaw[0]), math.sin(yaw[0]), 0.0]))
     left = left / max(float(np.linalg.norm(left)), 1e-9)

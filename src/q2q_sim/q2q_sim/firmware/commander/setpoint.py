@@ -1,4 +1,4 @@
-"""Say what a vehicle's controller is asked for: on each axis an absolute value, a velocity, or nothing.
+"""Setpoint of a vehicle's controller: on each axis an absolute value, a velocity, or nothing.
 
 Source: firmware: modules/interface/stabilizer_types.h (setpoint_t, stab_mode_t).
 """
@@ -13,7 +13,7 @@ ZERO: Three = (0.0, 0.0, 0.0)
 
 
 class Mode(IntEnum):
-    """Say how an axis is controlled."""
+    """Control modes of an axis."""
 
     DISABLE = 0
     ABS = 1
@@ -22,7 +22,7 @@ class Mode(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """Hold one setpoint; the default asks for nothing, and motors stop."""
+    """One setpoint; the default controls nothing and stops the motors."""
 
     x: Mode = Mode.DISABLE
     y: Mode = Mode.DISABLE
@@ -31,7 +31,7 @@ class Setpoint:
     pitch: Mode = Mode.DISABLE
     yaw: Mode = Mode.DISABLE
     quat: Mode = Mode.DISABLE
-    """The yaw of `attitude_quat` is wanted (full state)."""
+    """The yaw of `attitude_quat` is the setpoint (full state)."""
     pos: Three = ZERO
     """[m], world."""
     vel: Three = ZERO
@@ -45,7 +45,7 @@ class Setpoint:
     attitude_quat: Four = (0.0, 0.0, 0.0, 1.0)
     """x y z w, body to world."""
     thrust_pwm: float = 0.0
-    """Of each motor, where z is not controlled [PWM]."""
+    """Of each motor, if z is not controlled [PWM]."""
     velocity_body: bool = False
     """vel x, y are forward and left."""
 

@@ -1,9 +1,8 @@
-"""Plan one arc of a spiral, as the firmware's high-level commander flies it.
+"""Arc of a spiral, as flown by the firmware's high-level commander.
 
 Source: firmware: modules/src/planner.c (plan_spiral_from). The arc turns by an angle of at most 2 pi while
-its radius and height change evenly; between its two ends, which are exact in position, velocity and
-acceleration, it is one polynomial. In polar form about its centre c, with s = -1 to the left, +1 to the
-right:
+radius and height change linearly; it is one polynomial that matches position, velocity and acceleration at
+both ends. In polar form about its centre c, with s = -1 to the left, +1 to the right:
 
     angle' = omega = -s angle / T,  r' = (r_f - r_0) / T
     p = c + r u(phi),  v = r' u + r omega n,  a = -r omega^2 u + 2 r' omega n
@@ -24,7 +23,7 @@ from q2q_sim.firmware.commander.yaw_turn import wrapped
 
 @dataclass(frozen=True, slots=True)
 class Spiral:
-    """Say how a spiral runs."""
+    """Shape of a spiral."""
 
     angle: float
     """[rad], within 2 pi."""
@@ -35,7 +34,7 @@ class Spiral:
     ascent: float
     """[m]"""
     duration: float
-    """[s]; an arc in 0 s is no number."""
+    """[s]; an arc in 0 s is NaN."""
     sideways: bool = False
     clockwise: bool = False
 
@@ -68,7 +67,7 @@ def _outward(yaw: float, sense: float, sideways: bool) -> float:
 
 
 def _polar(angle: float, radius: tuple[float, float], rate: float) -> tuple[Array, Array, Array]:
-    """Return r u, its velocity and acceleration in the plane, (2,) each."""
+    """Return r u, its velocity and acceleration, horizontal, (2,) each."""
     r, growth = radius
     out = np.array([math.cos(angle), math.sin(angle)])
     left = np.array([-out[1], out[0]])

@@ -1,8 +1,8 @@
-"""Turn from one yaw to another as the high-level commander does, in its 32-bit floats.
+"""Shorter turn between two yaws in the 32-bit floats of the high-level commander.
 
 Source: firmware: modules/interface/math3d.h (normalize_radians, shortest_signed_angle_radians). The width
-matters where two ways are equally long: half a turn from yaw 0 is flown to the right (yaw falls), whether +pi
-or -pi is asked for; from another yaw the last digit decides.
+matters where both turns are equally long: half a turn from yaw 0 is flown to the right (yaw decreases) for
++pi and for -pi; from another yaw the last digit decides.
 """
 
 import math

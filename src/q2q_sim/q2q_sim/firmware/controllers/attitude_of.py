@@ -1,4 +1,4 @@
-"""Give the compiled controllers the attitude of a state row: body axes, and the firmware's Euler angles."""
+"""Attitude of a state row for the compiled controllers: body axes, and the firmware's Euler angles."""
 
 import math
 

@@ -1,13 +1,12 @@
-"""Control attitude and rates as the firmware's default controller does, 500 times a second, compiled.
+"""Attitude and rate loops of the firmware's default controller (PID), at 500 Hz, compiled.
 
 Source: firmware: modules/src/controller/controller_pid.c, attitude_pid_controller.c. All in degrees, pitch
 nose up:
 
-    rate_d  = PID(attitude)         roll and pitch as the position loop or the setpoint wants them
-    control = PID(rate) [PWM], whole, within +-32767; the yaw's sign turned (motors 1 and 3 turn left)
+    rate_d  = PID(attitude)         roll and pitch from the position loop or the setpoint
+    control = PID(rate) [PWM], integer, within +-32767; sign of yaw inverted (motors 1 and 3 turn left)
 
-The wanted yaw moves on with a wanted yaw rate. Everything starts anew when a mode changes, and stands still
-at thrust 0.
+The yaw setpoint integrates a yaw-rate setpoint. The PIDs are reset when a mode changes, and hold at thrust 0.
 """
 
 from q2q_model.compiled import compiled
@@ -51,7 +50,7 @@ RATE_INTEGRAL, YAW_RATE_INTEGRAL = 33.3, 166.7
 
 
 def _wrapped(angle: float) -> float:
-    """Return an angle within +-180 deg; each end is left as it is."""
+    """Return an angle within +-180 deg, both ends included."""
     return angle if abs(angle) <= 180.0 else (angle + 180.0) % 360.0 - 180.0
 
 
@@ -85,7 +84,7 @@ def _move_yaw(wanted: Array, memory: Array) -> None:
 
 
 def _attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
-    """Write the rates wanted."""
+    """Write the rate setpoints."""
     for k in range(3):
         at = PIDS + PID_WIDTH * (PID_ROLL + k)
         error, limit = memory[ATTITUDE_WANTED + k] - attitude[k], ANGLE_INTEGRAL
@@ -98,7 +97,7 @@ def _attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
 
 
 def _rate_loop(row: Array, memory: Array, gains: Array) -> None:
-    """Write the control [PWM]."""
+    """Write the control outputs [PWM]."""
     rates = (DEG * row[10], -DEG * row[11], DEG * row[12])
     for k in range(3):
         at = PIDS + PID_WIDTH * (PID_ROLL_RATE + k)
@@ -141,4 +140,4 @@ mode_changed, move_yaw = compiled(_mode_changed), compiled(_move_yaw)
 attitude_loop, rate_loop = compiled(_attitude_loop), compiled(_rate_loop)
 cascade = compiled(_cascade)
 """Control one vehicle for one step: ((state row, drift, wanted), gains, memory, whether the position loop is
-due); writes memory's outputs."""
+due); writes the outputs in memory."""

@@ -1,12 +1,12 @@
-"""Name the columns of the rows that the compiled controllers read and write, one row a vehicle.
+"""Columns of the rows that the compiled controllers read and write, one row for each vehicle.
 
-| row | width | what |
+| row | width | content |
 |---|---|---|
-| wanted | WANTED_WIDTH | a Setpoint and its Power |
+| wanted | WANTED_WIDTH | Setpoint and Power |
 | gains | GAIN_WIDTH | parameter_table.GAINS, then stabilizer.controller |
 | memory | MEMORY_WIDTH | integrals, last measurements, outputs for logs |
 | frame | FRAME_WIDTH | Airframe |
-| drift | 6 | what the estimator errs: position [m], velocity [m/s], world |
+| drift | 6 | error of the estimator: position [m], velocity [m/s], world |
 """
 
 from dataclasses import dataclass
@@ -70,12 +70,12 @@ LAST_MODES = THRUST_WANTED + 1
 CONTROL = LAST_MODES + 7
 """Output: roll, legacy pitch, yaw, thrust [PWM]."""
 ASKED = CONTROL + 4
-"""What the four motors are asked for [PWM]."""
+"""Commands of the four motors [PWM]."""
 MOTOR = ASKED + 4
-"""Duty of the four motors; 65535 is all of the time."""
+"""Duty of the four motors; 65535 is 100 %."""
 RATE_WANTED = MOTOR + 4
 POS_TARGET, VEL_TARGET = RATE_WANTED + 3, RATE_WANTED + 6
-"""What the position PIDs are asked for, in the frame turned by the yaw [m], [m/s]."""
+"""Setpoints of the position PIDs, in the frame rotated by the yaw [m], [m/s]."""
 MEMORY_WIDTH = VEL_TARGET + 3
 
 NEWTON_PER_PWM, SHARE_TILT, SHARE_YAW, FORCE_MAX = range(4)
@@ -84,15 +84,15 @@ FRAME_WIDTH = 4
 
 @dataclass(frozen=True, slots=True)
 class Power:
-    """What the motors may do, and what feeds them."""
+    """Limits of the motors and their supply."""
 
     motors_on: bool = True
     idle_pwm: float = 0.0
-    """Least duty of a motor that may run [PWM]."""
+    """Smallest duty of a running motor [PWM]."""
     supply: float = VOLT_FULL
-    """What the firmware takes the voltage for [V]."""
+    """Supply voltage as the firmware measures it [V]."""
     battery: float = VOLT_FULL
-    """The voltage [V]."""
+    """True voltage [V]."""
 
 
 def wanted_row(setpoint: Setpoint, power: Power) -> Array:
@@ -111,5 +111,5 @@ def frame_row(airframe: Airframe) -> Array:
 
 
 def fresh_memory(vehicles: int) -> Array:
-    """Return the memory of controllers that have just started, (vehicles, MEMORY_WIDTH)."""
+    """Return the initial memory of the controllers, (vehicles, MEMORY_WIDTH)."""
     return np.zeros((vehicles, MEMORY_WIDTH))

@@ -1,18 +1,18 @@
-"""Control as the firmware's Mellinger controller does, 500 times a second, in compiled code.
+"""The firmware's Mellinger controller, at 500 Hz, compiled.
 
 Source: firmware: modules/src/controller/controller_mellinger.c, after Mellinger, Kumar, Minimum snap
-trajectory generation and control for quadrotors, ICRA 2011; it adds integrals and the rates' derivative.
+trajectory generation and control for quadrotors, ICRA 2011, with integrals and a derivative of the rates.
 
     F    = m (a_ref + g e_z) + k_p (r_ref - r) + k_d (v_ref - v) + k_i int(r_ref - r)        position known
     F    = m g e_z + the same, z only                                                 velocity setpoints
-    T    = massThrust F . z_B                    [PWM]; the setpoint's thrust where z is not controlled
+    T    = massThrust F . z_B                    [PWM]; thrust of the setpoint if z is not controlled
     z_d  = F / |F|,  y_d = z_d x (cos psi, sin psi, 0) / |..|,  x_d = y_d x z_d
     e_R  = vee(R_d' R - R' R_d),  e_w = w_ref - w
-    M    = -k_R e_R + k_w e_w + k_i int(-e_R) + k_d,omega d(e_w)/dt     [PWM], whole, each within +-32000
+    M    = -k_R e_R + k_w e_w + k_i int(-e_R) + k_d,omega d(e_w)/dt     [PWM], integer, within +-32000
 
-a_ref is the acceleration of the setpoint: with it, `acc = acc_ref - eta` takes the downwash eta out of F at
-once (q2q_control.pid.pid says the same of its own law). M is in the firmware's axes: roll right, nose *up*,
-and yaw left; control yaw is -M_z, since motors 1 and 3 turn left and drag the body right.
+a_ref is the acceleration of the setpoint: `acc = acc_ref - eta` compensates the downwash eta in F, as in
+q2q_control.pid.pid. M is in the firmware's axes: roll right, nose *up*, and yaw left; control yaw is -M_z,
+since motors 1 and 3 turn left and drag the body right.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -82,7 +82,7 @@ def _clamp(value: float, limit: float) -> float:
 
 
 def _force(row: Array, drift: Array, wanted: Array, gains: Array, memory: Array) -> Three:
-    """Return F [N], world, and integrate."""
+    """Return F [N], world, and update the integrals."""
     ex = wanted[SET_POS] - row[0] - drift[0]
     ey = wanted[SET_POS + 1] - row[1] - drift[1]
     ez = wanted[SET_POS + 2] - row[2] - drift[2]
@@ -129,7 +129,7 @@ def _frame_along(z: Three, yaw: float) -> Nine:
     cx, cy = math.cos(yaw), math.sin(yaw)
     yx, yy, yz = -zz * cy, zz * cx, zx * cy - zy * cx
     length = math.sqrt(yx * yx + yy * yy + yz * yz)
-    if length < 1e-9:  # the thrust lies along the nose: any side will do
+    if length < 1e-9:  # thrust along the nose: y is arbitrary
         return 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, zx, zy, zz
     yx, yy, yz = yx / length, yy / length, yz / length
     return yy * zz - yz * zy, yz * zx - yx * zz, yx * zy - yy * zx, yx, yy, yz, zx, zy, zz

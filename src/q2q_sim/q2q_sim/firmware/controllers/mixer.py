@@ -1,15 +1,15 @@
-"""Mix thrust and moments into motor PWM, PWM into duty, and duty into forces, in compiled code.
+"""Mixer: thrust and moments to motor PWM, PWM to duty, duty to forces, compiled.
 
 Source: firmware: modules/src/power_distribution_quadrotor.c (legacy mode), stabilizer.c (controlMotors);
-motors counted as in q2q_control.attitude.allocation:
+motors numbered as in q2q_control.attitude.allocation:
 
     m1 = T - r/2 + p/2 + y,  m2 = T - r/2 - p/2 - y,  m3 = T + r/2 - p/2 + y,  m4 = T + r/2 + p/2 - y
     d  = duty of m at the supply                                     thrust_curve
     d' = d - max(0, max d - 65535), at least the idle thrust
 
-Everything on the way is a whole number: r/2, p/2 and m drop their fractions, and so does the duty. Shares
-of the airframe scale r, p and y. What a motor gives follows from its duty and the battery's
-true voltage, up to the most that the airframe allows.
+All intermediate values are integers: r/2, p/2, m and the duty are truncated. Factors of the airframe scale
+r, p and y. The force of a motor follows from its duty and the true battery voltage, up to the airframe's
+limit.
 """
 
 from q2q_model.compiled import compiled
@@ -32,7 +32,7 @@ from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensated, thrust_pw
 
 
 def _mix(memory: Array, frame: Array) -> None:
-    """Write what the motors are asked for [PWM]."""
+    """Write the motor commands [PWM]."""
     r = frame[SHARE_TILT] * whole(0.5 * memory[CONTROL], INT32_MAX)
     p = frame[SHARE_TILT] * whole(0.5 * memory[CONTROL + 1], INT32_MAX)
     y, thrust = frame[SHARE_YAW] * memory[CONTROL + 2], memory[CONTROL + 3]
@@ -43,14 +43,14 @@ def _mix(memory: Array, frame: Array) -> None:
 
 
 def _cap(duties: Array, idle: float) -> None:
-    """Lower all duties alike until none is above 65535, then lift each to the idle thrust."""
+    """Lower all duties equally until none is above 65535, then raise each to the idle thrust."""
     excess = max(max(duties[0], duties[1], duties[2], duties[3]) - PWM_TOP, 0.0)
     for k in range(4):
         duties[k] = max(duties[k] - excess, idle)
 
 
 def _drive_motors(wanted: Array, memory: Array, frame: Array, forces: Array) -> None:
-    """Write the motors' duties into memory, and the forces [N] that they are asked for."""
+    """Write the motors' duties into memory, and their commanded forces [N]."""
     duties = memory[MOTOR : MOTOR + 4]
     duties[:] = 0.0
     mix(memory, frame)

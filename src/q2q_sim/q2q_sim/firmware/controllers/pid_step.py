@@ -1,11 +1,11 @@
-"""Take one step of one of the firmware's PIDs, in compiled code.
+"""Step of one of the firmware's PIDs, compiled.
 
 Source: firmware: utils/src/pid.c, utils/src/filter.c (lpf2p, second order Butterworth).
 
     e = wanted - measured,  u = k_p e + k_i int(e) + k_d d(-measured)/dt,  |int(e)| <= limit,  |u| <= u_max
 
-The derivative is of the measurement, so that a step of the setpoint does not kick, and filtered where the
-firmware does so: position and velocity (20 Hz), not attitude and rates. A u_max of 0 is none.
+The derivative acts on the measurement, which avoids setpoint kick, and is filtered as in the firmware: for
+position and velocity (20 Hz), not for attitude and rates. A u_max of 0 means no limit.
 """
 
 import math
@@ -16,7 +16,7 @@ from q2q_model.signals.values import Array
 INTEGRAL_LIMIT = 5000.0
 """DEFAULT_PID_INTEGRATION_LIMIT of pid.h."""
 _OHM = math.tan(math.pi * 20.0 / 100.0)
-"""Cutoff 20 Hz at 100 Hz: PID_POS_XY_FILT_CUTOFF and its like."""
+"""Cutoff 20 Hz at 100 Hz: PID_POS_XY_FILT_CUTOFF and others."""
 _C = 1.0 + math.sqrt(2.0) * _OHM + _OHM * _OHM
 _B0 = _OHM * _OHM / _C
 _A1, _A2 = 2.0 * (_OHM * _OHM - 1.0) / _C, (1.0 - math.sqrt(2.0) * _OHM + _OHM * _OHM) / _C
@@ -26,7 +26,7 @@ How = tuple[int, int, float, float, float]
 
 
 def _slope(memory: Array, at: int, measured: float, dt: float) -> float:
-    """Return d(-measured)/dt and remember the measurement."""
+    """Return d(-measured)/dt and store the measurement."""
     rise = memory[at + 1] - measured
     memory[at + 1] = measured
     return float(rise / dt)

@@ -1,8 +1,8 @@
-"""Control position and velocity as the firmware's default controller does, 100 times a second, compiled.
+"""Position and velocity loops of the firmware's default controller (PID), at 100 Hz, compiled.
 
 Source: firmware: modules/src/controller/position_controller_pid.c.
 
-    v_d     = PID(position), in the frame turned by the yaw, |v| <= 1.1 velMax        axes with absolute mode
+    v_d     = PID(position), in the frame rotated by the yaw, |v| <= 1.1 velMax       axes with absolute mode
     pitch_d = -PID(v_x) [deg, legacy: nose down is forward],  roll_d = -PID(v_y)      within rLimit, pLimit
     T       = 1000 PID(v_z) + thrustBase [PWM], at least thrustMin
 
@@ -49,7 +49,7 @@ OVERHEAD = 1.1
 """velMaxOverhead, rpLimitOverhead."""
 THRUST_SCALE = 1000.0
 LIFT_MAX = 32.767
-"""Half of UINT16_MAX, whole, over the thrust scale."""
+"""Half of UINT16_MAX, truncated, over the thrust scale."""
 PWM_TOP = float(PWM_FULL)
 
 Which = tuple[int, int, float, float]
@@ -68,7 +68,7 @@ def _axis(error: float, measured: float, memory: Array, gains: Array, which: Whi
 def _wanted_velocity(
     where: Three, wanted: Array, gains: Array, memory: Array, turn: tuple[float, float]
 ) -> Three:
-    """Return v_d forward, left, up [m/s]; `where` is the position believed, `turn` cos and sin of the yaw."""
+    """Return v_d forward, left, up [m/s]; `where` is the estimated position, `turn` cos, sin of the yaw."""
     c, s = turn
     p, v = SET_POS, SET_VEL
     ahead, left = where[0] * c + where[1] * s, where[1] * c - where[0] * s
@@ -111,4 +111,4 @@ def _position_pid(row: Array, drift: Array, wanted: Array, gains: Array, memory:
 
 axis, wanted_velocity = compiled(_axis), compiled(_wanted_velocity)
 position_pid = compiled(_position_pid)
-"""Write attitude and thrust wanted into memory: (state row, drift, wanted, gains, memory)."""
+"""Write the attitude and thrust setpoints into memory: (state row, drift, wanted, gains, memory)."""

@@ -1,7 +1,7 @@
-"""Drop the fraction of a number as the vehicle's processor does where the firmware stores it whole.
+"""Conversion of floats to integers as on the vehicle's processor.
 
-Source: Arm Architecture Reference Manual ARMv7-M, VCVT: rounds to zero, saturates, and makes 0 of what is no
-number.
+Source: Arm Architecture Reference Manual ARMv7-M, VCVT: rounds towards zero, saturates, and converts NaN
+to 0.
 """
 
 import math
@@ -12,7 +12,7 @@ INT16_MAX, INT32_MAX = 32767.0, 2147483647.0
 
 
 def _whole(number: float, limit: float) -> float:
-    """Return a number without its fraction, within a limit; 0 for what is no number."""
+    """Return a number rounded towards zero, within a limit; 0 for NaN."""
     if math.isnan(number):
         return 0.0
     return float(math.trunc(min(max(number, -limit), limit)))

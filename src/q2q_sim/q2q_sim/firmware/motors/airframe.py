@@ -1,19 +1,19 @@
-"""Turn PWM into forces: what the motors and the inertia of an airframe make of the firmware's numbers.
+"""Airframe parameters that map the firmware's PWM to forces and angular accelerations.
 
 The scale is that of q2q_model.vehicle.thrust_map, linear:
 
     f = pwm * full_pwm_thrust / (4 * 65535)                              one motor [N]
     r' = share_tilt * r,  p' = share_tilt * p,  y' = share_yaw * y       in the mixer (motors)
 
-The firmware's attitude gains are PWM per radian, made for the Crazyflie's inertia. A Crazyflie is flown by
-its stock build. Any other airframe is flown by a build whose mixer gives the angular acceleration of the
-Crazyflie 2.0 for the same PWM:
+The firmware's attitude gains are PWM per radian, tuned for the Crazyflie's inertia. A Crazyflie uses its
+stock build. Any other airframe uses a build whose mixer gives the angular acceleration of the Crazyflie 2.0
+for the same PWM:
 
     share_tilt = (k lever / Ixx) of the Crazyflie 2.0 over that of the airframe, share_yaw alike with c / Izz
 
-so that clients see the stock gains on any airframe; on a Crazyflie both shares are 1. The position gains of
-Mellinger are newtons per metre: they grow with the mass (stiffness_share, 1 on a Crazyflie). Its derivative
-of the rates makes up for the rotors' lag, and grows with that: without lag it would drive itself.
+so that clients see the stock gains on any airframe; on a Crazyflie both factors are 1. The position gains of
+Mellinger, in newtons per metre, scale with the mass (stiffness_share, 1 on a Crazyflie). Its derivative of
+the rates compensates the rotor lag and scales with it: without lag it would destabilise the loop.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -21,8 +21,8 @@ of the rates makes up for the rotors' lag, and grows with that: without lag it w
 | c | drag_to_thrust | [m] |
 | lever | | arm / sqrt 2 [m] |
 
-The scale holds from 7000 PWM, below which a compensated motor stands still, to full duty (thrust_curve). No
-motor gives more than a quarter of thrust_max, though: a real battery sags under such a load.
+The scale holds from 7000 PWM, below which a compensated motor stops, to full duty (thrust_curve). A motor
+gives at most a quarter of thrust_max: a real battery sags under such a load.
 """
 
 import math
@@ -36,16 +36,16 @@ MOTORS = 4
 
 @dataclass(frozen=True, slots=True)
 class Airframe:
-    """Hold what the mixer needs."""
+    """Parameters of the mixer."""
 
     newton_per_pwm: float
     """k [N]."""
     share_tilt: float
     share_yaw: float
     share_lag: float
-    """What scales the derivative gain of Mellinger's rates."""
+    """Factor of the derivative gain of Mellinger's rates."""
     stiffness_share: float
-    """What scales gains in N/m."""
+    """Factor of gains in N/m."""
     mass: float
     """[kg]"""
     pwm_per_newton: float

@@ -1,4 +1,4 @@
-"""Drain a LiPo cell and say its voltage and level as the firmware does.
+"""LiPo cell with voltage and level as the firmware reports them.
 
 | number | source |
 |---|---|
@@ -7,8 +7,8 @@
 | 7 minutes of hover from full to empty | Bitcraze's data sheet of the Crazyflie 2.x |
 | low after 5 s below pm.lowVoltage | firmware: DEFAULT_BAT_LOW_DURATION_TO_TRIGGER_SEC |
 
-Thrust falls with the voltage only where a motor runs at its full duty: below, the firmware compensates
-(thrust_curve). The voltage does not sag under load.
+Thrust falls with the voltage only at full duty: below, the firmware compensates (thrust_curve). The voltage
+does not sag under load.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ ON_BATTERY, LOW_POWER = 0, 3
 
 
 class Battery:
-    """Hold the charge."""
+    """Charge of the battery."""
 
     def __init__(self, charge: float = 1.0) -> None:
         self.charge = charge
@@ -49,6 +49,6 @@ class Battery:
         return LOW_POWER if self._low_for > LOW_TIME else ON_BATTERY
 
     def drain(self, hovers: float, dt: float, low_volt: float) -> None:
-        """Fly for `dt` [s] with a thrust of `hovers` times the weight."""
+        """Discharge for `dt` [s] at a thrust of `hovers` times the weight."""
         self.charge = max(self.charge - hovers * dt / HOVER_TIME, 0.0)
         self._low_for = self._low_for + dt if self.volt <= low_volt else 0.0

@@ -1,4 +1,4 @@
-"""Thrust of a motor over its voltage, and the duty that gives a wanted thrust, in compiled code.
+"""Thrust of a motor over its voltage, and the duty for a desired thrust, compiled.
 
 Source: firmware: drivers/src/motors.c (motorsCompensateBatteryVoltage), the curve of the stock propellers
 (2.1+) in platform/interface/platform_defaults_cf2.h; Bitcraze, "Keeping thrust consistent as the battery
@@ -11,7 +11,7 @@ drains", 2025. With the share of full thrust T = pwm / 65535:
 |---|---|---|
 | c | CURVE | coefficients of the thrust of one motor [N/V^k] |
 | F | BRUSHED_MOTOR | thrust of one motor at 65535 PWM [N] |
-| V V_s | volt, supply | battery voltage, and what the firmware takes it for [V] |
+| V V_s | volt, supply | battery voltage, true and as the firmware measures it [V] |
 """
 
 import math
@@ -22,9 +22,9 @@ from q2q_model.vehicle.thrust_map import BRUSHED_MOTOR, PWM_FULL
 PWM_TOP = float(PWM_FULL)
 CURVE = (-0.02476537915958403, 0.06523793527519485, -0.026792504967750107, 0.006776789303971145)
 PWM_STANDSTILL = 7000.0
-"""Below, a compensated motor stands still: THRUST_MIN over THRUST_MAX of every build, brushless too."""
+"""Below, a compensated motor stops: THRUST_MIN over THRUST_MAX of every build, also brushless."""
 SUPPLY_MIN = 2.0
-"""A supply read lower is an error: motors off [V]."""
+"""Smallest valid supply reading; below it motors are off [V]."""
 
 _SHIFT = -CURVE[2] / (3.0 * CURVE[3])
 _SLOPE = CURVE[1] / (3.0 * CURVE[3]) - _SHIFT**2
@@ -33,7 +33,7 @@ _PER_PWM = BRUSHED_MOTOR / PWM_TOP / (2.0 * CURVE[3])
 
 
 def _compensated(pwm: float, supply: float) -> float:
-    """Return the duty (65535 is all of the time) that gives the thrust `pwm` asks for at a supply [V]."""
+    """Return the duty (65535 is 100 %) for the thrust command `pwm` at a supply [V]."""
     if pwm < PWM_STANDSTILL or not supply >= SUPPLY_MIN:
         return 0.0
     half = _CONSTANT + _PER_PWM * pwm
@@ -44,7 +44,7 @@ def _compensated(pwm: float, supply: float) -> float:
 
 
 def _thrust_pwm(duty: float, volt: float) -> float:
-    """Return the thrust of a motor at a duty and a battery voltage [V], as the PWM that asks for it."""
+    """Return the thrust of a motor at a duty and a battery voltage [V], in PWM of thrust command."""
     u = volt * duty / PWM_TOP
     thrust = CURVE[0] + u * (CURVE[1] + u * (CURVE[2] + u * CURVE[3]))
     return max(thrust, 0.0) * PWM_TOP / BRUSHED_MOTOR

@@ -1,1 +1,1 @@
-"""The firmware's parameters: names, types, values, what clients upload."""
+"""The firmware's parameters: names, types, values, uploads of clients."""

@@ -1,9 +1,9 @@
-"""List the firmware's parameters that act here, with their types, stock values and sources.
+"""Table of the firmware's parameters with types, stock values and sources.
 
-Order is the order of the table of contents. "persistent" ones can be stored in the vehicle's EEPROM.
+The order is that of the table of contents. "persistent" ones can be stored in the vehicle's EEPROM.
 Sources: F = firmware. Stock values of ctrlMel.mass, massThrust and the Mellinger gains in N/m are replaced by
 those of the airframe (parameters.defaults_of), those of decks by the build (firmware.Build.decks). Some are
-kept because clients set or read them though they change nothing: stabilizer.estimator (no other estimator
+kept because clients set or read them, without effect: stabilizer.estimator (no other estimator
 here), commander.enHighLevel (nothing in F either, since 2021), flightmode.yawMode (X only), lights, the
 memory card, and what dumps or resets the processor (system).
 """
@@ -17,7 +17,7 @@ Value = float | int
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """Hold one parameter of the firmware."""
+    """One parameter of the firmware."""
 
     name: str
     """group.name"""
@@ -29,12 +29,12 @@ class Definition:
 
     @property
     def group(self) -> str:
-        """Return what stands before the dot."""
+        """Return the group, before the dot."""
         return self.name.split(".")[0]
 
     @property
     def last(self) -> str:
-        """Return what stands after the dot."""
+        """Return the name within the group, after the dot."""
         return self.name.split(".")[1]
 
 
@@ -184,4 +184,4 @@ TABLE = (
 GAINS = tuple(
     one.name for one in (*MELLINGER, *VELOCITY_PID, *VELOCITY_FEED, *POSITION_PID, *ATTITUDE_PID, *RATE_PID)
 )
-"""Those that the compiled controllers read, in the order of their columns (columns.py)."""
+"""Parameters of the compiled controllers, in the order of their columns (columns.py)."""

@@ -1,4 +1,4 @@
-"""Hold the parameter values of one vehicle, as a client sets them and the firmware reads them."""
+"""Parameter values of one vehicle, set by clients and read by the firmware."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ STIFF = ("kp_xy", "kd_xy", "ki_xy", "kp_z", "kd_z", "ki_z")
 
 
 def defaults_of(airframe: Airframe, *, auto_arming: bool) -> dict[str, Value]:
-    """Return every parameter's value after a start of the build made for an airframe."""
+    """Return the initial value of every parameter in the build for an airframe."""
     values = {one.name: one.default for one in TABLE}
     for name in STIFF:
         values[f"ctrlMel.{name}"] *= airframe.stiffness_share
@@ -25,7 +25,7 @@ def defaults_of(airframe: Airframe, *, auto_arming: bool) -> dict[str, Value]:
 
 
 class Parameters:
-    """Hold the values; `changes` counts every write, so that readers can keep what they derive."""
+    """Parameter values; `changes` counts writes, so that readers can cache derived values."""
 
     def __init__(self, airframe: Airframe, *, auto_arming: bool = True) -> None:
         self._defaults = defaults_of(airframe, auto_arming=auto_arming)
@@ -33,7 +33,7 @@ class Parameters:
         self.changes = 0
 
     def __iter__(self) -> Iterator[Definition]:
-        """Walk over the table."""
+        """Iterate over the names."""
         return iter(TABLE)
 
     def __getitem__(self, name: str) -> Value:
@@ -46,19 +46,19 @@ class Parameters:
         self.changes += 1
 
     def default(self, name: str) -> Value:
-        """Return the value after a start."""
+        """Return the initial value."""
         return self._defaults[name]
 
     def flag(self, name: str) -> bool:
-        """Return whether `group.name` is not zero."""
+        """Return whether `group.name` is nonzero."""
         return self._values[name] != 0
 
     def gains(self) -> Array:
-        """Return the row that the compiled controllers read, (columns.GAIN_WIDTH,)."""
+        """Return the row of the compiled controllers, (columns.GAIN_WIDTH,)."""
         row = [float(self._values[name]) for name in GAINS]
         return np.array([*row, float(self._values["stabilizer.controller"])])
 
 
 def _as_float32(value: Value) -> Value:
-    """Return what is left of a value in the vehicle's memory: floats have 32 bits there."""
+    """Return a value as the vehicle stores it: floats have 32 bits."""
     return value if isinstance(value, int) else float(np.float32(value))

@@ -1,4 +1,4 @@
-"""Keep what clients upload: trajectories in memory, parameters in the EEPROM."""
+"""Uploads of clients: trajectories in memory, parameters in the EEPROM."""
 
 from dataclasses import dataclass, field
 
@@ -8,7 +8,7 @@ TRAJECTORY_BYTES = 4096
 
 @dataclass(frozen=True, slots=True)
 class Uploaded:
-    """Description of an uploaded trajectory, as the client gave it."""
+    """Description of an uploaded trajectory by its client."""
 
     location: int
     kind: int
@@ -19,7 +19,7 @@ class Uploaded:
 
 @dataclass(slots=True)
 class Uploads:
-    """What clients have uploaded."""
+    """Trajectories and persistent parameters of a vehicle."""
 
     memory: bytearray = field(default_factory=lambda: bytearray(TRAJECTORY_BYTES))
     defined: dict[int, Uploaded] = field(default_factory=dict)

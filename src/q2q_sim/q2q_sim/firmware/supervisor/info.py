@@ -1,6 +1,6 @@
-"""Say what the supervisor thinks in the bits of `supervisor.info`.
+"""State of the supervisor in the bits of `supervisor.info`.
 
-Source: firmware: modules/src/supervisor.c (updateLogData), at each of its looks.
+Source: firmware: modules/src/supervisor.c (updateLogData), at each update.
 """
 
 from enum import IntFlag
@@ -11,7 +11,7 @@ from q2q_sim.firmware.supervisor.supervisor import Supervisor
 
 
 class Info(IntFlag):
-    """Name the bits."""
+    """Bits of `supervisor.info`."""
 
     CAN_BE_ARMED = 1
     ARMED = 2

@@ -1,7 +1,7 @@
-"""List the states of the firmware's supervisor, and what leads from one to the next.
+"""States and transition rules of the firmware's supervisor.
 
-Source: firmware: modules/src/supervisor_state_machine.c. Rules of a state are tried in order; the first that
-fires decides. A rule without conditions always fires.
+Source: firmware: modules/src/supervisor_state_machine.c. The rules of a state are tried in order; the first
+that fires decides. A rule without conditions always fires.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from enum import IntEnum, IntFlag
 
 
 class State(IntEnum):
-    """Name what the supervisor allows; numbers as in the firmware."""
+    """States of the supervisor; numbers as in the firmware."""
 
     NOT_INITIALIZED = 0
     CHECKS_NOT_PASSED = 1
@@ -26,7 +26,7 @@ class State(IntEnum):
 
 
 class Condition(IntFlag):
-    """Name what the supervisor looks at; bits as in the firmware."""
+    """Conditions of the rules; bits as in the firmware."""
 
     NONE = 0
     ARMED = 1
@@ -44,7 +44,7 @@ class Condition(IntFlag):
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """Say when a state is left for which."""
+    """Transition to another state with its conditions."""
 
     to: State
     if_set: Condition = Condition.NONE

@@ -1,12 +1,12 @@
-"""Watch over one vehicle, 25 times a second: arming, watchdogs, emergency stop, tumbling.
+"""Supervisor of one vehicle, at 25 Hz: arming, watchdogs, emergency stop, tumbling.
 
 Source: firmware: modules/src/supervisor.c.
 
-| number | what |
+| constant | meaning |
 |---|---|
 | LEVEL_MS | setpoint older than 0.5 s: level out, keep height or thrust (COMMANDER_WDT_TIMEOUT_STABILIZE) |
 | CUT_MS | older than 2 s: motors off, locked until a reboot (COMMANDER_WDT_TIMEOUT_SHUTDOWN) |
-| FED_MS | emergency stop watchdog, once begun, to be fed every 1 s (..._WATCHDOG_TIMEOUT) |
+| FED_MS | emergency stop watchdog, once started, to be fed every 1 s (..._WATCHDOG_TIMEOUT) |
 | FLYING_MS | a motor has run within 2 s: flying (IS_FLYING_HYSTERESIS_THRESHOLD) |
 | TILT_, OVER_ | 60 deg (acc z below 0.5 g) for 1 s, or upside down for 0.1 s: tumbled (platform_defaults.h) |
 """
@@ -28,30 +28,30 @@ LEVEL_MS, CUT_MS, FED_MS, FLYING_MS = 500, 2000, 1000, 2000
 TILT_ACC, TILT_MS, OVER_ACC, OVER_MS = 0.5, 1000, -0.2, 100
 """[g], [ms]."""
 FREE_FALL_ACC = 0.1
-"""Below this on every axis a vehicle falls, which is no tumbling [g]."""
+"""Specific force below which a vehicle falls freely, which is not tumbling [g]."""
 WORDS = {
     State.LOCKED: "SUP: Locked, reboot required\n",
     State.CRASHED: "SUP: Crashed, recovery required\n",
     State.FREE_FALL: "SUP: free falling!\n",
 }
-"""What the vehicle says on its console when it enters a state."""
+"""Console message on entering a state."""
 
 
 @dataclass(frozen=True, slots=True)
 class SupervisorInput:
-    """Hold what the supervisor sees at one of its looks."""
+    """Inputs of one update of the supervisor."""
 
     now_ms: int
     acc: Three
     """Specific force, body [g]."""
     setpoint_ms: int
-    """When the setpoint was set [ms]; the start of the firmware where setpoints are not flown."""
+    """Time of the setpoint [ms]; the start of the firmware if setpoints are not flown."""
     motors_running: bool
     """A duty is above the idle thrust."""
 
 
 class Supervisor:
-    """Hold the state, and what is remembered of arming, thrust and tumbling."""
+    """Supervisor with its state and the memory of arming, thrust and tumbling."""
 
     def __init__(self, *, auto_arming: bool) -> None:
         self.state = State.NOT_INITIALIZED
@@ -69,38 +69,38 @@ class Supervisor:
 
     @property
     def motors_may_run(self) -> bool:
-        """Return whether motors may turn."""
+        """Return whether the motors may run."""
         return self.state in MOTORS_MAY_RUN
 
     @property
     def flying(self) -> bool:
-        """Return whether the vehicle is in the air, as far as it knows."""
+        """Return whether the vehicle considers itself in the air."""
         return self.state in {State.FLYING, State.LEVEL_OUT}
 
     def stop(self) -> None:
-        """Stop the motors for good: emergency stop."""
+        """Stop the motors until a reboot: emergency stop."""
         self._stopped = True
 
     def feed(self, now_ms: int) -> None:
-        """Begin or feed the emergency stop watchdog."""
+        """Start or feed the emergency stop watchdog."""
         self._fed_ms = now_ms
 
     def request_arming(self, *, arm: bool) -> bool:
-        """Arm or disarm; return whether it was done."""
+        """Arm or disarm; return whether it was permitted."""
         if arm and not self.armed and self.state != State.CHECKS_PASSED:
             return False
         self.armed = arm
         return True
 
     def recover(self) -> bool:
-        """Forget a crash if the vehicle stands upright; return whether it is well."""
+        """Clear a crash if the vehicle is upright; return whether it has recovered."""
         if self.crashed and self.tumbled:
             return False
         self.crashed = False
         return True
 
     def update(self, look: SupervisorInput, parameters: Parameters) -> str:
-        """Look once; return what to say on the console, mostly nothing."""
+        """Update once; return a console message, usually empty."""
         state = next_state(self.state, self._conditions(look, parameters))
         if state == self.state:
             return ""
@@ -113,9 +113,9 @@ class Supervisor:
         return WORDS.get(state, "")
 
     def overridden(self, setpoint: Setpoint) -> Setpoint:
-        """Return what is flown of a setpoint in the present state.
+        """Return the setpoint as the present state permits it.
 
-        Levelling out leaves the rates of roll and pitch: Mellinger's controller goes on to follow them.
+        Levelling out keeps the rates of roll and pitch: Mellinger's controller continues to follow them.
         """
         if self.state == State.LEVEL_OUT:
             return replace(

@@ -1,8 +1,7 @@
-"""Judge how old knowledge was when it was flown on, and how soon its loss was answered.
+"""Policies on time: age of the states behind commands, time to the fallback, gaps between commands.
 
-A command counts as computed from fresh knowledge where its status is OK or SATURATED; every other status,
-and no command at all, is an action: the vehicle is flown as one that is not seen
-(q2q_control.failsafe.ladder).
+A command counts as computed from a fresh state if its status is OK or SATURATED; every other status, and a
+missing command, counts as a fallback (q2q_control.failsafe.ladder).
 """
 
 import numpy as np
@@ -18,18 +17,18 @@ ROUNDING = 1e-6
 
 
 def age(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return who was flown as usual on a state too old."""
+    """Return the vehicles flown normally on too old a state."""
     limit = circumstances.limits.fresh
     excess = np.where(_as_usual(evidence), evidence.state_age - limit - ROUNDING, np.nan)
     return worst("age", evidence, excess, (evidence.state_age, limit))
 
 
 def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return who was flown as usual though no frame had shown it for longer than an action may take.
+    """Return the vehicles flown normally though not in any frame for longer than a fallback may take.
 
-    Stamps are the only clock there is: frames of one that jumps cannot be dated, by nobody. Who is unseen
-    after a jump is so since the stamps of the jump are over. Two that are taken for each other, as after a
-    swap with which they were first seen, are seen as each other: who is missing cannot be said then.
+    Stamps are the only clock: frames with jumping stamps cannot be dated, so the time without observation
+    starts anew after a clock jump. Vehicles whose names are exchanged are observed as each other: which of
+    them is missing is unknown then.
     """
     limit = circumstances.limits.action
     if not evidence.seen.any():
@@ -44,7 +43,7 @@ def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 
 
 def silence(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the longest silence of a live controller, where it is longer than an action may take."""
+    """Return the longest gap between commands of a live controller, if longer than a fallback may take."""
     at = evidence.commanded_at
     if not evidence.live or len(at) < 2:
         return []

@@ -1,4 +1,4 @@
-"""Say which vehicles are flown blind, by commands that no state was used for, and whose sensors lie."""
+"""Vehicles flown without feedback (blind), and vehicles whose sensors have a steady error."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,32 +9,32 @@ from q2q_sim.monitors.policies.evidence import Evidence
 
 BLIND = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
 DOWN = (CommandStatus.LAND, CommandStatus.CUT)
-"""Commands that send a vehicle to the floor, whatever its setpoint says."""
+"""Commands that send a vehicle to the floor, whatever its setpoint."""
 LYING = ("jump", "swap", "clock_jump")
-"""Faults in which sensors lie so steadily that no filter can know: a marker moved is a vehicle moved."""
+"""Steady sensor errors that no filter can detect: a displaced marker looks like a displaced vehicle."""
 BELIEVED_S = 1.0
-"""How long a steady lie may be believed after it ended [s]: until the true track is believed again."""
+"""Longest time after a steady error until the true track is accepted again [s]."""
 
 Mask = NDArray[np.bool_]
 
 
 def blind(evidence: Evidence) -> Mask:
-    """Return who is flown blind at each tick, (T, n)."""
+    """Return which vehicles are flown blind at each tick, (T, n)."""
     return np.asarray(np.isin(evidence.command_status, BLIND))
 
 
 def blind_lately(evidence: Evidence, settle: float) -> Mask:
-    """Return who is flown blind at each tick, or was less than `settle` [s] before, (T, n)."""
+    """Return which vehicles are flown blind at each tick, or were less than `settle` [s] before, (T, n)."""
     return _lately(evidence, blind(evidence), settle)
 
 
 def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
-    """Return who is sent to the floor at each tick, or was less than `settle` [s] before, (T, n)."""
+    """Return which vehicles are sent to the floor, or were less than `settle` [s] before, (T, n)."""
     return _lately(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
 
 
 def lied_to(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
-    """Return whose sensors lie steadily at each tick, or did less than `after` [s] before, (T, n)."""
+    """Return which vehicles have a steady sensor error, or had less than `after` [s] before, (T, n)."""
     lied = np.zeros((len(evidence.t), len(evidence.names)), dtype=np.bool_)
     for fault in faults:
         if fault.kind in LYING:
@@ -46,7 +46,7 @@ def lied_to(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask
 
 
 def misplaced(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
-    """Return by how much the markers of vehicles are moved, or were until lately [m], (T, n)."""
+    """Return the displacement of each vehicle's markers, now or recently [m], (T, n)."""
     moved = np.zeros((len(evidence.t), len(evidence.names)))
     for fault in faults:
         if fault.kind == "jump":
@@ -55,13 +55,13 @@ def misplaced(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
 
 
 def undated(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
-    """Return the ticks whose stamps a jumping clock may have given to frames of other times, (T,)."""
+    """Return the ticks whose stamps a clock jump may have given to frames of other times, (T,)."""
     jumps = tuple(fault for fault in faults if fault.kind == "clock_jump")
     return np.asarray(lied_to(evidence, jumps, 0.0).any(axis=1))
 
 
 def misnamed(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
-    """Return who may be taken for another, as its marker was under the other's name lately, (T, n)."""
+    """Return which vehicles may be mistaken for each other after a recent swap, (T, n)."""
     return lied_to(evidence, tuple(fault for fault in faults if fault.kind == "swap"), BELIEVED_S)
 
 

@@ -1,4 +1,4 @@
-"""Judge how close vehicles come: never so close that they touch, and never in the zone by accident."""
+"""Policies on pairs: separation, and no unplanned entry into the interference zone."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from q2q_sim.monitors.policies.violations import Circumstances, Violation
 
 
 def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the pairs that came closer than allowed."""
+    """Return the pairs closer than allowed."""
     limit = circumstances.limits.separation
     found = []
     for i, j in _pairs(evidence):
@@ -23,10 +23,10 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
 
 
 def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the ordered pairs that were in the zone though their setpoints kept clear of it by `stray`.
+    """Return the ordered pairs in the zone though their setpoints clear it by `stray`.
 
-    A vehicle flown blind goes where the air takes it, and one whose marker was moved where the marker says:
-    they and their pairs are judged again `settle` later.
+    Vehicles flown blind drift, and vehicles with displaced markers follow them: their pairs are exempt until
+    `settle` later.
     """
     found = []
     settle = circumstances.limits.settle
@@ -56,7 +56,7 @@ def _between(pos: Array, i: int, j: int) -> Array:
 
 
 def _lowest(values: Array) -> int | None:
-    """Return where values are lowest; None where there are none."""
+    """Return the index of the lowest value; None without values."""
     known = np.where(np.isfinite(values), values, np.inf)
     return int(known.argmin()) if len(known) and np.isfinite(known.min()) else None
 

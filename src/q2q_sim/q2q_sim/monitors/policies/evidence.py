@@ -1,8 +1,7 @@
-"""Gather what a flight's signals say, tick by tick: what policies judge.
+"""Evidence for the policies: the signals of a flight in arrays, tick by tick.
 
-Rows are ticks, named by the stamps of `truth` where there is one, else of the first topic of the road that is
-there. A signal belongs to the tick whose stamp it carries; of several, the last counts. What is not there
-is NaN.
+Rows are ticks, with the stamps of `truth` if recorded, else of the first topic of the data flow that is. A
+signal belongs to the tick with its stamp; of several, the last counts. Missing values are NaN.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,11 +14,11 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names, index_of
 
 NAMING = ("truth", "reference", "reference_safe", "state", "command", "mocap")
-"""Topics that give ticks and names, the first that is there."""
+"""Topics that give ticks and names, in order of preference."""
 SIGHT_M = 0.1
-"""A sample as near as this to a vehicle shows it, whatever its name [m]: the paper's eps."""
+"""A sample within this distance observes the vehicle, whatever its name [m]: the paper's eps."""
 SAME_TICK = 1e-4
-"""Stamps this near are the same tick [s]: a hundredth of a tick."""
+"""Stamps closer than this are the same tick [s]: a hundredth of a tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +28,7 @@ class RecordedSignal:
     topic: str
     """Without a leading slash."""
     at: float
-    """When it was recorded [s]; in lockstep its stamp."""
+    """Time of recording [s]; in lockstep the stamp."""
     signal: Signal
 
 
@@ -43,9 +42,9 @@ class Evidence:
     true_pos: Array
     """[m], (T, n, 3)."""
     sent_pos: Array
-    """Where the controller was to fly them: reference_safe, else reference [m], (T, n, 3)."""
+    """Setpoints of the controller: reference_safe, else reference [m], (T, n, 3)."""
     seen: NDArray[np.bool_]
-    """Whether any frame with the tick's stamp had the vehicle, by name or where it truly was, (T, n)."""
+    """Whether a frame with the tick's stamp has the vehicle, by name or by true position, (T, n)."""
     state_pos: Array
     """[m], (T, n, 3)."""
     state_age: Array
@@ -61,11 +60,11 @@ class Evidence:
     command_status: Array
     """CommandStatus, (T, n)."""
     commanded_at: Array
-    """When each new command was recorded [s], (K,)."""
+    """Time of recording of each new command [s], (K,)."""
     live: bool
-    """Bag time is wall time: gaps in it are gaps."""
+    """Bag time is wall time, so that gaps count."""
     nonsense: tuple[str, ...]
-    """Signals with numbers that are none, one line each topic."""
+    """Signals with numbers that are not finite, one line for each topic."""
 
     @property
     def tick(self) -> float:
@@ -74,10 +73,10 @@ class Evidence:
 
 
 def evidence_of(heard: Iterable[RecordedSignal]) -> Evidence:
-    """Return the evidence in a flight's messages.
+    """Return the evidence from a flight's messages.
 
     Raises:
-        ValueError: nothing that names vehicles and ticks was heard.
+        ValueError: no message names vehicles and ticks.
     """
     by_topic: dict[str, list[RecordedSignal]] = {}
     for one in heard:
@@ -112,9 +111,9 @@ def evidence_of(heard: Iterable[RecordedSignal]) -> Evidence:
 
 
 def _seen(table: "_Table", frames: Sequence[Signal], true_pos: Array) -> NDArray[np.bool_]:
-    """Return who was seen, (T, n): markers that carry each other's name are still seen.
+    """Return which vehicles were observed, (T, n), also under each other's names.
 
-    Stamps are the only clock: where it jumps there are several frames of a stamp, and each of them counts.
+    After a clock jump several frames may have the same stamp; each of them counts.
     """
     seen = np.zeros(true_pos.shape[:2], dtype=np.bool_)
     while last := set(table.last(frames).values()):
@@ -126,13 +125,13 @@ def _seen(table: "_Table", frames: Sequence[Signal], true_pos: Array) -> NDArray
 
 
 class _Table:
-    """Ticks and vehicles that are the rows and columns."""
+    """Ticks and vehicles of the rows and columns."""
 
     def __init__(self, t: Array, names: Names) -> None:
         self.t, self._names = t, names
 
     def column(self, signals: Sequence[Signal], attribute: str, width: int) -> Array:
-        """Return one attribute of a topic, (T, n) or (T, n, width); NaN where there is none."""
+        """Return one attribute of a topic, (T, n) or (T, n, width); NaN where missing."""
         shape = (len(self.t), len(self._names), width)
         made = np.full(shape if width > 1 else shape[:2], np.nan)
         row_of = {k: row for row, k in self.last(signals).items()}
@@ -144,7 +143,7 @@ class _Table:
         return made
 
     def last(self, signals: Sequence[Signal]) -> dict[int, int]:
-        """Return which signal is the last of each row that has any."""
+        """Return the last signal of each row that has one."""
         stamps = np.array([signal.t for signal in signals])
         rows = np.clip(np.searchsorted(self.t, stamps - SAME_TICK), 0, len(self.t) - 1)
         mine = np.abs(self.t[rows] - stamps) <= SAME_TICK
@@ -152,7 +151,7 @@ class _Table:
 
 
 def _by_names(signals: Sequence[Signal], chosen: Iterable[int]) -> dict[Names, list[int]]:
-    """Return which of the chosen signals have the same names in the same order."""
+    """Return groups of the chosen signals with the same names in the same order."""
     found: dict[Names, list[int]] = {}
     for k in chosen:
         found.setdefault(signals[k].names, []).append(k)
@@ -166,7 +165,7 @@ _MAY_BE_INFINITE = {"age"}
 
 
 def _nonsense(topic: str, signals: Sequence[Signal]) -> str:
-    """Return what in a topic is no number, empty where all is; frames may hold NaN: what was not seen."""
+    """Return the first value of a topic that is not finite, else nothing; frames may have NaN."""
     if not signals or isinstance(signals[0], MocapFrame):
         return ""
     for attribute in signals[0].__dataclass_fields__:

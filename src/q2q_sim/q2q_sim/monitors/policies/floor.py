@@ -1,4 +1,4 @@
-"""Judge falls: no vehicle touches the floor that is sent above it."""
+"""Policy on falls: no vehicle with a setpoint above the floor touches it."""
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violatio
 
 
 def floor(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the first touch of each vehicle that was not commanded to land or cut.
+    """Return the first floor contact of each vehicle that was not commanded to land or cut.
 
-    Take-off and landing are no falls: there the setpoint itself is near the floor.
+    Take-off and landing are not falls: there the setpoint itself is near the floor.
     """
     limits = circumstances.limits
     fallen = touches(evidence, limits) & ~sent_down_lately(evidence, limits.settle)
@@ -22,7 +22,7 @@ def floor(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 
 
 def touches(evidence: Evidence, limits: Limits) -> Mask:
-    """Return who is on the floor though its setpoint is clear of it at each tick, (T, n)."""
+    """Return which vehicles are on the floor though their setpoints are above it, (T, n)."""
     on_floor = evidence.true_pos[..., 2] <= limits.floor
     sent_above = evidence.sent_pos[..., 2] > limits.take_off
     return np.asarray(on_floor & sent_above)

@@ -1,4 +1,4 @@
-"""Read the evidence off a recorded flight: what a `Flight` holds of it."""
+"""Evidence from the arrays of a `Flight`."""
 
 import numpy as np
 
@@ -10,8 +10,8 @@ from q2q_sim.monitors.policies.evidence import Evidence
 def evidence_of_flight(flight: Flight) -> Evidence:
     """Return the evidence in a flight's arrays.
 
-    Positions are the true ones, else the filtered ones. A flight keeps neither when a message was recorded
-    nor how old its states were, so the policies of age, belief and silence find nothing in it.
+    Positions are the true ones, else the filtered ones. A flight has neither recording times nor ages of
+    states, so the policies age, belief and silence do not apply.
     """
     unknown = np.full(flight.thrust.shape, np.nan)
     replanned = np.isfinite(flight.safe_pos)

@@ -1,4 +1,4 @@
-"""Judge a flight by every policy: what was broken, when, by whom, and by how much."""
+"""Check of a flight against every policy."""
 
 from collections.abc import Mapping
 
@@ -20,11 +20,11 @@ POLICIES: Mapping[str, Policy] = {
     "belief": tracking.belief,
     "return": tracking.come_back,
 }
-"""Every policy by its name."""
+"""Policies by name."""
 
 
 def judge(
     evidence: Evidence, circumstances: Circumstances, policies: Mapping[str, Policy] = POLICIES
 ) -> tuple[Violation, ...]:
-    """Return every violation of a flight, policy by policy."""
+    """Return all violations of a flight, policy by policy."""
     return tuple(found for policy in policies.values() for found in policy(evidence, circumstances))

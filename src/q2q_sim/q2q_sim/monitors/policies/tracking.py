@@ -1,4 +1,4 @@
-"""Judge where vehicles are: in the room, where their state says, and back on their way after trouble."""
+"""Policies on positions: within the room, true to the state estimate, back on the path after faults."""
 
 import numpy as np
 
@@ -10,11 +10,11 @@ from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst
 
 
 def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return who flew away from where it was sent.
+    """Return the vehicles that flew away from their setpoints.
 
-    A vehicle that lands blind is sent to the floor, up to 2 m below its setpoint in these rooms: that it is
-    lower is no straying then, nor `settle` later, on its way up again. One whose marker is moved is moved
-    with it: so much farther it may be.
+    A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower is
+    allowed then, and for `settle` after it while it climbs again. A displaced marker displaces the vehicle:
+    the allowed distance grows by as much.
     """
     limits = circumstances.limits
     off_by = evidence.true_pos - evidence.sent_pos  # (T, n, 3)
@@ -27,7 +27,7 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 
 
 def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return whose state was said to be tracked and was false."""
+    """Return the vehicles whose state was wrong under the status tracked."""
     off = np.linalg.norm(evidence.state_pos - evidence.true_pos, axis=2)
     trusted = (evidence.state_status == TrackStatus.TRACKED) & ~lied_to(
         evidence, circumstances.faults, BELIEVED_S
@@ -37,17 +37,17 @@ def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 
 
 def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return who was not back on its way once the last trouble was long enough ago."""
+    """Return the vehicles not back on their path `settle` after the last fault."""
     limits = circumstances.limits
     calm = evidence.t > last_trouble(evidence, circumstances.faults) + limits.settle
-    cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # they are on the ground, and stay there
+    cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
     off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
     excess = np.where(calm[:, None] & ~cut, off - limits.back, np.nan)
     return worst("return", evidence, excess, (off, limits.back))
 
 
 def last_trouble(evidence: Evidence, faults: tuple[Fault, ...]) -> float:
-    """Return when anything was last wrong [s]: a fault, or a command not computed; -inf for never."""
+    """Return the time of the last fault or fallback command [s]; -inf without any."""
     wrong = blind(evidence).any(axis=1)
     noted = [float(evidence.t[wrong][-1])] if wrong.any() else []
     return max([*noted, *(_end(fault) for fault in faults)], default=-np.inf)

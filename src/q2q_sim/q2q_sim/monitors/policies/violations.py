@@ -1,4 +1,4 @@
-"""Say what a policy is given besides the evidence, and what it answers."""
+"""Limits and circumstances of the policies, and their violations."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -15,55 +15,57 @@ from q2q_sim.monitors.policies.evidence import Evidence
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Hold how much is allowed."""
+    """Limits of the policies."""
 
     # two Crazyflies touch at twice 46 mm of arm and 23 mm of propeller
-    separation: float = tunable(0.14, "least distance of two vehicles", unit="m", low=0.0)
+    separation: float = tunable(0.14, "smallest distance of two vehicles", unit="m", low=0.0)
     # a Crazyflie's legs reach 20 mm below its rotors
-    floor: float = tunable(0.02, "height at which a vehicle touches the floor", unit="m", low=0.0)
-    take_off: float = tunable(0.1, "height of setpoints from which on a touch is a fall", unit="m", low=0.0)
-    stray: float = tunable(
-        0.3, "how clear setpoints are of the zone where vehicles must not be in it", unit="m", low=0.0
+    floor: float = tunable(0.02, "height of a vehicle on the floor", unit="m", low=0.0)
+    take_off: float = tunable(
+        0.1, "height of setpoints above which floor contact is a fall", unit="m", low=0.0
     )
-    stray_room: float = tunable(1.5, "farthest from its setpoint", unit="m", low=0.0)
-    # DisturbanceParams: rotors of real vehicles give up to 1.03 of what is asked; commands are exact
+    stray: float = tunable(
+        0.3, "clearance of setpoints from the zone for which vehicles must stay out of it", unit="m", low=0.0
+    )
+    stray_room: float = tunable(1.5, "largest distance from the setpoint", unit="m", low=0.0)
+    # DisturbanceParams: real rotors give up to 1.03 of the commanded thrust; commands are exact
     thrust_slack: float = tunable(1e-9, "thrust beyond its bounds", unit="N", low=0.0)
     tilt_max: float = tunable(0.36, "largest commanded angle to the vertical", unit="rad", low=0.0)
-    fresh: float = tunable(0.05, "oldest state of a command that calls itself computed", unit="s", low=0.0)
-    # the issue: the safe action within 60 ms of the fault; the firmware's watchdog waits 500 ms
-    action: float = tunable(0.06, "fault to action", unit="s", low=0.0)
-    belief: float = tunable(0.10, "error of a state said to be tracked", unit="m", low=0.0)
-    settle: float = tunable(3.5, "from the last trouble to the return", unit="s", low=0.0)
+    fresh: float = tunable(0.05, "largest age of the state behind a computed command", unit="s", low=0.0)
+    # requirement: fallback within 60 ms of the fault; the firmware's watchdog waits 500 ms
+    action: float = tunable(0.06, "from the fault to the fallback", unit="s", low=0.0)
+    belief: float = tunable(0.10, "error of a state with status tracked", unit="m", low=0.0)
+    settle: float = tunable(3.5, "from the last fault to the return", unit="s", low=0.0)
     back: float = tunable(0.25, "distance from the reference after the return", unit="m", low=0.0)
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
 @dataclass(frozen=True, slots=True)
 class Circumstances:
-    """Hold what the evidence itself cannot say."""
+    """Circumstances of a flight that the evidence does not contain."""
 
     vehicle: Vehicle = CRAZYFLIE_2_0
     zone: Zone = field(default_factory=Cylinder)
     faults: tuple[Fault, ...] = ()
-    """Those that were injected, where known."""
+    """Injected faults, if known."""
     limits: Limits = field(default_factory=Limits)
 
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """Hold the worst moment of one policy's breach by one vehicle or pair."""
+    """Worst violation of one policy by one vehicle or pair."""
 
     policy: str
     who: str
     t: float
-    """When it was worst [s]."""
+    """Time of the worst value [s]."""
     value: float
     """How bad."""
     limit: float
-    """What is allowed, in the same unit."""
+    """Limit, in the same unit."""
 
     def __str__(self) -> str:
         """Return one line."""
