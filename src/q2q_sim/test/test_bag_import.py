@@ -126,8 +126,8 @@ def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureF
     for file, out, said in (
         ("none.csv", "bag", "no flight at"),
         ("flight.txt", "bag", "neither .parquet nor .csv"),
-        ("words.csv", "bag", "is no table of numbers"),
-        ("cut.parquet", "bag", "is no table of numbers"),
+        ("words.csv", "bag", "is not a table of numbers"),
+        ("cut.parquet", "bag", "is not a table of numbers"),
         ("good.csv", "there", "exists already"),
     ):
         assert main([str(tmp_path / file), "--out", str(tmp_path / out)]) == 1

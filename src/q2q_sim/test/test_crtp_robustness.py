@@ -66,7 +66,7 @@ def test_senseless_setpoints_are_refused_with_a_word_and_the_old_one_stays(groun
         assert vehicle.handle(bad) == []
     assert vehicle.firmware.commander.setpoint == before
     assert vehicle.refusals.count == 6
-    assert "nothing listens" in vehicle.refusals.last
+    assert "not served" in vehicle.refusals.last
 
 
 def test_a_probe_is_answered_and_makes_no_client(grounded: Pilot) -> None:

@@ -1,4 +1,4 @@
-"""Say what was remade as JSON, as one HTML page and as a PDF."""
+"""Reproduced numbers and figures as JSON, as one HTML page and as a PDF."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -29,13 +29,13 @@ HEAD = ("number", "where", "paper", "ours", "ratio", "unit", "why they differ")
 ROWS_A_PAGE = 18
 """Rows of a PDF page."""
 NOTE_WIDTH = 92
-"""Characters of a note that stand on one line of a page."""
+"""Characters of a note on one line of a page."""
 A4_WIDE = (11.7, 8.3)
 """[inch]"""
 
 
 def as_json(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> Json:
-    """Return {"rows": [...]}, one a number."""
+    """Return {"rows": [...]}, one for each number."""
     found = values(outcomes)
     return {
         "rows": [
