@@ -1,13 +1,13 @@
-"""Unit quaternion in 32 bits: its three smallest components with 10 bits each.
+"""Unit quaternions in 32 bits: the three smallest of their parts, 10 bits each.
 
-Source: firmware: modules/interface/quatcompress.h. Two bits give the index of the largest component, which is
-made positive (q and -q are one attitude) and follows from the unit norm; each other has a sign and 9 bits of
-|component| sqrt 2. The error of a component is at most 1 / (2 * 511 * sqrt 2) = 0.0007.
+Source: firmware: modules/interface/quatcompress.h. Two bits name the largest part, which is made positive (q
+and -q are one attitude) and follows from the length; each other part has a sign and 9 bits of |part| sqrt 2.
+An error of a part is at most 1 / (2 * 511 * sqrt 2) = 0.0007.
 """
 
 import math
 
-from q2q_sim.firmware.commander.setpoint import Four
+Four = tuple[float, float, float, float]
 
 _TOP = (1 << 9) - 1
 
