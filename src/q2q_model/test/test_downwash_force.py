@@ -94,6 +94,7 @@ def test_r2_is_one_for_the_law_that_pushed_and_zero_for_none():
     push = eta_along(MEASURED_LAW, made.motion)[:, 0, 2]
     samples = [lower_of(record(rel, push))]
     assert score(MEASURED_LAW, samples).r2_exposed == pytest.approx(1.0, abs=1e-12)
+    assert score(MEASURED_LAW, samples).r2_ahead_20ms == pytest.approx(1.0, abs=1e-12)
     assert score(NoInteraction(), samples).r2_exposed == 0.0
     assert score(MEASURED_LAW, samples).n == int((np.abs(rel[:, 1]) < 0.15).sum())
 
@@ -254,6 +255,8 @@ def test_feed_forward_on_is_predicted_too():
     found = score(jet, [one for name in chosen for one in flights[name]])
     assert found.r2_exposed is not None
     assert found.r2_exposed >= 0.80
+    assert found.r2_ahead_20ms is not None
+    assert found.r2_ahead_20ms >= 0.93
     assert LOG_MASS == 0.032
     within = [_within_band(jet, one) for name in chosen for one in flights[name] if one.exposed.any()]
     assert 0.93 <= np.concatenate(within).mean() <= 0.97  # of 95 %: 0.944 over the whole family

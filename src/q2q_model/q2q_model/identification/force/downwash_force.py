@@ -13,16 +13,19 @@ recorded flights of two and three Crazyflies (data of Neural-Swarm2, T-RO 2021) 
 | upper | usable, a neighbour at dxy < 0.1 m and -0.8 < dz < -0.15 m, none above within 0.3 m |
 
     R2 = 1 - mean((y - eta)^2) / mean(y^2)  over exposed rows, pooled over flights
+
+R2 20 ms ahead is the same with y^ of q2q_model.identification.force.residual in place of eta.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.identification.force.along_flight import Motion, eta_felt
+from q2q_model.identification.force.residual import predicted_residual
 from q2q_model.signals.values import Array, Names
 
 FLOOR = 0.3
@@ -72,6 +75,8 @@ class ForceScore:
     """Mean of y over upper rows [m/s^2]."""
     n: int
     """Number of exposed rows."""
+    r2_ahead_20ms: float | None = None
+    """R2 of the prediction 20 ms ahead, with the residual known by then."""
 
 
 def force_samples(record: ForceRecord) -> list[ForceSamples]:
@@ -91,11 +96,22 @@ def score(model: InteractionModel, samples: Sequence[ForceSamples]) -> ForceScor
     """Return the score of a model, pooled over samples."""
     exposed = [one for one in samples if one.exposed.any()]
     y = [one.y[one.exposed] for one in exposed]
-    misses = [
-        one.y[one.exposed] - eta_felt(model, one.motion, one.vehicle, np.nonzero(one.exposed)[0])[:, 2]
-        for one in exposed
+    residuals = [residual_of(model, one) for one in exposed]
+    misses = [residual[one.exposed] for one, residual in zip(exposed, residuals, strict=True)]
+    ahead = [
+        (residual - predicted_residual(one.motion.t, residual, one.usable))[one.exposed]
+        for one, residual in zip(exposed, residuals, strict=True)
     ]
-    return pooled(y, misses, samples)
+    found = pooled(y, misses, samples)
+    return replace(found, r2_ahead_20ms=pooled(y, ahead, samples).r2_exposed)
+
+
+def residual_of(model: InteractionModel, one: ForceSamples) -> Array:
+    """Return y - eta [m/s^2], (T,); 0 in rows that are not usable."""
+    rows = np.nonzero(one.usable)[0]
+    residual = np.zeros(len(one.y))
+    residual[rows] = one.y[rows] - eta_felt(model, one.motion, one.vehicle, rows)[:, 2]
+    return residual
 
 
 def pooled(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[ForceSamples]) -> ForceScore:
