@@ -16,7 +16,8 @@ from q2q_control.explicit.teacher import Teacher, seen
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_downwash
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
+from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
@@ -79,7 +80,7 @@ def _stacked(pairs: int) -> Flight:
 
 def _milliseconds(mpc: Mpc, flight: Flight) -> Array:
     """Return how long each tick took [ms], the first ones, which compile, left out."""
-    mpc.preview = flight.preview
+    mpc.follow(flight.preview)
     taken = []
     for tick in flight.ticks:
         start = perf_counter()
@@ -126,7 +127,9 @@ def _problem() -> LqProblem:
     reference[0, :, 2], reference[1, :, 2], reference[1, :, 1] = 1.5, 2.0, 0.1 - 0.05 * times
     axis = np.tile([0.0, 0.0, 1.0], (2, stages, 1))
     path = np.ascontiguousarray(reference[..., :3].transpose(1, 0, 2))
-    downwash = predict_downwash(PAPER_LAW, Tracks(times, path, axis, np.ones(2), 0), SlopeRule((2,), 10.0))
+    downwash = predict_downwash(
+        PAPER_LAW, Tracks(times, path, axis, np.ones((2, stages)), 0), SlopeRule((2,), 10.0)
+    )
     start = np.zeros((2, 3, 3))
     start[:, 2, 0] = [1.49, 2.0]
     high = np.full((2, 3), 6.6 / 0.65 - 9.81)

@@ -11,14 +11,15 @@ from itertools import product
 import numpy as np
 from fresh_checkout import ROOT
 
-from q2q_control.explicit.distillation import Syllabus, distil, policy_of
+from q2q_control.explicit.distillation import DistillationParams, distil, policy_of
 from q2q_control.explicit.encounter_flight import fly as fly_encounters
 from q2q_control.explicit.encounter_flight import teacher_policy
-from q2q_control.explicit.explicit_solver import explicit_controller
+from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.situations import random_encounters
 from q2q_control.explicit.teacher import Teacher
-from q2q_control.inputs.preview import made_up_preview
+from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.compiled import COMPILED, idle
 from q2q_model.files.find_model import find_model
 from q2q_model.identification.identification import ProcedureParams, identify
@@ -102,12 +103,13 @@ def controlled_explicitly(heard: RecordedSignal) -> None:
     rng = np.random.default_rng(0)
     known = find_model("paper_law").interaction
     teacher = Teacher(MpcParams(), TEXTBOOK_065, known, TEXTBOOK_065.thrust_max)
-    law = distil(teacher, Syllabus(situations=20, encounters=2, length=10, iterations=5), rng)
+    law = distil(teacher, DistillationParams(situations=20, encounters=2, length=10, iterations=5), rng)
     shown = random_encounters(3, 20, teacher.params.step, rng)
     for policy in (policy_of(law, teacher), teacher_policy(teacher)):
         fly_encounters(shown, policy, teacher)
-    block = explicit_controller(law, teacher.params, teacher.vehicle, teacher.model)
-    block.preview = made_up_preview(SHORT_ROOM.names)
+    setup = MpcSetup(solver=explicit_solver(law))
+    block = Mpc(teacher.params, teacher.vehicle, teacher.model, setup)
+    block.follow(resting_preview(SHORT_ROOM.names))
     for tick in heard:
         state, reference = tick["state"], tick["reference_safe"]
         assert isinstance(state, SwarmState)

@@ -6,19 +6,23 @@ import pytest
 from q2q_control.disturbance.observer import correct
 from q2q_control.inputs.preview import between
 from q2q_control.mpc.chain import ChainWeights, chain
-from q2q_control.mpc.group_solve import solve_group
+from q2q_control.mpc.group_solve import Group, solve_group
 from q2q_control.mpc.horizon_solver import groups_of
 from q2q_control.mpc.prediction.downwash_horizon import (
+    SlopeRule,
+    predict_downwash,
+)
+from q2q_control.mpc.prediction.downwash_stages import (
     DELTA,
     FAINT,
     DownwashHorizon,
-    SlopeRule,
     Tracks,
-    predict_downwash,
+    bounding_boxes,
+    sum_downwash,
+    within_reach,
 )
-from q2q_control.mpc.prediction.downwash_stages import extent, gather, meeting
-from q2q_control.mpc.problem.horizon import Horizon
-from q2q_control.mpc.problem.input_bounds import FALL, bounds_of
+from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.solver.chain_sweep import sweep, sweep_free, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
@@ -38,7 +42,7 @@ def stacked_tracks(n: int, seed: int) -> Tracks:
     pos = np.cumsum(rng.normal(size=(times.size, n, 3)) * 0.01, axis=0)
     pos[..., 2] += 0.4 * np.arange(n)
     axis = np.tile([0.0, 0.0, 1.0], (n, STAGES, 1))
-    return Tracks(times, pos, axis, rng.uniform(0.5, 1.0, n), 5, rng.uniform(0.8, 1.2, (n, STAGES)))
+    return Tracks(times, pos, axis, rng.uniform(0.4, 1.2, (n, STAGES)), 5)
 
 
 def horizon_of(n: int, seed: int) -> Horizon:
@@ -69,7 +73,7 @@ def downwash_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array
     within = np.hypot(now[:, 0], now[:, 1]) <= model.reach.horizontal
     within &= np.abs(now[:, 2]) <= model.reach.vertical
     counts = within.any() and np.abs(law).max() > FAINT
-    share = (tracks.trust[j] * tracks.strength[j])[:, None]
+    share = tracks.weight[j][:, None]
     return law * share, (above - below) / (2.0 * DELTA) * share, bool(counts)
 
 
@@ -96,10 +100,12 @@ def test_downwashs_are_those_of_numpy_pair_by_pair(model: Jet, n: int):
 
 def test_who_meets_is_the_same_compiled_and_plain():
     path, (i, j) = stacked_tracks(5, 1).pos, np.nonzero(~np.eye(5, dtype=np.bool_))
-    assert np.array_equal(meeting(path, (i, j), (0.1, 0.6)), meeting.py_func(path, (i, j), (0.1, 0.6)))
-    assert 0 < meeting(path, (i, j), (0.1, 0.6)).sum() < i.size
+    assert np.array_equal(
+        within_reach(path, (i, j), (0.1, 0.6)), within_reach.py_func(path, (i, j), (0.1, 0.6))
+    )
+    assert 0 < within_reach(path, (i, j), (0.1, 0.6)).sum() < i.size
     middle = 0.5 * (path[1:] + path[:-1])
-    centre, half = extent(path)
+    centre, half = bounding_boxes(path)
     assert np.array_equal(centre, 0.5 * (middle.min(axis=0) + middle.max(axis=0)))
     assert np.allclose(half, 0.5 * (middle.max(axis=0) - middle.min(axis=0)).max(axis=0), atol=1e-15)
 
@@ -107,10 +113,11 @@ def test_who_meets_is_the_same_compiled_and_plain():
 def test_a_law_that_is_no_number_at_one_stage_counts_nothing():
     law = np.full((3, 1, STAGES, 3), -1.0)
     law[0, 0, 4, 2] = np.nan
-    pair, eta, slope = (np.array([0]), np.array([1])), np.zeros((2, STAGES, 3)), np.zeros((1, STAGES, 3, 3))
-    rules = (np.array([2]), DELTA, FAINT, 10.0)
-    assert not gather(law, pair, rules, np.ones((2, STAGES)), (eta, slope)).any()
-    assert not eta.any()
+    downwash = DownwashHorizon(
+        np.zeros((2, STAGES, 3)), np.array([0]), np.array([1]), np.zeros((1, STAGES, 3, 3))
+    )
+    assert not sum_downwash(law, np.ones((2, STAGES)), np.array([2]), 10.0, downwash).any()
+    assert not downwash.eta.any()
 
 
 def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
@@ -122,8 +129,8 @@ def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
     guess = rng.integers(0, 3, (n, STAGES, 3)).astype(np.int8)
     pos, inputs = np.full((n, STAGES + 1, 3), np.nan), np.full((n, STAGES, 3), np.nan)
     pattern = np.zeros((n, STAGES, 3), np.int8)
-    slopes = (downwash.i, downwash.j, downwash.slope)
-    used, converged, finite = solve_group((shape, group), horizon, slopes, (guess, pos, inputs, pattern), 30)
+    solution = HorizonSolution(pos, inputs, pattern, np.zeros(n, np.int8), 0)
+    used, converged, finite = solve_group(Group(shape, group, 30), horizon, downwash, guess, solution)
     start = np.stack([guess[v, :, axis] for v in group for axis in (0, 2)], axis=1)
     apart = solve(joint_problem(shape, group, horizon, downwash), start, 30)
     assert (used, converged, finite) == (apart.iterations, apart.converged, True)
@@ -137,14 +144,22 @@ def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
 def test_all_free_chains_swept_at_once_are_those_swept_one_by_one():
     n, horizon, rng = 3, horizon_of(3, 4), np.random.default_rng(5)
     free, gains = rng.random((n, 3)) < 0.7, (sweep_gains(MODELS[0]), sweep_gains(MODELS[2]))
-    at_once = np.zeros((n, STAGES + 1, 3)), np.zeros((n, STAGES, 3))
-    singly = np.zeros((n, STAGES + 1, 3)), np.zeros((n, STAGES, 3))
+    at_once, singly = (
+        HorizonSolution(
+            np.zeros((n, STAGES + 1, 3)),
+            np.zeros((n, STAGES, 3)),
+            np.zeros((n, STAGES, 3), np.int8),
+            np.zeros(n, np.int8),
+            0,
+        )
+        for _ in range(2)
+    )
     crossing = sweep_free(horizon, free, gains, at_once)
     for v, axis in np.argwhere(free):
         inside = sweep(horizon, (np.array([v]), np.array([axis])), gains[int(axis == 2)], singly)
         assert crossing[v, axis] == (not inside[0])
-    assert np.array_equal(at_once[0], singly[0])
-    assert np.array_equal(at_once[1], singly[1])
+    assert np.array_equal(at_once.pos, singly.pos)
+    assert np.array_equal(at_once.inputs, singly.inputs)
     assert not crossing[~free].any()
 
 
@@ -159,7 +174,7 @@ def test_groups_are_what_pairs_join_together():
 
 def test_bounds_are_thrust_tilt_and_weight():
     quat = np.random.default_rng(6).normal(size=(5, 4)) * 0.2
-    low, high = bounds_of(quat, (2.0, 14.0))
+    low, high = input_bounds(quat, AccelerationLimits(2.0, 14.0))
     upright = 1.0 - 2.0 * (quat[:, 0] ** 2 + quat[:, 1] ** 2)
     assert np.array_equal(high, np.column_stack([np.full((5, 2), 2.0), 14.0 * upright - GRAVITY]))
     assert np.array_equal(low[:, :2], -high[:, :2])

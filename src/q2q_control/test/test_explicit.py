@@ -10,34 +10,37 @@ import numpy as np
 import pytest
 
 from q2q_control.explicit.c_export import c_source
-from q2q_control.explicit.distillation import Syllabus, distil, policy_of
+from q2q_control.explicit.distillation import DistillationParams, distil, policy_of
 from q2q_control.explicit.encounter_flight import fly, teacher_policy
-from q2q_control.explicit.explicit_solver import explicit_controller
-from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, look
+from q2q_control.explicit.explicit_solver import explicit_solver
+from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, features
 from q2q_control.explicit.law import (
     ExplicitLaw,
     evaluate,
     evaluate_one,
     from_text,
-    packed,
-    scratch_of,
+    gains_table,
     to_text,
+    weights_of,
+    workspace_of,
 )
 from q2q_control.explicit.situations import random_encounters, random_situations
-from q2q_control.explicit.teacher import Teacher, answers, downwash_between, seen
+from q2q_control.explicit.teacher import Teacher, downwash_between, pair_horizon, solve_situations
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_downwash
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
+from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.mpc.solver.chain_sweep import sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
-from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
+from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
 
 PARAMS = MpcParams(latency=0.0, thrust_limited=True)
 TEACHER = Teacher(PARAMS, TEXTBOOK_065, PAPER_LAW, 6.6)
-SHORT = Syllabus(situations=2000, encounters=40, length=60, layers=(16, 10), iterations=200)
+SHORT = DistillationParams(situations=2000, encounters=40, length=60, layers=(16, 10), iterations=200)
 """A tenth of what is asked where the law is to fly."""
 
 
@@ -49,7 +52,7 @@ def taught() -> ExplicitLaw:
 def random_law(seed: int = 0) -> ExplicitLaw:
     rng = np.random.default_rng(seed)
     return ExplicitLaw(
-        gains=sweep_gains(TEACHER.chain),
+        gains=gains_table(sweep_gains(TEACHER.chain)),
         bounds=np.array([-1.0, 0.5]),
         mean=rng.normal(size=WIDTH) * 0.1,
         scale=rng.uniform(0.5, 2.0, WIDTH),
@@ -60,20 +63,23 @@ def random_law(seed: int = 0) -> ExplicitLaw:
     )
 
 
+def flown_by(law: ExplicitLaw, params: MpcParams, vehicle: Vehicle = TEXTBOOK_065) -> Mpc:
+    return Mpc(params, vehicle, PAPER_LAW, MpcSetup(solver=explicit_solver(law)))
+
+
 def pairs(count: int, seed: int) -> PairHorizon:
-    return seen(random_situations(count, PARAMS.step, np.random.default_rng(seed)), TEACHER)
+    return pair_horizon(random_situations(count, PARAMS.step, np.random.default_rng(seed)), TEACHER)
 
 
-def rows_of(pair: PairHorizon) -> list[tuple[Array, ...]]:
-    return [tuple(np.ascontiguousarray(part[k]) for part in pair) for k in range(len(pair.push))]
+def rows_of(pair: PairHorizon) -> list[PairHorizon]:
+    return [PairHorizon(*(np.ascontiguousarray(part[k]) for part in pair)) for k in range(len(pair.push))]
 
 
 def test_compiled_and_plain_evaluation_agree():
     law, pair = random_law(), pairs(80, 1)
-    weights, sizes = packed(law)
-    singly = [evaluate_one(weights, sizes, row, scratch_of(law)) for row in rows_of(pair)]
+    singly = [evaluate_one(weights_of(law), row, workspace_of(law)) for row in rows_of(pair)]
     assert np.allclose(singly, evaluate(law, pair), atol=1e-11)
-    gate = look(pair, law.gains, 0.5).gate
+    gate = features(pair, law.chain, 0.5).gate
     assert (
         (gate > 0.1) & (np.array(singly) > -1.0) & (np.array(singly) < 0.5)
     ).sum() > 5  # the network counts
@@ -128,7 +134,7 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
     model, stages = TEACHER.chain, PARAMS.steps
     shape = group_shape(2, (2,), (model, model, model), stages)
     shape = shape._replace(terminal=PARAMS.terminal * shape.terminal)
-    said = answers(asked, TEACHER)
+    said = solve_situations(asked, TEACHER)
     times, axis = np.arange(stages + 1) * PARAMS.step, np.tile([0.0, 0.0, 1.0], (2, stages, 1))
     bound = np.array([[0.0, 0.0, TEACHER.bounds[1]]] * 2)
     for k in range(20):
@@ -138,7 +144,9 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
         start[:, 2, 1] += (path[:, 1, 2] - path[:, 0, 2]) / PARAMS.step
         reference[..., 5] = start[:, 2, 1, None] - asked.states[k, :, 1, None]
         for _ in range(2):
-            tracks = Tracks(times, np.ascontiguousarray(path.transpose(1, 0, 2)), axis, np.ones(2), 0)
+            tracks = Tracks(
+                times, np.ascontiguousarray(path.transpose(1, 0, 2)), axis, np.ones((2, stages)), 0
+            )
             downwash = predict_downwash(PAPER_LAW, tracks, SlopeRule((2,), PARAMS.slope_max))
             push = downwash.eta.copy()
             push[..., 2] += asked.extra[k]
@@ -173,7 +181,7 @@ def test_where_no_bound_is_met_the_law_is_the_optimum():
     calm = Teacher(PARAMS, TEXTBOOK_065, PAPER_LAW, 12.0)
     asked = random_situations(200, PARAMS.step, np.random.default_rng(7))
     law = distil(calm, replace(SHORT, situations=200), np.random.default_rng(8))
-    off = evaluate(law, seen(asked, calm)) - answers(asked, calm).inputs[:, 0]
+    off = evaluate(law, pair_horizon(asked, calm)) - solve_situations(asked, calm).inputs[:, 0]
     # slopes are not in the linear law: downwash changes by 1 m/s^2 a metre, errors of cm pass within 0.2 s
     assert np.percentile(np.abs(off), 95) < 0.02
     assert not law.last.any()
@@ -182,10 +190,12 @@ def test_where_no_bound_is_met_the_law_is_the_optimum():
 def test_a_distilled_law_answers_unseen_situations_better_than_its_linear_part():
     law = taught()
     asked = random_situations(500, PARAMS.step, np.random.default_rng(9))
-    truth = np.clip(answers(asked, TEACHER).inputs[:, 0], *TEACHER.bounds)
+    truth = np.clip(solve_situations(asked, TEACHER).inputs[:, 0], *TEACHER.bounds)
     straight = replace(law, linear=np.zeros_like(law.linear), last=np.zeros_like(law.last))
-    gate = look(seen(asked, TEACHER), law.gains, float(law.bounds[1])).gate > 0.1
-    full, part = (np.std((evaluate(one, seen(asked, TEACHER)) - truth)[gate]) for one in (law, straight))
+    gate = features(pair_horizon(asked, TEACHER), law.chain, float(law.bounds[1])).gate > 0.1
+    full, part = (
+        np.std((evaluate(one, pair_horizon(asked, TEACHER)) - truth)[gate]) for one in (law, straight)
+    )
     assert full < 0.6 * part
 
 
@@ -198,7 +208,7 @@ def test_in_unseen_encounters_the_law_costs_at_most_five_percent_more_than_the_h
 
 
 def test_a_vehicle_alone_hovers_and_a_broken_state_is_survived():
-    flown = explicit_controller(random_law(), PARAMS, TEXTBOOK_065, PAPER_LAW)
+    flown = flown_by(random_law(), PARAMS)
     state, setpoint, downwash = alone()
     assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(0.65 * GRAVITY)
     broken = replace(state, t=0.01, pos=np.full((1, 3), np.nan))
@@ -208,7 +218,7 @@ def test_a_vehicle_alone_hovers_and_a_broken_state_is_survived():
 
 def test_a_bound_below_hover_and_a_reference_out_of_reach_are_survived():
     low = replace(random_law(), bounds=np.array([-9.0, 6.0 / 0.65 - GRAVITY]))
-    flown = explicit_controller(low, replace(PARAMS, thrust_max=6.0), TEXTBOOK_065, PAPER_LAW)
+    flown = flown_by(low, replace(PARAMS, thrust_max=6.0))
     state, setpoint, downwash = alone()
     assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(6.0)
     far = replace(setpoint, t=0.01, pos=np.array([[0.0, 0.0, 100.0]]))
@@ -221,7 +231,9 @@ def test_a_bound_below_hover_and_a_reference_out_of_reach_are_survived():
 
 def test_a_law_of_another_vehicle_or_horizon_is_refused():
     with pytest.raises(ValueError, match="another vehicle's"):
-        explicit_controller(random_law(), PARAMS, CRAZYFLIE_2_0, PAPER_LAW)
+        flown_by(random_law(), PARAMS, CRAZYFLIE_2_0)
+    with pytest.raises(ValueError, match="another vehicle's"):
+        flown_by(random_law(), PARAMS).configure(replace(PARAMS, bandwidth_z=4.0))
     with pytest.raises(ValueError, match="steps = 20"):
         Teacher(replace(PARAMS, steps=20), TEXTBOOK_065, PAPER_LAW, 6.6)
 

@@ -3,8 +3,9 @@
 import numpy as np
 
 from q2q_control.inputs.alignment import align
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_downwash
-from q2q_control.mpc.prediction.surroundings import Surroundings
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
+from q2q_control.mpc.prediction.downwash_stages import Tracks
+from q2q_control.mpc.prediction.surroundings import Future, Surroundings
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import GRAVITY
@@ -13,19 +14,18 @@ PAIR = ("cf1", "cf2")
 STAGES = 4
 
 
-def tracks_of(loading: float, lift: float) -> Tracks:
-    """Return the tracks of a hovering pair whose upper vehicle pushes up with `lift` [m/s^2] more."""
+def tracks_of(loading: float, climb_acc: float) -> Tracks:
+    """Return the tracks of a hovering pair whose upper vehicle accelerates upwards by `climb_acc` [m/s^2]."""
     pos = np.array([[0.0, 0.0, 1.0], [0.03, 0.0, 1.5]])
     zero, flag, level = np.zeros((2, 3)), np.zeros(2, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     state = SwarmState(0.0, PAIR, pos, zero, level, zero, np.zeros(2), flag)
     setpoint = SwarmSetpoint(0.0, PAIR, pos, zero, zero, np.zeros(2), np.zeros(2), flag)
     inputs = np.zeros((2, STAGES, 3))
-    inputs[1, :, 2] = lift
+    inputs[1, :, 2] = climb_acc
     times = 0.05 * np.arange(STAGES + 1)
     path = np.repeat(pos[:, None], STAGES + 1, axis=1)
-    surroundings = Surroundings()
-    surroundings.loading = loading
-    return surroundings.tracks(align(state, setpoint, None), state, (times, path, inputs), 0.0)
+    future = Future(times, path, inputs)
+    return Surroundings(span=0.0, loading=loading).tracks(align(state, setpoint, None), state, future)
 
 
 def test_a_downwash_grows_with_its_sources_thrust_as_far_as_the_loading_says():

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from q2q_control.inputs.preview import SampledPreview
+from q2q_control.mpc.group_solve import Modes
+from q2q_control.mpc.horizon_solver import InTime, horizon_solver
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, Tracks, predict_downwash
-from q2q_control.mpc.prediction.predictions import Predictions
-from q2q_control.mpc.receding import Mpc
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Tracks
+from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
@@ -24,7 +27,7 @@ from q2q_model.signals.values import (
     SwarmState,
     TrackStatus,
 )
-from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
+from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065, Vehicle
 
 DT = 0.01
 """The house's tick [s]."""
@@ -111,9 +114,7 @@ def hover(names: Names = ("cf1",)) -> SampledPreview:
 
 
 def controller(params: MpcParams, preview: SampledPreview, model: InteractionModel = PAPER_LAW) -> Mpc:
-    mpc = Mpc(params, TEXTBOOK_065, model)
-    mpc.preview = preview
-    return mpc
+    return Mpc(params, TEXTBOOK_065, model, MpcSetup(preview=preview))
 
 
 def rms(errors: Array) -> Array:
@@ -160,11 +161,22 @@ def test_a_weak_battery_leaves_no_offset():
 @pytest.mark.parametrize(("mode", "moves"), [("vertical", False), ("full", True)])
 def test_a_full_problem_may_step_aside_and_a_vertical_one_does_not(mode: str, moves: bool):
     preview = pass_over(speed=0.05, start=0.2)
-    mpc = controller(replace(IDEAL, mode=mode), preview)
-    Air(preview).fly(mpc, 350)
-    assert mpc.told is not None
-    straight = preview.at(PAIR, mpc.told.times)[..., :2]
-    assert bool(np.abs(mpc.told.pos[..., :2] - straight).max() > 1e-3) is moves
+    aside: list[float] = []
+
+    class Recorded:
+        def __init__(self, params: MpcParams, vehicle: Vehicle) -> None:
+            self._solver = horizon_solver(params, vehicle)
+
+        def solve(
+            self, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, in_time: InTime
+        ) -> HorizonSolution:
+            solution = self._solver.solve(horizon, downwash, guess, in_time)
+            aside.append(float(np.abs(solution.pos[..., :2] - horizon.reference[..., :2]).max()))
+            return solution
+
+    setup = MpcSetup(preview=preview, solver=Recorded)
+    Air(preview).fly(Mpc(replace(IDEAL, mode=mode), TEXTBOOK_065, PAPER_LAW, setup), 350)
+    assert (aside[-1] > 1e-3) is moves
 
 
 def test_the_predicted_downwashs_are_those_that_come_with_their_delay():
@@ -183,7 +195,9 @@ def test_the_predicted_downwashs_are_those_that_come_with_their_delay():
     times = np.concatenate([past, 2.0 + when])
     pos = glide.at(PAIR, times)[..., :3].transpose(1, 0, 2)
     axis = np.tile([0.0, 0.0, 1.0], (2, when.size - 1, 1))
-    found = predict_downwash(model, Tracks(times, pos, axis, np.ones(2), past.size), SlopeRule((2,), 10.0))
+    found = predict_downwash(
+        model, Tracks(times, pos, axis, np.ones((2, middles.size)), past.size), SlopeRule((2,), 10.0)
+    )
     # the predictor goes by samples 5 ms apart: a peak 0.05 m wide at 0.25 m/s bends by 1e-4
     assert np.abs(found.eta[0].T - exact).max() < 1e-3 * np.abs(exact).max()
     assert np.abs(exact).max() > 0.1
@@ -193,7 +207,7 @@ def test_slopes_are_the_derivative_of_the_downwash():
     rel = np.array([0.03, 0.02, 0.5])
     pos = np.zeros((5, 2, 3))
     pos[:, 1] = rel
-    tracks = Tracks(np.arange(5) * 0.05, pos, np.tile([0.0, 0.0, 1.0], (2, 4, 1)), np.ones(2), 0)
+    tracks = Tracks(np.arange(5) * 0.05, pos, np.tile([0.0, 0.0, 1.0], (2, 4, 1)), np.ones((2, 4)), 0)
     downwash = predict_downwash(PAPER_LAW, tracks, SlopeRule((0, 1, 2), 100.0))
     row = int(np.flatnonzero(downwash.i == 0)[0])
     for axis in range(3):
@@ -203,19 +217,18 @@ def test_slopes_are_the_derivative_of_the_downwash():
         assert np.allclose(downwash.slope[row, 0, :, axis], (up - down) / 2e-5, rtol=1e-3, atol=1e-6)
 
 
-def test_neighbours_of_another_controller_count_as_they_say_or_straight_on():
+def test_vehicles_of_another_controller_are_extrapolated_at_constant_velocity():
     preview = pass_over()
     state, setpoint, downwash = first_tick(preview, 300)
     own = SampledPreview(("cf1",), 0.0, DT, preview.samples[:1])
-    mpc = Mpc(IDEAL, TEXTBOOK_065, PAPER_LAW, ("cf1",))
-    mpc.preview = own
+    mpc = Mpc(IDEAL, TEXTBOOK_065, PAPER_LAW, MpcSetup(("cf1",), preview=own))
     straight = mpc.update(state, setpoint, downwash)
     assert mpc.report.pairs == 2  # it feels and is felt
     assert straight.names == ("cf1",)
-    away = Predictions(("cf2",), np.array([3.0, 9.0]), np.full((1, 2, 3), 50.0))
+    vel = state.vel.copy()
+    vel[1, 0] = 50.0  # out of reach within the first stage
     mpc.reset()
-    mpc.hear(away)
-    mpc.update(state, setpoint, downwash)
+    mpc.update(replace(state, vel=vel), setpoint, downwash)
     assert mpc.report.pairs == 0
 
 
@@ -235,8 +248,7 @@ def test_a_solve_that_comes_too_late_is_replaced_by_the_shifted_plan_then_by_the
         left[0] -= 1
         return left[0] >= 0
 
-    mpc = Mpc(IDEAL, TEXTBOOK_065, PAPER_LAW, in_time=in_time)
-    mpc.preview = preview
+    mpc = Mpc(IDEAL, TEXTBOOK_065, PAPER_LAW, MpcSetup(in_time=in_time, preview=preview))
     said = []
 
     def spoil(k: int, state: SwarmState) -> SwarmState:

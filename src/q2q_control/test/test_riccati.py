@@ -6,8 +6,8 @@ from scipy.linalg import expm
 from scipy.optimize import lsq_linear, minimize
 
 from q2q_control.mpc.chain import ChainWeights, chain, transition
-from q2q_control.mpc.prediction.downwash_horizon import DownwashHorizon
-from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.problem.horizon import Horizon, blank_solution
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
 from q2q_control.mpc.solver.chain_sweep import sweep, sweep_gains
@@ -151,24 +151,24 @@ def test_the_last_pattern_as_a_guess_needs_one_recursion():
 def test_the_sweep_of_separate_chains_equals_the_general_recursion():
     rng = np.random.default_rng(5)
     asked = horizon(rng, 4, 40, 100.0)
-    pos, inputs = np.empty((4, 41, 3)), np.empty((4, 40, 3))
+    swept = blank_solution(4, 40)
     vehicles, axes = np.arange(4), np.full(4, 2)
-    inside = sweep(asked, (vehicles, axes), sweep_gains(MODELS[2]), (pos, inputs))
+    inside = sweep(asked, (vehicles, axes), sweep_gains(MODELS[2]), swept)
     shape = group_shape(1, (2,), MODELS, 40)
     none = DownwashHorizon(np.zeros((4, 40, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros((0, 40, 3, 3)))
     assert inside.all()
     for v in range(4):
         answer = solve(joint_problem(shape, np.array([v]), asked, none))
-        assert np.allclose(inputs[v, :, 2], answer.inputs[:, 0], atol=1e-10)  # rounding of 40 steps
-        assert np.allclose(pos[v, :, 2], answer.states[:, 0], atol=1e-10)
+        assert np.allclose(swept.inputs[v, :, 2], answer.inputs[:, 0], atol=1e-10)  # rounding of 40 steps
+        assert np.allclose(swept.pos[v, :, 2], answer.states[:, 0], atol=1e-10)
 
 
 def test_the_sweep_tells_which_chains_cross_a_bound():
     rng = np.random.default_rng(6)
     asked = horizon(rng, 6, 40, 3.0)
-    pos, inputs = np.empty((6, 41, 3)), np.empty((6, 40, 3))
-    inside = sweep(asked, (np.arange(6), np.full(6, 2)), sweep_gains(MODELS[2]), (pos, inputs))
-    assert np.array_equal(inside, np.abs(inputs[:, :, 2]).max(axis=1) <= 3.0)
+    swept = blank_solution(6, 40)
+    inside = sweep(asked, (np.arange(6), np.full(6, 2)), sweep_gains(MODELS[2]), swept)
+    assert np.array_equal(inside, np.abs(swept.inputs[:, :, 2]).max(axis=1) <= 3.0)
     assert 0 < inside.sum() < 6
 
 

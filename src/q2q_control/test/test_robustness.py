@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from q2q_control.disturbance.tracker import TrackerParams
-from q2q_control.explicit.distillation import Syllabus, distil
-from q2q_control.explicit.explicit_solver import explicit_controller
+from q2q_control.explicit.distillation import DistillationParams, distil
+from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.law import ExplicitLaw
 from q2q_control.explicit.teacher import Teacher
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.jet import Jet
@@ -109,20 +109,17 @@ def built(kind: str, case: Case, preview: SampledPreview) -> Controller:
     params = MpcParams(
         latency=0.0, thrust_limited=True, thrust_max=case.thrust_max, observe=kind != "mpc without observer"
     )
-    mpc = (
-        explicit_controller(law(case.model, case.thrust_max), params, TEXTBOOK_065, case.model)
-        if kind == "explicit"
-        else Mpc(params, TEXTBOOK_065, case.model)
-    )
-    mpc.preview = preview
-    return mpc
+    setup = MpcSetup(preview=preview)
+    if kind == "explicit":
+        setup = replace(setup, solver=explicit_solver(law(case.model, case.thrust_max)))
+    return Mpc(params, TEXTBOOK_065, case.model, setup)
 
 
 @lru_cache(maxsize=8)
 def law(model: Jet, thrust_max: float) -> ExplicitLaw:
-    """Return the law of what is believed: only where its bound is met there is something to learn."""
+    """Return the law distilled with the believed model and bound."""
     params = MpcParams(latency=0.0, thrust_limited=True, thrust_max=thrust_max)
-    short = Syllabus(situations=2000, encounters=40, length=60, layers=(16, 10), iterations=200)
+    short = DistillationParams(situations=2000, encounters=40, length=60, layers=(16, 10), iterations=200)
     return distil(Teacher(params, TEXTBOOK_065, model, thrust_max), short, np.random.default_rng(0))
 
 

@@ -1,10 +1,10 @@
-"""Write the explicit law as one C99 file for the vehicle's own processor: no library but tanhf, no heap.
+"""Export of the explicit law to one C99 file for the vehicle's own processor: tanhf only, no heap.
 
     float q2q_explicit(const float states[2][3], const float push[2][N], const float slope[2][N]);
 
 Returns the vertical acceleration command less the reference's [m/s^2]. Inputs are those of
-q2q_control.explicit.features.PairHorizon; all that the law looks at is worked out of them here. Single
-precision: a Cortex-M4 has no other.
+q2q_control.explicit.features.PairHorizon; the features are computed from them. Single precision: a Cortex-M4
+has no other.
 """
 
 import numpy as np

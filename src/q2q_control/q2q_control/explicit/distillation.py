@@ -1,11 +1,11 @@
-"""Distil the receding horizon into the explicit law: ask it at many places, fit what it answers.
+"""Distillation of the receding horizon into the explicit law: dataset aggregation and fit.
 
-Asked are random situations; then, since a law that is flown visits places of its own, those that the teacher
-visits in encounters, and those that the law so found visits (Ross, Gordon, Bagnell, DAgger, 2011). Every
-answer teaches twice: each vehicle of a pair is the first once.
+The training set starts with random situations. Since a flown law visits situations of its own, those that the
+teacher visits in encounters are added, then those that the fitted law visits (Ross, Gordon, Bagnell, DAgger,
+2011). Every solution is used twice, with either vehicle of the pair as the first.
 
-Fit: where the gate is open, all weights together by L-BFGS on the mean squared error of the cut output. A
-vehicle that no bound stops has nothing to learn: the linear law is its optimum.
+Fit: where the gate is open, all weights together by L-BFGS on the mean squared error of the clipped output. A
+vehicle that meets no bound contributes nothing: the linear law is its optimum.
 """
 
 from dataclasses import dataclass, replace
@@ -15,24 +15,24 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from q2q_control.explicit.encounter_flight import Policy, fly, teacher_policy
-from q2q_control.explicit.features import WIDTH, Features, look
-from q2q_control.explicit.law import ExplicitLaw, evaluate
+from q2q_control.explicit.features import WIDTH, Features, features
+from q2q_control.explicit.law import ExplicitLaw, evaluate, gains_table
 from q2q_control.explicit.situations import Situations, random_encounters, random_situations
-from q2q_control.explicit.teacher import Teacher, answers, seen
+from q2q_control.explicit.teacher import Teacher, pair_horizon, solve_situations
 from q2q_control.mpc.solver.chain_sweep import sweep_gains
 from q2q_model.signals.values import Array
 
 Single = NDArray[np.float32]
 
-OPEN = 1e-3
-"""A gate less open than this teaches nothing [-]."""
+GATE_MIN = 1e-3
+"""Least gate of a sample that is fitted [-]."""
 FEWEST = 100
-"""With fewer lessons the network stays silent."""
+"""With fewer samples the network is not fitted: its output is 0."""
 
 
 @dataclass(frozen=True, slots=True)
-class Syllabus:
-    """Sizes of the training set and of the fit."""
+class DistillationParams:
+    """Sizes of the training set, the network and the fit."""
 
     situations: int = 20000
     encounters: int = 250
@@ -43,63 +43,64 @@ class Syllabus:
 
 
 @dataclass(frozen=True, slots=True)
-class Lessons:
-    """Features of the law and the accelerations it should give [m/s^2], (K,)."""
+class TrainingSet:
+    """K samples of the teacher."""
 
-    seen: Features
-    said: Array
+    features: Features
+    commands: Array
+    """Clipped accelerations [m/s^2], (K,)."""
 
 
-def distil(teacher: Teacher, syllabus: Syllabus, rng: np.random.Generator) -> ExplicitLaw:
-    """Return the law that answers as the teacher does."""
+def distil(teacher: Teacher, params: DistillationParams, rng: np.random.Generator) -> ExplicitLaw:
+    """Return the law that reproduces the teacher's commands."""
     step = teacher.params.step
-    law = _untaught(teacher, syllabus.layers, rng)
-    asked = [random_situations(syllabus.situations, step, rng)]
-    if not _meets_bounds(law, asked[0], teacher):
+    law = _initial_law(teacher, params.layers, rng)
+    situations = [random_situations(params.situations, step, rng)]
+    if not _meets_bounds(law, situations[0], teacher):
         return law
     for by_law in (False, True):
-        shown = random_encounters(syllabus.encounters, syllabus.length, step, rng)
+        encounters = random_encounters(params.encounters, params.length, step, rng)
         policy = policy_of(law, teacher) if by_law else teacher_policy(teacher)
-        asked.append(fly(shown, policy, teacher, lambda shape: _gusts(shape, rng)).visited)
-        law = fitted(law, lessons(asked, teacher), syllabus.iterations)
+        situations.append(fly(encounters, policy, teacher, lambda shape: _gusts(shape, rng)).visited)
+        law = fitted(law, training_set(situations, teacher), params.iterations)
     return law
 
 
-def _meets_bounds(law: ExplicitLaw, asked: Situations, teacher: Teacher) -> bool:
-    gates = look(seen(asked, teacher), law.gains, float(law.bounds[1])).gate
-    return bool(np.count_nonzero(gates > OPEN) >= FEWEST)
+def _meets_bounds(law: ExplicitLaw, situations: Situations, teacher: Teacher) -> bool:
+    gates = features(pair_horizon(situations, teacher), law.chain, float(law.bounds[1])).gate
+    return bool(np.count_nonzero(gates > GATE_MIN) >= FEWEST)
 
 
 def policy_of(law: ExplicitLaw, teacher: Teacher) -> Policy:
     """Return the law as a policy: each vehicle of a pair by itself."""
 
-    def policy(asked: Situations) -> Array:
-        pair = seen(asked, teacher)
+    def policy(situations: Situations) -> Array:
+        pair = pair_horizon(situations, teacher)
         return np.stack([evaluate(law, pair), evaluate(law, pair.swapped())], axis=1)
 
     return policy
 
 
-def lessons(asked: list[Situations], teacher: Teacher) -> Lessons:
-    """Return what is to be learned of situations, each vehicle of a pair the first once."""
+def training_set(situations: list[Situations], teacher: Teacher) -> TrainingSet:
+    """Return the samples of situations, with either vehicle of a pair as the first."""
     gains, (low, high) = sweep_gains(teacher.chain), teacher.bounds
-    looks, said = [], []
-    for some in asked:
-        pair, inputs = seen(some, teacher), answers(some, teacher).inputs
-        looks += [look(pair, gains, high), look(pair.swapped(), gains, high)]
-        said += [inputs[:, 0], inputs[:, 1]]
-    whole = (np.concatenate([getattr(one, name) for one in looks]) for name in Features.__slots__)
-    return Lessons(Features(*whole), np.clip(np.concatenate(said), low, high))
+    samples, commands = [], []
+    for some in situations:
+        pair, inputs = pair_horizon(some, teacher), solve_situations(some, teacher).inputs
+        samples += [features(pair, gains, high), features(pair.swapped(), gains, high)]
+        commands += [inputs[:, 0], inputs[:, 1]]
+    whole = (np.concatenate([getattr(one, name) for one in samples]) for name in Features.__slots__)
+    return TrainingSet(Features(*whole), np.clip(np.concatenate(commands), low, high))
 
 
-def fitted(law: ExplicitLaw, taught: Lessons, iterations: int) -> ExplicitLaw:
-    """Return the law with weights fitted to lessons, from its own weights on."""
-    on = taught.seen.gate > OPEN
-    x, gate, base = (_single(getattr(taught.seen, name)[on]) for name in Features.__slots__)
+def fitted(law: ExplicitLaw, samples: TrainingSet, iterations: int) -> ExplicitLaw:
+    """Return the law with weights fitted to samples, starting at its own weights."""
+    on = samples.features.gate > GATE_MIN
+    x, gate, base = (_single(getattr(samples.features, name)[on]) for name in Features.__slots__)
     law = replace(
         law, mean=np.mean(x, axis=0, dtype=np.float64), scale=np.std(x, axis=0, dtype=np.float64) + 1e-6
     )
-    data = (_single((x - law.mean) / law.scale), gate, base, _single(taught.said[on]))
+    data = _FitData(_single((x - law.mean) / law.scale), gate, base, _single(samples.commands[on]))
     shapes = [part.shape for part in _weights(law)]
     start = np.concatenate([part.ravel() for part in _weights(law)])
 
@@ -113,15 +114,15 @@ def fitted(law: ExplicitLaw, taught: Lessons, iterations: int) -> ExplicitLaw:
 
 
 def _single(values: Array) -> Single:
-    """Return single precision: fits twice as quickly, and is what the vehicle has."""
+    """Return single precision: it fits twice as fast, and is that of the vehicle's processor."""
     return np.asarray(values, dtype=np.float32)
 
 
-def _untaught(teacher: Teacher, layers: tuple[int, int], rng: np.random.Generator) -> ExplicitLaw:
-    """Return the linear law: the network says 0."""
+def _initial_law(teacher: Teacher, layers: tuple[int, int], rng: np.random.Generator) -> ExplicitLaw:
+    """Return the linear law: the network's output is 0."""
     h1, h2 = layers
     return ExplicitLaw(
-        gains=sweep_gains(teacher.chain),
+        gains=gains_table(sweep_gains(teacher.chain)),
         bounds=np.array(teacher.bounds),
         mean=np.zeros(WIDTH),
         scale=np.ones(WIDTH),
@@ -133,7 +134,7 @@ def _untaught(teacher: Teacher, layers: tuple[int, int], rng: np.random.Generato
 
 
 def _gusts(shape: tuple[int, ...], rng: np.random.Generator) -> Array:
-    """Return what throws one vehicle pair in ten off its path at a stage."""
+    """Return disturbances that hit one vehicle pair in ten at a stage."""
     hit = rng.random((shape[0], 1, 1)) < 0.1
     return np.asarray(rng.normal(size=shape) * [0.004, 0.02, 0.0] * hit)
 
@@ -147,20 +148,29 @@ def _split(flat: Array, shapes: list[tuple[int, ...]]) -> list[Array]:
     return [part.reshape(shape) for part, shape in zip(np.split(flat, ends[:-1]), shapes, strict=True)]
 
 
-def _loss(
-    weights: list[Single], data: tuple[Single, Single, Single, Single], bounds: Array
-) -> tuple[float, Array]:
-    """Return the mean squared error of the cut output, and its gradient."""
+@dataclass(frozen=True, slots=True)
+class _FitData:
+    """Samples whose gate is open, (K,), in single precision."""
+
+    z: Single
+    """Scaled features, (K, WIDTH)."""
+    gate: Single
+    base: Single
+    command: Single
+
+
+def _loss(weights: list[Single], data: _FitData, bounds: Array) -> tuple[float, Array]:
+    """Return the mean squared error of the clipped output, and its gradient."""
     linear, first, second, last = weights
-    z, gate, base, said = data
+    z, gate = data.z, data.gate
     low, high = _single(bounds)
     one = np.tanh(z @ first[:, :-1].T + first[:, -1])
     two = np.tanh(one @ second[:, :-1].T + second[:, -1])
-    raw = base + gate * (z @ linear[:-1] + linear[-1] + two @ last)
-    off = np.clip(raw, low, high) - said
-    # beyond a bound only an error towards the inside counts: the cut hides the rest
+    raw = data.base + gate * (z @ linear[:-1] + linear[-1] + two @ last)
+    off = np.clip(raw, low, high) - data.command
+    # beyond a bound only an error towards the inside counts: clipping hides the rest
     open_ = ((raw > low) | (off > 0.0)) & ((raw < high) | (off < 0.0))
-    back = (2.0 / len(said)) * off * open_ * gate
+    back = (2.0 / len(data.command)) * off * open_ * gate
     by_two = back[:, None] * last * (1.0 - two**2)
     by_one = (by_two @ second[:, :-1]) * (1.0 - one**2)
     gradient = [

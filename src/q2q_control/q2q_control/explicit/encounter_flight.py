@@ -1,11 +1,11 @@
-"""Fly encounters in the height of both vehicles, stage by stage, many at once, and say what they cost.
+"""Simulation of encounters in the height of both vehicles, many at once, and their cost.
 
-The plant is the teacher's: its chain, its downwash where the vehicles truly are, nothing unknown. The cost is
-the stage cost of the receding horizon, on what really happened:
+The plant is the teacher's: its chain, its downwash at the true positions, no disturbance. The cost is the
+stage cost of the receding horizon on the simulated motion:
 
     J = mean over stages of  sum over both of  e^2 + R (u + p)^2 + S (u - a)^2
 
-So a law and the receding horizon are compared by what the latter minimises.
+So a law and the receding horizon are compared by the cost that the latter minimises.
 """
 
 from collections.abc import Callable
@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.explicit.situations import Encounters, Situations
-from q2q_control.explicit.teacher import Teacher, answers, downwash_between
+from q2q_control.explicit.teacher import Teacher, downwash_between, solve_situations
 from q2q_model.signals.values import Array
 
 Policy = Callable[[Situations], Array]
-"""Answers K situations by commands (K, 2) [m/s^2]."""
+"""Map from K situations to commands (K, 2) [m/s^2]."""
 Nudges = Callable[[tuple[int, ...]], Array]
-"""Return what disturbs states of a shape (E, 2, 3) from outside [SI]."""
+"""Map from the shape (E, 2, 3) of states to disturbances of them [SI]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +34,12 @@ class EncounterFlight:
 
 
 def teacher_policy(teacher: Teacher) -> Policy:
-    """Return the receding horizon as a policy; it linearises along what it predicted a stage before."""
+    """Return the receding horizon as a policy; it linearises along its prediction of the stage before."""
     kept: list[Array] = []
 
-    def policy(asked: Situations) -> Array:
+    def policy(situations: Situations) -> Array:
         last = np.concatenate([kept[0][..., 1:], kept[0][..., -1:]], axis=-1) if kept else None
-        found = answers(asked, teacher, last)
+        found = solve_situations(situations, teacher, last)
         kept[:] = [found.errors]
         return found.inputs
 
@@ -49,19 +49,19 @@ def teacher_policy(teacher: Teacher) -> Policy:
 def fly(
     encounters: Encounters, policy: Policy, teacher: Teacher, nudges: Nudges = np.zeros
 ) -> EncounterFlight:
-    """Return a flight of all encounters, each from its references but for `nudges`."""
+    """Return a flight of all encounters, each starting on its references apart from `nudges`."""
     model, (low, high) = teacher.chain, teacher.bounds
     effort, jerk = model.input_weight
     count = len(encounters.paths)
     states, costs, visited = nudges((count, 2, 3)), [], []
     for k in range(encounters.length):
-        asked = encounters.ahead(states, k)
-        u = np.clip(policy(asked), low, high)
-        eta, _ = downwash_between(asked.paths[:, :, :2], states[..., :1], teacher)
-        push = eta[..., 0] + asked.extra[..., 0]
+        now = encounters.ahead(states, k)
+        u = np.clip(policy(now), low, high)
+        eta, _ = downwash_between(now.paths[:, :, :2], states[..., :1], teacher)
+        push = eta[..., 0] + now.extra[..., 0]
         stage = states[..., 0] ** 2 + effort * (u + push) ** 2 + jerk * (u - states[..., 2]) ** 2
         costs.append(stage.sum(axis=1))
-        visited.append(asked)
+        visited.append(now)
         states = (
             states @ model.transition.T + u[..., None] * model.input_gain + push[..., None] * model.push_gain
         )

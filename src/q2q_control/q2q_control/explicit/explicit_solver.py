@@ -1,28 +1,25 @@
-"""Answer a tick's horizon by the explicit law, in place of the solver of q2q_control.mpc.horizon_solver.
+"""Explicit law in place of the solver of q2q_control.mpc.horizon_solver.
 
-All else is the receding horizon's: where vehicles are when a command acts, what pushes along the horizon,
-fallbacks. Chains are swept without bounds; the height of each vehicle is then the law's, which looks at it
-and at the neighbour whose downwash changes most with their heights. A vehicle that no downwash touches gets a
-neighbour on whom nothing acts. So the law needs a vehicle's own state, its neighbour's and both references:
-distributed, no solver.
+Everything else is the receding horizon's: latency, downwash along the horizon, fallbacks. All chains are
+swept without bounds; the first command along z is then the law's, of the vehicle and the neighbour whose
+downwash is most sensitive to their heights. A vehicle without downwash gets a neighbour that nothing pushes.
+The law thus needs a vehicle's own state, its neighbour's and both references: it is distributed and needs no
+solver.
 """
-
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.explicit.features import STAGES
-from q2q_control.explicit.law import ExplicitLaw, evaluate_all, packed, scratch_of
-from q2q_control.mpc.chain import ChainWeights, chain
+from q2q_control.explicit.features import STAGES, PairHorizon
+from q2q_control.explicit.law import ExplicitLaw, evaluate_all, gains_table, weights_of, workspace_of
+from q2q_control.mpc.chain import axis_chains
+from q2q_control.mpc.horizon_solver import InTime
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import DownwashHorizon
-from q2q_control.mpc.prediction.present import axis_lags
-from q2q_control.mpc.problem.horizon import SOLVED, Horizon, HorizonSolution
-from q2q_control.mpc.receding import Mpc
-from q2q_control.mpc.solver.chain_sweep import sweep, sweep_gains
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
+from q2q_control.mpc.receding import SolverFactory
+from q2q_control.mpc.solver.chain_sweep import ChainGains, sweep, sweep_gains
 from q2q_model.compiled import compiled
-from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 
@@ -32,84 +29,69 @@ Rows = NDArray[np.intp]
 class ExplicitSolver:
     """Explicit law with its work arrays."""
 
-    def __init__(self, law: ExplicitLaw, side: Array) -> None:
-        """Answer heights by `law`; `side` are the gains (`sweep_gains`) of the chains of x and y."""
-        self._gains = (side, law.gains)
-        self._weights, self._sizes = packed(law)
-        self._scratch = scratch_of(law)
+    def __init__(self, law: ExplicitLaw, side: ChainGains) -> None:
+        """Command heights by `law`; `side` are the gains of the chains of x and y."""
+        self._gains = (side, side, law.chain)
+        self._weights, self._work = weights_of(law), workspace_of(law)
 
     def solve(
-        self,
-        horizon: Horizon,
-        downwash: DownwashHorizon,
-        guess: NDArray[np.int8],
-        in_time: Callable[[], bool],
+        self, horizon: Horizon, downwash: DownwashHorizon, guess: NDArray[np.int8], in_time: InTime
     ) -> HorizonSolution:
-        """Return the answer; there is nothing to start from and nothing that could be late."""
+        """Return the solution; guess and time budget are not needed."""
         del guess, in_time
         n = len(horizon.push)
-        answer = HorizonSolution(
-            pos=np.empty((n, STAGES + 1, 3)),
-            inputs=np.empty((n, STAGES, 3)),
-            pattern=np.zeros((n, STAGES, 3), np.int8),
-            ended=np.full(n, SOLVED, np.int8),
-            iterations=1,
-        )
-        everyone = np.arange(n)
-        for axis, gains in zip((0, 1, 2), (self._gains[0], *self._gains), strict=True):
-            sweep(horizon, (everyone, np.full(n, axis)), gains, (answer.pos, answer.inputs))
-        answer.inputs[:, 0, 2] = self._lifts(horizon, downwash)
-        np.clip(answer.inputs, horizon.low[:, None], horizon.high[:, None], out=answer.inputs)
-        # the next downwash is looked up where the vehicles are now: so the law was taught
-        answer.pos[..., 2] = (
+        solution = blank_solution(n, STAGES)
+        rows = np.arange(n)
+        for axis, gains in enumerate(self._gains):
+            sweep(horizon, (rows, np.full(n, axis)), gains, solution)
+        solution.inputs[:, 0, 2] = self._first_commands(horizon, downwash)
+        np.clip(solution.inputs, horizon.low[:, None], horizon.high[:, None], out=solution.inputs)
+        # the next downwash is predicted along paths parallel to the references, as in the law's training
+        solution.pos[..., 2] = (
             horizon.reference[..., 2] + (horizon.start[:, 2, 0] - horizon.reference[:, 0, 2])[:, None]
         )
-        return answer
+        return solution
 
-    def _lifts(self, horizon: Horizon, downwash: DownwashHorizon) -> Array:
+    def _first_commands(self, horizon: Horizon, downwash: DownwashHorizon) -> Array:
         """Return each vehicle's first command along z [m/s^2], (n,)."""
         ref = horizon.reference
         states = horizon.start[:, 2] - np.stack([ref[:, 0, 2], ref[:, 0, 5], np.zeros(len(ref))], axis=1)
         push = horizon.push[..., 2] - ref[:, :-1, 8]
-        other, slope = _neighbours(downwash, len(ref))
+        vertical = np.ascontiguousarray(downwash.slope[..., 2, 2])
+        other, slope = neighbours((downwash.i, downwash.j), vertical, len(ref))
         known = (other >= 0)[:, None]
-        pairs = (
+        pairs = PairHorizon(
             np.stack([states, np.where(known, states[other], 0.0)], axis=1),
             np.stack([push, np.where(known, push[other], 0.0)], axis=1),
             slope,
         )
-        lifts = evaluate_all(self._weights, self._sizes, pairs, self._scratch)
-        return np.asarray(ref[:, 0, 8] + lifts)
+        return np.asarray(ref[:, 0, 8] + evaluate_all(self._weights, pairs, self._work))
 
 
-def explicit_controller(
-    law: ExplicitLaw, params: MpcParams, vehicle: Vehicle, model: InteractionModel
-) -> Mpc:
-    """Return a receding horizon that is answered by `law`.
+def explicit_solver(law: ExplicitLaw) -> SolverFactory:
+    """Return the solver of an Mpc that commands heights by `law`.
 
-    Raises:
-        ValueError: the law was distilled for another vehicle, other weights or another horizon.
+    It raises ValueError for a vehicle, weights or a horizon other than those of the law.
     """
-    z, xy = ChainWeights(params.bandwidth_z, params.jerk), ChainWeights(params.bandwidth_xy, params.jerk)
-    lags = axis_lags(params, vehicle)
-    own = sweep_gains(chain(lags[2], params.step, z))
-    if params.steps != STAGES or not np.allclose(own, law.gains, rtol=1e-6):
-        raise ValueError("the explicit law is another vehicle's, or of other weights: distil it for these")
-    controller = Mpc(params, vehicle, model)
-    controller.solver = ExplicitSolver(law, sweep_gains(chain(lags[0], params.step, xy)))
-    return controller
 
+    def solver(params: MpcParams, vehicle: Vehicle) -> ExplicitSolver:
+        side, _, z = axis_chains(params, vehicle)
+        if params.steps != STAGES or not np.allclose(gains_table(sweep_gains(z)), law.gains, rtol=1e-6):
+            raise ValueError(
+                "the explicit law is another vehicle's, or of other weights: distil it for these"
+            )
+        return ExplicitSolver(law, sweep_gains(side))
 
-def _neighbours(downwash: DownwashHorizon, n: int) -> tuple[Rows, Array]:
-    """Return each vehicle's neighbour or -1, (n,), and the slopes of both interactions, (n, 2, N)."""
-    other, both = neighbours((downwash.i, downwash.j, np.ascontiguousarray(downwash.slope[..., 2, 2])), n)
-    return other, both
+    return solver
 
 
 @compiled
-def neighbours(downwash: tuple[Rows, Rows, Array], n: int) -> tuple[Rows, Array]:
-    """The same of (i, j (pairs,), vertical slopes (pairs, N)): who answers most if heights change."""
-    i, j, slope = downwash
+def neighbours(pairs: tuple[Rows, Rows], slope: Array, n: int) -> tuple[Rows, Array]:
+    """Return each vehicle's neighbour of strongest slope, or -1, (n,), and the slopes both ways, (n, 2, N).
+
+    `slope` (pairs, N) is the vertical one.
+    """
+    i, j = pairs
     other, strongest = np.full(n, -1), np.zeros(n)
     both = np.zeros((n, 2, slope.shape[1]))
     for pair in range(i.size):

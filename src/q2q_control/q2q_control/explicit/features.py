@@ -1,27 +1,26 @@
-"""Say what the explicit law looks at: a pair's states, what will push both, and what the bound takes away.
+"""Features of the explicit law: a pair's states, the pushes on both, and the excess beyond the bound.
 
-Heights are errors from the references, so all that is left of a reference is a push:
+Heights are errors from the references, so a reference enters through its acceleration only:
 
-    e'' = a + p,   p = eta + d - r''_ref           eta along the paths as they are off their references now
+    e'' = a + p,   p = eta + d - r''_ref           eta along paths parallel to the references
 
 Where no bound is met on the horizon, the optimum is the linear law of each chain: the central region of an
-explicit MPC (Bemporad, Morari, Dua, Pistikopoulos, Automatica 38, 2002). Rolled out, it says where a bound
+explicit MPC (Bemporad, Morari, Dua, Pistikopoulos, Automatica 38, 2002). Its roll-out shows where a bound
 will be met:
 
     u_k                             unbounded optimum of each chain (q2q_control.mpc.solver.chain_sweep)
-    c_k  = max(u_k - high, 0)       what the bound takes away
+    c_k  = max(u_k - high, 0)       excess beyond the bound
     gate = C / (C + SOFT),   C = max of c_k over the horizon and both vehicles
     x    = (e, e', a, mean p, mean c of the first, the same of the second, mean G of both), means over windows
 
-One vehicle is the first, its neighbour the second; each of a pair looks with itself as the first. The
-neighbour matters because it may make room: G says how much that brings.
+Each vehicle of a pair evaluates the law with itself as the first and its neighbour as the second. The
+neighbour matters because it may evade: G is the benefit of that.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | e e' a | states | height error [m], climb error [m/s], acceleration by thrust [m/s^2] |
-| p | push | downwash, disturbance and minus the reference's acceleration, a stage each [m/s^2] |
-| G | slope | what downwash changes by if its source is higher above [1/s^2] |
-| o | offsets | what a chain's unbounded optimum does about the pushes alone [m/s^2] |
+| p | push | downwash, disturbance and minus the reference's acceleration of each stage [m/s^2] |
+| G | slope | change of downwash with the height of its source above [1/s^2] |
 """
 
 from dataclasses import dataclass
@@ -30,23 +29,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_control.mpc.solver.chain_sweep import ChainGains
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
 STAGES = 40
 """Of the horizon."""
 EDGES = (0, 1, 2, 4, 7, 10, 14, 18, 23, 28, 34, STAGES)
-"""Windows of pushes, in stages: narrow where the law must act."""
+"""Windows of pushes, in stages: narrow in the near future."""
 SLOPE_EDGES = (0, 4, 14, STAGES)
 """Windows of slopes."""
 WINDOWS, SLOPES = len(EDGES) - 1, len(SLOPE_EDGES) - 1
 OWN = 3 + 2 * WINDOWS
-"""Numbers of one vehicle."""
+"""Features of one vehicle."""
 WIDTH = 2 * (OWN + SLOPES)
-"""Numbers the law looks at."""
+"""Features of a pair."""
 SOFT = 0.05
-"""What a bound takes away where half of the network's answer counts [m/s^2]: a sixth of the paper's room."""
-_B, _FEEDBACK, _QUX, _PUSH_AHEAD, _PUSH, _SCALARS, _A, _P = 0, 1, 2, 3, 5, 6, 7, 10
+"""Excess at which the gate is half open [m/s^2]: a sixth of the paper's thrust margin."""
 
 
 class PairHorizon(NamedTuple):
@@ -66,7 +65,7 @@ class PairHorizon(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Features:
-    """Features that the law sees of pairs."""
+    """Features of pairs."""
 
     x: Array
     """(..., WIDTH)"""
@@ -76,33 +75,31 @@ class Features:
     """The first vehicle's unbounded optimum now [m/s^2], (...,)."""
 
 
-def look(pair: PairHorizon, gains: Array, high: float) -> Features:
-    """Return what the law sees: the plain form; `gains` are those of `sweep_gains`."""
-    wanted = _unbounded(pair.states, pair.push, gains)
-    cut = np.maximum(wanted - high, 0.0)
-    most = cut.max(axis=(-1, -2))
-    own = np.concatenate([pair.states, _means(pair.push, EDGES), _means(cut, EDGES)], axis=-1)
+def features(pair: PairHorizon, gains: ChainGains, high: float) -> Features:
+    """Return the features of pairs; `high` is the upper bound of the command [m/s^2]."""
+    unbounded = _unbounded(pair.states, pair.push, gains)
+    excess = np.maximum(unbounded - high, 0.0)
+    most = excess.max(axis=(-1, -2))
+    own = np.concatenate([pair.states, _means(pair.push, EDGES), _means(excess, EDGES)], axis=-1)
     slopes = _means(pair.slope, SLOPE_EDGES)
     parts = [own[..., 0, :], own[..., 1, :], slopes[..., 0, :], slopes[..., 1, :]]
-    return Features(np.concatenate(parts, axis=-1), most / (most + SOFT), wanted[..., 0, 0])
+    return Features(np.concatenate(parts, axis=-1), most / (most + SOFT), unbounded[..., 0, 0])
 
 
-def _unbounded(states: Array, push: Array, gains: Array) -> Array:
+def _unbounded(states: Array, push: Array, gains: ChainGains) -> Array:
     """Return the unbounded optimum of each chain, rolled out, (..., N)."""
-    a, p = gains[_A : _A + 3], gains[_P : _P + 3]
-    quu, effort = gains[_SCALARS, :2]
     stages = push.shape[-1]
     offset = np.empty(push.shape)
-    slope = push[..., -1, None] * p[:, 2]
+    slope = push[..., -1, None] * gains.terminal[:, 2]
     for k in range(stages - 1, -1, -1):
-        ahead = slope + push[..., k, None] * gains[_PUSH_AHEAD]
-        offset[..., k] = -(ahead @ gains[_B] + effort * push[..., k]) / quu
-        slope = ahead @ a + offset[..., k, None] * gains[_QUX]
-    wanted, state = np.empty(push.shape), states
+        ahead = slope + push[..., k, None] * gains.push_cost
+        offset[..., k] = -(ahead @ gains.input + gains.effort * push[..., k]) / gains.quu
+        slope = ahead @ gains.transition + offset[..., k, None] * gains.qux
+    u, state = np.empty(push.shape), states
     for k in range(stages):
-        wanted[..., k] = offset[..., k] - state @ gains[_FEEDBACK]
-        state = state @ a.T + wanted[..., k, None] * gains[_B] + push[..., k, None] * gains[_PUSH]
-    return wanted
+        u[..., k] = offset[..., k] - state @ gains.feedback
+        state = state @ gains.transition.T + u[..., k, None] * gains.input + push[..., k, None] * gains.push
+    return u
 
 
 def _means(values: Array, edges: tuple[int, ...]) -> Array:
@@ -110,57 +107,47 @@ def _means(values: Array, edges: tuple[int, ...]) -> Array:
 
 
 @compiled(**FAST)
-def look_one(
-    pair: tuple[Array, Array, Array], gains: Array, high: float, wanted: Array, x: Array
+def write_features(
+    pair: PairHorizon, gains: ChainGains, high: float, unbounded: Array, x: Array
 ) -> tuple[float, float]:
-    """Write x of one pair, return base and gate: (PairHorizon's parts, gains, high, wanted (2, N), x)."""
-    states, push, slope = pair
-    _roll_out(states, push, gains, wanted)
+    """Write x and the unbounded optima (2, N) of one pair; return base and gate."""
     most = 0.0
     for v in range(2):
+        _write_unbounded(pair.states[v], pair.push[v], gains, unbounded[v])
         for i in range(3):
-            x[v * OWN + i] = states[v, i]
+            x[v * OWN + i] = pair.states[v, i]
         for w in range(WINDOWS):
             total, taken = 0.0, 0.0
             for k in range(EDGES[w], EDGES[w + 1]):
-                cut = max(wanted[v, k] - high, 0.0)
-                total, taken, most = total + push[v, k], taken + cut, max(most, cut)
+                excess = max(unbounded[v, k] - high, 0.0)
+                total, taken, most = total + pair.push[v, k], taken + excess, max(most, excess)
             width = EDGES[w + 1] - EDGES[w]
             x[v * OWN + 3 + w] = total / width
             x[v * OWN + 3 + WINDOWS + w] = taken / width
         for w in range(SLOPES):
             total = 0.0
             for k in range(SLOPE_EDGES[w], SLOPE_EDGES[w + 1]):
-                total += slope[v, k]
+                total += pair.slope[v, k]
             x[2 * OWN + v * SLOPES + w] = total / (SLOPE_EDGES[w + 1] - SLOPE_EDGES[w])
-    return wanted[0, 0], most / (most + SOFT)
+    return unbounded[0, 0], most / (most + SOFT)
 
 
 @compiled(**FAST)
-def _roll_out(states: Array, push: Array, gains: Array, wanted: Array) -> None:
-    """Write both chains' unbounded optima (2, N), side by side: one waits for itself, two do not."""
-    each, effort, end = 1.0 / gains[_SCALARS, 0], gains[_SCALARS, 1], push.shape[1] - 1
-    b0, b1, b2 = gains[_B, 0], gains[_B, 1], gains[_B, 2]
-    q0, q1, q2 = gains[_QUX, 0], gains[_QUX, 1], gains[_QUX, 2]
-    h0, h1, h2 = gains[_PUSH_AHEAD, 0], gains[_PUSH_AHEAD, 1], gains[_PUSH_AHEAD, 2]
-    a01, a02, a12, a22 = gains[_A, 1], gains[_A, 2], gains[_A + 1, 2], gains[_A + 2, 2]
-    p, r, u, w = push[0], push[1], wanted[0], wanted[1]
-    x0, x1, x2 = gains[_P, 2] * p[end], gains[_P + 1, 2] * p[end], gains[_P + 2, 2] * p[end]
-    y0, y1, y2 = gains[_P, 2] * r[end], gains[_P + 1, 2] * r[end], gains[_P + 2, 2] * r[end]
-    for k in range(end, -1, -1):
-        x0, x1, x2 = x0 + p[k] * h0, x1 + p[k] * h1, x2 + p[k] * h2
-        y0, y1, y2 = y0 + r[k] * h0, y1 + r[k] * h1, y2 + r[k] * h2
-        u[k] = -(b0 * x0 + b1 * x1 + b2 * x2 + effort * p[k]) * each
-        w[k] = -(b0 * y0 + b1 * y1 + b2 * y2 + effort * r[k]) * each
-        x2, x1, x0 = a02 * x0 + a12 * x1 + a22 * x2 + u[k] * q2, a01 * x0 + x1 + u[k] * q1, x0 + u[k] * q0
-        y2, y1, y0 = a02 * y0 + a12 * y1 + a22 * y2 + w[k] * q2, a01 * y0 + y1 + w[k] * q1, y0 + w[k] * q0
-    k0, k1, k2 = gains[_FEEDBACK, 0], gains[_FEEDBACK, 1], gains[_FEEDBACK, 2]
-    d0, d1 = gains[_PUSH, 0], gains[_PUSH, 1]
-    x0, x1, x2 = states[0, 0], states[0, 1], states[0, 2]
-    y0, y1, y2 = states[1, 0], states[1, 1], states[1, 2]
-    for k in range(end + 1):
-        f, g = u[k] - k0 * x0 - k1 * x1 - k2 * x2, w[k] - k0 * y0 - k1 * y1 - k2 * y2
-        u[k], w[k] = f, g
-        x0, y0 = x0 + a01 * x1 + a02 * x2 + b0 * f + d0 * p[k], y0 + a01 * y1 + a02 * y2 + b0 * g + d0 * r[k]
-        x1, y1 = x1 + a12 * x2 + b1 * f + d1 * p[k], y1 + a12 * y2 + b1 * g + d1 * r[k]
-        x2, y2 = a22 * x2 + b2 * f, a22 * y2 + b2 * g
+def _write_unbounded(state: Array, push: Array, gains: ChainGains, u: Array) -> None:
+    """Write the unbounded optimum of one chain (N,), of state (3,) and push (N,)."""
+    a, b, qux, feedback = gains.transition, gains.input, gains.qux, gains.feedback
+    cost, terminal, drift = gains.push_cost, gains.terminal, gains.push
+    last, per_quu = push.size - 1, 1.0 / gains.quu
+    l0, l1, l2 = terminal[0, 2] * push[last], terminal[1, 2] * push[last], terminal[2, 2] * push[last]
+    for k in range(last, -1, -1):
+        l0, l1, l2 = l0 + push[k] * cost[0], l1 + push[k] * cost[1], l2 + push[k] * cost[2]
+        u[k] = -(b[0] * l0 + b[1] * l1 + b[2] * l2 + gains.effort * push[k]) * per_quu
+        l2 = a[0, 2] * l0 + a[1, 2] * l1 + a[2, 2] * l2 + u[k] * qux[2]
+        l1 = a[0, 1] * l0 + l1 + u[k] * qux[1]
+        l0 = l0 + u[k] * qux[0]
+    e, v, acc = state[0], state[1], state[2]
+    for k in range(last + 1):
+        u[k] = u[k] - feedback[0] * e - feedback[1] * v - feedback[2] * acc
+        e = e + a[0, 1] * v + a[0, 2] * acc + b[0] * u[k] + drift[0] * push[k]
+        v = v + a[1, 2] * acc + b[1] * u[k] + drift[1] * push[k]
+        acc = a[2, 2] * acc + b[2] * u[k]

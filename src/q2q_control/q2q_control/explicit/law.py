@@ -1,4 +1,4 @@
-"""Evaluate the explicit law: the unbounded optimum, bent by a small network where a bound lies ahead.
+"""Explicit law: the unbounded optimum, corrected by a small network where a bound lies ahead.
 
     u = clip(base + gate (w0 . z + b0 + W3 tanh(W2 tanh(W1 z + b1) + b2)), low, high),  z = (x - mean) / scale
 
@@ -9,19 +9,19 @@ command, less its reference's acceleration. Where no bound is met the gate is 0 
 import json
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, look, look_one
+from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, features, write_features
+from q2q_control.mpc.solver.chain_sweep import ChainGains
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
 FORMAT = 2
-"""Version of the written form."""
+"""Version of the JSON form."""
 GAINS = (13, 3)
-"""Shape of `sweep_gains`."""
-_OF_GAINS = GAINS[0] * GAINS[1]
+"""Shape of ChainGains as a table: six vectors, the scalars quu and effort, A, P."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class ExplicitLaw:
     """Linear chain and network weights of the law; h1, h2 are the layers' sizes."""
 
     gains: Array
-    """Of the chain (q2q_control.mpc.solver.chain_sweep.sweep_gains), (13, 3)."""
+    """ChainGains of the chain as a table, (13, 3)."""
     bounds: Array
     """low, high [m/s^2], (2,)."""
     mean: Array
@@ -46,7 +46,7 @@ class ExplicitLaw:
     """W3, (h2,)."""
 
     def __post_init__(self) -> None:
-        """Check that the layers fit together and are numbers."""
+        """Check that the layers fit together and are finite."""
         x, h1, h2 = WIDTH, self.first.shape[0], self.second.shape[0]
         shapes = tuple(getattr(self, name).shape for name in self.__slots__)
         if shapes != (GAINS, (2,), (x,), (x,), (x + 1,), (h1, x + 1), (h2, h1 + 1), (h2,)):
@@ -54,95 +54,129 @@ class ExplicitLaw:
         if not all(np.isfinite(getattr(self, name)).all() for name in self.__slots__):
             raise ValueError("a weight of the explicit law is not a number")
 
+    @property
+    def chain(self) -> ChainGains:
+        """Return the gains of the chain by name."""
+        table = self.gains
+        vectors = (np.ascontiguousarray(row) for row in table[:6])
+        b, feedback, qux, push_cost, weight, push = vectors
+        quu, effort = float(table[6, 0]), float(table[6, 1])
+        return ChainGains(b, feedback, qux, push_cost, weight, push, quu, effort, table[7:10], table[10:13])
 
-def packed(law: ExplicitLaw) -> tuple[Array, NDArray[np.int64]]:
-    """Return all weights in one row, as compiled code reads them, and the sizes h1, h2."""
-    parts = (law.gains, law.bounds, law.mean, 1.0 / law.scale, law.linear, law.first, law.second, law.last)
-    sizes = np.array([law.first.shape[0], law.second.shape[0]])
-    return np.concatenate([part.ravel() for part in parts]), sizes
+
+def gains_table(gains: ChainGains) -> Array:
+    """Return the gains of a chain as a table, (13, 3)."""
+    vectors = np.stack([gains.input, gains.feedback, gains.qux, gains.push_cost, gains.weight, gains.push])
+    return np.concatenate([vectors, [[gains.quu, gains.effort, 0.0]], gains.transition, gains.terminal])
 
 
-def scratch_of(law: ExplicitLaw) -> Array:
-    """Return the room that one evaluation needs."""
-    return np.empty(2 * STAGES + WIDTH + law.first.shape[0] + law.second.shape[0])
+class LawWeights(NamedTuple):
+    """Law as its kernels take it."""
+
+    gains: ChainGains
+    low: float
+    high: float
+    mean: Array
+    inverse_scale: Array
+    linear: Array
+    first: Array
+    second: Array
+    last: Array
+
+
+class LawWorkspace(NamedTuple):
+    """Arrays that one evaluation needs."""
+
+    unbounded: Array
+    """(2, STAGES)"""
+    x: Array
+    """(WIDTH,)"""
+    one: Array
+    """(h1,)"""
+    two: Array
+    """(h2,)"""
+
+
+def weights_of(law: ExplicitLaw) -> LawWeights:
+    """Return the law's numbers for its kernels."""
+    return LawWeights(
+        law.chain,
+        float(law.bounds[0]),
+        float(law.bounds[1]),
+        law.mean,
+        1.0 / law.scale,
+        law.linear,
+        law.first,
+        law.second,
+        law.last,
+    )
+
+
+def workspace_of(law: ExplicitLaw) -> LawWorkspace:
+    """Return uninitialised arrays for one evaluation."""
+    return LawWorkspace(
+        np.empty((2, STAGES)), np.empty(WIDTH), np.empty(len(law.first)), np.empty(len(law.second))
+    )
 
 
 def evaluate(law: ExplicitLaw, pair: PairHorizon) -> Array:
-    """Return u of the first vehicles [m/s^2], (...,): the plain form."""
-    seen = look(pair, law.gains, float(law.bounds[1]))
+    """Return u of the first vehicles of many pairs [m/s^2], (...,)."""
+    seen = features(pair, law.chain, float(law.bounds[1]))
     raw = seen.base + seen.gate * network(law, (seen.x - law.mean) / law.scale)
     return np.asarray(np.clip(raw, law.bounds[0], law.bounds[1]))
 
 
 def network(law: ExplicitLaw, z: Array) -> Array:
-    """Return what the network adds where the gate is open [m/s^2], (...,), of z (..., WIDTH)."""
+    """Return the network's output [m/s^2], (...,), of z (..., WIDTH)."""
     one = np.tanh(z @ law.first[:, :-1].T + law.first[:, -1])
     two = np.tanh(one @ law.second[:, :-1].T + law.second[:, -1])
     return np.asarray(z @ law.linear[:-1] + law.linear[-1] + two @ law.last)
 
 
 @compiled(**FAST)
-def evaluate_one(
-    weights: Array, sizes: NDArray[np.int64], pair: tuple[Array, Array, Array], scratch: Array
-) -> float:
-    """Return u [m/s^2] of one pair: `weights`, `sizes` of `packed`, a PairHorizon's arrays, `scratch_of`."""
-    gains = weights[:_OF_GAINS].reshape(GAINS)
-    low, high = weights[_OF_GAINS], weights[_OF_GAINS + 1]
-    place = 2 * STAGES
-    x = scratch[place : place + WIDTH]
-    base, gate = look_one(pair, gains, high, scratch[:place].reshape((2, STAGES)), x)
+def evaluate_all(law: LawWeights, pairs: PairHorizon, work: LawWorkspace) -> Array:
+    """Return u [m/s^2] of K pairs, (K,)."""
+    u = np.empty(pairs.states.shape[0])
+    for k in range(u.size):
+        u[k] = evaluate_one(law, PairHorizon(pairs.states[k], pairs.push[k], pairs.slope[k]), work)
+    return u
+
+
+@compiled(**FAST)
+def evaluate_one(law: LawWeights, pair: PairHorizon, work: LawWorkspace) -> float:
+    """Return u [m/s^2] of one pair."""
+    base, gate = write_features(pair, law.gains, law.high, work.unbounded, work.x)
     if gate > 0.0:
-        base += gate * _network(weights[_OF_GAINS + 2 :], sizes, x, scratch[place + WIDTH :])
-    return float(min(max(base, low), high))
+        base += gate * _network(law, work)
+    return float(min(max(base, law.low), law.high))
 
 
 @compiled(**FAST)
-def _network(weights: Array, sizes: NDArray[np.int64], x: Array, scratch: Array) -> float:
-    """Return the network's answer; x becomes z."""
-    h1, h2 = sizes[0], sizes[1]
-    place = 2 * WIDTH
+def _network(law: LawWeights, work: LawWorkspace) -> float:
+    """Return the network's output; work.x becomes z."""
+    x, one, two = work.x, work.one, work.two
     for i in range(WIDTH):
-        x[i] = (x[i] - weights[i]) * weights[WIDTH + i]
-    total = _dot(weights[place : place + WIDTH], x) + weights[place + WIDTH]
-    place += WIDTH + 1
-    for a in range(h1):
-        scratch[a] = _bent(_dot(weights[place : place + WIDTH], x) + weights[place + WIDTH])
-        place += WIDTH + 1
-    one = scratch[:h1]
-    for b in range(h2):
-        scratch[h1 + b] = _bent(_dot(weights[place : place + h1], one) + weights[place + h1])
-        place += h1 + 1
-    return float(total + _dot(weights[place : place + h2], scratch[h1 : h1 + h2]))
+        x[i] = (x[i] - law.mean[i]) * law.inverse_scale[i]
+    for a in range(one.size):
+        one[a] = _tanh(_dot(law.first[a, :WIDTH], x) + law.first[a, WIDTH])
+    for b in range(two.size):
+        two[b] = _tanh(_dot(law.second[b, : one.size], one) + law.second[b, one.size])
+    return float(_dot(law.linear[:WIDTH], x) + law.linear[WIDTH] + _dot(law.last, two))
 
 
 @compiled(**FAST)
-def _bent(inside: float) -> float:
-    """Return tanh: by exp it is twice as quick."""
-    return 1.0 - 2.0 / (math.exp(2.0 * inside) + 1.0)
+def _tanh(x: float) -> float:
+    """Return tanh x: by exp it is twice as fast."""
+    return 1.0 - 2.0 / (math.exp(2.0 * x) + 1.0)
 
 
 @compiled(**FAST)
 def _dot(left: Array, right: Array) -> float:
-    """Return the product of two rows: in a function of its own it is vectorised, three times as quick."""
+    """Return the scalar product: vectorised in a function of its own, three times as fast."""
     total = 0.0
     for i in range(left.size):
         total += left[i] * right[i]
     return total
-
-
-@compiled(**FAST)
-def evaluate_all(
-    weights: Array,
-    sizes: NDArray[np.int64],
-    pairs: tuple[Array, Array, Array],
-    scratch: Array,
-) -> Array:
-    """Return u [m/s^2] of K pairs (K,): as `evaluate_one`, of a PairHorizon's arrays with K rows."""
-    states, push, slope = pairs
-    found = np.empty(states.shape[0])
-    for k in range(found.size):
-        found[k] = evaluate_one(weights, sizes, (states[k], push[k], slope[k]), scratch)
-    return found
 
 
 def to_text(law: ExplicitLaw) -> str:
@@ -154,7 +188,7 @@ def from_text(text: str) -> ExplicitLaw:
     """Return the law of JSON text.
 
     Raises:
-        ValueError: it is no law, of another format, or for other inputs.
+        ValueError: the text is not a law, or a law of another format or for other inputs.
     """
     try:
         found = json.loads(text)
@@ -163,5 +197,5 @@ def from_text(text: str) -> ExplicitLaw:
     except (json.JSONDecodeError, KeyError, TypeError, AttributeError, IndexError, ValueError) as error:
         raise ValueError(f"no explicit law of format {FORMAT}: {error}") from error
     if version != FORMAT:
-        raise ValueError(f"an explicit law of format {version}: {FORMAT} is read here")
+        raise ValueError(f"an explicit law of format {version}: only format {FORMAT} is read")
     return law

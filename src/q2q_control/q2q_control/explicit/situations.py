@@ -1,8 +1,8 @@
-"""Draw situations of pairs to ask the receding horizon about, and encounters to fly.
+"""Random situations of pairs, to be solved by the receding horizon, and random encounters, to be flown.
 
-A second vehicle passes 0.25 to 1 m above or below the first, straight or curved, quickly or so slowly that
-it stays; both may move, both are off their references, and other things push as well: a disturbance, a
-reference's acceleration, the downwash of a third vehicle. Encounters are longer: a glide, or a stop above the
+A second vehicle passes 0.25 to 1 m above or below the first, straight or curved, fast or so slowly that it
+stays. Both may move, both are off their references, and other accelerations act too: a disturbance, a
+reference's acceleration, the downwash of a third vehicle. Encounters are longer: a pass, or a stop above the
 other, of either vehicle.
 """
 
@@ -17,10 +17,10 @@ Range = tuple[float, float]
 
 GAPS: Range = (0.25, 1.0)
 """Height differences of a pair [m]."""
-GLIDES: Range = (0.02, 1.0)
-"""Speeds of encounters [m/s], even in their logarithm."""
+SPEEDS: Range = (0.02, 1.0)
+"""Speeds of encounters [m/s], log-uniform."""
 DWELLS: Range = (1.0, 4.0)
-"""How long, about, the stop of an encounter takes [s]."""
+"""Approximate durations of an encounter's stop [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Situations:
     paths: Array
     """References [m], world, (K, 2, N + 1, 3)."""
     extra: Array
-    """What pushes besides the downwash between the two [m/s^2], (K, 2, N)."""
+    """Acceleration besides the downwash between the two [m/s^2], (K, 2, N)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Encounters:
 
     @property
     def length(self) -> int:
-        """Return M, the stages that are flown."""
+        """Return M, the number of stages flown."""
         return int(self.extra.shape[2]) - STAGES
 
     def ahead(self, states: Array, k: int) -> Situations:
@@ -75,10 +75,10 @@ def random_situations(count: int, step: float, rng: np.random.Generator) -> Situ
 
 
 def random_encounters(count: int, length: int, step: float, rng: np.random.Generator) -> Encounters:
-    """Return encounters of `length` stages of `step` [s]; a third of them are pushed otherwise too."""
+    """Return encounters of `length` stages of `step` [s]; a third of them with a disturbance."""
     stages = length + STAGES
     tau = np.arange(stages + 1) * step - rng.uniform(1.0, length * step, count)[:, None]
-    speed = (GLIDES[0] * (GLIDES[1] / GLIDES[0]) ** rng.random(count))[:, None]
+    speed = (SPEEDS[0] * (SPEEDS[1] / SPEEDS[0]) ** rng.random(count))[:, None]
     dwell = rng.uniform(*DWELLS, count)[:, None]
     stops = rng.random((count, 1)) < 0.4
     along = np.where(stops, speed * tau**3 / (tau**2 + dwell**2), speed * tau)
@@ -101,7 +101,7 @@ def _turns(angle: Array) -> Array:
 
 
 def _extra(count: int, step: float, rng: np.random.Generator) -> Array:
-    """Return a steady push and a passing one on each vehicle, (K, 2, N)."""
+    """Return a constant and a transient acceleration of each vehicle, (K, 2, N)."""
     middle = (np.arange(STAGES) + 0.5) * step
     steady = rng.normal(size=(count, 2, 1)) * 0.15 * rng.choice([0.0, 0.3, 1.0], (count, 1, 1))
     height = rng.normal(size=(count, 2, 1)) * 0.3 * rng.choice([0.0, 0.0, 1.0], (count, 2, 1))

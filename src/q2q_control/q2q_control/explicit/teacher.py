@@ -1,11 +1,12 @@
-"""Answer situations as the receding horizon does: many pairs at once, in one compiled loop.
+"""Receding horizon as the teacher of the explicit law: many pairs solved at once, in one compiled loop.
 
-Each situation is solved with the downwash linearised again along its answer, so answers do not depend on how
-the horizon was reached; after two rounds they stand to 1e-4 m/s^2. Heights are errors from the references
-(q2q_control.explicit.features). A source pushes from where it was a delay ago, by its speed at that stage.
+Each situation is solved with the downwash linearised again along its solution, so solutions do not depend on
+the past; after two rounds they have converged to 1e-4 m/s^2. Heights are errors from the references
+(q2q_control.explicit.features). A source's position is that of a delay ago, by its speed at that stage.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,10 @@ from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.situations import Situations
 from q2q_control.mpc.chain import Chain, ChainWeights, chain
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import DELTA
+from q2q_control.mpc.prediction.downwash_stages import DELTA, DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import FALL
-from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_parts
+from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, at_rest
@@ -25,14 +26,14 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 ROUNDS = 2
-"""Linearisations of each answer."""
-MOST = 60
-"""Recursions of each solve at most: teachers have time."""
+"""Linearisations of each solution."""
+ITERATIONS = 60
+"""Most recursions of each solve: there is no time limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class Teacher:
-    """MPC whose answers the law is distilled from."""
+    """MPC that the law is distilled from."""
 
     params: MpcParams
     vehicle: Vehicle
@@ -41,9 +42,9 @@ class Teacher:
     """[N]"""
 
     def __post_init__(self) -> None:
-        """Refuse horizons that the law's windows do not fit."""
+        """Check that the law's windows fit the horizon."""
         if self.params.steps != STAGES:
-            raise ValueError(f"steps = {self.params.steps}: the explicit law looks {STAGES} stages ahead")
+            raise ValueError(f"steps = {self.params.steps}: the explicit law needs {STAGES}")
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -58,37 +59,49 @@ class Teacher:
         return chain(self.vehicle.thrust_lag, params.step, ChainWeights(params.bandwidth_z, params.jerk))
 
 
-@dataclass(frozen=True, slots=True)
-class Answers:
-    """Answers of the teacher to K situations."""
+class TeacherSolution(NamedTuple):
+    """Solutions of K situations."""
 
     inputs: Array
     """First commands of both vehicles, less their references' accelerations [m/s^2], (K, 2)."""
     errors: Array
     """Predicted height errors [m], (K, 2, N + 1)."""
+    modes: NDArray[np.int8]
+    """Active bounds, (K, N, 2)."""
 
 
-def answers(asked: Situations, teacher: Teacher, errors: Array | None = None) -> Answers:
-    """Return the answers; `errors` (K, 2, N + 1) [m] is where the first linearisation is made."""
-    count, params, model = len(asked.states), teacher.params, teacher.chain
+class _Limits(NamedTuple):
+    """Bounds of the input and of its lead over the acceleration [m/s^2]."""
+
+    low: float
+    high: float
+    rate: float
+
+
+def solve_situations(
+    situations: Situations, teacher: Teacher, errors: Array | None = None
+) -> TeacherSolution:
+    """Return the solutions; `errors` (K, 2, N + 1) [m] are heights of the first linearisation."""
+    count, params, model = len(situations.states), teacher.params, teacher.chain
     shape = group_shape(2, (2,), (model, model, model), params.steps)
     shape = shape._replace(terminal=params.terminal * shape.terminal)
     rate = params.thrust_rate_max * params.step / (1.0 - float(model.transition[2, 2]))
-    found = Answers(
-        np.zeros((count, 2)), np.zeros((count, 2, STAGES + 1)) if errors is None else errors.copy()
+    found = TeacherSolution(
+        np.zeros((count, 2)),
+        np.zeros((count, 2, STAGES + 1)) if errors is None else errors.copy(),
+        np.zeros((count, STAGES, 2), np.int8),
     )
-    modes = np.zeros((count, STAGES, 2), np.int8)
     for _ in range(ROUNDS):
-        eta, slope = downwash_between(asked.paths, found.errors, teacher)
-        pushed = PairHorizon(asked.states, eta + asked.extra, slope)
-        _solve_all(shape, pushed, (*teacher.bounds, rate), (found.inputs, found.errors, modes))
+        eta, slope = downwash_between(situations.paths, found.errors, teacher)
+        pairs = PairHorizon(situations.states, eta + situations.extra, slope)
+        _solve_all(shape, pairs, _Limits(*teacher.bounds, rate), found)
     return found
 
 
-def seen(asked: Situations, teacher: Teacher) -> PairHorizon:
-    """Return what the law is shown of situations: downwash along the references, off them as they are now."""
-    eta, slope = downwash_between(asked.paths, asked.states[..., :1], teacher)
-    return PairHorizon(asked.states, eta + asked.extra, slope)
+def pair_horizon(situations: Situations, teacher: Teacher) -> PairHorizon:
+    """Return the law's view of situations, with downwash along paths parallel to the references."""
+    eta, slope = downwash_between(situations.paths, situations.states[..., :1], teacher)
+    return PairHorizon(situations.states, eta + situations.extra, slope)
 
 
 def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Array, Array]:
@@ -112,24 +125,18 @@ def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Arr
 
 
 @compiled
-def _solve_all(
-    shape: GroupShape,
-    pairs: PairHorizon,
-    limits: tuple[float, float, float],
-    found: tuple[Array, Array, NDArray[np.int8]],
-) -> None:
-    """Write first inputs (K, 2), height errors (K, 2, N + 1), modes (K, N, 2) of a PairHorizon of K pairs."""
-    inputs, errors, modes = found
+def _solve_all(shape: GroupShape, pairs: PairHorizon, limits: _Limits, out: TeacherSolution) -> None:
+    """Write the solutions of K pairs."""
     stages = pairs.push.shape[2]
     pair, other = np.array([0, 1]), np.array([1, 0])
     reference, path = np.zeros((2, stages + 1, 9)), np.zeros((2, stages + 1, 3))
     start, push, slope = np.zeros((2, 3, 3)), np.zeros((2, stages, 3)), np.zeros((2, stages, 3, 3))
-    low, high, rate = np.full((2, 3), limits[0]), np.full((2, 3), limits[1]), np.full(3, limits[2])
-    asked = Horizon(start, reference, push, path, low, high, rate)
-    for q in range(inputs.shape[0]):
-        start[:, 2], path[:, :, 2] = pairs.states[q], errors[q]
+    low, high, rate = np.full((2, 3), limits.low), np.full((2, 3), limits.high), np.full(3, limits.rate)
+    horizon = Horizon(start, reference, push, path, low, high, rate)
+    downwash = DownwashHorizon(push, pair, other, slope)
+    for q in range(out.inputs.shape[0]):
+        start[:, 2], path[:, :, 2] = pairs.states[q], out.errors[q]
         push[:, :, 2], slope[:, :, 2, 2] = pairs.push[q], pairs.slope[q]
-        problem = joint_parts(shape, pair, asked, (pair, other, slope))
-        states, acting, _, _ = solve_from(problem, modes[q], MOST)
+        found = solve_from(joint_problem(shape, pair, horizon, downwash), out.modes[q], ITERATIONS)
         for v in range(2):
-            inputs[q, v], errors[q, v] = acting[0, v], states[:, 3 * v]
+            out.inputs[q, v], out.errors[q, v] = found.inputs[0, v], found.states[:, 3 * v]

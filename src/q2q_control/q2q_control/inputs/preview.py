@@ -60,8 +60,8 @@ class SampledPreview:
         return known if names == self.names else _picked(known, index_of(names, self.names))
 
 
-def made_up_preview(names: Names) -> SampledPreview:
-    """Return a preview to rehearse with before the plan has come: everybody rests at the origin."""
+def resting_preview(names: Names) -> SampledPreview:
+    """Return a preview in which all vehicles rest at the origin, for rehearsals before a plan arrives."""
     return SampledPreview(names, 0.0, 1.0, np.zeros((len(names), 2, 9)))
 
 

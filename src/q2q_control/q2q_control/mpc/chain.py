@@ -1,4 +1,4 @@
-"""Describe one axis of one vehicle as a chain: position, velocity, and acceleration behind its command.
+"""Chain model of one axis: position, velocity, and acceleration that lags behind its command.
 
     p' = v,   v' = a + w,   a' = (u - a) / T                 exact for u and w constant over a step h:
 
@@ -6,9 +6,9 @@
     v+ = v + T (1 - e) a + (h - T (1 - e)) u + h w            with e = exp(-h / T), e = 0 for T = 0
     a+ = e a + (1 - e) u
 
-The weights put the closed loop where it is wanted: for T = 0 and J = sum (p - p*)^2 + (u - u*)^2 / w^4 its
-poles are those of s^2 + sqrt 2 w s + w^2. The weight beyond the horizon is the one that goes on for ever
-(the discrete Riccati equation), so that the horizon's end does not matter to an unbounded loop.
+The weights place the closed loop: for T = 0 and J = sum (p - p*)^2 + (u - u*)^2 / w^4 its poles are those
+of s^2 + sqrt 2 w s + w^2. The terminal weight is that of the infinite horizon (the discrete Riccati
+equation), so that the length of the horizon does not matter to an unbounded loop.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -25,7 +25,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
+from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import Vehicle
+
+Chains = tuple["Chain", "Chain", "Chain"]
+"""Of x, y, z."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +42,13 @@ class Chain:
     input_gain: Array
     """B, (3,)."""
     push_gain: Array
-    """What an acceleration w constant over the step does to the state, (3,)."""
+    """Effect on the state of an acceleration w that is constant over the step, (3,)."""
     state_weight: Array
     """Q, (3,)."""
     input_weight: Array
     """R of u - u*, S of u - a, (2,)."""
     terminal: Array
-    """P beyond the horizon, (3, 3)."""
+    """P, (3, 3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +64,7 @@ class ChainWeights:
 def transition(lag: float, step: float) -> tuple[Array, Array]:
     """Return A (3, 3) and B (3,) of one step."""
     e = math.exp(-step / lag) if lag > 0.0 else 0.0
-    slow = lag * (1.0 - e)  # what an old acceleration still adds to the velocity [s]
+    slow = lag * (1.0 - e)  # velocity that the old acceleration still adds, over that acceleration [s]
     late = lag * step - lag * slow
     matrix = np.array([[1.0, step, late], [0.0, 1.0, slow], [0.0, 0.0, e]])
     return matrix, np.array([0.5 * step * step - late, step - slow, 1.0 - e])
@@ -82,3 +87,16 @@ def chain(lag: float, step: float, weights: ChainWeights) -> Chain:
         input_weight=np.array([effort, jerk]),
         terminal=np.asarray(terminal),
     )
+
+
+def axis_lags(params: MpcParams, vehicle: Vehicle) -> tuple[float, float, float]:
+    """Return the lags of the accelerations along x, y, z behind their commands [s]."""
+    side = params.attitude_lag + vehicle.thrust_lag
+    return side, side, vehicle.thrust_lag
+
+
+def axis_chains(params: MpcParams, vehicle: Vehicle) -> Chains:
+    """Return the chains of a vehicle; those of x and y are the same."""
+    lag_xy, _, lag_z = axis_lags(params, vehicle)
+    side = chain(lag_xy, params.step, ChainWeights(params.bandwidth_xy, params.jerk))
+    return side, side, chain(lag_z, params.step, ChainWeights(params.bandwidth_z, params.jerk))

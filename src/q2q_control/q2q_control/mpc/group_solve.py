@@ -1,56 +1,62 @@
-"""Build and solve the problem of one group in one compiled call, from the horizon's arrays into the answer's.
+"""Problem of one group built and solved in one compiled call.
 
-What Python would do between building and solving, the choice of a group's rows and columns, costs more than
-building. The twin of two calls, `joint_problem` and `solve`, that a test compares.
+Selecting a group's rows and columns in Python would cost more than building the problem. A test compares it
+with the two separate calls of `joint_problem` and `solve`.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.mpc.problem.horizon import Horizon
-from q2q_control.mpc.problem.joint_problem import GroupShape, Slopes, joint_parts
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.problem.joint_problem import GroupShape, joint_problem
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
 
-Rows = NDArray[np.intp]
 Modes = NDArray[np.int8]
+
+
+class Group(NamedTuple):
+    """Vehicles and axes that are solved together."""
+
+    shape: GroupShape
+    vehicles: NDArray[np.intp]
+    """(g,)"""
+    iterations: int
+    """Recursions at most."""
+
+
+class GroupResult(NamedTuple):
+    """Effort and outcome of a group's solve."""
+
+    iterations: int
+    converged: bool
+    finite: bool
 
 
 @compiled
 def solve_group(
-    group: tuple[GroupShape, Rows],
-    horizon: Horizon,
-    slopes: Slopes,
-    found: tuple[Modes, Array, Array, Modes],
-    iterations: int,
-) -> tuple[int, bool, bool]:
-    """Write the solution of a group; return its recursions, whether it is optimal, whether it is finite.
-
-    Args:
-        group: shape and vehicles (g,).
-        horizon: of all vehicles.
-        slopes: of all pairs.
-        found: guess (n, N, 3), pos (n, N + 1, 3), inputs and pattern (n, N, 3).
-        iterations: recursions at most.
-    """
-    shape, vehicles = group
-    guess, pos, inputs, pattern = found
+    group: Group, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, solution: HorizonSolution
+) -> GroupResult:
+    """Write the group's rows of `solution`; `guess` (n, N, 3) is a pattern of active bounds."""
+    shape, vehicles = group.shape, group.vehicles
     stages, count = horizon.push.shape[1], shape.axes.size
     modes = np.empty((stages, vehicles.size * count), np.int8)
     for g in range(vehicles.size):
         for a in range(count):
             for k in range(stages):
                 modes[k, g * count + a] = guess[vehicles[g], k, shape.axes[a]]
-    problem = joint_parts(shape, vehicles, horizon, slopes)
-    states, acting, used, converged = solve_from(problem, modes, iterations)
+    found = solve_from(joint_problem(shape, vehicles, horizon, downwash), modes, group.iterations)
     finite = True
     for g in range(vehicles.size):
         for a in range(count):
             v, axis, c = vehicles[g], shape.axes[a], g * count + a
-            pos[v, stages, axis] = states[stages, 3 * c]
+            solution.pos[v, stages, axis] = found.states[stages, 3 * c]
             for k in range(stages):
-                pos[v, k, axis], inputs[v, k, axis] = states[k, 3 * c], acting[k, c]
-                pattern[v, k, axis] = modes[k, c]
-                finite = finite and np.isfinite(acting[k, c])
-    return used, converged, finite
+                solution.pos[v, k, axis] = found.states[k, 3 * c]
+                solution.inputs[v, k, axis] = found.inputs[k, c]
+                solution.pattern[v, k, axis] = modes[k, c]
+                finite = finite and np.isfinite(found.inputs[k, c])
+    return GroupResult(found.iterations, found.converged, finite)

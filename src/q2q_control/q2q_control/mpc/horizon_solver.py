@@ -1,8 +1,8 @@
-"""Solve one tick's horizon for all vehicles: groups, problems, answers.
+"""Solver of one tick's horizon for all vehicles: groups, their problems, the solution.
 
-Vehicles whose downwash matter to each other within the horizon form a group and are solved together, or each
-by itself against the others' predicted paths. Axes that no downwash couples are swept all at once; of those,
-the ones that meet a bound are solved one by one.
+Vehicles whose downwash couples them within the horizon form a group and are solved together, or each by
+itself against the others' predicted paths. Axes that no downwash couples are swept all at once; those of them
+that meet a bound are solved one by one.
 """
 
 from collections.abc import Callable
@@ -12,13 +12,22 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.mpc.chain import Chain
-from q2q_control.mpc.group_solve import solve_group
-from q2q_control.mpc.prediction.downwash_horizon import DownwashHorizon
-from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, SOLVED, Horizon, HorizonSolution
+from q2q_control.mpc.chain import Chains, axis_chains
+from q2q_control.mpc.group_solve import Group, Modes, solve_group
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.problem.horizon import (
+    CUT_OFF,
+    INTERRUPTED,
+    SOLVED,
+    Horizon,
+    HorizonSolution,
+    blank_solution,
+)
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
 from q2q_control.mpc.solver.chain_sweep import sweep_free, sweep_gains
 from q2q_model.compiled import compiled
+from q2q_model.vehicle.constants import Vehicle
 
 Rows = NDArray[np.intp]
 InTime = Callable[[], bool]
@@ -28,118 +37,90 @@ InTime = Callable[[], bool]
 class SolveRules:
     """Parameters of the joint solution of interacting vehicles."""
 
+    coupled: tuple[int, ...]
+    """Axes whose inputs are solved together with their downwash."""
     joint: bool
-    """Together; else each by itself."""
+    """Solve interacting vehicles together, not one by one."""
     terminal: float
-    """Weight beyond the horizon over the endless one [-]: the endless one knows no bounds."""
+    """Terminal weight over that of the infinite horizon [-]: the latter knows no bounds."""
     iterations: int
-    """Recursions of a solve at most."""
+    """Most recursions of a solve."""
 
 
 class Solver(Protocol):
     """Solver of one tick's problem."""
 
     def solve(
-        self, horizon: Horizon, downwash: DownwashHorizon, guess: NDArray[np.int8], in_time: InTime
+        self, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, in_time: InTime
     ) -> HorizonSolution:
-        """Return the answer."""
+        """Return the solution."""
 
 
 class HorizonSolver:
     """Axis models, and the structure shared by problems of equal shape."""
 
-    def __init__(
-        self,
-        models: tuple[Chain, Chain, Chain],
-        coupled: tuple[int, ...],
-        stages: int,
-        rules: SolveRules,
-    ) -> None:
-        """Solve with the chains of x, y, z; downwash couples the axes `coupled`.
-
-        Args:
-            models: x and y must be alike.
-            coupled: axes whose inputs are found together with their downwash.
-            stages: N.
-            rules: how groups are solved.
-        """
-        self._models, self._coupled = models, coupled
-        self._rules = rules
-        self._stages = stages
-        self._side, self._up = sweep_gains(models[0]), sweep_gains(models[2])
+    def __init__(self, models: Chains, stages: int, rules: SolveRules) -> None:
+        """Solve N = `stages` stages with the chains of x, y (which must be alike) and z."""
+        self._models, self._stages, self._rules = models, stages, rules
+        self._gains = sweep_gains(models[0]), sweep_gains(models[2])
         self._shapes: dict[tuple[int, tuple[int, ...]], GroupShape] = {}
 
     def solve(
-        self, horizon: Horizon, downwash: DownwashHorizon, guess: NDArray[np.int8], in_time: InTime
+        self, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, in_time: InTime
     ) -> HorizonSolution:
-        """Return the answer; `guess` (n, N, 3) is a pattern of active bounds to start from.
+        """Return the solution; `guess` (n, N, 3) is a pattern of active bounds to start from.
 
-        `in_time` is asked before each problem that needs more than the sweep; False leaves it INTERRUPTED.
+        `in_time` is called before each problem that the sweep does not solve; False leaves it INTERRUPTED.
         """
-        n, stages = horizon.push.shape[:2]
-        answer = HorizonSolution(
-            pos=np.empty((n, stages + 1, 3)),
-            inputs=np.empty((n, stages, 3)),
-            pattern=np.zeros((n, stages, 3), np.int8),
-            ended=np.full(n, SOLVED, np.int8),
-            iterations=1,
-        )
-        groups = groups_of(downwash.i, downwash.j, n, joint=self._rules.joint)
-        problems = [(group, self._coupled) for group in groups]
-        problems += self._swept(horizon, answer, [vehicle for group in groups for vehicle in group])
-        most = 1
-        for group, axes in problems:
-            most = max(most, self._solve(horizon, downwash, (group, axes), (guess, answer, in_time)))
-        return HorizonSolution(answer.pos, answer.inputs, answer.pattern, answer.ended, most)
+        solution = blank_solution(*horizon.push.shape[:2])
+        coupled = groups_of(downwash.i, downwash.j, len(horizon.push), joint=self._rules.joint)
+        groups = [self._group(vehicles, self._rules.coupled) for vehicles in coupled]
+        groups += self._swept(horizon, solution, [vehicle for group in coupled for vehicle in group])
+        most, status = 1, solution.status
+        for group in groups:
+            rows = group.vehicles
+            if not in_time():
+                status[rows] = INTERRUPTED
+                continue
+            result = solve_group(group, horizon, downwash, guess, solution)
+            most = max(most, int(result.iterations))
+            if not result.finite:
+                status[rows] = INTERRUPTED
+            elif not result.converged:
+                status[rows] = np.where(status[rows] == SOLVED, CUT_OFF, status[rows])
+        return solution._replace(iterations=most)
 
-    def _swept(
-        self, horizon: Horizon, answer: HorizonSolution, grouped: list[int]
-    ) -> list[tuple[list[int], tuple[int, ...]]]:
+    def _swept(self, horizon: Horizon, solution: HorizonSolution, grouped: list[int]) -> list[Group]:
         """Sweep all chains that no downwash couples; return those that cross a bound, each by itself."""
-        free = np.ones((len(answer.ended), 3), np.bool_)
-        for axis in self._coupled if grouped else ():
+        free = np.ones((len(solution.status), 3), np.bool_)
+        for axis in self._rules.coupled if grouped else ():
             free[grouped, axis] = False
-        crossing = sweep_free(horizon, free, (self._side, self._up), (answer.pos, answer.inputs))
+        crossing = sweep_free(horizon, free, self._gains, solution)
         if not crossing.any():
             return []
-        return [([int(v)], (int(axis),)) for v, axis in np.argwhere(crossing)]
+        return [self._group([int(v)], (int(axis),)) for v, axis in np.argwhere(crossing)]
 
-    def _solve(
-        self,
-        horizon: Horizon,
-        downwash: DownwashHorizon,
-        chains: tuple[list[int], tuple[int, ...]],
-        io: tuple[NDArray[np.int8], HorizonSolution, InTime],
-    ) -> int:
-        """Solve the chains `axes` of a group into the answer; return the recursions it took."""
-        guess, answer, in_time = io
-        group = np.array(chains[0])
-        if not in_time():
-            answer.ended[group] = INTERRUPTED
-            return 0
-        used, converged, finite = solve_group(
-            (self._shape(group.size, chains[1]), group),
-            horizon,
-            (downwash.i, downwash.j, downwash.slope),
-            (guess, answer.pos, answer.inputs, answer.pattern),
-            self._rules.iterations,
-        )
-        if not finite:
-            answer.ended[group] = INTERRUPTED
-        elif not converged:
-            answer.ended[group] = np.where(answer.ended[group] == SOLVED, CUT_OFF, answer.ended[group])
-        return int(used)
-
-    def _shape(self, size: int, axes: tuple[int, ...]) -> GroupShape:
-        key = (size, axes)
+    def _group(self, vehicles: list[int], axes: tuple[int, ...]) -> Group:
+        key = (len(vehicles), axes)
         if key not in self._shapes:
-            shape = group_shape(size, axes, self._models, self._stages)
+            shape = group_shape(len(vehicles), axes, self._models, self._stages)
             self._shapes[key] = shape._replace(terminal=self._rules.terminal * shape.terminal)
-        return self._shapes[key]
+        return Group(self._shapes[key], np.array(vehicles), self._rules.iterations)
+
+
+def horizon_solver(params: MpcParams, vehicle: Vehicle) -> HorizonSolver:
+    """Return the solver of (26) for vehicles like `vehicle`."""
+    rules = SolveRules(coupled_axes(params), params.joint, params.terminal, params.iterations)
+    return HorizonSolver(axis_chains(params, vehicle), params.steps, rules)
+
+
+def coupled_axes(params: MpcParams) -> tuple[int, ...]:
+    """Return the axes that downwash couples, of 0 1 2: x y z."""
+    return (0, 1, 2) if params.mode == "full" else (2,)
 
 
 def groups_of(i: Rows, j: Rows, n: int, *, joint: bool) -> list[list[int]]:
-    """Return the vehicles below `n` that feel downwash, those that pairs join together where `joint`."""
+    """Return the vehicles below `n` that feel downwash, in groups connected by pairs if `joint`."""
     roots: dict[int, list[int]] = {}
     for vehicle, root in enumerate(_roots(i, j, n, joint).tolist()):
         if root >= 0:

@@ -1,4 +1,4 @@
-"""Hold the parameters of the receding-horizon controller."""
+"""Parameters of the receding-horizon controller."""
 
 from dataclasses import dataclass
 
@@ -9,49 +9,47 @@ from q2q_model.tunable import check_bounds, tunable
 class MpcParams:
     """Horizon, weights, limits and command path of the MPC."""
 
-    horizon: float = tunable(2.0, "how far it looks ahead", unit="s", low=0.2, high=10.0, read_only=True)
+    horizon: float = tunable(2.0, "length of the horizon", unit="s", low=0.2, high=10.0, read_only=True)
     steps: int = tunable(40, "stages of the horizon", low=4, high=400, read_only=True)
     mode: str = tunable(
         "vertical",
-        "altitude: z only, x and y by the PID's law; vertical: all axes, downwash couples z; "
+        "altitude: z only, x and y by the PD law; vertical: all axes, downwash couples z; "
         "full: all axes, downwash couples all",
         choices=("altitude", "vertical", "full"),
     )
-    joint: bool = tunable(default=True, description="solve interacting vehicles together; else each alone")
-    bandwidth_z: float = tunable(5.0, "altitude loop without bounds", unit="rad/s", low=0.2, high=50.0)
-    bandwidth_xy: float = tunable(2.0, "position loop without bounds", unit="rad/s", low=0.2, high=20.0)
+    joint: bool = tunable(default=True, description="solve interacting vehicles together, not one by one")
+    bandwidth_z: float = tunable(5.0, "bandwidth of the altitude loop", unit="rad/s", low=0.2, high=50.0)
+    bandwidth_xy: float = tunable(2.0, "bandwidth of the position loop", unit="rad/s", low=0.2, high=20.0)
     terminal: float = tunable(
         0.45,
-        "weight beyond the horizon of vehicles solved together, over the endless one",
+        "terminal weight of vehicles solved together, over that of the infinite horizon",
         low=0.0,
         high=10.0,
     )
-    jerk: float = tunable(0.2, "weight of a changing input over that of an input", low=0.0, high=100.0)
-    slope_max: float = tunable(10.0, "largest slope of downwash believed", unit="1/s^2", low=0.0, high=100.0)
+    jerk: float = tunable(0.2, "weight of jerk over that of effort", low=0.0, high=100.0)
+    slope_max: float = tunable(10.0, "largest slope of downwash used", unit="1/s^2", low=0.0, high=100.0)
     loading: float = tunable(
         0.0,
         "share of a source's thrust beyond its weight that strengthens its downwash: 1 by momentum theory, "
-        "0 as in the paper; where not 0, present downwash is the horizon's own",
+        "0 as in the paper; if not 0, present downwash is predicted by the horizon itself",
         low=0.0,
         high=2.0,
     )
-    latency: float = tunable(0.026, "stamp of a tick to its command's effect", unit="s", low=0.0, high=0.3)
+    latency: float = tunable(0.026, "tick's stamp to its command's effect", unit="s", low=0.0, high=0.3)
     attitude_lag: float = tunable(
-        0.12, "tilt behind its command, without the rotors' lag", unit="s", low=0.0, high=1.0
+        0.12, "lag of tilt behind its command, without the rotors' lag", unit="s", low=0.0, high=1.0
     )
-    observe: bool = tunable(default=True, description="estimate and cancel unexplained acceleration")
+    observe: bool = tunable(default=True, description="estimate and cancel disturbances")
     state_bandwidth: float = tunable(
-        20.0, "how quickly estimated position and velocity follow", unit="rad/s", low=0.1, high=100.0
+        20.0, "bandwidth of estimated position and velocity", unit="rad/s", low=0.1, high=100.0
     )
     observer_bandwidth: float = tunable(
-        3.0, "how quickly unexplained acceleration is believed", unit="rad/s", low=0.01, high=50.0
+        3.0, "bandwidth of the estimated disturbance", unit="rad/s", low=0.01, high=50.0
     )
-    disturbance_max: float = tunable(
-        3.0, "largest unexplained acceleration believed", unit="m/s^2", low=0.0, high=9.81
-    )
+    disturbance_max: float = tunable(3.0, "largest estimated disturbance", unit="m/s^2", low=0.0, high=9.81)
     thrust_limited: bool = tunable(default=False, description="keep |U1| within thrust_max (section 5.2)")
     thrust_max: float = tunable(
-        6.6, "bound on U1 where thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
+        6.6, "bound on U1 if thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
     )
     thrust_rate_max: float = tunable(
         100.0, "largest rate of thrust over mass", unit="m/s^3", low=0.1, high=1e4
@@ -60,7 +58,7 @@ class MpcParams:
     tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=0.1, high=30.0)
     k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
-    iterations: int = tunable(12, "recursions of a solve at most", low=1, high=200)
+    iterations: int = tunable(12, "most recursions of a solve", low=1, high=200)
     shift_time: float = tunable(
         0.2, "how long a plan may be shifted before the PID takes over", unit="s", low=0.0, high=2.0
     )

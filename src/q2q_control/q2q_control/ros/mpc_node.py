@@ -11,9 +11,9 @@ from rclpy.node import Node
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.failsafe.time_budget import TimeBudget
 from q2q_control.inputs.plan_samples import sampled_preview
-from q2q_control.inputs.preview import SampledPreview, made_up_preview
+from q2q_control.inputs.preview import SampledPreview, resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_control.ros.legacy_topics import LegacyTopics
@@ -73,7 +73,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, MpcParams(), in_flight=True)
     budget = TimeBudget(own.budget_s if own.live else inf, monotonic)
-    block = Mpc(params, vehicle, find_model(own.model).interaction, own.vehicles, budget.in_time)
+    setup = MpcSetup(own.vehicles, budget.in_time)
+    block = Mpc(params, vehicle, find_model(own.model).interaction, setup)
     on_change(node, params, block.configure)
     inputs: dict[str, type[Signal]] = {"state": SwarmState, "reference_safe": SwarmSetpoint}
     if own.aware:
@@ -86,7 +87,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     guarded.wire(node, wiring)
 
     def take_plan(message: Plan) -> None:
-        block.preview = preview_of(message)
+        block.follow(preview_of(message))
         plan_came()
 
     def answer(
@@ -99,9 +100,9 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         return command
 
     plan_came = expect_latched(node, node.create_subscription(Plan, "plan", take_plan, LATCHED))
-    block.preview = made_up_preview(own.vehicles or STAND_IN)
+    block.follow(resting_preview(own.vehicles or STAND_IN))
     wiring.rehearse(answer, guarded.reset, own.vehicles)
-    block.preview = None
+    block.follow(None)
     wiring.start(_within(budget, answer))
     return wiring
 

@@ -11,7 +11,7 @@ from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
 from q2q_control.inputs.plan_samples import Curve, sampled_preview
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import peak
@@ -155,10 +155,9 @@ def _replanner(scenario: Scenario, options: Options) -> Replanner:
 def _controller(scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan) -> Controller:
     if options.controller == "pid":
         return Pid(pid_params(scenario, limited=options.limited), scenario.vehicle)
-    mpc = Mpc(mpc_params(scenario, limited=options.limited), scenario.vehicle, model)
     curves = [Curve(one.durations, one.coefficients) for one in plan.trajectories]
-    mpc.preview = sampled_preview(plan.names, curves, 0.0)
-    return mpc
+    setup = MpcSetup(preview=sampled_preview(plan.names, curves, 0.0))
+    return Mpc(mpc_params(scenario, limited=options.limited), scenario.vehicle, model, setup)
 
 
 def _check(what: str, value: str, known: tuple[str, ...]) -> None:

@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
-from q2q_control.explicit.distillation import Syllabus, distil
-from q2q_control.explicit.explicit_solver import explicit_controller
+from q2q_control.explicit.distillation import DistillationParams, distil
+from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.situations import random_situations
-from q2q_control.explicit.teacher import Teacher, answers
-from q2q_control.inputs.preview import made_up_preview
+from q2q_control.explicit.teacher import Teacher, solve_situations
+from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.files.find_model import find_model
@@ -83,7 +83,7 @@ def _mpc() -> None:
     for model in ("measured_law", "paper_law"):
         block = Mpc(MpcParams(), TEXTBOOK_065, find_model(model).interaction)
         for names in (MANY[:2], MANY):
-            block.preview = made_up_preview(names)
+            block.follow(resting_preview(names))
             rehearse(block.update, block.reset, CONTROLLED, names)
 
 
@@ -91,9 +91,10 @@ def _explicit() -> None:
     rng = np.random.default_rng(0)
     teacher = Teacher(MpcParams(), TEXTBOOK_065, find_model("paper_law").interaction, TEXTBOOK_065.thrust_max)
     asked = random_situations(2, teacher.params.step, rng)
-    answers(asked, teacher)
-    law = distil(teacher, Syllabus(situations=2, encounters=1, length=2, iterations=1), rng)
-    block = explicit_controller(law, teacher.params, teacher.vehicle, teacher.model)
+    solve_situations(asked, teacher)
+    law = distil(teacher, DistillationParams(situations=2, encounters=1, length=2, iterations=1), rng)
+    setup = MpcSetup(solver=explicit_solver(law))
+    block = Mpc(teacher.params, teacher.vehicle, teacher.model, setup)
     rehearse(block.update, block.reset, CONTROLLED)
 
 

@@ -1,10 +1,10 @@
-"""Remember the last plan of every vehicle, and shift it to the time of the next tick.
+"""Memory of every vehicle's last plan, shifted to the time of the next tick.
 
-Paths are kept as what they differ from their references, so that a plan shifted beyond its end goes on along
-the reference. Inputs are kept as they are, the pattern of active bounds as the next solve's first guess.
+Paths are stored relative to their references, so that a plan shifted beyond its end continues along the
+reference. Inputs are stored as they are, the pattern of active bounds as the next solve's first guess.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,7 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, index_of
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(NamedTuple):
     """Predicted plans of a swarm from one tick; N stages of equal steps."""
 
     start: float
@@ -24,9 +23,9 @@ class Plan:
     inputs: Array
     """Commanded acceleration [m/s^2], world, (n, N, 3)."""
     pattern: NDArray[np.int8]
-    """Active bounds (q2q_control.mpc.solver.riccati), (n, N, 3)."""
+    """Active bounds (q2q_control.mpc.solver.active_set), (n, N, 3)."""
     solved: Array
-    """Start of the plan that was really solved [s], (n,); minus infinity where there is none."""
+    """Start of the plan as it was solved, before any shift [s], (n,); minus infinity if there is none."""
 
 
 class PlanMemory:
@@ -46,12 +45,17 @@ class PlanMemory:
         """Return the plans of `names` from `start` [s] on; a vehicle without one is on its reference."""
         if names != self._names:
             self._plan, self._names = self._reordered(index_of(names, self._names)), names
-        plan = self._plan
-        late = max((start - plan.start) / self._step, 0.0) if np.isfinite(plan.start) else 0.0
-        offset, inputs = np.empty_like(plan.offset), np.empty_like(plan.inputs)
-        pattern = np.empty_like(plan.pattern)
-        _shift(late, (plan.offset, plan.inputs, plan.pattern), (offset, inputs, pattern))
-        return Plan(start, offset, inputs, pattern, plan.solved)
+        old = self._plan
+        late = max((start - old.start) / self._step, 0.0) if np.isfinite(old.start) else 0.0
+        new = Plan(
+            start,
+            np.empty_like(old.offset),
+            np.empty_like(old.inputs),
+            np.empty_like(old.pattern),
+            old.solved,
+        )
+        _shift(late, old, new)
+        return new
 
     def keep(self, names: Names, plan: Plan) -> None:
         """Remember the plans of a tick."""
@@ -78,13 +82,9 @@ class PlanMemory:
 
 
 @compiled
-def _shift(
-    late: float,
-    old: tuple[Array, Array, NDArray[np.int8]],
-    new: tuple[Array, Array, NDArray[np.int8]],
-) -> None:
-    """Fill `new` by `old`, `late` stages on: offsets along straight lines, inputs held, nearest patterns."""
-    vehicles, stages = old[1].shape[0], old[1].shape[1]
+def _shift(late: float, old: Plan, new: Plan) -> None:
+    """Write `new` as `old` shifted by `late` stages: offsets interpolated, inputs held, nearest patterns."""
+    vehicles, stages = old.inputs.shape[0], old.inputs.shape[1]
     nearest = int(late + 0.5)
     for v in range(vehicles):
         for k in range(stages + 1):
@@ -92,8 +92,8 @@ def _shift(
             before = min(int(place), stages - 1)
             share = place - before
             for axis in range(3):
-                here, after = old[0][v, before, axis], old[0][v, before + 1, axis]
-                new[0][v, k, axis] = here + share * (after - here)
+                here, after = old.offset[v, before, axis], old.offset[v, before + 1, axis]
+                new.offset[v, k, axis] = here + share * (after - here)
                 if k < stages:
-                    new[1][v, k, axis] = old[1][v, before, axis]
-                    new[2][v, k, axis] = old[2][v, min(k + nearest, stages - 1), axis]
+                    new.inputs[v, k, axis] = old.inputs[v, before, axis]
+                    new.pattern[v, k, axis] = old.pattern[v, min(k + nearest, stages - 1), axis]

@@ -1,7 +1,7 @@
-"""Say where the vehicles will be when a command given now starts to act.
+"""State in which a command given now finds the vehicles.
 
-From the tick's measurements, the thrust that has come of earlier commands, and the commands still on their
-way (q2q_control.disturbance.tracker), rolled forward by the latency with each axis' lag.
+The tick's measurements, the thrust produced by earlier commands and the commands in transit
+(q2q_control.disturbance.tracker), rolled forward by the latency with each axis' lag.
 """
 
 from dataclasses import dataclass
@@ -10,12 +10,10 @@ import numpy as np
 
 from q2q_control.disturbance.tracker import DisturbanceTracker, Tracked, TrackerParams
 from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
-from q2q_control.mpc.chain import transition
+from q2q_control.mpc.chain import axis_lags, transition
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.signals.values import Array, SwarmCommand, SwarmState
 from q2q_model.vehicle.constants import Vehicle
-
-Three = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +35,10 @@ class PresentEstimator:
         """Estimate vehicles like `vehicle`."""
         self._params = params
         self._lags = axis_lags(params, vehicle)
-        known = TrackerParams(
+        tracker = TrackerParams(
             params.latency, params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
         )
-        self._tracker = DisturbanceTracker(known, vehicle)
+        self._tracker = DisturbanceTracker(tracker, vehicle)
 
     def update(self, tick: Aligned, state: SwarmState) -> Present:
         """Return the present of the tick's vehicles."""
@@ -64,13 +62,9 @@ class PresentEstimator:
         return chains
 
 
-def axis_lags(params: MpcParams, vehicle: Vehicle) -> Three:
-    """Return how far x, y, z accelerations are behind their commands [s]."""
-    side = params.attitude_lag + vehicle.thrust_lag
-    return side, side, vehicle.thrust_lag
-
-
-def _moved(chains: Array, seconds: float, drive: tuple[Array, Array], lags: Three) -> Array:
+def _moved(
+    chains: Array, seconds: float, drive: tuple[Array, Array], lags: tuple[float, float, float]
+) -> Array:
     command, push = drive
     moved = np.empty_like(chains)
     gain = np.array([0.5 * seconds * seconds, seconds, 0.0])

@@ -1,36 +1,47 @@
-"""Know where all vehicles were and will be: the controlled ones and those of other controllers.
+"""Past and future tracks of all vehicles: the controlled ones and those of other controllers.
 
-A controlled vehicle goes where its last plan says. A vehicle that is not ours goes where it said it would
-(q2q_control.mpc.prediction.predictions), or straight on if it said nothing. One that is no longer seen goes
-on likewise, and its downwash counts less and less: it is still there, but nobody knows where. The past
-reaches as far back as downwash travel.
+A controlled vehicle follows its last plan; a vehicle of another controller is extrapolated at constant
+velocity. A vehicle that is no longer visible is extrapolated likewise, and the weight of its downwash decays:
+it is still there, but its position is uncertain. The past reaches back as far as the longest downwash delay.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.inputs.alignment import POS, Aligned
-from q2q_control.mpc.prediction.downwash_horizon import Tracks
-from q2q_control.mpc.prediction.predictions import Predictions, path_at
+from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 
 FAR = 1e6
-"""Where a vehicle without state is put [m]."""
+"""Position of a vehicle without state [m]: out of everybody's reach."""
 FADE = 0.5
 """Time constant of the fading downwash of an unseen vehicle [s]: above dropouts of 0.1 to 0.3 s."""
-FORGOTTEN = 0.02
-"""Downwash that counts less than this counts nothing [-]."""
-LATER = 1e-9
-"""Two entries of a track are at least this far apart [s]."""
+NEGLIGIBLE = 0.02
+"""Weight of downwash below which it is neglected [-]."""
+MIN_STEP = 1e-9
+"""Least time between two entries of a track [s]."""
 _LOST = int(TrackStatus.LOST)
+
+
+class Future(NamedTuple):
+    """Predicted motion of n vehicles over N stages."""
+
+    times: Array
+    """[s], (N + 1,)."""
+    path: Array
+    """[m], world, (n, N + 1, 3)."""
+    inputs: Array
+    """Commanded acceleration [m/s^2], world, (n, N, 3)."""
 
 
 class Surroundings:
     """Recent positions of the vehicles."""
 
-    def __init__(self) -> None:
-        self.heard: Predictions | None = None
-        self.loading = 0.0
+    def __init__(self, span: float, loading: float) -> None:
+        """Remember the last `span` [s]; `loading` is the share of thrust beyond weight that adds downwash."""
+        self._span, self._loading = span, loading
         self.reset()
 
     def reset(self) -> None:
@@ -40,36 +51,33 @@ class Surroundings:
         self._where: list[Array] = []
         self._unseen: dict[str, float] = {}
 
-    def tracks(
-        self, tick: Aligned, state: SwarmState, future: tuple[Array, Array, Array], span: float
-    ) -> Tracks:
+    def tracks(self, tick: Aligned, state: SwarmState, future: Future) -> Tracks:
         """Return the tracks of the tick's vehicles, then of the others in `state`.
 
         Args:
             tick: the controlled vehicles.
-            state: everybody.
-            future: stages (N + 1,) [s], paths (n, N + 1, 3) [m], inputs (n, N, 3) [m/s^2] of the controlled.
-            span: how far back downwash comes from [s].
+            state: all vehicles.
+            future: of the controlled vehicles.
         """
-        times, path, inputs = future
-        trust = self._trust(tick, path)
-        here = np.where(tick.usable[:, None], tick.table[:, POS], path[:, 0])
+        trust = self._trust(tick, future.path)
+        here = np.where(tick.usable[:, None], tick.table[:, POS], future.path[:, 0])
         names = tick.names
         if state.names != names:
-            names, here, path, inputs = self._with_others(state, (times, here, path, inputs), names)
+            names, here, future = _with_others(state, names, here, future)
             trust = np.append(trust, np.ones(len(names) - trust.size))
-        self._remember(tick.t, names, here, span)
-        start = max(times[0], tick.t + LATER)
-        when = np.concatenate([self._when, times])
-        when[len(self._when)] = start
-        pos = np.ascontiguousarray(np.concatenate([np.stack(self._where), path.transpose(1, 0, 2)]))
-        lift = inputs + np.array([0.0, 0.0, GRAVITY])
-        thrust = np.sqrt((lift * lift).sum(axis=-1, keepdims=True))  # over mass, (n, N, 1)
-        strength = 1.0 + self.loading * (thrust[..., 0] / GRAVITY - 1.0) if self.loading > 0.0 else None
-        return Tracks(when, pos, lift / thrust, trust, len(self._when), strength)
+        self._remember(tick.t, names, here)
+        times = np.concatenate([self._when, future.times])
+        times[len(self._when)] = max(future.times[0], tick.t + MIN_STEP)
+        pos = np.ascontiguousarray(np.concatenate([np.stack(self._where), future.path.transpose(1, 0, 2)]))
+        thrust_acc = future.inputs + np.array([0.0, 0.0, GRAVITY])  # thrust over mass
+        size = np.sqrt((thrust_acc * thrust_acc).sum(axis=-1, keepdims=True))  # (n, N, 1)
+        weight = np.ones(size.shape[:2]) * trust[:, None]
+        if self._loading > 0.0:
+            weight *= 1.0 + self._loading * (size[..., 0] / GRAVITY - 1.0)
+        return Tracks(times, pos, thrust_acc / size, weight, len(self._when))
 
     def _trust(self, tick: Aligned, path: Array) -> Array:
-        """Return how much each vehicle's downwash counts, (n,); put those that count nothing far away."""
+        """Return the weight of each vehicle's downwash by visibility, (n,); move negligible ones far away."""
         trust = np.ones(len(tick.names))
         if tick.usable.all():
             self._unseen = {}
@@ -80,39 +88,40 @@ class Surroundings:
                 continue
             since = self._unseen.setdefault(name, tick.t if name in self._names else -np.inf)
             trust[row] = np.exp((since - tick.t) / FADE)
-            if trust[row] < FORGOTTEN or not np.isfinite(path[row]).all():
+            if trust[row] < NEGLIGIBLE or not np.isfinite(path[row]).all():
                 trust[row], path[row] = 0.0, FAR * (1.0 + row)
         return trust
 
-    def _remember(self, t: float, names: Names, here: Array, span: float) -> None:
+    def _remember(self, t: float, names: Names, here: Array) -> None:
         if names != self._names:
             self._names, self._when, self._where = names, [], []
         self._when.append(t)
         self._where.append(here)
-        while len(self._when) > 1 and self._when[1] <= t - span:
+        while len(self._when) > 1 and self._when[1] <= t - self._span:
             self._when.pop(0)
             self._where.pop(0)
 
-    def _with_others(
-        self, state: SwarmState, ours: tuple[Array, Array, Array, Array], names: Names
-    ) -> tuple[Names, Array, Array, Array]:
-        times, here, path, inputs = ours
-        rows = [row for row, name in enumerate(state.names) if name not in names]
-        if not rows:
-            return names, here, path, inputs
-        theirs = np.stack([self._stranger(state, row, times) for row in rows])
-        return (
-            names + tuple(state.names[row] for row in rows),
-            np.concatenate([here, theirs[:, 0]]),
-            np.concatenate([path, theirs]),
-            np.concatenate([inputs, np.zeros((len(rows), *inputs.shape[1:]))]),
-        )
 
-    def _stranger(self, state: SwarmState, row: int, times: Array) -> Array:
-        """Return the path (N + 1, 3) of a vehicle that is not ours."""
-        told = None if self.heard is None else path_at(self.heard, state.names[row], times)
-        if told is not None:
-            return told
-        straight = state.pos[row] + state.vel[row] * (times - state.t)[:, None]
-        known = np.isfinite(straight).all() and state.status[row] != _LOST
-        return straight if known else np.full_like(straight, -FAR * (1.0 + row))
+def _with_others(state: SwarmState, names: Names, here: Array, future: Future) -> tuple[Names, Array, Future]:
+    """Return names, positions and future with the vehicles of other controllers appended."""
+    rows = [row for row, name in enumerate(state.names) if name not in names]
+    if not rows:
+        return names, here, future
+    others = np.stack([_extrapolated(state, row, future.times) for row in rows])
+    at_rest = np.zeros((len(rows), *future.inputs.shape[1:]))
+    return (
+        names + tuple(state.names[row] for row in rows),
+        np.concatenate([here, others[:, 0]]),
+        Future(
+            future.times,
+            np.concatenate([future.path, others]),
+            np.concatenate([future.inputs, at_rest]),
+        ),
+    )
+
+
+def _extrapolated(state: SwarmState, row: int, times: Array) -> Array:
+    """Return the path (N + 1, 3) of a vehicle at constant velocity; far away if it has no state."""
+    straight = state.pos[row] + state.vel[row] * (times - state.t)[:, None]
+    known = np.isfinite(straight).all() and state.status[row] != _LOST
+    return straight if known else np.full_like(straight, -FAR * (1.0 + row))

@@ -1,9 +1,8 @@
-"""Hold what one tick asks of the horizon, and what the answer is: all vehicles, all axes, all stages.
+"""Problem of one tick and its solution: all vehicles, all axes, all stages.
 
-A Horizon is a NamedTuple and not a dataclass, because compiled code takes it as it is.
+Both are NamedTuples, which compiled code can take.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from q2q_model.signals.values import Array
 
 INTERRUPTED, SOLVED, CUT_OFF = 0, 1, 2
-"""How a vehicle's horizon ended: not reached in time or not finite, optimal, bounds kept but not optimal."""
+"""Status of a vehicle's solution: out of time or not finite; optimal; feasible but not optimal."""
 
 
 class Horizon(NamedTuple):
@@ -25,7 +24,7 @@ class Horizon(NamedTuple):
     push: Array
     """Downwash and disturbance along the last prediction [m/s^2], (n, N, 3)."""
     path: Array
-    """Last predicted positions [m] of the n and of others, (n or more, N + 1, 3)."""
+    """Last predicted positions [m] of the n vehicles and of others, (n or more, N + 1, 3)."""
     low: Array
     """Least input of each axis [m/s^2], (n, 3)."""
     high: Array
@@ -34,8 +33,7 @@ class Horizon(NamedTuple):
     """Largest difference of input and acceleration [m/s^2], (3,)."""
 
 
-@dataclass(frozen=True, slots=True)
-class HorizonSolution:
+class HorizonSolution(NamedTuple):
     """Solution of one tick's problem."""
 
     pos: Array
@@ -43,8 +41,19 @@ class HorizonSolution:
     inputs: Array
     """Commanded accelerations [m/s^2], world, (n, N, 3)."""
     pattern: NDArray[np.int8]
-    """Active bounds (q2q_control.mpc.solver.riccati), (n, N, 3)."""
-    ended: NDArray[np.int8]
+    """Active bounds (q2q_control.mpc.solver.active_set), (n, N, 3)."""
+    status: NDArray[np.int8]
     """INTERRUPTED, SOLVED or CUT_OFF, (n,)."""
     iterations: int
-    """Most recursions that one problem took."""
+    """Most recursions of one problem."""
+
+
+def blank_solution(vehicles: int, stages: int) -> HorizonSolution:
+    """Return a solution to be filled: no active bounds, every vehicle SOLVED."""
+    return HorizonSolution(
+        pos=np.empty((vehicles, stages + 1, 3)),
+        inputs=np.empty((vehicles, stages, 3)),
+        pattern=np.zeros((vehicles, stages, 3), np.int8),
+        status=np.full(vehicles, SOLVED, np.int8),
+        iterations=1,
+    )

@@ -1,9 +1,11 @@
-"""Bound the commanded acceleration of each axis by thrust, tilt and the weight that a vehicle may drop.
+"""Bounds of the commanded acceleration of each axis from thrust, tilt and the least thrust.
 
-    |u_x|, |u_y| <= side,   -FALL g <= u_z <= lift (1 - 2 (q_x^2 + q_y^2)) - g
+    |u_x|, |u_y| <= side,   -FALL g <= u_z <= thrust / m (1 - 2 (q_x^2 + q_y^2)) - g
 
-A bound on thrust below the weight puts both bounds of z where it allows.
+A thrust limit below the weight puts both bounds of z at the most it allows.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,16 +14,24 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
 FALL = 0.95
-"""Share of its weight that a vehicle may drop at most [-]: some thrust is left to tilt."""
+"""Largest downward acceleration over gravity [-]: some thrust is left to tilt."""
+
+
+class AccelerationLimits(NamedTuple):
+    """Largest accelerations of a level vehicle."""
+
+    side: float
+    """Of x and of y [m/s^2]."""
+    thrust: float
+    """Largest thrust over mass [m/s^2]."""
 
 
 @compiled
-def bounds_of(quat: Array, most: tuple[float, float]) -> tuple[Array, Array]:
-    """Return the least and largest input [m/s^2], (n, 3) each: attitudes (n, 4), (side, thrust over mass)."""
+def input_bounds(quat: Array, most: AccelerationLimits) -> tuple[Array, Array]:
+    """Return the least and largest input [m/s^2], (n, 3) each, at attitudes (n, 4)."""
     low, high = np.empty((quat.shape[0], 3)), np.empty((quat.shape[0], 3))
-    side, lift = most
     for v in range(quat.shape[0]):
         upright = 1.0 - 2.0 * (quat[v, 0] ** 2 + quat[v, 1] ** 2)
-        high[v, 0], high[v, 1], high[v, 2] = side, side, lift * upright - GRAVITY
-        low[v, 0], low[v, 1], low[v, 2] = -side, -side, min(-FALL * GRAVITY, high[v, 2])
+        high[v, 0], high[v, 1], high[v, 2] = most.side, most.side, most.thrust * upright - GRAVITY
+        low[v, 0], low[v, 1], low[v, 2] = -most.side, -most.side, min(-FALL * GRAVITY, high[v, 2])
     return low, high

@@ -1,12 +1,12 @@
-"""Build the problem of vehicles that are solved together: build only, no solving.
+"""LqProblem of vehicles that are solved together: build only, no solving.
 
-The chains of the group's axes, and in their transition and drift the downwash linearised along the last
-prediction r~ (q2q_control.mpc.prediction.downwash_horizon):
+It holds the chains of the group's axes, with the downwash in their transition and drift linearised along the
+last prediction r~ (q2q_control.mpc.prediction.downwash_horizon):
 
     w_i,k = w~_i,k + sum_j G_ij,k ((r_j - r~_j) - (r_i - r~_i))
 
-A source outside the group moves as predicted: only r_i counts then. What is the same every tick is built
-once a shape of group; a compiled loop fills in the rest.
+A source outside the group moves as predicted, so only r_i counts. What does not change from tick to tick is
+built once for each shape of group; a compiled loop fills in the rest.
 """
 
 from typing import NamedTuple
@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.mpc.chain import Chain
-from q2q_control.mpc.prediction.downwash_horizon import DownwashHorizon
+from q2q_control.mpc.chain import Chains
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.lq_problem import LqProblem
 from q2q_model.compiled import compiled
@@ -24,10 +24,6 @@ from q2q_model.signals.values import Array
 Rows = NDArray[np.intp]
 _ENTRIES = (np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2]))
 """Rows and columns of a chain's transition that are not zero."""
-
-
-Slopes = tuple[Rows, Rows, Array]
-"""i, j (pairs,) and slope (pairs, N, 3, 3) of a DownwashHorizon, as compiled code takes them."""
 
 
 class GroupShape(NamedTuple):
@@ -40,7 +36,7 @@ class GroupShape(NamedTuple):
     values: Array
     """(N, e): the chains; the entries of slopes are 0."""
     first_slope: int
-    """Where the slopes' entries start: two, position and velocity row, for each pair of chains."""
+    """First entry of the slopes: two, for position and velocity row, of each pair of chains."""
     push_gain: Array
     """(a, 3)"""
     input_gain: Array
@@ -49,9 +45,7 @@ class GroupShape(NamedTuple):
     input_weight: Array
 
 
-def group_shape(
-    size: int, axes: tuple[int, ...], models: tuple[Chain, Chain, Chain], stages: int
-) -> GroupShape:
+def group_shape(size: int, axes: tuple[int, ...], models: Chains, stages: int) -> GroupShape:
     """Return the shape of groups of `size` vehicles; `models` are those of x, y, z."""
     own = [models[axis] for axis in axes] * size
     count = len(own)
@@ -75,96 +69,79 @@ def group_shape(
     )
 
 
+@compiled
 def joint_problem(
     shape: GroupShape, vehicles: Rows, horizon: Horizon, downwash: DownwashHorizon
 ) -> LqProblem:
     """Return the problem of the group `vehicles` (g,), chains vehicle by vehicle, axis by axis."""
-    return LqProblem(*joint_parts(shape, vehicles, horizon, (downwash.i, downwash.j, downwash.slope)))
-
-
-@compiled
-def joint_parts(shape: GroupShape, vehicles: Rows, horizon: Horizon, slopes: Slopes) -> LqProblem:
-    """Return the LqProblem of (shape, vehicles (g,), horizon, slopes)."""
-    axes = shape.axes
-    chains, stages = vehicles.size * axes.size, horizon.push.shape[1]
-    values, start, step = shape.values.copy(), np.empty(3 * chains), np.empty(chains)
-    drift, target = np.empty((stages, 3 * chains)), np.empty((stages + 1, 3 * chains))
-    wanted, low, high = np.empty((stages, chains)), np.empty((stages, chains)), np.empty((stages, chains))
-    _fill_chains(horizon, (vehicles, axes), shape.push_gain, (drift, target, wanted))
-    _fill_bounds(horizon, (vehicles, axes), (start, low, high, step))
-    place = np.full(horizon.path.shape[0], -1)
-    for g in range(vehicles.size):
-        place[vehicles[g]] = g
-    _fill_slopes(slopes, (place, axes, shape.push_gain), horizon.path, (values, drift), shape.first_slope)
-    return LqProblem(
-        start,
+    chains, stages = vehicles.size * shape.axes.size, horizon.push.shape[1]
+    problem = LqProblem(
+        np.empty(3 * chains),
         shape.rows,
         shape.cols,
-        values,
-        drift,
+        shape.values.copy(),
+        np.empty((stages, 3 * chains)),
         shape.input_gain,
         shape.state_weight,
         shape.terminal,
-        target,
+        np.empty((stages + 1, 3 * chains)),
         shape.input_weight,
-        wanted,
-        low,
-        high,
-        step,
+        np.empty((stages, chains)),
+        np.empty((stages, chains)),
+        np.empty((stages, chains)),
+        np.empty(chains),
     )
+    _fill_chains(shape, vehicles, horizon, problem)
+    _fill_bounds(shape, vehicles, horizon, problem)
+    _fill_slopes(shape, vehicles, downwash, horizon.path, problem)
+    return problem
 
 
 @compiled
-def _fill_bounds(horizon: Horizon, chains: tuple[Rows, Rows], out: tuple[Array, Array, Array, Array]) -> None:
-    vehicles, axes = chains
-    start, low, high, step = out
+def _fill_bounds(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: LqProblem) -> None:
+    """Write start, low, high and step."""
+    axes = shape.axes
     for g in range(vehicles.size):
         for a in range(axes.size):
             v, axis, c = vehicles[g], axes[a], g * axes.size + a
-            step[c] = horizon.step[axis]
+            problem.step[c] = horizon.step[axis]
             for row in range(3):
-                start[3 * c + row] = horizon.start[v, axis, row]
-            for k in range(low.shape[0]):
-                low[k, c], high[k, c] = horizon.low[v, axis], horizon.high[v, axis]
+                problem.start[3 * c + row] = horizon.start[v, axis, row]
+            for k in range(problem.low.shape[0]):
+                problem.low[k, c], problem.high[k, c] = horizon.low[v, axis], horizon.high[v, axis]
 
 
 @compiled
-def _fill_chains(
-    horizon: Horizon, chains: tuple[Rows, Rows], push_gain: Array, out: tuple[Array, Array, Array]
-) -> None:
-    vehicles, axes = chains
-    drift, target, wanted = out
+def _fill_chains(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: LqProblem) -> None:
+    """Write targets and the drift by downwash along the last prediction."""
+    axes, target = shape.axes, problem.target
     stages = horizon.push.shape[1]
     for g in range(vehicles.size):
         for a in range(axes.size):
             v, axis, c = vehicles[g], axes[a], g * axes.size + a
             for k in range(stages + 1):
                 w = horizon.push[v, min(k, stages - 1), axis]
-                goal = horizon.reference[v, k, 6 + axis] - w
+                acc = horizon.reference[v, k, 6 + axis] - w
                 target[k, 3 * c] = horizon.reference[v, k, axis]
                 target[k, 3 * c + 1] = horizon.reference[v, k, 3 + axis]
-                target[k, 3 * c + 2] = goal
+                target[k, 3 * c + 2] = acc
                 if k < stages:
-                    wanted[k, c] = goal
+                    problem.input_target[k, c] = acc
                     for row in range(3):
-                        drift[k, 3 * c + row] = push_gain[a, row] * w
+                        problem.drift[k, 3 * c + row] = shape.push_gain[a, row] * w
 
 
 @compiled
 def _fill_slopes(
-    slopes: tuple[Rows, Rows, Array],
-    group: tuple[Rows, Rows, Array],
-    path: Array,
-    out: tuple[Array, Array],
-    first: int,
+    shape: GroupShape, vehicles: Rows, downwash: DownwashHorizon, path: Array, problem: LqProblem
 ) -> None:
-    """Add what each pair's slopes do: to the transition, and minus G r~ to the drift."""
-    place, axes, push_gain = group
-    values, drift = out
-    count = axes.size
-    chains = drift.shape[1] // 3
-    for pair in range(slopes[0].size):
-        i, j = slopes[0][pair], slopes[1][pair]
+    """Add G of each pair to the transition, and -G r~ to the drift."""
+    axes, count, chains = shape.axes, shape.axes.size, problem.step.size
+    place = np.full(path.shape[0], -1)
+    for g in range(vehicles.size):
+        place[vehicles[g]] = g
+    for pair in range(downwash.i.size):
+        i, j = downwash.i[pair], downwash.j[pair]
         if place[i] < 0:
             continue
         for a in range(count):
@@ -174,10 +151,10 @@ def _fill_slopes(
                     vehicle, sign = (i, -1.0) if side == 0 else (j, 1.0)
                     if place[vehicle] < 0:
                         continue
-                    entry = first + 2 * (feels * chains + place[vehicle] * count + b)
-                    for k in range(drift.shape[0]):
-                        slope = sign * slopes[2][pair, k, axes[a], axes[b]]
+                    entry = shape.first_slope + 2 * (feels * chains + place[vehicle] * count + b)
+                    for k in range(problem.drift.shape[0]):
+                        slope = sign * downwash.slope[pair, k, axes[a], axes[b]]
                         for row in range(2):
-                            pushed = push_gain[a, row] * slope
-                            values[k, entry + row] += pushed
-                            drift[k, 3 * feels + row] -= pushed * path[vehicle, k, axes[b]]
+                            pushed = shape.push_gain[a, row] * slope
+                            problem.values[k, entry + row] += pushed
+                            problem.drift[k, 3 * feels + row] -= pushed * path[vehicle, k, axes[b]]

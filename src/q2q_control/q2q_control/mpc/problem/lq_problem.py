@@ -1,14 +1,15 @@
-"""Hold a linear-quadratic optimal control problem with bounded inputs, in the form its solver reads.
+"""Linear-quadratic optimal control problem with bounded inputs, in the form its solver reads.
 
     minimise    sum_k  |x_k - x*_k|^2_Q + R (u_k - u*_k)^2 + S (u_k - a_k)^2   + |x_N - x*_N|^2_P
     subject to  x_{k+1} = A_k x_k + B u_k + c_k,   x_0 given
                 low_k <= u_k <= high_k,   |u_k - a_k| <= step
 
-The state is made of chains of three, one an input: position, velocity, and the acceleration a that follows
-the input with a lag. So a bound on u - a is one on the rate of thrust or tilt, and its weight S one on
-jerk. A_k is sparse: each chain, and what downwash couples. Everything but A_k is diagonal over the chains.
+The state consists of one chain of three for each input: position, velocity, and the acceleration a that
+follows the input with a lag. A bound on u - a thus limits the rate of thrust or tilt, and its weight S
+penalises jerk. A_k is sparse: the chains themselves, and their coupling by downwash. Everything but A_k is
+diagonal over the chains.
 
-A NamedTuple and not a dataclass, because compiled code takes it as it is.
+Problem and solution are NamedTuples, which compiled code can take.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -56,7 +57,7 @@ class LqProblem(NamedTuple):
     high: Array
     """(N, n) [m/s^2]."""
     step: Array
-    """(n,) [m/s^2]; infinity where the rate is free."""
+    """(n,) [m/s^2]; infinite where the rate is not limited."""
 
 
 class LqSolution(NamedTuple):
@@ -67,10 +68,10 @@ class LqSolution(NamedTuple):
     inputs: Array
     """(N, n)"""
     pattern: NDArray[np.int8]
-    """Which bound each input lies on, (N, n): the next solve's start."""
+    """Mode of each input (q2q_control.mpc.solver.active_set), (N, n): the next solve's guess."""
     iterations: int
     converged: bool
-    """False: inputs keep all bounds, but are not optimal."""
+    """False: the inputs keep all bounds but are not optimal."""
 
 
 def dense_matrices(problem: LqProblem) -> Array:

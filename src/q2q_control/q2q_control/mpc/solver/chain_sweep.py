@@ -1,66 +1,111 @@
-"""Solve many separate chains at once, where no bound is in the way.
+"""Solution of many separate chains at once where no bound is active.
 
-A chain without slopes of downwash is the same at every stage, and its weight beyond the horizon is the one
-that goes on for ever, so the Riccati matrix P is the same at every stage too. What is left of the recursion
-is one vector a stage, back and forth (q2q_control.mpc.solver.riccati has the general form):
+A chain without slopes of downwash is the same at every stage, and its terminal weight is that of the infinite
+horizon, so the Riccati matrix P is constant too. What is left of the recursion is one vector per stage,
+backward and forward (q2q_control.mpc.solver.riccati has the general form):
 
     V_k(x) = x' P x + 2 p_k' x;   Quu = R + S + B' P B;   Qux = B' P A - S e_a
     o_k = -(B' (P c_k + p_{k+1}) - R u*_k) / Quu
     p_k = A' (P c_k + p_{k+1}) - Q x*_k + Qux' o_k
     u_k = -Qux / Quu x_k + o_k
 
-with u* = r''_ref - w and x* = (r_ref, r'_ref, u*). The answer is the optimum if no input crosses its bounds;
-chains that do are told, and solved one by one.
+with u* = r''_ref - w and x* = (r_ref, r'_ref, u*). The solution is optimal if no input crosses its bounds;
+chains that cross one are returned, and solved one by one.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.mpc.chain import Chain
-from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
 Rows = NDArray[np.intp]
-_B, _FEEDBACK, _QUX, _PUSH_AHEAD, _WEIGHT, _PUSH, _SCALARS = 0, 1, 2, 3, 4, 5, 6
+Flags = NDArray[np.bool_]
 
 
-def sweep_gains(model: Chain) -> Array:
-    """Return what the sweep reads of a chain, (13, 3): vectors, scalars Quu and R, then A and P."""
+class ChainGains(NamedTuple):
+    """Constants of the sweep of one chain."""
+
+    input: Array
+    """B, (3,)."""
+    feedback: Array
+    """Qux / Quu, (3,)."""
+    qux: Array
+    """(3,)"""
+    push_cost: Array
+    """P times the push gain, (3,)."""
+    weight: Array
+    """Q, (3,)."""
+    push: Array
+    """Push gain, (3,)."""
+    quu: float
+    effort: float
+    """R."""
+    transition: Array
+    """A, (3, 3)."""
+    terminal: Array
+    """P, (3, 3)."""
+
+
+def sweep_gains(model: Chain) -> ChainGains:
+    """Return the constants of a chain."""
     a, b, p = model.transition, model.input_gain, model.terminal
-    effort, jerk = model.input_weight
-    quu = effort + jerk + b @ p @ b
+    effort, jerk = (float(weight) for weight in model.input_weight)
+    quu = effort + jerk + float(b @ p @ b)
     qux = b @ p @ a - jerk * np.array([0.0, 0.0, 1.0])
-    vectors = [b, qux / quu, qux, p @ model.push_gain, model.state_weight, model.push_gain]
-    return np.concatenate([np.stack(vectors), [[quu, effort, 0.0]], a, p])
+    return ChainGains(
+        input=b,
+        feedback=qux / quu,
+        qux=qux,
+        push_cost=p @ model.push_gain,
+        weight=model.state_weight,
+        push=model.push_gain,
+        quu=quu,
+        effort=effort,
+        transition=a,
+        terminal=np.ascontiguousarray(p),
+    )
 
 
 @compiled
-def sweep(
-    horizon: Horizon, chains: tuple[Rows, Rows], gains: Array, answer: tuple[Array, Array]
-) -> NDArray[np.bool_]:
-    """Fill `answer` (positions (n, N + 1, 3), inputs (n, N, 3)) of the chains (vehicles (C,), axes (C,)).
-
-    Returns which chains keep their bounds, (C,). `gains` are those of `sweep_gains`, the same for all chains.
-    """
+def sweep(horizon: Horizon, chains: tuple[Rows, Rows], gains: ChainGains, solution: HorizonSolution) -> Flags:
+    """Write positions and inputs of the chains (vehicles (C,), axes (C,)); return which keep their bounds."""
     vehicles, axes = chains
-    pos, inputs = answer
     inside = np.ones(vehicles.size, np.bool_)
     for c in range(vehicles.size):
-        _offsets(horizon, vehicles[c], axes[c], (gains, inputs))
-        inside[c] = _rolled_out(horizon, vehicles[c], axes[c], (gains, pos, inputs))
+        _write_offsets(horizon, vehicles[c], axes[c], gains, solution.inputs)
+        inside[c] = _roll_out(horizon, vehicles[c], axes[c], gains, solution)
     return inside
 
 
+@compiled
+def sweep_free(
+    horizon: Horizon, free: Flags, gains: tuple[ChainGains, ChainGains], solution: HorizonSolution
+) -> Flags:
+    """Write positions and inputs of the chains that are `free` (n, 3); return which cross a bound, (n, 3).
+
+    `gains` are those of x and y, then of z.
+    """
+    crossing = np.zeros(free.shape, np.bool_)
+    for v in range(free.shape[0]):
+        for axis in range(3):
+            if free[v, axis]:
+                own = gains[0] if axis < 2 else gains[1]
+                _write_offsets(horizon, v, axis, own, solution.inputs)
+                crossing[v, axis] = not _roll_out(horizon, v, axis, own, solution)
+    return crossing
+
+
 @compiled(error_model="numpy")
-def _offsets(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Array]) -> None:
-    """Fill inputs[v, :, axis] with o_k, last to first."""
-    gains, inputs = arrays
+def _write_offsets(horizon: Horizon, v: int, axis: int, gains: ChainGains, inputs: Array) -> None:
+    """Write o_k into inputs[v, :, axis], last to first."""
     reference, push = horizon.reference, horizon.push
     stages = push.shape[1]
-    b, ahead_push, qux, weight = gains[_B], gains[_PUSH_AHEAD], gains[_QUX], gains[_WEIGHT]
-    quu, effort = gains[_SCALARS, 0], gains[_SCALARS, 1]
-    a, p = gains[7:10], gains[10:13]
+    a, b, p, qux = gains.transition, gains.input, gains.terminal, gains.qux
     slope, ahead = np.empty(3), np.empty(3)
     end = reference[v, stages, 6 + axis] - push[v, stages - 1, axis]
     for i in range(3):
@@ -68,54 +113,34 @@ def _offsets(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Array]) -
         slope[i] -= p[i, 2] * end
     for k in range(stages - 1, -1, -1):
         w = push[v, k, axis]
-        wanted = reference[v, k, 6 + axis] - w
+        target = reference[v, k, 6 + axis] - w
         for i in range(3):
-            ahead[i] = slope[i] + w * ahead_push[i]
+            ahead[i] = slope[i] + w * gains.push_cost[i]
         lean = b[0] * ahead[0] + b[1] * ahead[1] + b[2] * ahead[2]
-        offset = -(lean - effort * wanted) / quu
+        offset = -(lean - gains.effort * target) / gains.quu
         inputs[v, k, axis] = offset
         for i in range(3):
             slope[i] = a[0, i] * ahead[0] + a[1, i] * ahead[1] + a[2, i] * ahead[2] + qux[i] * offset
-        slope[0] -= weight[0] * reference[v, k, axis]
-        slope[1] -= weight[1] * reference[v, k, 3 + axis]
-        slope[2] -= weight[2] * wanted
+        slope[0] -= gains.weight[0] * reference[v, k, axis]
+        slope[1] -= gains.weight[1] * reference[v, k, 3 + axis]
+        slope[2] -= gains.weight[2] * target
 
 
 @compiled(error_model="numpy")
-def _rolled_out(horizon: Horizon, v: int, axis: int, arrays: tuple[Array, Array, Array]) -> bool:
-    """Fill positions and inputs from the first stage on; return whether all bounds hold."""
-    gains, pos, inputs = arrays
-    b, feedback, push_gain, a = gains[_B], gains[_FEEDBACK], gains[_PUSH], gains[7:10]
+def _roll_out(horizon: Horizon, v: int, axis: int, gains: ChainGains, solution: HorizonSolution) -> bool:
+    """Write positions and inputs from the first stage on; return whether all bounds hold."""
+    a, b, feedback, push = gains.transition, gains.input, gains.feedback, gains.push
     low, high, step = horizon.low[v, axis], horizon.high[v, axis], horizon.step[axis]
-    p, s, acc = horizon.start[v, axis, 0], horizon.start[v, axis, 1], horizon.start[v, axis, 2]
+    pos, vel, acc = horizon.start[v, axis, 0], horizon.start[v, axis, 1], horizon.start[v, axis, 2]
     inside = True
-    pos[v, 0, axis] = p
+    solution.pos[v, 0, axis] = pos
     for k in range(horizon.push.shape[1]):
         w = horizon.push[v, k, axis]
-        u = inputs[v, k, axis] - feedback[0] * p - feedback[1] * s - feedback[2] * acc
-        inputs[v, k, axis] = u
+        u = solution.inputs[v, k, axis] - feedback[0] * pos - feedback[1] * vel - feedback[2] * acc
+        solution.inputs[v, k, axis] = u
         inside = inside and max(low, acc - step) <= u <= min(high, acc + step)
-        p += a[0, 1] * s + a[0, 2] * acc + b[0] * u + push_gain[0] * w
-        s += a[1, 2] * acc + b[1] * u + push_gain[1] * w
+        pos += a[0, 1] * vel + a[0, 2] * acc + b[0] * u + push[0] * w
+        vel += a[1, 2] * acc + b[1] * u + push[1] * w
         acc = a[2, 2] * acc + b[2] * u
-        pos[v, k + 1, axis] = p
+        solution.pos[v, k + 1, axis] = pos
     return inside
-
-
-@compiled
-def sweep_free(
-    horizon: Horizon, free: NDArray[np.bool_], gains: tuple[Array, Array], answer: tuple[Array, Array]
-) -> NDArray[np.bool_]:
-    """Fill `answer` of the chains that are `free` (n, 3); return which of them cross a bound, (n, 3).
-
-    `gains` are those of x and y, then of z.
-    """
-    pos, inputs = answer
-    crossing = np.zeros(free.shape, np.bool_)
-    for v in range(free.shape[0]):
-        for axis in range(3):
-            if free[v, axis]:
-                own = gains[0] if axis < 2 else gains[1]
-                _offsets(horizon, v, axis, (own, inputs))
-                crossing[v, axis] = not _rolled_out(horizon, v, axis, (own, pos, inputs))
-    return crossing

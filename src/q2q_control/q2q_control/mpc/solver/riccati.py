@@ -1,108 +1,98 @@
-"""Solve an LqProblem by Riccati recursions inside a primal-dual active set.
+"""Riccati recursion inside a primal-dual active set: the solver of an LqProblem.
 
-Which bound each input lies on is guessed: free, on its upper or lower bound, or on its rate bound, where it
-follows the acceleration: u = a + step. Given the guess the problem has only equalities, and one Riccati
-recursion solves it in N steps of (3n)^3 at most (A_k is sparse: less), where condensing costs (N n)^3 and
-building the condensed matrices N^2 more. Then the guess is mended: a free input beyond a bound is put on
-it, one on a bound with a multiplier of the wrong sign is freed. The guess of the last tick is nearly right,
-so one or two recursions suffice. Where mending all at once does not lead to fewer wrong guesses, they are
-mended one by one, last first, which cannot cycle. Sources: Judice, Pires, Computers Oper. Res. 21 (1994),
-block principal pivoting; Rao, Wright, Rawlings, JOTA 99 (1998), Riccati inside a QP of MPC.
+The active set guesses the bound each input lies on: none, the upper or lower one, or a rate bound, where the
+input follows the acceleration: u = a + step. With the guess fixed the problem has only equalities, and one
+Riccati recursion solves it in N steps of at most (3n)^3 (less, because A_k is sparse); condensing would cost
+(N n)^3, and N^2 for the matrices. Then the guess is updated: a free input beyond a bound is put on it, an
+input on a bound with a multiplier of the wrong sign is freed. The pattern of the last tick is nearly right,
+so one or two recursions suffice. If updating all inputs at once does not reduce the number of wrong guesses,
+they are updated one by one, last first, which cannot cycle. Sources: Judice, Pires, Computers Oper. Res. 21
+(1994), block principal pivoting; Rao, Wright, Rawlings, JOTA 99 (1998), Riccati inside a QP of MPC.
 
     V_k(x) = x' P_k x + 2 p_k' x;   Quu = R + S + B' P B,   Qux = B' P A - S E,   Qu = B' (P c + p) - R u*
     free inputs  u = -Quu^-1 (Qux x + Qu);   multiplier of a bound  g = Quu u + Qux x + Qu
 
-If the guess still changes after the last iteration, the last feedback u = K x + k is rolled out inside the
-bounds: all bounds hold, and the answer says that it is not the optimum.
+If the guess still changes after the last iteration, the last feedback u = K x + k is rolled out and clipped
+to the bounds: the solution then keeps all bounds and is marked as not converged.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.mpc.problem.lq_problem import LqProblem, LqSolution
-from q2q_control.mpc.solver.active_set import FREE, HIGH, LOW, RISING, bounds_of, mend
+from q2q_control.mpc.solver.active_set import (
+    FREE,
+    HIGH,
+    LOW,
+    RISING,
+    Modes,
+    input_range,
+    update_active_set,
+)
+from q2q_control.mpc.solver.workspace import Workspace, workspace
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
 PATIENCE = 3
-"""How many recursions may pass without fewer wrong guesses before they are mended one by one."""
+"""Recursions without fewer wrong guesses before inputs are updated one by one."""
 
 
-def solve(problem: LqProblem, guess: NDArray[np.int8] | None = None, iterations: int = 12) -> LqSolution:
+def solve(problem: LqProblem, guess: Modes | None = None, iterations: int = 12) -> LqSolution:
     """Return the optimal states and inputs; `guess` is the pattern of a similar problem, (N, n)."""
-    n = problem.input_gain.shape[0]
-    pattern = np.zeros((problem.values.shape[0], n), np.int8) if guess is None else guess.copy()
-    states, inputs, used, converged = solve_from(problem, pattern, iterations)
-    return LqSolution(states, inputs, pattern, used, converged)
+    shape = problem.values.shape[0], problem.input_gain.shape[0]
+    return solve_from(problem, np.zeros(shape, np.int8) if guess is None else guess.copy(), iterations)
 
 
 @compiled(**FAST)
-def solve_from(
-    problem: LqProblem, pattern: NDArray[np.int8], iterations: int
-) -> tuple[Array, Array, int, bool]:
-    """Return states, inputs, recursions used, whether they are optimal; update `pattern` (N, n) in place."""
+def solve_from(problem: LqProblem, pattern: Modes, iterations: int) -> LqSolution:
+    """Return the solution; `pattern` (N, n) holds the guess and is updated in place."""
     stages, n = pattern.shape
-    size = 3 * n
-    policy = np.empty((stages, n, size + 1))  # u = policy[:, :size] x + policy[:, size]
-    quu, qux, qu = np.empty((stages, n, n)), np.empty((stages, n, size)), np.empty((stages, n))
-    states, inputs = np.empty((stages + 1, size)), np.empty((stages, n))
-    fewest, patience = pattern.size + 1, PATIENCE
+    work = workspace(stages, n)
+    fewest, patience, wrong = pattern.size + 1, PATIENCE, 1
     for iteration in range(iterations):
-        _backward(problem, pattern, policy, (quu, qux, qu))
-        _roll_out(problem, policy, (states, inputs), inside=False)
-        wrong = mend(problem, pattern, (states, inputs), (quu, qux, qu), every=patience > 0)
+        _backward(problem, pattern, work)
+        _roll_out(problem, work, clipped=False)
+        wrong = update_active_set(problem, pattern, work, every=patience > 0)
         if wrong == 0:
-            return states, inputs, iteration + 1, True
+            return LqSolution(work.states, work.inputs, pattern, iteration + 1, wrong == 0)
         patience = PATIENCE if wrong < fewest else patience - 1
         fewest = min(fewest, wrong)
-    _roll_out(problem, policy, (states, inputs), inside=True)
-    return states, inputs, iterations, False
+    _roll_out(problem, work, clipped=True)
+    return LqSolution(work.states, work.inputs, pattern, iterations, wrong == 0)
 
 
 @compiled(**FAST)
-def _backward(
-    problem: LqProblem,
-    pattern: NDArray[np.int8],
-    policy: Array,
-    quadratics: tuple[Array, Array, Array],
-) -> None:
-    """Fill the policy and the quadratics of every stage, last to first."""
+def _backward(problem: LqProblem, pattern: Modes, work: Workspace) -> None:
+    """Write policy and quadratic forms of every stage, last to first."""
     stages, n = pattern.shape
-    size = 3 * n
-    value, slope = np.zeros((size, size)), np.zeros(size)  # P, p
-    product, ahead = np.empty((size, size)), np.empty(size)  # P A, P c + p
+    work.cost_matrix[:] = 0.0
+    work.cost_vector[:] = 0.0
     for c in range(n):
         for i in range(3):
             for j in range(3):
-                value[3 * c + i, 3 * c + j] = problem.terminal[c, i, j]
-                slope[3 * c + i] -= problem.terminal[c, i, j] * problem.target[stages, 3 * c + j]
+                work.cost_matrix[3 * c + i, 3 * c + j] = problem.terminal[c, i, j]
+                pull = problem.terminal[c, i, j] * problem.target[stages, 3 * c + j]
+                work.cost_vector[3 * c + i] -= pull
     for k in range(stages - 1, -1, -1):
-        _stage_quadratics(problem, k, (value, slope), (product, ahead), quadratics)
-        _stage_policy(problem, k, pattern[k], policy[k], quadratics)
-        _stage_value(problem, k, (value, slope), (product, ahead), (policy[k], quadratics))
+        _stage_quadratics(problem, k, work)
+        _stage_policy(problem, k, pattern[k], work)
+        _stage_cost(problem, k, work)
 
 
 @compiled(**FAST)
-def _stage_quadratics(
-    problem: LqProblem,
-    k: int,
-    future: tuple[Array, Array],
-    scratch: tuple[Array, Array],
-    quadratics: tuple[Array, Array, Array],
-) -> None:
-    value, slope = future
-    product, ahead = scratch
-    quu, qux, qu = quadratics[0][k], quadratics[1][k], quadratics[2][k]
-    size, n = slope.size, problem.input_gain.shape[0]
+def _stage_quadratics(problem: LqProblem, k: int, work: Workspace) -> None:
+    """Write P A, P c + p and Quu, Qux, Qu of stage k."""
+    P, product, ahead = work.cost_matrix, work.product, work.ahead
+    quu, qux, qu = work.quu[k], work.qux[k], work.qu[k]
+    size, n = ahead.size, qu.size
     product[:] = 0.0
     for e in range(problem.rows.size):
         row, col, entry = problem.rows[e], problem.cols[e], problem.values[k, e]
         for i in range(size):
-            product[col, i] += value[row, i] * entry  # rows of product are columns of P A
+            product[col, i] += P[row, i] * entry  # rows of product are columns of P A
     for i in range(size):
-        total = slope[i]
+        total = work.cost_vector[i]
         for j in range(size):
-            total += value[i, j] * problem.drift[k, j]
+            total += P[i, j] * problem.drift[k, j]
         ahead[i] = total
     gains = problem.input_gain
     for c in range(n):
@@ -113,7 +103,7 @@ def _stage_quadratics(
         for d in range(n):
             total = 0.0
             for j in range(3):
-                through = b0 * value[p, 3 * d + j] + b1 * value[v, 3 * d + j] + b2 * value[a, 3 * d + j]
+                through = b0 * P[p, 3 * d + j] + b1 * P[v, 3 * d + j] + b2 * P[a, 3 * d + j]
                 total += through * gains[d, j]
             quu[c, d] = total
         effort, jerk = problem.input_weight[c, 0], problem.input_weight[c, 1]
@@ -123,15 +113,9 @@ def _stage_quadratics(
 
 
 @compiled(**FAST)
-def _stage_policy(
-    problem: LqProblem,
-    k: int,
-    modes: NDArray[np.int8],
-    policy: Array,
-    quadratics: tuple[Array, Array, Array],
-) -> None:
-    """Fill the rows of the policy: what a bound says, or what the free inputs do about it."""
-    quu, qux, qu = quadratics[0][k], quadratics[1][k], quadratics[2][k]
+def _stage_policy(problem: LqProblem, k: int, modes: Modes, work: Workspace) -> None:
+    """Write the policy of stage k: bounds of the active inputs, and the free inputs' response to them."""
+    policy, quu, qux, qu = work.policy[k], work.quu[k], work.qux[k], work.qu[k]
     n, size = qu.size, 3 * qu.size
     for c in range(n):
         bound = modes[c] != FREE
@@ -154,7 +138,7 @@ def _stage_policy(
 
 
 @compiled(**FAST)
-def _solve_free(factor: Array, modes: NDArray[np.int8], right: Array) -> None:
+def _solve_free(factor: Array, modes: Modes, right: Array) -> None:
     """Overwrite the free rows of `right` by factor_ff^-1 times them; `factor` is positive definite."""
     n = modes.size
     for a in range(n):
@@ -178,32 +162,24 @@ def _solve_free(factor: Array, modes: NDArray[np.int8], right: Array) -> None:
 
 
 @compiled(**FAST)
-def _stage_value(
-    problem: LqProblem,
-    k: int,
-    future: tuple[Array, Array],
-    scratch: tuple[Array, Array],
-    stage: tuple[Array, tuple[Array, Array, Array]],
-) -> None:
+def _stage_cost(problem: LqProblem, k: int, work: Workspace) -> None:
     """Replace P, p of stage k + 1 by those of stage k."""
-    value, slope = future
-    product, ahead = scratch
-    policy = stage[0]
-    quu, qux, qu = stage[1][0][k], stage[1][1][k], stage[1][2][k]
-    n, size = qu.size, slope.size
-    value[:] = 0.0
-    slope[:] = 0.0
+    P, p, product, policy = work.cost_matrix, work.cost_vector, work.product, work.policy[k]
+    quu, qux, qu = work.quu[k], work.qux[k], work.qu[k]
+    n, size = qu.size, p.size
+    P[:] = 0.0
+    p[:] = 0.0
     for e in range(problem.rows.size):
         row, col, entry = problem.rows[e], problem.cols[e], problem.values[k, e]
-        slope[col] += entry * ahead[row]
+        p[col] += entry * work.ahead[row]
         for i in range(size):
-            value[col, i] += entry * product[i, row]  # A' (P A)
+            P[col, i] += entry * product[i, row]  # A' (P A)
     for c in range(n):
         for i in range(3):
             weight = problem.state_weight[c, i]
-            value[3 * c + i, 3 * c + i] += weight
-            slope[3 * c + i] -= weight * problem.target[k, 3 * c + i]
-        value[3 * c + 2, 3 * c + 2] += problem.input_weight[c, 1]
+            P[3 * c + i, 3 * c + i] += weight
+            p[3 * c + i] -= weight * problem.target[k, 3 * c + i]
+        P[3 * c + 2, 3 * c + 2] += problem.input_weight[c, 1]
     for c in range(n):
         lean = qu[c]
         for d in range(n):
@@ -212,28 +188,28 @@ def _stage_value(
             pull = qux[c, i]
             for d in range(n):
                 pull += quu[c, d] * policy[d, i]
-            slope[i] += policy[c, i] * lean + qux[c, i] * policy[c, size]
+            p[i] += policy[c, i] * lean + qux[c, i] * policy[c, size]
             for j in range(size):
-                value[j, i] += policy[c, j] * pull + qux[c, j] * policy[c, i]
+                P[j, i] += policy[c, j] * pull + qux[c, j] * policy[c, i]
 
 
 @compiled(**FAST)
-def _roll_out(problem: LqProblem, policy: Array, path: tuple[Array, Array], inside: bool) -> None:
-    """Fill states and inputs of the policy, the inputs cut at their bounds where `inside`."""
-    states, inputs = path
+def _roll_out(problem: LqProblem, work: Workspace, clipped: bool) -> None:
+    """Write states and inputs under the policy, the inputs clipped to their bounds where `clipped`."""
+    states, inputs, policy = work.states, work.inputs, work.policy
     stages, n = inputs.shape
     states[0] = problem.start
     for k in range(stages):
         for c in range(n):
-            wanted = policy[k, c, 3 * n]
+            u = policy[k, c, 3 * n]
             for i in range(3 * n):
-                wanted += policy[k, c, i] * states[k, i]
-            if inside:
-                low, high = bounds_of(problem, k, c, states[k, 3 * c + 2])
-                wanted = min(max(wanted, low), high)
-            inputs[k, c] = wanted
+                u += policy[k, c, i] * states[k, i]
+            if clipped:
+                low, high = input_range(problem, k, c, states[k, 3 * c + 2])
+                u = min(max(u, low), high)
+            inputs[k, c] = u
             for i in range(3):
-                pushed = problem.input_gain[c, i] * wanted
+                pushed = problem.input_gain[c, i] * u
                 states[k + 1, 3 * c + i] = problem.drift[k, 3 * c + i] + pushed
         for e in range(problem.rows.size):
             states[k + 1, problem.rows[e]] += problem.values[k, e] * states[k, problem.cols[e]]

@@ -23,14 +23,14 @@ from functools import lru_cache
 import numpy as np
 
 from q2q_control.disturbance.tracker import TrackerParams
-from q2q_control.explicit.distillation import Syllabus, distil
-from q2q_control.explicit.explicit_solver import explicit_controller
+from q2q_control.explicit.distillation import DistillationParams, distil
+from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.law import ExplicitLaw
 from q2q_control.explicit.teacher import Teacher
 from q2q_control.inputs.controller import Controller
 from q2q_control.inputs.plan_samples import Curve, sampled_preview
 from q2q_control.inputs.preview import SampledPreview
-from q2q_control.mpc.receding import Mpc
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_model.trajectory.polynomials import SwarmPlan
@@ -64,13 +64,12 @@ def built(name: str, flown: tuple[Scenario, SwarmPlan], learned: Learned, *, lim
     if name not in CONTENDERS:
         raise ValueError(f"unknown contender {name!r}: choose one of {', '.join(CONTENDERS)}")
     params = replace(mpc_params(scenario, limited=limited), loading=learned.loading)
-    mpc = (
-        explicit_controller(_law(scenario, learned, limited=limited), params, scenario.vehicle, learned.model)
-        if name == "explicit"
-        else Mpc(replace(params, observe=name == "MPC observer"), scenario.vehicle, learned.model)
-    )
-    mpc.preview = _preview(plan)
-    return mpc
+    setup = MpcSetup(preview=_preview(plan))
+    if name == "explicit":
+        setup = replace(setup, solver=explicit_solver(_law(scenario, learned, limited=limited)))
+    else:
+        params = replace(params, observe=name == "MPC observer")
+    return Mpc(params, scenario.vehicle, learned.model, setup)
 
 
 def _law(scenario: Scenario, learned: Learned, *, limited: bool) -> ExplicitLaw:
@@ -82,7 +81,7 @@ def _law(scenario: Scenario, learned: Learned, *, limited: bool) -> ExplicitLaw:
 
 @lru_cache(maxsize=4)
 def _distilled(teacher: Teacher) -> ExplicitLaw:
-    return distil(teacher, Syllabus(), np.random.default_rng(0))
+    return distil(teacher, DistillationParams(), np.random.default_rng(0))
 
 
 def _preview(plan: SwarmPlan) -> SampledPreview:

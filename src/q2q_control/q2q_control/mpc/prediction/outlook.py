@@ -1,0 +1,93 @@
+"""Outlook of a tick: references, last plan and downwash along the horizon."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_control.inputs.alignment import ETA, Aligned
+from q2q_control.inputs.preview import ReferencePreview, shifted_preview
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, no_downwash, predict_downwash
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.prediction.plan_memory import Plan, PlanMemory
+from q2q_control.mpc.prediction.surroundings import Future, Surroundings
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.signals.values import (
+    Array,
+    Interference,
+    InterferenceStatus,
+    Names,
+    SwarmSetpoint,
+    SwarmState,
+    index_of,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """Predictions for the n vehicles of one tick."""
+
+    reference: Array
+    """Position [m], velocity [m/s], acceleration [m/s^2], world, (n, N + 1, 9)."""
+    plan: Plan
+    """The last one, shifted to now."""
+    downwash: DownwashHorizon
+    path: Array
+    """Predicted positions [m], world, of the n vehicles and of others, (n or more, N + 1, 3)."""
+
+
+class Forecaster:
+    """Memory of plans and of past positions, from which outlooks are made."""
+
+    def __init__(self, params: MpcParams, model: InteractionModel, slopes: SlopeRule) -> None:
+        """Predict downwash by `model`."""
+        self._params, self._model, self._slopes = params, model, slopes
+        self._plans = PlanMemory(params.steps, params.step)
+        self._surroundings = Surroundings(model.max_delay, params.loading)
+        self._ahead = params.step * np.arange(params.steps + 1)
+
+    def stages(self, t: float) -> Array:
+        """Return the times of the stages of a tick at t, (N + 1,) [s]."""
+        return np.asarray(t + self._params.latency + self._ahead, dtype=np.float64)
+
+    def outlook(self, tick: Aligned, state: SwarmState, reference: Array, *, aware: bool) -> Outlook:
+        """Return the outlook of the tick's vehicles, without downwash unless `aware`."""
+        times = self.stages(tick.t)
+        plan = self._plans.shifted(tick.names, float(times[0]))
+        future = Future(times, reference[..., :3] + plan.offset, plan.inputs)
+        tracks = self._surroundings.tracks(tick, state, future)
+        downwash = predict_downwash(self._model, tracks, self._slopes) if aware else no_downwash(tracks)
+        path = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
+        return Outlook(reference, plan, downwash, path)
+
+    def keep(self, names: Names, plan: Plan) -> None:
+        """Remember the plans of a tick."""
+        self._plans.keep(names, plan)
+
+
+def correct_downwash(
+    tick: Aligned, interference: Interference, downwash: DownwashHorizon, params: MpcParams
+) -> None:
+    """Replace the predictor's present downwash where it is invalid or neglects the sources' thrust.
+
+    The predictor does not know where unseen vehicles were going, nor how hard any vehicle pushes.
+    """
+    status = np.append(interference.status, InterferenceStatus.NO_MODEL)
+    doubtful = status[index_of(tick.names, interference.names)] != InterferenceStatus.VALID
+    doubtful |= params.loading > 0.0
+    eta = downwash.eta[: len(tick.names)]
+    early = 0.5 + params.latency / params.step  # stages from now to the first one's middle
+    now = eta[:, 0] - early * (eta[:, 1] - eta[:, 0])
+    tick.table[:, ETA] = np.where(doubtful[:, None], now, tick.table[:, ETA])
+
+
+def future_reference(
+    tick: Aligned, setpoint: SwarmSetpoint, preview: ReferencePreview | None, times: Array
+) -> Array:
+    """Return the references of the tick's vehicles, 0 where a setpoint is missing or not finite."""
+    whole = np.ascontiguousarray(shifted_preview(setpoint, preview, times))
+    if setpoint.names == tick.names and tick.usable.all():
+        return whole
+    rows = index_of(tick.names, setpoint.names)
+    picked = np.where((rows >= 0)[:, None, None], whole[rows], 0.0)
+    return np.where(np.isfinite(picked), picked, 0.0)
