@@ -6,39 +6,38 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_model.geometry.zone import Cylinder
-from q2q_planner.online.safe.barrier import push_apart, push_apart_plain
-from q2q_planner.online.safe.braking import (
-    compiled_stays_out,
-    motion_after,
-    motion_after_plain,
-    stays_out_plain,
-)
-from q2q_planner.online.safe.broad_phase import broad_phase
+from q2q_model.signals.values import Array
+from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
+from q2q_planner.online.safe.braking import BrakingLaw, Motions, motion_after, stays_out
+from q2q_planner.online.safe.broad_phase import Limits, Pairs, Room, broad_phase
 
 BRAKE = 3.0
-LAW = (0.2, 1.1, BRAKE)
+LAW = BrakingLaw(0.2, 1.1, BRAKE)
+BARRIER = BarrierLaw(3, 0.2, 1.1, 4.0, 4.0, 0.5, 0.05)
 
 
-def random_motions(seed: int, n: int = 2) -> tuple:
+def random_motions(seed: int, n: int = 2) -> Motions:
     generator = np.random.default_rng(seed)
     pos = generator.uniform(-1.0, 1.0, (n, 3))
     vel, acc = generator.normal(size=(n, 3)), generator.normal(size=(n, 3))
     hold, growth = generator.uniform(0.0, 0.1, n), generator.uniform(0.0, 0.05, (n, 2)) * [1.0, seed % 2]
-    return pos, vel, acc, hold, growth
+    return Motions(pos, vel, acc, hold, growth)
 
 
 @settings(deadline=None, max_examples=60)
 @given(st.integers(0, 10**9))
 def test_what_is_proven_is_true_at_every_sample(seed: int) -> None:
     motions = random_motions(seed)
-    proven = compiled_stays_out(motions, 0, 1, LAW, 1e-3)
-    zone, growth = Cylinder(*LAW[:2]), motions[4].sum(axis=0)
+    proven = stays_out(motions, 0, 1, LAW, 1e-3)
+    zone, growth = Cylinder(*LAW[:2]), motions.growth.sum(axis=0)
     times = np.linspace(0.0, 2.5, 400)
     left = []
     for s in times:
         pos, _ = motion_after(motions, float(s), BRAKE)
         left.append(zone.signed_distance(pos[0] - pos[1]) - growth[0] - growth[1] * s)
-    rest = max(motions[3] + np.linalg.norm(motions[1] + motions[2] * motions[3][:, None], axis=1) / BRAKE)
+    rest = max(
+        motions.hold + np.linalg.norm(motions.vel + motions.acc * motions.hold[:, None], axis=1) / BRAKE
+    )
     least = np.array(left)[times <= rest].min(initial=np.inf)
     if proven:
         assert least > 0.0
@@ -51,21 +50,21 @@ def test_what_is_proven_is_true_at_every_sample(seed: int) -> None:
 def test_compiled_and_plain_agree(seed: int) -> None:
     motions = random_motions(seed, 4)
     for i, j in ((0, 1), (2, 3), (0, 3)):
-        assert compiled_stays_out(motions, i, j, LAW, 1e-3) == stays_out_plain(motions, i, j, LAW, 1e-3)
-    pairs = np.array([0, 0, 1, 2]), np.array([1, 3, 2, 3])
-    states, wide = (motions[0], motions[1], -motions[0]), np.full((4, 2), 0.1)
-    law = 3, 0.2, 1.1, 4.0, 4.0, 0.5, 0.05
-    once, twice = motions[2].copy(), motions[2].copy()
+        assert stays_out(motions, i, j, LAW, 1e-3) == stays_out.py_func(motions, i, j, LAW, 1e-3)
+    pairs = Pairs(np.array([0, 0, 1, 2]), np.array([1, 3, 2, 3]))
+    states, wide = BarrierStates(motions.pos, motions.vel, -motions.pos), np.full((4, 2), 0.1)
+    once, twice = motions.acc.copy(), motions.acc.copy()
     assert np.array_equal(
-        push_apart(once, states, pairs, wide, law), push_apart_plain(twice, states, pairs, wide, law)
+        push_apart(once, states, pairs, wide, BARRIER),
+        push_apart.py_func(twice, states, pairs, wide, BARRIER),
     )
     assert once == pytest.approx(twice, rel=1e-12, abs=1e-12)  # the compiler may fuse
-    assert np.array_equal(once[3], motions[2][3])  # a stranger is not ours to push
+    assert np.array_equal(once[3], motions.acc[3])  # an external vehicle is not pushed
 
 
 def test_braking_stops_after_v_squared_over_two_b() -> None:
     still = np.zeros((1, 3))
-    motions = still, np.array([[3.0, 0.0, 0.0]]), still, np.zeros(1), np.zeros((1, 2))
+    motions = Motions(still, np.array([[3.0, 0.0, 0.0]]), still, np.zeros(1), np.zeros((1, 2)))
     pos, vel = motion_after(motions, 0.5, BRAKE)
     assert pos[0].tolist() == pytest.approx([3.0 * 0.5 - 0.5 * BRAKE * 0.25, 0.0, 0.0])
     assert vel[0].tolist() == pytest.approx([1.5, 0.0, 0.0])
@@ -77,9 +76,9 @@ def test_braking_stops_after_v_squared_over_two_b() -> None:
 @settings(max_examples=200)
 @given(st.integers(0, 10**9), st.floats(0.0, 3.0))
 def test_braking_brings_no_two_velocities_further_apart(seed: int, s: float) -> None:
-    """The fact on which the growth of strangers rests."""
+    """The fact on which the growth of external vehicles' zones rests."""
     pos, vel, acc, _, growth = random_motions(seed)
-    _, later = motion_after((pos, vel, acc, np.zeros(2), growth), s, BRAKE)
+    _, later = motion_after(Motions(pos, vel, acc, np.zeros(2), growth), s, BRAKE)
     assert np.linalg.norm(later[0] - later[1]) <= np.linalg.norm(vel[0] - vel[1]) + 1e-12
 
 
@@ -93,29 +92,43 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
     ways = (
         fast * (0.1 + 0.5 * fast / BRAKE) + growth[:, 0] + growth[:, 1] * (0.1 + (fast.max() + 0.1) / BRAKE)
     )
-    limits = 12, 0.2, 1.1, 100.0, 2.0, 2.0 * BRAKE
-    found = set(zip(*(rows.tolist() for rows in broad_phase(pos, vel, (ways, growth), limits)), strict=True))
+    limits = Limits(12, 0.2, 1.1, 100.0, 2.0, 2.0 * BRAKE)
+    found = set(
+        zip(*(rows.tolist() for rows in broad_phase(pos, vel, Room(ways, growth), limits)), strict=True)
+    )
     bound = np.minimum(np.abs(acc), BRAKE / np.sqrt(3.0)) * np.sign(acc)
     for i in range(12):
         for j in range(i + 1, 12):
             if (i, j) in found:
                 continue
-            assert compiled_stays_out((pos, vel, bound, hold, growth), i, j, LAW, 0.0)
-            turned, pair = bound.copy(), (np.array([i]), np.array([j]))
+            assert stays_out(Motions(pos, vel, bound, hold, growth), i, j, LAW, 0.0)
+            turned, pair = bound.copy(), Pairs(np.array([i]), np.array([j]))
             wide = (growth[i] + growth[j])[None, :]
             assert not push_apart(
-                turned, (pos, vel, pos), pair, wide, (12, 0.2, 1.1, 4.0, 4.0, 0.5, 0.05)
+                turned, BarrierStates(pos, vel, pos), pair, wide, BARRIER._replace(own=12)
             ).any()
+
+
+def motion_by_numpy(motions: Motions, s: float | Array, brake: float) -> tuple[Array, Array]:
+    """Return position and velocity (n, 3) of n motions at time s [s]."""
+    pos, vel, acc, hold, _ = motions
+    when = np.broadcast_to(s, hold.shape)[:, None]
+    first = np.minimum(when, hold[:, None])
+    there, moving = pos + vel * first + 0.5 * acc * first**2, vel + acc * first
+    speed = np.sqrt((moving**2).sum(-1, keepdims=True))
+    some = np.where(speed > 0.0, speed, 1.0)
+    u = np.minimum(when - first, speed / brake)
+    return there + moving * (u - 0.5 * brake * u**2 / some), moving * np.maximum(0.0, 1.0 - brake * u / some)
 
 
 @settings(deadline=None, max_examples=60)
 @given(st.integers(0, 10**9))
-def test_compiled_motions_are_the_plain_ones(seed: int) -> None:
+def test_compiled_motions_are_those_of_numpy(seed: int) -> None:
     motions = random_motions(seed, 5)
-    motions[1][0], motions[2][0] = 0.0, 0.0  # one at rest
+    motions.vel[0], motions.acc[0] = 0.0, 0.0  # one at rest
     when = np.random.default_rng(seed).uniform(0.0, 2.0, 5)
     for s in (0.0, 0.3, when):
         for ours, twin in zip(
-            motion_after(motions, s, BRAKE), motion_after_plain(motions, s, BRAKE), strict=True
+            motion_after(motions, s, BRAKE), motion_by_numpy(motions, s, BRAKE), strict=True
         ):
             assert ours == pytest.approx(twin, rel=1e-12, abs=1e-12)  # sums in another order

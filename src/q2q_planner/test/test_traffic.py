@@ -11,18 +11,18 @@ from q2q_planner.online.safe.committed_motion import (
     SNAP_POS,
     SNAP_VEL,
     CommittedMotion,
-    carried_on,
     near_reference,
+    propagated,
 )
-from q2q_planner.online.safe.last_known_states import LastKnownStates, Word
+from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.traffic import GRACE, Traffic, astray, own_uncertainty, scene_of
+from q2q_planner.online.safe.traffic import GRACE, TrafficTable, off_trajectory, own_uncertainty, traffic_at
 
 PARAMS = SafeReplannerParams(
     eps=0.25, d=1.0, margin=0.02, acc_max=3.0, hold=0.02, approach=2.0, tracking=0.05, drift=0.2,
     speed_max=2.0, forget=2.0,
 )  # fmt: skip
-NOBODY = Word((), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+NOBODY = KnownStates((), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
 OFF, ON = np.zeros(2, np.bool_), np.ones(2, np.bool_)
 
 
@@ -46,22 +46,22 @@ def held(pos: Array, vel: Array, hold: float = 0.0, acc: Array | None = None) ->
     return CommittedMotion(1.0, ("a", "b"), pos, vel, acc, np.full(2, hold), OFF, OFF)
 
 
-def test_the_newest_word_on_a_vehicle_counts_by_the_time_it_was_measured() -> None:
+def test_the_newest_state_of_a_vehicle_counts_by_the_time_it_was_measured() -> None:
     seen = LastKnownStates()
-    seen.hear(state(1.0, ("a", "b"), [1.0, 2.0], age=0.25))
-    seen.hear(state(1.125, ("a",), [9.0], age=0.5))  # heard later, measured before
-    seen.hear(state(1.125, ("a",), [8.0], age=0.375))  # measured at the same time: no news
-    word = seen.of(("b", "a", "c"), 2.0)
-    assert word.pos[:2, 0].tolist() == [2.0, 1.0]
-    assert word.vel[:2].tolist() == [[0.0, 1.0, 0.0]] * 2
-    assert word.age.tolist() == [1.25, 1.25, np.inf]
-    assert np.isnan(word.pos[2]).all()
-    assert np.isnan(word.vel[2]).all()
-    seen.hear(state(1.25, ("a",), [3.0]))
-    word = seen.of(("a",), 1.0)  # by a clock that is behind: not younger than now
-    assert (word.pos[0, 0], word.age[0]) == (3.0, 0.0)
+    seen.update(state(1.0, ("a", "b"), [1.0, 2.0], age=0.25))
+    seen.update(state(1.125, ("a",), [9.0], age=0.5))  # heard later, measured before
+    seen.update(state(1.125, ("a",), [8.0], age=0.375))  # measured at the same time: no news
+    states = seen.of(("b", "a", "c"), 2.0)
+    assert states.pos[:2, 0].tolist() == [2.0, 1.0]
+    assert states.vel[:2].tolist() == [[0.0, 1.0, 0.0]] * 2
+    assert states.age.tolist() == [1.25, 1.25, np.inf]
+    assert np.isnan(states.pos[2]).all()
+    assert np.isnan(states.vel[2]).all()
+    seen.update(state(1.25, ("a",), [3.0]))
+    states = seen.of(("a",), 1.0)  # by a clock that is behind: not younger than now
+    assert (states.pos[0, 0], states.age[0]) == (3.0, 0.0)
     seen.reset()
-    assert seen.strangers((), 1.25, 9.0).names == ()
+    assert seen.external((), 1.25, 9.0).names == ()
 
 
 @pytest.mark.parametrize("part", ["pos", "vel", "age"])
@@ -69,31 +69,31 @@ def test_a_row_that_is_no_number_says_nothing(part: str) -> None:
     seen = LastKnownStates()
     broken = state(1.0, ("a", "b"), [1.0, 2.0])
     getattr(broken, part)[0] = np.nan
-    seen.hear(broken)
-    assert seen.strangers((), 1.0, 1.0).names == ("b",)
+    seen.update(broken)
+    assert seen.external((), 1.0, 1.0).names == ("b",)
     assert seen.of(("a",), 1.0).age.tolist() == [np.inf]
 
 
-def test_strangers_are_those_of_no_swarm_until_they_are_forgotten_for_good() -> None:
+def test_external_vehicles_are_those_of_no_swarm_until_they_are_forgotten_for_good() -> None:
     seen = LastKnownStates()
-    seen.hear(state(1.0, ("a", "b"), [1.0, 2.0]))
-    assert seen.strangers(("a",), 3.0, 2.0).names == ("b",)
-    assert seen.strangers(("a",), 3.0, 1.999).names == ()
-    assert seen.strangers((), 1.0, 2.0).names == ()
+    seen.update(state(1.0, ("a", "b"), [1.0, 2.0]))
+    assert seen.external(("a",), 3.0, 2.0).names == ("b",)
+    assert seen.external(("a",), 3.0, 1.999).names == ()
+    assert seen.external((), 1.0, 2.0).names == ()
 
 
 def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
     pos, vel, acc = np.array([[1.0, 2.0, 3.0]] * 2), np.array([[0.0, 1.0, 0.0]] * 2), np.eye(3)[:2] * 2.0
     motion = replace(held(pos, vel, 0.5, acc), on_reference=ON, pushed=ON)
     there = setpoint(1.25, ("a", "b"), np.zeros((2, 3)))
-    early = carried_on(motion, there, 4.0)
+    early = propagated(motion, there, 4.0)
     np.testing.assert_allclose(early.pos[0], [1.0 + 0.0625, 2.25, 3.0], atol=1e-15)
     np.testing.assert_allclose(early.vel[0], [0.5, 1.0, 0.0], atol=1e-15)
     assert early.hold.tolist() == [0.25, 0.25]
     assert (early.t, early.acc.tolist()) == (1.25, acc.tolist())
     assert early.on_reference.all()
     assert early.pushed.all()
-    late = carried_on(
+    late = propagated(
         motion, replace(there, t=1.75), 4.0
     )  # b along y at 2 m/s after its hold, then a quarter
     np.testing.assert_allclose(late.pos[1], [1.0, 2.0 + 0.75 + 0.5 - 0.125, 3.0], atol=1e-15)
@@ -106,7 +106,7 @@ def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
 )
 def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, carried: bool) -> None:
     motion = held(np.ones((2, 3)), np.zeros((2, 3)))
-    after = carried_on(motion, setpoint(1.0 + passed, ("a", "b"), np.zeros((2, 3)), np.ones((2, 3))), 3.0)
+    after = propagated(motion, setpoint(1.0 + passed, ("a", "b"), np.zeros((2, 3)), np.ones((2, 3))), 3.0)
     assert after.t == 1.0 + passed
     assert (after.pos == 1.0).all() == carried
     assert (after.vel == 0.0).all() == carried
@@ -119,7 +119,7 @@ def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, ca
 def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references() -> None:
     motion = held(np.array([[1.0] * 3, [2.0] * 3]), np.zeros((2, 3)), 0.5, np.eye(3)[:2] * 2.0)
     motion = replace(motion, pushed=np.array([False, True]))
-    after = carried_on(motion, setpoint(1.25, ("b", "new"), np.zeros((2, 3)), np.ones((2, 3))), 3.0)
+    after = propagated(motion, setpoint(1.25, ("b", "new"), np.zeros((2, 3)), np.ones((2, 3))), 3.0)
     assert after.names == ("b", "new")
     assert after.pos.tolist() == [[2.0, 2.0625, 2.0], [0.0, 0.0, 0.0]]
     assert after.vel.tolist() == [[0.0, 0.5, 0.0], [1.0, 1.0, 1.0]]
@@ -129,7 +129,7 @@ def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references(
     assert after.pushed.tolist() == [True, False]
     mixed = replace(motion, on_reference=np.array([True, False]))
     more = setpoint(1.25, ("b", "a", "new"), np.zeros((3, 3)))
-    assert carried_on(mixed, more, 3.0).on_reference.tolist() == [False, True, True]
+    assert propagated(mixed, more, 3.0).on_reference.tolist() == [False, True, True]
 
 
 def test_who_is_near_its_reference_and_was_not_pushed_may_be_put_onto_it() -> None:
@@ -144,57 +144,62 @@ def test_who_is_near_its_reference_and_was_not_pushed_may_be_put_onto_it() -> No
     assert near_reference(pushed, reference).tolist() == [False, True]
 
 
-def word(ages: list[float], x: list[float], speed: float = 1.0) -> Word:
-    """Return the word on vehicles at x [m] that flew along y, so old [s]."""
+def states(ages: list[float], x: list[float], speed: float = 1.0) -> KnownStates:
+    """Return states of vehicles at x [m] that flew along y, so old [s]."""
     pos, vel = np.zeros((len(ages), 3)), np.zeros((len(ages), 3))
     pos[:, 0], vel[:, 1] = x, speed
-    return Word(tuple("pqrs"[: len(ages)]), pos, vel, np.array(ages))
+    return KnownStates(tuple("pqrs"[: len(ages)]), pos, vel, np.array(ages))
 
 
-def test_doubts_of_our_own_grow_with_the_time_that_a_measurement_is_missing() -> None:
+def test_the_uncertainty_of_the_swarm_grows_with_the_time_that_a_measurement_is_missing() -> None:
     motion = held(np.zeros((2, 3)), np.zeros((2, 3)))
     sure = [PARAMS.tracking + SNAP_POS, SNAP_VEL]
     assert own_uncertainty(motion, None, PARAMS).tolist() == [sure, sure]
-    assert own_uncertainty(motion, word([0.0, GRACE], [0.0, 0.0]), PARAMS).tolist() == [sure, sure]
-    some = own_uncertainty(motion, word([GRACE + 0.5, np.inf], [0.0, 0.0]), PARAMS)
+    assert own_uncertainty(motion, states([0.0, GRACE], [0.0, 0.0]), PARAMS).tolist() == [sure, sure]
+    some = own_uncertainty(motion, states([GRACE + 0.5, np.inf], [0.0, 0.0]), PARAMS)
     drifted = PARAMS.drift * np.array([0.5, PARAMS.forget - GRACE])
     np.testing.assert_allclose(some[:, 0], PARAMS.tracking + SNAP_POS + drifted, rtol=1e-15)
     np.testing.assert_allclose(some[:, 1], SNAP_VEL + PARAMS.drift, rtol=1e-15)
 
 
-def test_who_is_further_off_than_its_age_explains_is_astray() -> None:
+def test_who_is_further_off_than_its_age_explains_is_off_its_trajectory() -> None:
     age = 0.5
     bound = PARAMS.tracking + PARAMS.drift * age + 0.5 * PARAMS.acc_max * age**2
-    off = word([age, age], [0.6 * (bound - 1e-9), 0.6 * (bound + 1e-9)])
+    off = states([age, age], [0.6 * (bound - 1e-9), 0.6 * (bound + 1e-9)])
     off.pos[:, 2] = off.pos[:, 0] * 4.0 / 3.0
     motion = held(np.tile([0.0, 0.5, 0.0], (2, 1)), np.zeros((2, 3)))  # where 1 m/s lead
-    assert astray(motion, off, PARAMS).tolist() == [False, True]
-    assert astray(motion, None, PARAMS).tolist() == [False, False]
-    silent = word([np.inf, np.inf], [0.0, 100.0])
-    assert astray(motion, silent, PARAMS).tolist() == [False, True]  # as old as is remembered, no older
+    assert off_trajectory(motion, off, PARAMS).tolist() == [False, True]
+    assert off_trajectory(motion, None, PARAMS).tolist() == [False, False]
+    silent = states([np.inf, np.inf], [0.0, 100.0])
+    assert off_trajectory(motion, silent, PARAMS).tolist() == [
+        False,
+        True,
+    ]  # as old as is remembered, no older
 
 
-def among_strangers(strange: Word) -> Traffic:
-    """Return the scene of two vehicles at rest and strangers."""
+def among_external_vehicles(strange: KnownStates) -> TrafficTable:
+    """Return the table of two vehicles at rest and external vehicles."""
     pos = np.array([[0.0, 0.0, 0.0], [0.0, 90.0, 0.0]])
     growth = np.zeros((2, 2))
-    return scene_of(
+    return traffic_at(
         held(pos, np.zeros((2, 3))), setpoint(1.0, ("a", "b"), pos + 1.0), growth, strange, PARAMS
     )[1]
 
 
-def test_what_a_stranger_may_have_done_since_it_was_heard_of_grows_its_zone() -> None:
-    scene = among_strangers(word([0.0, 0.3, 2.5], [1.0, 2.0, 3.0]))
-    assert scene.own == 2
-    np.testing.assert_allclose(scene.pos[2:], [[1.0, 0.0, 0.0], [2.0, 0.3, 0.0], [3.0, 2.5, 0.0]], atol=1e-15)
-    assert scene.vel[2:].tolist() == [[0.0, 1.0, 0.0]] * 3
+def test_what_an_external_vehicle_may_have_done_since_its_state_grows_its_zone() -> None:
+    traffic = among_external_vehicles(states([0.0, 0.3, 2.5], [1.0, 2.0, 3.0]))
+    assert traffic.own == 2
+    np.testing.assert_allclose(
+        traffic.pos[2:], [[1.0, 0.0, 0.0], [2.0, 0.3, 0.0], [3.0, 2.5, 0.0]], atol=1e-15
+    )
+    assert traffic.vel[2:].tolist() == [[0.0, 1.0, 0.0]] * 3
     turned = np.array([0.5 * 3.0 * 0.02**2, 0.5 * 3.0 * 0.32**2, 3.0 * 2.52])  # the last: 2 m/s against 1
-    np.testing.assert_allclose(scene.growth[2:, 0], turned + SNAP_POS + PARAMS.tracking, rtol=1e-14)
-    np.testing.assert_allclose(scene.growth[2:, 1], np.array([0.06, 0.96, 3.0]) + SNAP_VEL, rtol=1e-14)
+    np.testing.assert_allclose(traffic.growth[2:, 0], turned + SNAP_POS + PARAMS.tracking, rtol=1e-14)
+    np.testing.assert_allclose(traffic.growth[2:, 1], np.array([0.06, 0.96, 3.0]) + SNAP_VEL, rtol=1e-14)
 
 
-def test_a_stranger_that_keeps_the_law_surely_brakes_from_its_hold_on() -> None:
-    pos, vel, acc, hold, growth = among_strangers(word([0.0, 0.005, 0.3], [1.0, 2.0, 3.0])).sure
+def test_an_external_vehicle_that_keeps_the_law_certainly_brakes_from_its_hold_on() -> None:
+    pos, vel, acc, hold, growth = among_external_vehicles(states([0.0, 0.005, 0.3], [1.0, 2.0, 3.0])).certain
     np.testing.assert_allclose(pos[:, 1], [0.0, 0.005, 0.02 + 0.28 - 1.5 * 0.28**2], atol=1e-15)
     np.testing.assert_allclose(vel[:, 1], [1.0, 1.0, 1.0 - 3.0 * 0.28], atol=1e-15)
     np.testing.assert_allclose(hold, [0.02, 0.015, 0.0], atol=1e-15)
@@ -209,9 +214,9 @@ def meet(apart: float, vel: Array, growth: Array | None = None) -> bool:
     """Return whether two vehicles so far apart in y [m] could matter to each other."""
     pos = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]])
     doubt = np.zeros((2, 2)) if growth is None else growth
-    _, scene = scene_of(held(pos, vel), setpoint(1.0, ("a", "b"), pos + 1.0), doubt, NOBODY, PARAMS)
-    assert scene.meets.tolist() == [len(scene.pairs[0]) == 1] * 2
-    return bool(scene.meets[0])
+    _, traffic = traffic_at(held(pos, vel), setpoint(1.0, ("a", "b"), pos + 1.0), doubt, NOBODY, PARAMS)
+    assert traffic.meets.tolist() == [len(traffic.pairs.i) == 1] * 2
+    return bool(traffic.meets[0])
 
 
 def test_vehicles_matter_to_each_other_up_to_where_their_ways_to_rest_overlap() -> None:
@@ -247,7 +252,7 @@ def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) ->
     pos = np.array([[0.0, 0.0, 0.0], [apart, 0.0, 0.0]])
     motion = replace(held(pos, np.zeros((2, 3))), on_reference=np.full(2, on), pushed=np.full(2, pushed))
     there = setpoint(1.0, ("a", "b"), pos + reference, np.full((2, 3), SNAP_VEL / 2.0))
-    return scene_of(motion, there, np.zeros((2, 2)), NOBODY, PARAMS)[0]
+    return traffic_at(motion, there, np.zeros((2, 2)), NOBODY, PARAMS)[0]
 
 
 def test_who_meets_nobody_stays_on_its_reference_however_that_jumps() -> None:

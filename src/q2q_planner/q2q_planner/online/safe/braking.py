@@ -22,7 +22,7 @@ whose velocity is known within w stays, braking, within w s of the motion from i
 | eps, d | zone | radius and half height of the zone [m] |
 """
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,25 +34,48 @@ NEARER = 0.99
 MOST_STEPS = 1000
 """Most steps of the advancement; a pair that needs more is not proven."""
 
-Motions = tuple[Array, Array, Array, Array, Array]
-"""Of n vehicles: pos (n, 3), vel (n, 3), acc (n, 3), hold (n,), growth (n, 2): g0 and g1."""
+
+class Motions(NamedTuple):
+    """Motions of n vehicles: an acceleration held for a time, then braking to rest."""
+
+    pos: Array
+    """[m], (n, 3)."""
+    vel: Array
+    """[m/s], (n, 3)."""
+    acc: Array
+    """[m/s^2], (n, 3)."""
+    hold: Array
+    """[s], (n,)."""
+    growth: Array
+    """g0 [m] and g1 [m/s], (n, 2)."""
 
 
-def _cylinder_distance(x: float, y: float, z: float, eps: float, d: float) -> float:
+class BrakingLaw(NamedTuple):
+    """Zone and deceleration of a proof."""
+
+    eps: float
+    d: float
+    brake: float
+
+
+@compiled
+def _distance(x: float, y: float, z: float, law: BrakingLaw) -> float:
     """Return the signed distance to I(eps, d) [m]."""
-    side, cap = np.sqrt(x * x + y * y) - eps, abs(z) - d
+    side, cap = np.sqrt(x * x + y * y) - law.eps, abs(z) - law.d
     if side > 0.0 and cap > 0.0:
         return float(np.sqrt(side * side + cap * cap))
     return float(max(side, cap))
 
 
-def _speed_after(vel: Array, acc: Array, s: float) -> float:
+@compiled
+def _speed(vel: Array, acc: Array, s: float) -> float:
     """Return |vel + acc s| [m/s]."""
     x, y, z = vel[0] + acc[0] * s, vel[1] + acc[1] * s, vel[2] + acc[2] * s
     return float(np.sqrt(x * x + y * y + z * z))
 
 
-def _braked(s: float, hold: float, speed: float, brake: float) -> float:
+@compiled
+def _braking_share(s: float, hold: float, speed: float, brake: float) -> float:
     """Return the braking distance from hold to s over the speed at hold [s]."""
     if s <= hold or speed == 0.0:
         return 0.0
@@ -60,18 +83,22 @@ def _braked(s: float, hold: float, speed: float, brake: float) -> float:
     return u - 0.5 * brake * u * u / speed
 
 
-_distance = compiled(_cylinder_distance)
-_speed = compiled(_speed_after)
-_share = compiled(_braked)
+@compiled
+def _coordinate(motions: Motions, row: int, axis: int, s: float, share: float) -> float:
+    """Return one coordinate of a motion at time s [m]; `share` is _braking_share there."""
+    vel, acc = motions.vel[row, axis], motions.acc[row, axis]
+    first = min(s, motions.hold[row])
+    there = motions.pos[row, axis] + vel * first + 0.5 * acc * first * first
+    return float(there + (vel + acc * first) * share)
 
 
-def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float], floor: float) -> bool:
-    """Return whether vehicles i and j are proven to stay apart; law = (eps, d, brake).
+@compiled
+def stays_out(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
+    """Return whether vehicles i and j are proven to stay out of each other's zone.
 
     Half of `floor` is kept, or half of the initial distance if that is less.
     """
-    _, vel, acc, hold, growth = motions
-    eps, d, brake = law
+    vel, acc, hold, growth, brake = motions.vel, motions.acc, motions.hold, motions.growth, law.brake
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
     speed_i, speed_j = _speed(vel[i], acc[i], hold[i]), _speed(vel[j], acc[j], hold[j])
     fast_i, fast_j = max(_speed(vel[i], acc[i], 0.0), speed_i), max(_speed(vel[j], acc[j], 0.0), speed_j)
@@ -79,11 +106,12 @@ def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float]
     end += rate / brake  # extra braking time of a velocity known within `rate`
     s, keep = 0.0, floor
     for step in range(MOST_STEPS):
-        share_i, share_j = _share(s, hold[i], speed_i, brake), _share(s, hold[j], speed_j, brake)
-        x = _along(motions, i, 0, s, share_i) - _along(motions, j, 0, s, share_j)
-        y = _along(motions, i, 1, s, share_i) - _along(motions, j, 1, s, share_j)
-        z = _along(motions, i, 2, s, share_i) - _along(motions, j, 2, s, share_j)
-        left = _distance(x, y, z, eps, d) - wide - rate * s
+        share_i = _braking_share(s, hold[i], speed_i, brake)
+        share_j = _braking_share(s, hold[j], speed_j, brake)
+        x = _coordinate(motions, i, 0, s, share_i) - _coordinate(motions, j, 0, s, share_j)
+        y = _coordinate(motions, i, 1, s, share_i) - _coordinate(motions, j, 1, s, share_j)
+        z = _coordinate(motions, i, 2, s, share_i) - _coordinate(motions, j, 2, s, share_j)
+        left = _distance(x, y, z, law) - wide - rate * s
         if step == 0:
             keep = min(floor, NEARER * left)
         if not (left >= keep and left >= 0.0):  # NaN too
@@ -99,29 +127,13 @@ def _stays_out(motions: Motions, i: int, j: int, law: tuple[float, float, float]
     return False
 
 
-def _coordinate(motions: Motions, row: int, axis: int, s: float, share: float) -> float:
-    """Return one coordinate of a motion at time s [m]; `share` is _braked there."""
-    pos, vel, acc, hold, _ = motions
-    first = min(s, hold[row])
-    there = pos[row, axis] + vel[row, axis] * first + 0.5 * acc[row, axis] * first * first
-    return float(there + (vel[row, axis] + acc[row, axis] * first) * share)
-
-
-_along = compiled(_coordinate)
-
-
-compiled_stays_out: Callable[[Motions, int, int, tuple[float, float, float], float], bool] = compiled(
-    _stays_out
-)
-stays_out_plain = _stays_out
-
-
+@compiled
 def _motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, Array]:
     """Return position and velocity (n, 3) of n motions, each at its own time `when` (n,) [s]."""
-    pos, vel, acc, hold, _ = motions
+    pos, vel, acc = motions.pos, motions.vel, motions.acc
     there, moving = np.empty_like(pos), np.empty_like(vel)
-    for row in range(len(hold)):
-        first = min(when[row], hold[row])
+    for row in range(motions.hold.size):
+        first = min(when[row], motions.hold[row])
         speed = _speed(vel[row], acc[row], first)
         late = min(when[row] - first, speed / brake)
         way = late - 0.5 * brake * late * late / speed if speed > 0.0 else 0.0
@@ -134,22 +146,6 @@ def _motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, 
     return there, moving
 
 
-_compiled_motions: Callable[[Motions, Array, float], tuple[Array, Array]] = compiled(_motions_after)
-
-
 def motion_after(motions: Motions, s: float | Array, brake: float) -> tuple[Array, Array]:
     """Return position and velocity (n, 3) of n motions at time s [s], one for all or one each."""
-    count = len(motions[3])
-    return _compiled_motions(motions, np.full(count, s, dtype=np.float64), brake)
-
-
-def motion_after_plain(motions: Motions, s: float | Array, brake: float) -> tuple[Array, Array]:
-    """Return the same by numpy."""
-    pos, vel, acc, hold, _ = motions
-    when = np.broadcast_to(s, hold.shape)[:, None]
-    first = np.minimum(when, hold[:, None])
-    there, moving = pos + vel * first + 0.5 * acc * first**2, vel + acc * first
-    speed = np.sqrt((moving**2).sum(-1, keepdims=True))
-    some = np.where(speed > 0.0, speed, 1.0)
-    u = np.minimum(when - first, speed / brake)
-    return there + moving * (u - 0.5 * brake * u**2 / some), moving * np.maximum(0.0, 1.0 - brake * u / some)
+    return _motions_after(motions, np.full(len(motions.hold), s, dtype=np.float64), brake)

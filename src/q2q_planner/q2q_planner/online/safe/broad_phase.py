@@ -5,62 +5,91 @@ the barrier might push: the required n.(a_i - a_j) is above what accelerations c
 differ by less than the largest reach are compared, so at bounded density the cost grows as n log n.
 """
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.barrier import Rows
 
-Limits = tuple[int, float, float, float, float, float]
-"""Rows of the swarm, eps [m], d [m], largest reach [m], pole of the approach [1/s], largest push [m/s^2]."""
+Rows = NDArray[np.intp]
 
 
-def broad_phase(pos: Array, vel: Array, room: tuple[Array, Array], limits: Limits) -> tuple[Rows, Rows]:
+class Pairs(NamedTuple):
+    """Rows i < j of pairs."""
+
+    i: Rows
+    """Rows of the swarm, (pairs,)."""
+    j: Rows
+    """Rows of the swarm or of external vehicles, (pairs,)."""
+
+
+class Room(NamedTuple):
+    """Space that each row may need."""
+
+    ways: Array
+    """Stopping distance with all growth [m], (rows,)."""
+    growth: Array
+    """g0 [m] and g1 [m/s], (rows, 2)."""
+
+
+class Limits(NamedTuple):
+    """Limits of the sweep."""
+
+    own: int
+    """Rows of the swarm."""
+    eps: float
+    d: float
+    reach: float
+    """Largest distance at which a pair can matter [m]."""
+    pole: float
+    """Pole of the approach [1/s]."""
+    push: float
+    """Largest push of a pair [m/s^2]."""
+
+
+def broad_phase(pos: Array, vel: Array, room: Room, limits: Limits) -> Pairs:
     """Return rows i < j, i of the swarm, of all pairs that can affect each other.
 
     Args:
         pos: [m], (rows, 3); a row with NaN is in no pair.
         vel: [m/s], (rows, 3).
-        room: stopping distance of each row with all growth [m], (rows,), and growth g0, g1, (rows, 2).
+        room: space that each row may need.
         limits: see Limits.
     """
     order = np.argsort(pos[:, 0])  # NaN sorts last
-    i, j = _sweep_of(np.ascontiguousarray(pos), np.ascontiguousarray(vel), order, room, limits)
-    return i, j
+    return _sweep(np.ascontiguousarray(pos), np.ascontiguousarray(vel), order, room, limits)
 
 
-def _sweep(
-    pos: Array, vel: Array, order: Rows, room: tuple[Array, Array], limits: Limits
-) -> tuple[Rows, Rows]:
-    own, eps, d, reach, pole, push = limits
-    ways, growth = room
+@compiled
+def _sweep(pos: Array, vel: Array, order: Rows, room: Room, limits: Limits) -> Pairs:
+    ways, growth = room.ways, room.growth
     first, second = np.empty(4 * len(order), np.intp), np.empty(4 * len(order), np.intp)
     count = 0
     for a in range(len(order)):
         for b in range(a + 1, len(order)):
             i, j = min(order[a], order[b]), max(order[a], order[b])
             x = pos[i, 0] - pos[j, 0]
-            if not abs(x) <= reach:  # also ends at NaN
+            if not abs(x) <= limits.reach:  # also ends at NaN
                 break
             y, z = pos[i, 1] - pos[j, 1], pos[i, 2] - pos[j, 2]
-            if i >= own or not abs(y) <= reach or not abs(z) <= reach + d:
+            if i >= limits.own or not abs(y) <= limits.reach or not abs(z) <= limits.reach + limits.d:
                 continue
             across = np.sqrt(x * x + y * y)
-            side, cap = across - eps, abs(z) - d
+            side, cap = across - limits.eps, abs(z) - limits.d
             h = max(side, cap) - growth[i, 0] - growth[j, 0]
             u, v, w = vel[i, 0] - vel[j, 0], vel[i, 1] - vel[j, 1], vel[i, 2] - vel[j, 2]
             closing = abs(w) if cap > 0.0 else 0.0
             closing += max(0.0, -(x * u + y * v) / across) if side > 0.0 else 0.0
             closing += growth[i, 1] + growth[j, 1]
-            if h > ways[i] + ways[j] and 2.0 * pole * closing + push < pole * pole * h:
+            if (
+                h > ways[i] + ways[j]
+                and 2.0 * limits.pole * closing + limits.push < limits.pole * limits.pole * h
+            ):
                 continue
             if count == first.size:
                 first, second = np.concatenate((first, first)), np.concatenate((second, second))
             first[count], second[count] = i, j
             count += 1
-    return first[:count], second[:count]
-
-
-_sweep_of: Callable[[Array, Array, Rows, tuple[Array, Array], Limits], tuple[Rows, Rows]] = compiled(_sweep)
+    return Pairs(first[:count], second[:count])

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
-from q2q_planner.online.safe.braking import motion_after
+from q2q_planner.online.safe.braking import Motions, motion_after
 
 Mask = NDArray[np.bool_]
 
@@ -44,20 +44,29 @@ def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
     return CommittedMotion(*start, np.zeros((n, 3)), np.zeros(n), on, off)
 
 
-def carried_on(held: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float) -> CommittedMotion:
+def propagated(committed: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float) -> CommittedMotion:
     """Return the motion at the setpoint's stamp; new vehicles, or all after a gap, start on the reference."""
-    if held is None or not 0.0 < setpoint.t - held.t <= LONGEST_GAP:
+    if committed is None or not 0.0 < setpoint.t - committed.t <= LONGEST_GAP:
         return at_reference(setpoint)
-    passed = round(setpoint.t - held.t, 9)  # stamps are whole nanoseconds
-    doubt = np.zeros((len(held.names), 2))
-    pos, vel = motion_after((held.pos, held.vel, held.acc, held.hold, doubt), passed, brake)
-    left = np.maximum(held.hold - passed, 0.0)
-    if held.names == setpoint.names:
+    passed = round(setpoint.t - committed.t, 9)  # stamps are whole nanoseconds
+    motions = Motions(
+        committed.pos, committed.vel, committed.acc, committed.hold, np.zeros((len(committed.names), 2))
+    )
+    pos, vel = motion_after(motions, passed, brake)
+    left = np.maximum(committed.hold - passed, 0.0)
+    if committed.names == setpoint.names:
         return CommittedMotion(
-            setpoint.t, held.names, pos, vel, held.acc, left, held.on_reference, held.pushed
+            setpoint.t,
+            committed.names,
+            pos,
+            vel,
+            committed.acc,
+            left,
+            committed.on_reference,
+            committed.pushed,
         )
     fresh = at_reference(setpoint)
-    rows = index_of(setpoint.names, held.names)
+    rows = index_of(setpoint.names, committed.names)
     known = rows >= 0
     col = known[:, None]
     return CommittedMotion(
@@ -65,15 +74,15 @@ def carried_on(held: CommittedMotion | None, setpoint: SwarmSetpoint, brake: flo
         setpoint.names,
         np.where(col, pos[rows], fresh.pos),
         np.where(col, vel[rows], fresh.vel),
-        np.where(col, held.acc[rows], 0.0),
+        np.where(col, committed.acc[rows], 0.0),
         np.where(known, left[rows], 0.0),
-        held.on_reference[rows] | ~known,
-        held.pushed[rows] & known,
+        committed.on_reference[rows] | ~known,
+        committed.pushed[rows] & known,
     )
 
 
-def near_reference(held: CommittedMotion, setpoint: SwarmSetpoint) -> Mask:
+def near_reference(committed: CommittedMotion, setpoint: SwarmSetpoint) -> Mask:
     """Return which vehicles may snap onto their reference: near it and not pushed, (n,)."""
-    pos = np.sqrt(((held.pos - setpoint.pos) ** 2).sum(-1)) <= SNAP_POS
-    vel = np.sqrt(((held.vel - setpoint.vel) ** 2).sum(-1)) <= SNAP_VEL
-    return np.asarray(~held.pushed & pos & vel)
+    pos = np.sqrt(((committed.pos - setpoint.pos) ** 2).sum(-1)) <= SNAP_POS
+    vel = np.sqrt(((committed.vel - setpoint.vel) ** 2).sum(-1)) <= SNAP_VEL
+    return np.asarray(~committed.pushed & pos & vel)

@@ -11,15 +11,15 @@ motion that an external vehicle may fly. An old one was; once the two are `prove
 the motion that an external vehicle under this law certainly flies (the rows of `old`).
 """
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.barrier import Rows
-from q2q_planner.online.safe.braking import Motions, compiled_stays_out
+from q2q_planner.online.safe.braking import BrakingLaw, Motions, stays_out
+from q2q_planner.online.safe.broad_phase import Pairs, Rows
 
 OLD, NEW, BROKEN = 0, 1, 2
 
@@ -27,109 +27,144 @@ Choices = NDArray[np.int8]
 Proven = NDArray[np.bool_]
 
 
-def _far_reach(motions: Motions, brake: float) -> Array:
+class ChoiceRule(NamedTuple):
+    """Rule by which motions are proven and vehicles yield."""
+
+    law: BrakingLaw
+    floor: float
+    """Distance that a new motion keeps from the zone [m]."""
+    turn: int
+    """Parity selects the vehicle of a pair that yields first."""
+
+
+class _Selection(NamedTuple):
+    """Motions to choose from, and those chosen."""
+
+    new: Motions
+    old: Motions
+    chosen: Motions
+    choice: Choices
+    """OLD, NEW or BROKEN, (rows,)."""
+    proven: Proven
+    """Pairs of the swarm (n,) and external vehicles (m,) proven together before, (n, m)."""
+
+
+@compiled
+def _reach(motions: Motions, brake: float) -> Array:
     """Return the stopping distance of each row with its growth until rest [m], (rows,)."""
-    _, vel, acc, hold, growth = motions
-    reach = np.empty(vel.shape[0])
-    rates = growth[:, 1].max()
-    for row in range(vel.shape[0]):
-        speed = np.sqrt((vel[row] ** 2).sum()) + np.sqrt((acc[row] ** 2).sum()) * hold[row]
-        rest = speed / brake + hold[row]
-        reach[row] = speed * (hold[row] + 0.5 * speed / brake) + growth[row, 0]
-        reach[row] += growth[row, 1] * (rest + 2.0 * rates / brake)
+    reach = np.empty(motions.hold.size)
+    rates = motions.growth[:, 1].max()
+    for row in range(motions.hold.size):
+        hold, growth = motions.hold[row], motions.growth[row]
+        speed = np.sqrt((motions.vel[row] ** 2).sum()) + np.sqrt((motions.acc[row] ** 2).sum()) * hold
+        rest = speed / brake + hold
+        reach[row] = speed * (hold + 0.5 * speed / brake) + growth[0]
+        reach[row] += growth[1] * (rest + 2.0 * rates / brake)
     return reach
 
 
-_reach_of = compiled(_far_reach)
+@compiled
+def _stopping_time(motions: Motions, brake: float) -> float:
+    """Return the longest time until a row rests [s]."""
+    longest = 0.0
+    for row in range(motions.hold.size):
+        hold = motions.hold[row]
+        speed = np.sqrt((motions.vel[row] ** 2).sum()) + np.sqrt((motions.acc[row] ** 2).sum()) * hold
+        longest = max(longest, speed / brake + hold)
+    return longest
 
 
-def _pairs_that_may_meet(
-    new: Motions, old: Motions, pairs: tuple[Rows, Rows], law: tuple[float, float, float]
-) -> Rows:
+@compiled
+def _near_pairs(new: Motions, old: Motions, pairs: Pairs, law: BrakingLaw) -> Rows:
     """Return the rows of pairs whose stopping distances overlap, (k,): the others are proven.
 
     A pair's growth continues until both rest, which the longest stopping time of all bounds.
     """
-    eps, d, brake = law
-    slow = 0.0
-    for motions in (new, old):
-        for row in range(motions[1].shape[0]):
-            speed = (
-                np.sqrt((motions[1][row] ** 2).sum())
-                + np.sqrt((motions[2][row] ** 2).sum()) * motions[3][row]
-            )
-            slow = max(slow, speed / brake + motions[3][row])
-    rate = new[4][:, 1].max()
-    late = rate * (slow + 2.0 * rate / brake)
-    ways = np.maximum(_reach_of(new, brake), _reach_of(old, brake)) + late
-    found = np.empty(pairs[0].size, np.intp)
+    longest = max(_stopping_time(new, law.brake), _stopping_time(old, law.brake))
+    rate = new.growth[:, 1].max()
+    late = rate * (longest + 2.0 * rate / law.brake)
+    ways = np.maximum(_reach(new, law.brake), _reach(old, law.brake)) + late
+    found = np.empty(pairs.i.size, np.intp)
     count = 0
-    for row in range(pairs[0].size):
-        i, j = pairs[0][row], pairs[1][row]
-        x, y = new[0][i, 0] - new[0][j, 0], new[0][i, 1] - new[0][j, 1]
+    for row in range(pairs.i.size):
+        i, j = pairs.i[row], pairs.j[row]
+        x, y = new.pos[i, 0] - new.pos[j, 0], new.pos[i, 1] - new.pos[j, 1]
         far = ways[i] + ways[j]
-        if np.sqrt(x * x + y * y) - eps > far or abs(new[0][i, 2] - new[0][j, 2]) - d > far:
+        if np.sqrt(x * x + y * y) - law.eps > far or abs(new.pos[i, 2] - new.pos[j, 2]) - law.d > far:
             continue
         found[count] = row
         count += 1
     return found[:count]
 
 
-_near = compiled(_pairs_that_may_meet)
+@compiled
+def _is_proven(selection: _Selection, i: int, j: int, rule: ChoiceRule) -> bool:
+    """Return whether the chosen motions of a pair are proven to stay apart; two old ones need no floor."""
+    own, choice = selection.proven.shape[0], selection.choice
+    both_old = choice[i] == OLD and (
+        (j < own and choice[j] == OLD) or (j >= own and selection.proven[i, j - own])
+    )
+    if both_old:
+        return stays_out(selection.old, i, j, rule.law, 0.0)
+    return stays_out(selection.chosen, i, j, rule.law, rule.floor)
 
 
-def _choose(  # noqa: C901
-    new: Motions,
-    old: Motions,
-    pairs: tuple[Rows, Rows],
-    proven: Proven,
-    limits: tuple[float, float, float, float, int],
-) -> Choices:
+@compiled
+def _take(selection: _Selection, motions: Motions, row: int, choice: int) -> None:
+    selection.choice[row] = choice
+    selection.chosen.acc[row] = motions.acc[row]
+    selection.chosen.hold[row] = motions.hold[row]
+
+
+@compiled
+def _resolve(selection: _Selection, i: int, j: int, turn: int) -> bool:
+    """Return one vehicle of a failed pair to its old motion, else break both; return whether any changed."""
+    own = selection.proven.shape[0]
+    first, second = (i, j) if (i + j + turn) % 2 == 0 or j >= own else (j, i)
+    for row in (first, second):
+        if row < own and selection.choice[row] == NEW:
+            _take(selection, selection.old, row, OLD)
+            return True
+    changed = False
+    for row in (i, j):
+        if row < own and selection.choice[row] == OLD:
+            _take(selection, selection.new, row, BROKEN)
+            changed = True
+    return changed
+
+
+@compiled
+def _record_proven(selection: _Selection, pairs: Pairs, rule: ChoiceRule) -> None:
+    """Record which external vehicles the chosen motions are proven against."""
+    own = selection.proven.shape[0]
+    for row in range(pairs.i.size):
+        i, j = pairs.i[row], pairs.j[row] - own
+        if j >= 0 and selection.choice[i] != BROKEN and not selection.proven[i, j]:
+            selection.proven[i, j] = stays_out(selection.chosen, i, j + own, rule.law, rule.floor)
+
+
+@compiled
+def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rule: ChoiceRule) -> Choices:
     """Return the choice of each row, (rows,).
 
     Args:
-        new: motions offered; strangers: what they may do.
-        old: motions going on; strangers: what they surely do.
+        new: new motions; of external vehicles, every motion that they may fly.
+        old: rest of the old motions; of external vehicles, the motion that they certainly fly.
         pairs: rows i < j, i of the swarm.
-        proven: pairs of the swarm (n,) and strangers (m,) proven together before, (n, m); changed in place.
-        limits: eps [m], d [m], brake [m/s^2], floor [m], and a number that tells whose turn it is to yield.
+        proven: pairs of the swarm (n,) and external vehicles (m,) proven together before, (n, m); updated in
+            place.
+        rule: see ChoiceRule.
     """
-    eps, d, brake, floor, turn = limits
-    law, own = (eps, d, brake), proven.shape[0]
-    acc, hold = new[2].copy(), new[3].copy()
-    mixed = (new[0], new[1], acc, hold, new[4])
-    choice = np.ones(new[0].shape[0], np.int8)
-    near = _near(new, old, pairs, law)
+    chosen = Motions(new.pos, new.vel, new.acc.copy(), new.hold.copy(), new.growth)
+    choice = np.full(new.hold.size, NEW, np.int8)
+    selection = _Selection(new, old, chosen, choice, proven)
+    near = _near_pairs(new, old, pairs, rule.law)
     changed = True
     while changed:
         changed = False
         for row in near:
-            i, j = pairs[0][row], pairs[1][row]
-            if choice[i] == 0 and ((j < own and choice[j] == 0) or (j >= own and proven[i, j - own])):
-                if compiled_stays_out(old, i, j, law, 0.0):
-                    continue
-            elif compiled_stays_out(mixed, i, j, law, floor):
-                continue
-            first, second = (i, j) if (i + j + turn) % 2 == 0 or j >= own else (j, i)
-            for vehicle in (first, second):
-                if vehicle < own and choice[vehicle] == 1:
-                    choice[vehicle] = 0
-                    acc[vehicle], hold[vehicle] = old[2][vehicle], old[3][vehicle]
-                    changed = True
-                    break
-            else:
-                for vehicle in (i, j):
-                    if vehicle < own and choice[vehicle] == 0:
-                        choice[vehicle] = 2
-                        acc[vehicle], hold[vehicle] = new[2][vehicle], new[3][vehicle]
-                        changed = True
-    for row in range(pairs[0].size):
-        i, j = pairs[0][row], pairs[1][row] - own
-        if j >= 0 and choice[i] != 2 and not proven[i, j]:
-            proven[i, j] = compiled_stays_out(mixed, i, j + own, law, floor)
+            i, j = pairs.i[row], pairs.j[row]
+            if not _is_proven(selection, i, j, rule) and _resolve(selection, i, j, rule.turn):
+                changed = True
+    _record_proven(selection, pairs, rule)
     return choice
-
-
-choose_motions: Callable[
-    [Motions, Motions, tuple[Rows, Rows], Proven, tuple[float, float, float, float, int]], Choices
-] = compiled(_choose)

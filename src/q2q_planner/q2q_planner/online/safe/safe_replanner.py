@@ -29,20 +29,27 @@ motion proven before.
 and the least push along the zone's normal that keeps the pair's approach stoppable.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState, index_of
-from q2q_planner.online.safe.barrier import push_apart
-from q2q_planner.online.safe.braking import Motions
-from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, carried_on
+from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
+from q2q_planner.online.safe.braking import BrakingLaw, Motions
+from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, propagated
 from q2q_planner.online.safe.last_known_states import LastKnownStates
-from q2q_planner.online.safe.motion_choice import BROKEN, NEW, OLD, Choices, Proven, choose_motions
+from q2q_planner.online.safe.motion_choice import (
+    BROKEN,
+    NEW,
+    OLD,
+    ChoiceRule,
+    Choices,
+    Proven,
+    choose_motions,
+)
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.traffic import Traffic, astray, own_uncertainty, scene_of
+from q2q_planner.online.safe.traffic import TrafficTable, off_trajectory, own_uncertainty, traffic_at
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
 FLOOR = 1e-3
@@ -62,7 +69,7 @@ class SafeReplanner:
 
     def reset(self) -> None:
         """Forget the modified trajectories and external vehicles; the next update starts on the reference."""
-        self._held: CommittedMotion | None = None
+        self._committed: CommittedMotion | None = None
         self._answer: SwarmSetpoint | None = None
         self._last_known.reset()
         self._known: tuple[Names, Names] = ((), ())
@@ -81,70 +88,79 @@ class SafeReplanner:
         if self._answer is not None and setpoint.t == self._answer.t:
             return self._answer
         if state is not None:
-            self._last_known.hear(state)
+            self._last_known.update(state)
         params, names = self.params, setpoint.names
-        held = carried_on(self._held, setpoint, params.acc_max)
-        seen = None if state is None else self._last_known.of(names, setpoint.t)
-        growth = own_uncertainty(held, seen, params)
-        strangers = self._last_known.strangers(names, setpoint.t, params.forget)
-        held, scene = scene_of(held, setpoint, growth, strangers, params)
-        wanted, pushed = _wanted(held, setpoint, scene, params)
-        self._recognise(names, strangers.names)
-        choice = _choice(held, scene, wanted, self._proven, params)
-        self._held = _decided(held, wanted, choice, pushed, params.hold)
-        broken = ((choice == BROKEN) | astray(held, seen, params)) & params.enabled
-        self._answer = _answer(setpoint, self._held, broken, params.acc_max)
+        committed = propagated(self._committed, setpoint, params.acc_max)
+        known = None if state is None else self._last_known.of(names, setpoint.t)
+        growth = own_uncertainty(committed, known, params)
+        external = self._last_known.external(names, setpoint.t, params.forget)
+        committed, traffic = traffic_at(committed, setpoint, growth, external, params)
+        wanted, pushed = _wanted(committed, setpoint, traffic, params)
+        self._recognise(names, external.names)
+        choice = _choice(committed, traffic, wanted, self._proven, params)
+        self._committed = _decided(committed, wanted, choice, pushed, params.hold)
+        broken = ((choice == BROKEN) | off_trajectory(committed, known, params)) & params.enabled
+        self._answer = _answer(setpoint, self._committed, broken, params.acc_max)
         return self._answer
 
-    def _recognise(self, own: Names, strangers: Names) -> None:
+    def _recognise(self, own: Names, external: Names) -> None:
         """Match the proven pairs to this tick's names; a new vehicle is in none."""
-        if self._known == (own, strangers):
+        if self._known == (own, external):
             return
-        rows, columns = index_of(own, self._known[0]), index_of(strangers, self._known[1])
-        proven = np.zeros((len(own), len(strangers)), np.bool_)
+        rows, columns = index_of(own, self._known[0]), index_of(external, self._known[1])
+        proven = np.zeros((len(own), len(external)), np.bool_)
         both = np.ix_(rows >= 0, columns >= 0)
         proven[both] = self._proven[np.ix_(rows[rows >= 0], columns[columns >= 0])]
-        self._known, self._proven = (own, strangers), proven
+        self._known, self._proven = (own, external), proven
 
 
 def _wanted(
-    held: CommittedMotion, setpoint: SwarmSetpoint, scene: Traffic, params: SafeReplannerParams
+    committed: CommittedMotion, setpoint: SwarmSetpoint, traffic: TrafficTable, params: SafeReplannerParams
 ) -> tuple[Array, Mask]:
     """Return the swarm's wanted accelerations (n, 3), and which vehicles the barrier changed (n,)."""
-    pull = -params.k_d * (held.vel - setpoint.vel) - params.k_p * (held.pos - setpoint.pos)
+    pull = -params.k_d * (committed.vel - setpoint.vel) - params.k_p * (committed.pos - setpoint.pos)
     back = _limited(setpoint.acc + pull, params.acc_max)
-    acc = np.where(held.on_reference[:, None], setpoint.acc, back)
-    if not (params.enabled and len(scene.pairs[0])):
-        return acc, np.zeros(scene.own, np.bool_)
-    turned = np.zeros((len(scene.pos), 3))
-    turned[: scene.own] = np.where(scene.meets[:, None], _limited(acc, params.acc_max), acc)
-    wide = scene.growth[scene.pairs[0]] + scene.growth[scene.pairs[1]]
+    acc = np.where(committed.on_reference[:, None], setpoint.acc, back)
+    if not (params.enabled and len(traffic.pairs.i)):
+        return acc, np.zeros(traffic.own, np.bool_)
+    turned = np.zeros((len(traffic.pos), 3))
+    turned[: traffic.own] = np.where(traffic.meets[:, None], _limited(acc, params.acc_max), acc)
+    wide = traffic.growth[traffic.pairs.i] + traffic.growth[traffic.pairs.j]
     wide[:, 0] += params.margin + FLOOR
-    reference = np.concatenate([setpoint.pos, scene.pos[scene.own :]])
+    reference = np.concatenate([setpoint.pos, traffic.pos[traffic.own :]])
     poles = 2.0 * params.approach, params.approach**2
-    law = scene.own, params.eps, params.d, *poles, params.around, params.height
-    pushed = push_apart(turned, (scene.pos, scene.vel, reference), scene.pairs, wide, law)[: scene.own]
-    limited = np.where(pushed[:, None], _limited(turned[: scene.own], params.acc_max), turned[: scene.own])
+    law = BarrierLaw(traffic.own, params.eps, params.d, *poles, params.around, params.height)
+    states = BarrierStates(traffic.pos, traffic.vel, reference)
+    pushed = push_apart(turned, states, traffic.pairs, wide, law)[: traffic.own]
+    limited = np.where(
+        pushed[:, None], _limited(turned[: traffic.own], params.acc_max), turned[: traffic.own]
+    )
     return limited, pushed | (limited != acc).any(axis=1)
 
 
 def _choice(
-    held: CommittedMotion, scene: Traffic, wanted: Array, proven: Proven, params: SafeReplannerParams
+    committed: CommittedMotion,
+    traffic: TrafficTable,
+    wanted: Array,
+    proven: Proven,
+    params: SafeReplannerParams,
 ) -> Choices:
     """Return the choice of each vehicle of the swarm, (n,); `proven` is updated in place."""
-    if not (params.enabled and len(scene.pairs[0])):
-        return np.full(scene.own, NEW, dtype=np.int8)
-    own, acc = scene.own, np.zeros_like(scene.pos)
+    if not (params.enabled and len(traffic.pairs.i)):
+        return np.full(traffic.own, NEW, dtype=np.int8)
+    own, acc = traffic.own, np.zeros_like(traffic.pos)
     acc[:own] = wanted
-    new: Motions = (scene.pos, scene.vel, acc, np.full(len(acc), params.hold), scene.growth)
-    certain = scene.growth[:own] * np.array([1.0, 0.0])  # a proven motion needs no growth rate
-    going = held.pos, held.vel, held.acc, held.hold, certain
-    pos, vel, push, hold, growth = (np.concatenate(both) for both in zip(going, scene.sure, strict=True))
-    limits = params.eps, params.d, params.acc_max, FLOOR, round(held.t / TURN)
-    return choose_motions(new, (pos, vel, push, hold, growth), scene.pairs, proven, limits)[:own]
+    new = Motions(traffic.pos, traffic.vel, acc, np.full(len(acc), params.hold), traffic.growth)
+    certain = traffic.growth[:own] * np.array([1.0, 0.0])  # a proven motion needs no growth rate
+    going = committed.pos, committed.vel, committed.acc, committed.hold, certain
+    old = Motions(*(np.concatenate(both) for both in zip(going, traffic.certain, strict=True)))
+    law = BrakingLaw(params.eps, params.d, params.acc_max)
+    rule = ChoiceRule(law, FLOOR, round(committed.t / TURN))
+    return choose_motions(new, old, traffic.pairs, proven, rule)[:own]
 
 
-def _shorten(acc: Array, most: float) -> Array:
+@compiled
+def _limited(acc: Array, most: float) -> Array:
     """Return accelerations (n, 3) clipped to the norm `most` [m/s^2]."""
     short = acc.copy()
     for row in range(len(acc)):
@@ -154,31 +170,28 @@ def _shorten(acc: Array, most: float) -> Array:
     return short
 
 
-_limited: Callable[[Array, float], Array] = compiled(_shorten)
-
-
 def _decided(
-    held: CommittedMotion, wanted: Array, choice: Choices, pushed: Mask, hold: float
+    committed: CommittedMotion, wanted: Array, choice: Choices, pushed: Mask, hold: float
 ) -> CommittedMotion:
     """Return the motion that the swarm commits to."""
     fresh = choice != OLD
     return replace(
-        held,
-        acc=np.where(fresh[:, None], wanted, held.acc),
-        hold=np.where(fresh, hold, held.hold),
-        on_reference=held.on_reference & fresh & ~pushed,
+        committed,
+        acc=np.where(fresh[:, None], wanted, committed.acc),
+        hold=np.where(fresh, hold, committed.hold),
+        on_reference=committed.on_reference & fresh & ~pushed,
         pushed=pushed | ~fresh,
     )
 
 
-def _answer(setpoint: SwarmSetpoint, held: CommittedMotion, broken: Mask, brake: float) -> SwarmSetpoint:
+def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, brake: float) -> SwarmSetpoint:
     """Return the setpoint of the tick; the reference object itself if no vehicle deviates from it."""
-    if held.on_reference.all() and not broken.any():
+    if committed.on_reference.all() and not broken.any():
         return setpoint
-    speed = np.sqrt((held.vel**2).sum(-1, keepdims=True))
-    stopping = -brake * held.vel / np.where(speed > 0.0, speed, 1.0)
-    acc = np.where((held.hold > 0.0)[:, None], held.acc, stopping)
-    moved = np.sqrt(((held.pos - setpoint.pos) ** 2).sum(-1)) > SHIFT_TOLERANCE
+    speed = np.sqrt((committed.vel**2).sum(-1, keepdims=True))
+    stopping = -brake * committed.vel / np.where(speed > 0.0, speed, 1.0)
+    acc = np.where((committed.hold > 0.0)[:, None], committed.acc, stopping)
+    moved = np.sqrt(((committed.pos - setpoint.pos) ** 2).sum(-1)) > SHIFT_TOLERANCE
     status = np.where(moved, np.uint8(SetpointStatus.SHIFTED), setpoint.status)
     status = np.where(broken, np.uint8(SetpointStatus.PROMISE_BROKEN), status).astype(np.uint8)
-    return replace(setpoint, pos=held.pos, vel=held.vel, acc=acc, status=status)
+    return replace(setpoint, pos=committed.pos, vel=committed.vel, acc=acc, status=status)
