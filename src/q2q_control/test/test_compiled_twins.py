@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_control.disturbance.observer import correct
-from q2q_control.inputs.preview import between
+from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGain, corrected
+from q2q_control.inputs.preview import interpolated
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.group_solve import Group, solve_group
 from q2q_control.mpc.horizon_solver import groups_of
@@ -184,24 +184,22 @@ def test_bounds_are_thrust_tilt_and_weight():
 def test_samples_between_are_numpys_interpolation():
     samples = np.random.default_rng(7).normal(size=(2, 9, 3))
     place = np.array([0.0, 0.3, 3.0, 7.99, 8.0])
-    found = between(samples, place)
+    found = interpolated(samples, place)
     for v in range(2):
         for c in range(3):
             assert np.allclose(found[v, :, c], np.interp(place, np.arange(9), samples[v, :, c]), atol=1e-14)
-    assert np.array_equal(between(samples[:, :1], np.zeros(2)), np.repeat(samples[:, :1], 2, axis=1))
+    assert np.array_equal(interpolated(samples[:, :1], np.zeros(2)), np.repeat(samples[:, :1], 2, axis=1))
 
 
 def test_the_observers_loop_is_its_plain_form():
     rng = np.random.default_rng(8)
-    old = tuple(rng.normal(size=(4, 3)) for _ in range(3))
+    old = Estimate(*(rng.normal(size=(4, 3)) for _ in range(3)))
     fresh, known = np.array([True, False, True, True]), np.array([True, True, False, True])
-    seen = (*(rng.normal(size=(4, 3)) for _ in range(3)), fresh)
-    rule = (0.5, 6.0, 20.0, 0.01, 0.8)
-    for one, other in zip(
-        correct(old, seen, known, rule), correct.py_func(old, seen, known, rule), strict=True
-    ):
+    measured = MeasuredRows(*(rng.normal(size=(4, 3)) for _ in range(3)), fresh)
+    args = old, measured, known, ObserverGain(0.5, 6.0, 20.0, 0.01), 0.8
+    for one, other in zip(corrected(*args), corrected.py_func(*args), strict=True):
         assert np.allclose(one, other, atol=1e-14)
-    pos, vel, d = correct(old, seen, known, rule)
-    assert np.array_equal(pos[2], seen[0][2])
-    assert np.array_equal(vel[2], seen[1][2])
-    assert np.array_equal(d[1], np.clip(old[2][1], -0.8, 0.8))
+    pos, vel, d = corrected(*args)
+    assert np.array_equal(pos[2], measured.pos[2])
+    assert np.array_equal(vel[2], measured.vel[2])
+    assert np.array_equal(d[1], np.clip(old.disturbance[1], -0.8, 0.8))

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from q2q_control.global_mpc import networks
-from q2q_control.global_mpc.collocation import solve_collocation
-from q2q_control.global_mpc.networks import NetworkSolutionParams, solve_networks
-from q2q_control.global_mpc.problem import GlobalProblem, downwash, thrust_acceleration, z_rmse
+from q2q_control.experiments.global_mpc import networks
+from q2q_control.experiments.global_mpc.collocation import solve_collocation
+from q2q_control.experiments.global_mpc.networks import NetworkSolutionParams, solve_networks
+from q2q_control.experiments.global_mpc.problem import GlobalProblem, downwash, thrust_acceleration, z_rmse
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler

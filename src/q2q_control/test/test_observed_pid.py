@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from q2q_control.disturbance.tracker import TrackerParams
-from q2q_control.pid.feedforward import compensated_setpoint
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
@@ -83,21 +82,3 @@ def test_thrust_lag_and_tilt_are_explained_and_not_taken_for_disturbance():
         pos, vel, thrust = pos + DT * vel + 0.5 * DT**2 * acc, vel + DT * acc, after
     # thrust within a tick is not constant: the position is off by its curvature, 1e-6 m
     assert np.abs(pid._tracker._observer.estimate.disturbance).max() < 0.02
-
-
-def test_compensated_acceleration_is_the_papers_compensation_on_stock_firmware():
-    _, setpoint, downwash = rest(("cf1", "cf2"), 0.0)
-    setpoint = replace(setpoint, acc=np.array([[0.1, 0.2, 0.3], [0.0, 0.0, 0.0]]))
-    downwash = replace(downwash, names=("cf2", "cf1"), acc=np.array([[0.0, 0.0, 0.1], [0.0, 0.0, -0.4]]))
-    out = compensated_setpoint(setpoint, downwash)
-    assert np.allclose(out.acc, [[0.1, 0.2, 0.7], [0.0, 0.0, -0.1]])
-    aware = Pid(GAINS, TEXTBOOK_065).update(rest(("cf1", "cf2"), 0.0)[0], setpoint, downwash)
-    stock = Pid(GAINS, TEXTBOOK_065).update(rest(("cf1", "cf2"), 0.0)[0], out, None)
-    assert np.allclose(stock.thrust, aware.thrust, rtol=1e-14)
-
-
-def test_a_downwash_that_is_missing_or_no_number_leaves_the_acceleration():
-    _, setpoint, downwash = rest(("cf1", "cf2"), 0.0)
-    assert compensated_setpoint(setpoint, None) is setpoint
-    half = replace(downwash, names=("cf1",), acc=np.array([[np.nan, 0.0, -1.0]]))
-    assert np.array_equal(compensated_setpoint(setpoint, half).acc, [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])

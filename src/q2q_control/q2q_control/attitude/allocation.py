@@ -1,4 +1,4 @@
-"""Share thrust and torque among the four rotors of an X quadcopter, within what each rotor can give.
+"""Control allocation of an X quadcopter: collective thrust and torques to four limited rotors.
 
 Body x forward, y left, z up; rotors counted as on the Crazyflie, seen from above:
 
@@ -10,15 +10,15 @@ Body x forward, y left, z up; rotors counted as on the Crazyflie, seen from abov
     U1    = f1 + f2 + f3 + f4
     tau_x = h (-f1 - f2 + f3 + f4)          h = l / sqrt 2, positive roll lowers the right side
     tau_y = h (-f1 + f2 + f3 - f4)          positive pitch lowers the nose
-    tau_z = c (-f1 + f2 - f3 + f4)          a left-turning rotor drags the body to the right
+    tau_z = c (-f1 + f2 - f3 + f4)          the drag of a left-turning rotor turns the body right
 
-Limits 0 <= f <= f_max. Yaw is always given up first: a small multirotor needs tilt to stay where it is,
-yaw to look somewhere. Between thrust and tilt the caller chooses:
-- attitude first: roll and pitch are kept (scaled alike only if they need more than f_max between rotors),
-  then yaw takes what is left, then the collective moves to where all rotors fit. The default: a vehicle
-  that loses its tilt loses its position.
-- thrust first: the collective is kept (clipped to 0..4 f_max), roll and pitch are scaled alike until
-  every rotor fits without yaw, then yaw takes what is left.
+Limits 0 <= f <= f_max. Yaw always has the lowest priority: position control needs tilt, not yaw. Between
+thrust and tilt the caller chooses:
+- attitude first: roll and pitch are kept (scaled together only if they need more than f_max between rotors),
+  then yaw gets the remaining range, then the collective is shifted until all rotors fit. The default: a
+  vehicle that loses its tilt loses its position.
+- thrust first: the collective is kept (clipped to 0..4 f_max), roll and pitch are scaled together until
+  every rotor fits without yaw, then yaw gets the remaining range.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -44,7 +44,7 @@ _YAW = np.array([-1.0, 1.0, -1.0, 1.0])
 
 @dataclass(frozen=True, slots=True)
 class RotorFrame:
-    """Rotor positions and the thrust each rotor can give."""
+    """Rotor positions and largest thrust of each rotor."""
 
     lever: float
     """h [m]."""
@@ -105,7 +105,7 @@ def _largest_share(tilt: Array, yaw: Array, top: float) -> Array:
 
 def _share(wanted: Array, room: Array) -> Array:
     """Return the largest k in 0..1 with k wanted <= room along the last axis, (..., 1)."""
-    positive_room = np.maximum(room, 0.0)  # rounding may leave it a hair below
+    positive_room = np.maximum(room, 0.0)  # rounding may leave it slightly below 0
     tight = wanted > positive_room
     share = np.where(tight, positive_room / np.where(tight, wanted, 1.0), 1.0)
     return np.asarray(np.min(share, axis=-1, keepdims=True))

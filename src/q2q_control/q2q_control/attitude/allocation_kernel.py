@@ -72,7 +72,7 @@ def _yaw_in_box(rotors: Array, yaw: float, top: float) -> None:
     for k in range(4):
         step = yaw if k in {1, 3} else -yaw
         room = top - rotors[k] if step > 0.0 else rotors[k]
-        if abs(step) * share > max(room, 0.0):  # a rotor at its limit may lie beyond it by a rounding
+        if abs(step) * share > max(room, 0.0):  # rounding may leave a rotor slightly beyond its limit
             share = max(room, 0.0) / abs(step)
     _add_yaw(rotors, share * yaw)
 

@@ -1,13 +1,13 @@
-"""Turn roll and pitch: the onboard attitude loop, U2 to U4 of eqs (1)-(3), as a PD law on Euler angles.
+"""Onboard attitude loop: U2 to U4 of eqs (1)-(3) as a PD law on Euler angles.
 
-Source: section 5.1 ("the attitude control approach is similar to the altitude control"): linearise
-(1)-(3) by cancelling the gyroscopic terms, then a PD law in natural-frequency form, so that vehicles of
-any inertia turn alike:
+Source: section 5.1 ("the attitude control approach is similar to the altitude control"): feedback
+linearisation of (1)-(3) by cancelling the gyroscopic terms, then a PD law in natural-frequency form, so that
+vehicles of any inertia respond alike:
 
     v_phi = w_n^2 (phi_d - phi) - 2 zeta w_n p           (theta, q likewise)
     v_psi = k_r (r_d - r)
     tau   = I v + omega x (I omega)                       tau_x = l U2, tau_y = l U3, tau_z = U4
-    tau_c = tau + T dtau/dt,   domega/dt = tau_now / I    (lead: undoes the lag T of the rotors)
+    tau_c = tau + T dtau/dt,   domega/dt = tau_now / I    (lead: compensates the lag T of the rotors)
 
 With T the rotors' lag the loop is exactly phi / phi_d = w_n^2 / ((s^2 + 2 zeta w_n s + w_n^2)(T s + 1));
 without lead a lag of 0.07 s leaves w_n = 15 rad/s almost undamped. U2 and U3 of the paper are forces at
@@ -20,7 +20,7 @@ from the inertia.
 | omega = p q r | ang_vel_body | body rates [rad/s] |
 | phi_d theta_d r_d | desired | roll, pitch [rad], yaw rate [rad/s] |
 | tau | torque | about body axes [N m] |
-| tau_now | torque_now | what the rotors give at this moment [N m] |
+| tau_now | torque_now | present torque of the rotors [N m] |
 | w_n zeta | frequency damping | of roll and pitch [rad/s], [-] |
 | k_r | yaw_bandwidth | [1/s] |
 | T | lead | [s] |
@@ -44,7 +44,7 @@ class AttitudeParams:
     """Bandwidths of the attitude loop."""
 
     frequency: float = tunable(
-        15.0,  # the firmware's Mellinger loop settles as fast; 7 times the position loop's 2 rad/s
+        15.0,  # as fast as the firmware's Mellinger loop; 7 times the position loop's 2 rad/s
         "natural frequency of roll and pitch",
         unit="rad/s",
         low=1.0,
@@ -53,7 +53,7 @@ class AttitudeParams:
     damping: float = tunable(0.9, "damping ratio of roll and pitch: 5 % overshoot at most", low=0.1, high=3.0)
     yaw_bandwidth: float = tunable(5.0, "yaw rate error to yaw acceleration", unit="1/s", low=0.1, high=100.0)
     lead_ratio: float = tunable(
-        1.0, "lead time over the vehicle's thrust lag: 1 undoes the lag, 0 ignores it", low=0.0, high=1.0
+        1.0, "lead time over the vehicle's thrust lag: 1 cancels the lag, 0 ignores it", low=0.0, high=1.0
     )
 
     def __post_init__(self) -> None:
@@ -62,7 +62,7 @@ class AttitudeParams:
 
 
 def packed_gains(params: AttitudeParams, vehicle: Vehicle) -> Array:
-    """Return what the laws below read, one column a body axis, (4, 3).
+    """Return the constants of the laws below, one column per body axis, (4, 3).
 
     Rows: stiffness [N m/rad], damping [N m s/rad], inertia [kg m^2], lead [s].
     """

@@ -1,1 +1,1 @@
-"""Disturbance observers: commands in effect, thrust, and what neither explains."""
+"""Disturbance observers: commands in effect, thrust, and unexplained acceleration."""

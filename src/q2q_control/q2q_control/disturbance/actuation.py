@@ -1,12 +1,12 @@
-"""Follow what the vehicles do with the commands that were sent: what acts now, and what will act soon.
+"""Model of the command path: thrust produced by earlier commands, and commands in transit.
 
 A command of the tick s acts from s + latency on, and thrust follows it with a lag:
 
-    f' = (f_c - f) / T                     f_c: the command that acts at that moment
+    f' = (f_c - f) / T                     f_c: the command in effect
     a  = f / m R(q) e_z - g e_z            acceleration by thrust, with the measured attitude
 
-So the acceleration now is known without differentiating anything, and so is what the commands still on
-their way will do until a command sent now takes over: `Pending`.
+So the present acceleration is known without differentiation, and so is that of the commands in transit, until
+a command sent now takes effect: `Pending`.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -20,17 +20,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_command, thrust_acc_of_quat
+from q2q_control.disturbance.thrust_acceleration import Command, thrust_acc_of_command, thrust_acc_of_quat
 from q2q_model.signals.values import Array, Names, SwarmCommand, index_of
 from q2q_model.vehicle.constants import Vehicle
 
 LONGEST_GAP = 0.5
-"""Beyond this time between ticks [s] the past is forgotten."""
+"""Time between ticks [s] beyond which the past is forgotten."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pending:
-    """Commands that act between now and `latency` from now, in order."""
+    """Commands that take effect between now and `latency` from now, in order."""
 
     durations: tuple[float, ...]
     """[s]"""
@@ -55,7 +55,7 @@ class Actuation:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all commands; the vehicles are taken to hover."""
+        """Forget all commands; the vehicles are assumed to hover."""
         self._names: Names = ()
         self._sent: list[_Sent] = []
         self._t = -np.inf
@@ -84,20 +84,20 @@ class Actuation:
         return thrust_acc_of_quat(quat, self.thrust, mass), thrust_acc_of_quat(quat, self.mean_thrust, mass)
 
     def pending(self) -> Pending:
-        """Return what acts until a command sent now takes over."""
+        """Return the commands in effect until one sent now takes over."""
         parts = [(s, sent.acc) for s, sent in self._acting(self._t, self._t + self._latency) if s > 0.0]
         return Pending(tuple(s for s, _ in parts), tuple(acc for _, acc in parts))
 
     def sent(self, command: SwarmCommand, quat: Array) -> None:
-        """Remember a command of the tick last advanced to; `quat` (n, 4) tells the vehicles' yaw."""
-        angles = (command.thrust, command.roll, command.pitch)
-        acc = thrust_acc_of_command(angles, np.ascontiguousarray(quat), self._vehicle.mass)
+        """Remember a command of the tick last advanced to; `quat` (n, 4) gives the vehicles' yaw."""
+        rows = Command(command.thrust, command.roll, command.pitch)
+        acc = thrust_acc_of_command(rows, np.ascontiguousarray(quat), self._vehicle.mass)
         self._sent.append(_Sent(self._t, command.thrust, acc))
         while len(self._sent) > 1 and self._sent[1].t + self._latency <= self._t:
-            self._sent.pop(0)  # the next one acts already
+            self._sent.pop(0)  # the next one is in effect already
 
     def _acting(self, start: float, end: float) -> list[tuple[float, _Sent]]:
-        """Return which command acts how long between two times, in order."""
+        """Return the commands in effect between two times, in order, with their durations [s]."""
         parts: list[tuple[float, _Sent]] = []
         for k, sent in enumerate(self._sent):
             begins = sent.t + self._latency if k > 0 else -np.inf
@@ -110,7 +110,7 @@ class Actuation:
     def _reorder(self, names: Names) -> None:
         rows = index_of(names, self._names)
         hover = self._vehicle.hover_thrust
-        known = np.append(self.thrust, hover)  # row -1 is a vehicle never seen: it hovers
+        known = np.append(self.thrust, hover)  # row -1 is a new vehicle: it hovers
         self._sent = [
             _Sent(sent.t, np.append(sent.thrust, hover)[rows], np.vstack([sent.acc, np.zeros((1, 3))])[rows])
             for sent in self._sent

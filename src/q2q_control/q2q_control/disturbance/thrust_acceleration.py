@@ -1,9 +1,10 @@
-"""Turn thrust and attitude into acceleration: f / m R e_z - g e_z, of a measured attitude or a commanded one.
+"""Acceleration by thrust: f / m R e_z - g e_z, of a measured attitude or a commanded one.
 
-Compiled, because a few vehicles cost numpy ten times the arithmetic.
+Compiled, because for a few vehicles numpy's calls cost ten times the arithmetic.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,30 +13,38 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
 
+class Command(NamedTuple):
+    """Thrust [N], roll and pitch [rad] of n vehicles, (n,) each."""
+
+    thrust: Array
+    roll: Array
+    pitch: Array
+
+
 @compiled
 def thrust_acc_of_quat(quat: Array, thrust: Array, mass: float) -> Array:
     """Return the acceleration by thrust (n,) [N] of attitudes `quat` (n, 4) [m/s^2], world, (n, 3)."""
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
         x, y, z, w = quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3]
-        push = thrust[i] / mass
-        acc[i, 0] = 2.0 * (x * z + w * y) * push
-        acc[i, 1] = 2.0 * (y * z - w * x) * push
-        acc[i, 2] = (1.0 - 2.0 * (x * x + y * y)) * push - GRAVITY
+        specific = thrust[i] / mass
+        acc[i, 0] = 2.0 * (x * z + w * y) * specific
+        acc[i, 1] = 2.0 * (y * z - w * x) * specific
+        acc[i, 2] = (1.0 - 2.0 * (x * x + y * y)) * specific - GRAVITY
     return acc
 
 
 @compiled
-def thrust_acc_of_command(command: tuple[Array, Array, Array], quat: Array, mass: float) -> Array:
-    """Return the same of commands: thrust [N], roll, pitch [rad], (n,) each, at the yaw of `quat` (n, 4)."""
-    thrust, roll, pitch = command
+def thrust_acc_of_command(command: Command, quat: Array, mass: float) -> Array:
+    """Return the same of commands, at the yaw of `quat` (n, 4)."""
+    thrust, roll, pitch = command.thrust, command.roll, command.pitch
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
         x, y, z, w = quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3]
         yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         forward, left = math.cos(roll[i]) * math.sin(pitch[i]), -math.sin(roll[i])
-        push = thrust[i] / mass
-        acc[i, 0] = (forward * math.cos(yaw) - left * math.sin(yaw)) * push
-        acc[i, 1] = (forward * math.sin(yaw) + left * math.cos(yaw)) * push
-        acc[i, 2] = math.cos(roll[i]) * math.cos(pitch[i]) * push - GRAVITY
+        specific = thrust[i] / mass
+        acc[i, 0] = (forward * math.cos(yaw) - left * math.sin(yaw)) * specific
+        acc[i, 1] = (forward * math.sin(yaw) + left * math.cos(yaw)) * specific
+        acc[i, 2] = math.cos(roll[i]) * math.cos(pitch[i]) * specific - GRAVITY
     return acc

@@ -1,6 +1,6 @@
-"""Keep track of what acts on the vehicles: commands on their way, thrust, and what nothing explains.
+"""Tracker of commands in transit, thrust and disturbances.
 
-Joins q2q_control.disturbance.actuation and q2q_control.disturbance.observer for controllers that cancel
+It joins q2q_control.disturbance.actuation and q2q_control.disturbance.observer for controllers that cancel
 disturbances: the PID with an observer and the receding horizon.
 """
 
@@ -23,16 +23,14 @@ _TRACKED = int(TrackStatus.TRACKED)
 class TrackerParams:
     """Delay and lag of the command path, and bandwidths of the disturbance estimates."""
 
-    latency: float = tunable(0.026, "stamp of a tick to its command's effect", unit="s", low=0.0, high=0.3)
+    latency: float = tunable(0.026, "tick's stamp to its command's effect", unit="s", low=0.0, high=0.3)
     state_bandwidth: float = tunable(
-        20.0, "how quickly estimated position and velocity follow", unit="rad/s", low=0.1, high=100.0
+        20.0, "bandwidth of estimated position and velocity", unit="rad/s", low=0.1, high=100.0
     )
     observer_bandwidth: float = tunable(
-        6.0, "how quickly unexplained acceleration is believed", unit="rad/s", low=0.01, high=50.0
+        6.0, "bandwidth of the estimated disturbance", unit="rad/s", low=0.01, high=50.0
     )
-    disturbance_max: float = tunable(
-        3.0, "largest unexplained acceleration believed", unit="m/s^2", low=0.0, high=9.81
-    )
+    disturbance_max: float = tunable(3.0, "largest estimated disturbance", unit="m/s^2", low=0.0, high=9.81)
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -47,7 +45,7 @@ class Tracked:
     acc: Array
     """Acceleration by thrust now [m/s^2], world, (n, 3)."""
     pending: Pending
-    """Commands that act before one given now."""
+    """Commands that take effect before one given now."""
 
 
 class DisturbanceTracker:
@@ -68,7 +66,7 @@ class DisturbanceTracker:
         self._eta = np.zeros((0, 3))
 
     def update(self, tick: Aligned, state: SwarmState) -> Tracked:
-        """Return what is known at the tick; it must be followed by `sent`."""
+        """Return the estimates at the tick; `sent` must follow."""
         table = tick.table
         self._actuation.advance(tick.t, tick.names)
         acc, mean = self._actuation.accelerations(table[:, QUAT])
@@ -77,8 +75,8 @@ class DisturbanceTracker:
         self._eta = eta
         fresh = tick.usable & _tracked(state, tick)
         explained = mean + 0.5 * (before + eta)
-        seen = Measurement(tick.t, tick.names, table[:, POS], table[:, VEL], explained, fresh)
-        return Tracked(self._observer.update(seen), acc, self._actuation.pending())
+        measured = Measurement(tick.t, tick.names, table[:, POS], table[:, VEL], explained, fresh)
+        return Tracked(self._observer.update(measured), acc, self._actuation.pending())
 
     def sent(self, command: SwarmCommand, tick: Aligned) -> None:
         """Remember the tick's command."""

@@ -1,8 +1,8 @@
-"""Line up the signals of one tick by vehicle name, and say which vehicles can be flown on them.
+"""Signals of one tick aligned by vehicle name, and which of the vehicles are usable.
 
-A vehicle is usable when its state and its setpoint are there, finite, of a size that a room can hold, and
-not LOST. Unusable rows are filled with a hover at rest, so that the laws run over all rows alike; their
-answer is never sent (q2q_control.failsafe.last_commands).
+A vehicle is usable if its state and its setpoint are present, finite, of plausible size, and not LOST.
+Unusable rows are filled with a hover at rest, so that the laws run over all rows alike; their commands are
+never sent (q2q_control.failsafe.last_commands).
 """
 
 from dataclasses import dataclass
@@ -23,17 +23,19 @@ from q2q_model.signals.values import (
 )
 
 ABSURD = 1e4
-"""No position, velocity, acceleration or angle of a room is this large [SI]."""
+"""Bound on plausible positions, velocities, accelerations and angles [SI]."""
 QUAT_SLACK = 0.1
-"""How far the squared length of a usable quaternion may be from 1 [-]."""
+"""Largest difference of a usable quaternion's squared length from 1 [-]."""
 
-POS, VEL, QUAT = slice(0, 3), slice(3, 6), slice(6, 10)
-REF_POS, REF_VEL, REF_ACC = slice(10, 13), slice(13, 16), slice(16, 19)
-YAW, YAW_RATE, ETA = 19, 20, slice(21, 24)
-TRACK = 24
+POS_AT, VEL_AT, QUAT_AT = 0, 3, 6
+REF_POS_AT, REF_VEL_AT, REF_ACC_AT = 10, 13, 16
+YAW, YAW_RATE, ETA_AT, TRACK = 19, 20, 21, 24
+"""Columns of a table, the first one of vectors: for compiled code."""
+POS, VEL, QUAT = slice(POS_AT, POS_AT + 3), slice(VEL_AT, VEL_AT + 3), slice(QUAT_AT, QUAT_AT + 4)
+REF_POS, REF_VEL = slice(REF_POS_AT, REF_POS_AT + 3), slice(REF_VEL_AT, REF_VEL_AT + 3)
+REF_ACC, ETA = slice(REF_ACC_AT, REF_ACC_AT + 3), slice(ETA_AT, ETA_AT + 3)
 _WIDTH = 25
 _LOST = int(TrackStatus.LOST)
-_QUAT_AT, _ETA_AT = 6, 21
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,16 +48,16 @@ class Aligned:
     """(n,)"""
     table: Array
     """Columns POS, VEL, QUAT of the state, REF_POS, REF_VEL, REF_ACC, YAW, YAW_RATE of the setpoint, the
-    downwash's acceleration ETA (0 where none is predicted), and the state's TRACK status: units and frames of
-    the signals, (n, 25)."""
+    downwash's acceleration ETA (0 where none is predicted), and the state's TRACK status, in the units and
+    frames of the signals, (n, 25)."""
 
 
 def align(
     state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None, vehicles: Names = ()
 ) -> Aligned:
-    """Return the tick of the vehicles of `setpoint`, or of `vehicles` where given.
+    """Return the aligned signals of the vehicles of `setpoint`, or of `vehicles` if given.
 
-    Vehicles that are absent from a signal get unusable rows; downwash that is absent or not finite is 0.
+    Vehicles missing from a signal get unusable rows; downwash that is missing or not finite is 0.
     """
     names = vehicles or setpoint.names
     table, usable = np.empty((len(names), _WIDTH)), np.empty(len(names), dtype=np.bool_)
@@ -71,14 +73,14 @@ def align(
                 table[:, at : at + part.shape[1]] = np.nan
                 table[rows >= 0, at : at + part.shape[1]] = part[rows[rows >= 0]]
                 at += part.shape[1]
-    sort_out(table, usable)
+    mark_usable(table, usable)
     return Aligned(setpoint.t, names, usable, table)
 
 
 def _columns(
     state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None, vehicles: int
 ) -> tuple[tuple[Names | None, tuple[Array | Status, ...]], ...]:
-    """Return the columns of a table, in order, with the names of their rows; None are the table's own."""
+    """Return the columns of a table, in order, with the names of their rows; None is for the table's."""
     yaw, yaw_rate = setpoint.yaw[:, None], setpoint.yaw_rate[:, None]
     plan = setpoint.pos, setpoint.vel, setpoint.acc, yaw, yaw_rate
     downwash = (
@@ -95,19 +97,19 @@ def _columns(
 
 
 @compiled
-def sort_out(table: Array, usable: NDArray[np.bool_]) -> None:
-    """Write which rows of a table can be flown on into `usable` (n,); the others become a hover at rest."""
+def mark_usable(table: Array, usable: NDArray[np.bool_]) -> None:
+    """Write which rows of a table are usable, (n,); fill the others with a hover at rest."""
     for i in range(table.shape[0]):
         row = table[i]
         whole, length = row[TRACK] != _LOST, 0.0
-        for k in range(_ETA_AT):
+        for k in range(ETA_AT):
             whole = whole and abs(row[k]) < ABSURD  # False for NaN
-        for k in range(_QUAT_AT, _QUAT_AT + 4):
+        for k in range(QUAT_AT, QUAT_AT + 4):
             length += row[k] * row[k]
         usable[i] = whole and abs(length - 1.0) < QUAT_SLACK
         if not usable[i]:
             row[:] = 0.0
-            row[_QUAT_AT + 3] = 1.0  # level: the quaternion's w
-        for k in range(_ETA_AT, _ETA_AT + 3):
+            row[QUAT_AT + 3] = 1.0  # level: the quaternion's w
+        for k in range(ETA_AT, ETA_AT + 3):
             if not abs(row[k]) < ABSURD:
                 row[k] = 0.0

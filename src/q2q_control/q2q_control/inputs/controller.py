@@ -1,4 +1,4 @@
-"""Say what a controller is: state, setpoint and predicted downwash in, command out, once a tick."""
+"""Interface of a controller: state, setpoint and predicted downwash in, command out, once per tick."""
 
 from typing import Protocol
 

@@ -1,11 +1,11 @@
-"""Fade predicted downwash when its source has not been seen for a while.
+"""Decay of predicted downwash whose source has not been measured for a while.
 
-A source that coasts or is lost stays, for the predictor, where it was; compensating its downwash for ever
-would push a vehicle that nothing pushes. So downwash marked STALE_SOURCE counts less and less:
+The predictor holds a coasting or lost source at its last position; compensating its downwash indefinitely
+would accelerate a vehicle without need. So downwash marked STALE_SOURCE decays:
 
-    eta_used = eta exp(-(t - t_valid) / fade_time)         t_valid: when it was last not stale
+    eta_used = eta exp(-(t - t_valid) / fade_time)         t_valid: time it was last not stale
 
-A source that is gone for a dropout of 0.1 to 0.3 s keeps most of its downwash.
+A dropout of 0.1 to 0.3 s leaves most of the downwash.
 """
 
 import numpy as np
@@ -13,12 +13,12 @@ import numpy as np
 from q2q_model.signals.values import Interference, InterferenceStatus
 
 FIRST = 0.01
-"""Downwash that is stale when it is first heard of counts as valid a tick ago [s]."""
+"""Downwash that is stale in its first message counts as valid a tick ago [s]."""
 _STALE = int(InterferenceStatus.STALE_SOURCE)
 
 
 class DownwashTrust:
-    """Time at which each vehicle's predicted downwash was last based on sources that were seen."""
+    """Time at which each vehicle's predicted downwash was last based on measured sources."""
 
     def __init__(self, fade_time: float) -> None:
         """Fade stale downwash with a time constant of `fade_time` [s]."""
@@ -32,7 +32,7 @@ class DownwashTrust:
         self._t = -np.inf
 
     def faded(self, interference: Interference | None) -> Interference | None:
-        """Return the downwash to be used at this tick."""
+        """Return the downwash to use at this tick."""
         if interference is None or not interference.status.any():
             self._valid = {}
             self._t = -np.inf if interference is None else interference.t

@@ -1,6 +1,6 @@
-"""Sample piecewise polynomials into a preview of the reference, for controllers that look ahead.
+"""Preview of the reference sampled from piecewise polynomials, for predictive controllers.
 
-xi(t) = sum_k c_k (t - start of the piece)^k, as q2q_msgs/Plan and the planner's trajectories hold it.
+xi(t) = sum_k c_k (t - start of the piece)^k, as in q2q_msgs/Plan and the planner's trajectories.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from q2q_control.inputs.preview import SampledPreview
 from q2q_model.signals.values import Array, Names
 
 STEP = 0.01
-"""Between samples [s]: the house's tick, so that on ticks nothing is interpolated."""
+"""Time between samples [s]: the 100 Hz tick, so that nothing is interpolated on ticks."""
 
 
 @dataclass(frozen=True, slots=True)

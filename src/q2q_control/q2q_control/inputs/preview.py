@@ -1,12 +1,12 @@
-"""Tell a controller where its references will go: the future that a setpoint alone does not hold.
+"""Preview of the references, for predictive controllers.
 
-A controller that looks ahead asks for the reference at times to come. Whoever knows the plan answers: a
-table sampled from the plan, or, where nothing is known, the setpoint going on at its velocity.
-A replanner moves setpoints off the plan; `shifted_preview` carries a small difference on, fading in a second.
-A setpoint far off its plan, as one that is kept out of a zone the plan goes through, speaks for itself:
+The preview is a table sampled from the plan; without a plan, each setpoint is extrapolated at its velocity,
+which decays. A replanner moves setpoints off the plan: `shifted_preview` shifts the plan by a small
+difference, which decays in a second. A setpoint far off its plan, as one that is kept out of a zone the plan
+passes through, is extrapolated:
 
-    preview = w shifted + (1 - w) going on,     w = exp(-(d / AWAY)^2),  d: setpoint to plan [m]
-    going on: a(s) = a exp(-s / STEADY), v and r its integrals
+    preview = w shifted + (1 - w) extrapolated,     w = exp(-(d / AWAY)^2),  d: setpoint to plan [m]
+    extrapolated: a(s) = a exp(-s / STEADY), v and r its integrals
 """
 
 from dataclasses import dataclass
@@ -21,13 +21,13 @@ from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
 FADE = 1.0
 """Time constant of a difference between setpoint and plan [s]: above the replanner's k_d / k_p = 0.6 s."""
 SAME = 1e-6
-"""A setpoint as near as this to its plan [SI] has not been moved: tables are straight between samples."""
+"""A setpoint as near as this to its plan [SI] has not been moved: tables are interpolated linearly."""
 AWAY = 0.1
 """Distance from its plan beyond which a setpoint does not follow it [m]: eps of the paper's zone."""
 STEADY = 0.3
-"""How long a moved setpoint keeps its acceleration [s]: half the replanner's k_d / k_p."""
+"""Time constant of a moved setpoint's acceleration [s]: half the replanner's k_d / k_p."""
 COAST = 0.5
-"""How long a setpoint without plan is taken to go on at its velocity [s]."""
+"""Time constant of the velocity of a setpoint without plan [s]."""
 
 
 class ReferencePreview(Protocol):
@@ -36,27 +36,27 @@ class ReferencePreview(Protocol):
     def at(self, names: Names, times: Array) -> Array:
         """Return position [m], velocity [m/s], acceleration [m/s^2], world, at `times` (K,) [s], (n, K, 9).
 
-        Rows of vehicles that are not known are NaN.
+        Rows of unknown vehicles are NaN.
         """
 
 
 @dataclass(frozen=True, slots=True)
 class SampledPreview:
-    """Plan sampled at equal steps; it rests before its start and after its end."""
+    """Plan sampled at equal steps, at rest before its start and after its end."""
 
     names: Names
     start: float
     """Time of the first sample [s]."""
     step: float
-    """[s]; at 0.01 s straight lines between samples err by 12 um at 1 m/s^2."""
+    """[s]; at 0.01 s linear interpolation errs by 12 um at 1 m/s^2."""
     samples: Array
     """Position, velocity, acceleration, (n, T, 9)."""
 
     def at(self, names: Names, times: Array) -> Array:
-        """Return the samples at `times`, straight lines between them, (n, K, 9)."""
+        """Return the samples at `times`, linearly interpolated, (n, K, 9)."""
         last = self.samples.shape[1] - 1
         place = np.clip((times - self.start) / self.step, 0.0, last)
-        known = between(self.samples, place)
+        known = interpolated(self.samples, place)
         return known if names == self.names else _picked(known, index_of(names, self.names))
 
 
@@ -68,7 +68,7 @@ def resting_preview(names: Names) -> SampledPreview:
 def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, times: Array) -> Array:
     """Return the references of the setpoint's vehicles at `times` (K,) [s], (n, K, 9).
 
-    At the setpoint's own time, position and velocity are the setpoint's; what it differs from the plan fades.
+    At the setpoint's own time, position and velocity are the setpoint's; its difference from the plan decays.
     """
     ahead = (times - setpoint.t)[:, None]
     here = np.concatenate([setpoint.pos, setpoint.vel, setpoint.acc], axis=1)  # (n, 9)
@@ -84,7 +84,7 @@ def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, t
     shifted[..., :3] += (off[:, None, :3] + off[:, None, 3:6] * ahead) * fade
     shifted[..., 3:6] += off[:, None, 3:6] * fade
     share = np.exp(-np.sum(off[:, :3] ** 2, axis=1) / AWAY**2)[:, None, None]
-    shifted = share * shifted + (1.0 - share) * _going_on(here, ahead)
+    shifted = share * shifted + (1.0 - share) * _extrapolated(here, ahead)
     if np.isfinite(far):
         return np.asarray(shifted)
     unknown = np.isnan(plan.sum(axis=(1, 2)))
@@ -98,7 +98,7 @@ def _coasting(here: Array, ahead: Array) -> Array:
     return np.concatenate([pos, vel, -vel / COAST], axis=-1)
 
 
-def _going_on(here: Array, ahead: Array) -> Array:
+def _extrapolated(here: Array, ahead: Array) -> Array:
     pos, vel, acc = here[:, None, :3], here[:, None, 3:6], here[:, None, 6:9]
     later = np.maximum(ahead, 0.0)
     fade = np.exp(-later / STEADY)
@@ -115,8 +115,8 @@ def _picked(known: Array, rows: NDArray[np.intp]) -> Array:
 
 
 @compiled
-def between(samples: Array, place: Array) -> Array:
-    """Return samples (n, T, c) at places (K,) between 0 and T - 1, straight lines between them, (n, K, c)."""
+def interpolated(samples: Array, place: Array) -> Array:
+    """Return samples (n, T, c) at places (K,) between 0 and T - 1, linearly interpolated, (n, K, c)."""
     last = samples.shape[1] - 1
     found = np.empty((samples.shape[0], place.size, samples.shape[2]))
     for k in range(place.size):

@@ -35,8 +35,7 @@ from q2q_control.mpc.prediction.outlook import Forecaster, Outlook, correct_down
 from q2q_control.mpc.prediction.present import Present, PresentEstimator
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
-from q2q_control.pid.pid_kernel import command_rows, packed_numbers
-from q2q_control.pid.thrust_vector import ThrustLimits
+from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -82,8 +81,14 @@ class Mpc:
         self._params = params
         top = self._vehicle.rpyt_thrust_max
         thrust_max = min(params.thrust_max, top) if params.thrust_limited else top
-        limits = ThrustLimits(self._vehicle.mass, thrust_max, params.tilt_max, exact=True)
-        self._numbers = packed_numbers(np.zeros((4, 3)), limits, (params.k_yaw, params.yaw_rate_max))
+        self._limits = ThrustLimits(
+            mass=self._vehicle.mass,
+            thrust_max=thrust_max,
+            tilt_max=params.tilt_max,
+            exact=True,
+            k_yaw=params.k_yaw,
+            yaw_rate_max=params.yaw_rate_max,
+        )
         self._nearly_full = thrust_max * (1.0 - 1e-9)
         side = GRAVITY * math.tan(params.tilt_max) / math.sqrt(2.0)  # a square in the circle
         self._most = AccelerationLimits(side, thrust_max / self._vehicle.mass)
@@ -127,7 +132,7 @@ class Mpc:
         answer = commanded(solution, horizon, outlook, self._params)
         self._forecaster.keep(tick.names, answer.plan)
         self.report = answer.report
-        values, saturated = command_rows(answer.acc, tick.table, self._numbers)
+        values, saturated = command_rows(answer.acc, tick.table, self._limits)
         self._last = self._rows.completed(tick, values, saturated | (values[:, 0] >= self._nearly_full))
         self._present.sent(self._last, tick)
         return self._last

@@ -1,10 +1,10 @@
-"""Track setpoints with the PID, and cancel what neither thrust nor predicted downwash explains.
+"""PID with a disturbance observer in place of the integral.
 
     a = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') - eta - d      d of q2q_control.disturbance.observer
 
-d replaces the integral: it is quicker, and thrust that a limit cuts never enters it. Without a predicted
-downwash (eta = 0) the downwash itself is what d finds, a time constant late; with one, d holds what the
-model is wrong by. Position and velocity are the observer's too.
+d replaces the integral: it is faster and does not wind up. Without a predicted downwash (eta = 0), d
+estimates the downwash itself, one time constant late; with one, d estimates the model's error. Position and
+velocity are the observer's too.
 """
 
 import numpy as np

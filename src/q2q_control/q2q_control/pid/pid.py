@@ -1,28 +1,25 @@
-"""Track setpoints with the PID of section 5.1, knowing the downwash or not: eqs (22)-(25).
+"""PID of section 5.1, with or without downwash compensation: eqs (22)-(25).
 
     a     = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') + K_i xi - eta       on x, y, z
     xi'   = r_ref - r                                                          (23)
-    U1, phi_d, theta_d from a by q2q_control.pid.thrust_vector
-    r_d   = psi'_ref + k_psi (psi_ref - psi)                                   yaw rate
+    U1, phi_d, theta_d, r_d from a by q2q_control.pid.thrust_vector
 
 eta is 0 without an Interference: the controller ignores the downwash. Every vehicle uses its own row only
-(its downwash already contains what it knows of its neighbours), so one node may fly all vehicles or each its
-own.
+(its neighbours enter through its downwash), so one node may control all vehicles or one each.
 
-The memory is K_i xi [m/s^2], so that a changed gain does not jump. Against wind-up: no integration while a
-limit cuts in the direction of the error (conditional integration; Astrom, Hagglund, Advanced PID Control,
-2006, section 3.5), and |K_i xi| <= integral_max. A stamp that was already answered gets the same answer; a
-stamp that goes back forgets everything.
+The state is K_i xi [m/s^2], so that a gain change causes no jump. Anti-windup: no integration while a limit
+is active in the direction of the error (conditional integration; Astrom, Hagglund, Advanced PID Control,
+2006, section 3.5), and |K_i xi| <= integral_max. A repeated stamp returns the same command; a stamp that goes
+back resets all memory.
 
-Gains: the altitude's are the loop the paper learned from flights (its figure 5). The paper gives none for
-the position: 2 rad/s at a damping of 0.9, a seventh of the attitude loop's frequency.
+Gains: those of the altitude are the loop identified from flights (the paper's figure 5). The paper gives none
+for the position: 2 rad/s at a damping of 0.9, a seventh of the attitude loop's frequency.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | K_p K_d K_i | k_p k_d k_i | [1/s^2], [1/s], [1/s^3] |
 | K_i xi | integral | [m/s^2], (n, 3) |
 | eta | eta | downwash acceleration [m/s^2], (n, 3) |
-| k_psi | k_yaw | [1/s] |
 """
 
 from dataclasses import dataclass
@@ -30,12 +27,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
-from q2q_control.inputs.alignment import ETA, POS, REF_ACC, REF_POS, REF_VEL, VEL, Aligned, align
+from q2q_control.inputs.alignment import Aligned, align
 from q2q_control.inputs.downwash_trust import DownwashTrust
-from q2q_control.pid.pid_kernel import packed_numbers, pid_rows
+from q2q_control.pid.pid_kernel import PidGains, pid_rows
 from q2q_control.pid.thrust_vector import ThrustLimits
 from q2q_model.signals.values import (
-    Array,
     Interference,
     Names,
     SwarmCommand,
@@ -47,12 +43,12 @@ from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 
 DT_MAX = 0.1
-"""Integrate at most this long for one tick [s]: after a gap the error's history is unknown."""
+"""Longest integration step [s]: after a gap the error's history is unknown."""
 
 
 @dataclass(frozen=True, slots=True)
 class PidParams:
-    """Hold gains and limits."""
+    """Gains and limits of the PID."""
 
     k_p_z: float = tunable(0.81073, "altitude error to acceleration", unit="1/s^2", low=0.0, high=200.0)
     k_d_z: float = tunable(0.42952, "climb rate error to acceleration", unit="1/s", low=0.0, high=50.0)
@@ -66,14 +62,14 @@ class PidParams:
     )
     thrust_limited: bool = tunable(default=False, description="keep |U1| within thrust_max (section 5.1)")
     thrust_max: float = tunable(
-        6.6, "bound on U1 where thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
+        6.6, "bound on U1 if thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
     )
     tilt_max: float = tunable(0.35, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
     exact_inverse: bool = tunable(default=False, description="exact attitude instead of small angles")
     stale_fade: float = tunable(
         0.5,
-        "time constant at which the downwash of an unseen source is given up",
+        "time constant of the decaying downwash of an unseen source",
         unit="s",
         low=0.01,
         high=100.0,
@@ -89,7 +85,7 @@ class PidParams:
 
 
 class Pid:
-    """Hold the integrals and last commands of the vehicles."""
+    """PID of all vehicles, with its integrals and last commands."""
 
     def __init__(self, params: PidParams, vehicle: Vehicle, vehicles: Names = ()) -> None:
         """Control vehicles like `vehicle`: those named, or all of the setpoint."""
@@ -102,10 +98,9 @@ class Pid:
 
     def configure(self, params: PidParams) -> None:
         """Use other parameters from the next stamp on; memory is kept."""
-        limits = pid_limits(params, self._vehicle)
-        yaw = (params.k_yaw, params.yaw_rate_max)
-        self._numbers = packed_numbers(pid_gains(params), limits, yaw)
-        self._rows.rule = HoldThenLevel(params.hold_time, min(self._vehicle.hover_thrust, limits.thrust_max))
+        self._gains, self._limits = pid_gains(params), pid_limits(params, self._vehicle)
+        hover = min(self._vehicle.hover_thrust, self._limits.thrust_max)
+        self._rows.rule = HoldThenLevel(params.hold_time, hover)
 
     def reset(self) -> None:
         """Forget integrals and last commands."""
@@ -132,32 +127,33 @@ class Pid:
         dt = min(tick.t - self._last.t, DT_MAX) if self._last is not None else 0.0
         if tick.names != self._names:
             self._reorder(tick.names)
-        values, saturated = pid_rows(tick.table, self._integral, self._numbers, max(dt, 0.0))
+        values, saturated = pid_rows(tick.table, self._integral, self._gains, self._limits, max(dt, 0.0))
         self._last = self._rows.completed(tick, values, saturated)
         return self._last
 
     def _reorder(self, names: Names) -> None:
-        known = np.vstack([self._integral, np.zeros((1, 3))])  # row -1 is a vehicle never seen
+        known = np.vstack([self._integral, np.zeros((1, 3))])  # row -1 is a new vehicle
         self._integral, self._names = known[index_of(names, self._names)], names
 
 
-def pid_gains(params: PidParams) -> Array:
-    """Return k_p, k_d, k_i and integral_max of x, y, z, (4, 3)."""
-    xy = (params.k_p_xy, params.k_d_xy, params.k_i_xy, params.integral_max)
-    z = (params.k_p_z, params.k_d_z, params.k_i_z, params.integral_max)
-    return np.array([xy, xy, z]).T
-
-
-def pid_limits(params: PidParams, vehicle: Vehicle) -> ThrustLimits:
-    """Return the limits of a vehicle: what it can give, and what the parameters allow."""
-    allowed = params.thrust_max if params.thrust_limited else vehicle.rpyt_thrust_max
-    return ThrustLimits(
-        vehicle.mass, min(allowed, vehicle.rpyt_thrust_max), params.tilt_max, params.exact_inverse
+def pid_gains(params: PidParams) -> PidGains:
+    """Return the gains of x, y, z."""
+    return PidGains(
+        k_p=np.array([params.k_p_xy, params.k_p_xy, params.k_p_z]),
+        k_d=np.array([params.k_d_xy, params.k_d_xy, params.k_d_z]),
+        k_i=np.array([params.k_i_xy, params.k_i_xy, params.k_i_z]),
+        integral_max=np.full(3, params.integral_max),
     )
 
 
-def wanted_acceleration(tick: Aligned, integral: Array, gains: Array) -> Array:
-    """Return a of the equations above [m/s^2], world, (n, 3); `integral` is K_i xi, `gains` of pid_gains."""
-    table = tick.table
-    feedback = gains[0] * (table[:, REF_POS] - table[:, POS]) + gains[1] * (table[:, REF_VEL] - table[:, VEL])
-    return np.asarray(table[:, REF_ACC] + feedback + integral - table[:, ETA])
+def pid_limits(params: PidParams, vehicle: Vehicle) -> ThrustLimits:
+    """Return the limits of a vehicle: its own, and those of the parameters."""
+    allowed = params.thrust_max if params.thrust_limited else vehicle.rpyt_thrust_max
+    return ThrustLimits(
+        mass=vehicle.mass,
+        thrust_max=min(allowed, vehicle.rpyt_thrust_max),
+        tilt_max=params.tilt_max,
+        exact=params.exact_inverse,
+        k_yaw=params.k_yaw,
+        yaw_rate_max=params.yaw_rate_max,
+    )

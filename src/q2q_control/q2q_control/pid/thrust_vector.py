@@ -1,13 +1,14 @@
-"""Turn a wanted acceleration into collective thrust, roll and pitch: (22)-(25) with their limits.
+"""Collective thrust, roll, pitch and yaw rate that give a desired acceleration: (22)-(25) with their limits.
 
-With a the wanted acceleration (the reference's, plus feedback, minus the downwash eta):
+With a the desired acceleration (the reference's, plus feedback, minus the downwash eta):
 
     U1      = m (g + a_z) / (cos phi cos theta)            before (22), and 5.1 with v - eta^z for a_z
     u_x, u_y = m / U1 [a_x, a_y]                           (24), (25)
     theta_d = u_x cos psi + u_y sin psi                    small angles, as printed
     phi_d   = u_x sin psi - u_y cos psi
+    r_d     = psi'_ref + k_psi (psi_ref - psi)             yaw rate
 
-cos phi cos theta is that of the attitude now, so that the vertical force is right whatever the tilt. Exact
+cos phi cos theta is that of the present attitude, so that the vertical force is right at any tilt. Exact
 instead of small angles: the body's z axis along (a_x, a_y, g + a_z), in the frame turned by the yaw psi,
 
     theta_d = atan2(a_1, g + a_z),  phi_d = atan2(-a_2, hypot(a_1, g + a_z))
@@ -18,30 +19,36 @@ tilt_max, the direction of the tilt kept.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| a | acc | wanted acceleration [m/s^2], world, (n, 3) |
-| psi | yaw | yaw now [rad], (n,) |
-| U1 | thrust | collective thrust [N], (n,) |
-| phi_d theta_d | roll pitch | [rad], (n,) |
+| a | acc | desired acceleration [m/s^2], world, (n, 3) |
+| psi | yaw | present yaw [rad] |
+| U1 | thrust | collective thrust [N] |
+| phi_d theta_d | roll pitch | [rad] |
+| r_d | yaw_rate | [rad/s] |
+| k_psi | k_yaw | [1/s] |
 """
 
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.geometry.rotations import yaw_from_quat
+from q2q_control.inputs.alignment import QUAT_AT, YAW, YAW_RATE
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
+
+Flags = NDArray[np.bool_]
 
 UPRIGHT_MIN = 0.3
 """cos phi cos theta below which (tilted by 70 deg) thrust is no longer raised for it."""
 WEIGHT_MIN = 0.3
-"""Vertical thrust over weight below which tilt is no longer raised for it: none tilts a falling vehicle."""
+"""Vertical thrust over weight below which tilt is no longer raised for it, so that a falling vehicle stays
+level."""
 
 
-@dataclass(frozen=True, slots=True)
-class ThrustLimits:
-    """Mass and thrust limits of one vehicle."""
+class ThrustLimits(NamedTuple):
+    """Mass, limits and yaw law of one vehicle."""
 
     mass: float
     """[kg]"""
@@ -50,57 +57,78 @@ class ThrustLimits:
     tilt_max: float
     """[rad]"""
     exact: bool
-    """Exact inverse instead of small angles."""
+    """Exact attitude instead of small angles."""
+    k_yaw: float
+    """[1/s]"""
+    yaw_rate_max: float
+    """[rad/s]"""
 
 
-@dataclass(frozen=True, slots=True)
-class ThrustVector:
-    """Thrust and attitude of each vehicle, and the limits that cut them."""
+class Excess(NamedTuple):
+    """Desired command beyond its limits."""
 
-    thrust: Array
-    """U1 [N], (n,)."""
-    roll: Array
-    """phi [rad], (n,)."""
-    pitch: Array
-    """theta [rad], (n,)."""
-    cut_thrust: Array
-    """+1 where thrust_max cut, -1 where 0 did, else 0, (n,)."""
-    cut_tilt: NDArray[np.bool_]
-    """Where tilt_max cut, (n,)."""
+    thrust: float
+    """Signed [N]; 0 within the limits."""
+    tilt: bool
 
 
-def thrust_vector(acc: Array, quat: Array, limits: ThrustLimits) -> ThrustVector:
-    """Return what accelerates vehicles of attitude `quat` (n, 4) by `acc` [m/s^2], world, (n, 3)."""
-    upright = 1.0 - 2.0 * (quat[:, 0] ** 2 + quat[:, 1] ** 2)  # cos phi cos theta
-    lift = GRAVITY + acc[:, 2]
-    wanted = limits.mass * lift / np.maximum(upright, UPRIGHT_MIN)
-    thrust = np.minimum(np.maximum(wanted, 0.0), limits.thrust_max)
-    yaw = yaw_from_quat(quat)
-    cos_yaw, sin_yaw = np.cos(yaw), np.sin(yaw)
-    forward = acc[:, 0] * cos_yaw + acc[:, 1] * sin_yaw
-    left = acc[:, 1] * cos_yaw - acc[:, 0] * sin_yaw
+class _Tilt(NamedTuple):
+    roll: float
+    pitch: float
+    cut: bool
+
+
+@compiled
+def command_rows(acc: Array, table: Array, limits: ThrustLimits) -> tuple[Array, Flags]:
+    """Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,) of desired accelerations (n, 3).
+
+    `table` is that of q2q_control.inputs.alignment.
+    """
+    n = table.shape[0]
+    values, saturated = np.empty((n, 4)), np.empty(n, np.bool_)
+    for i in range(n):
+        excess = write_command(acc[i], table[i], limits, values[i])
+        saturated[i] = excess.tilt or excess.thrust != 0.0
+    return values, saturated
+
+
+@compiled
+def write_command(acc: Array, row: Array, limits: ThrustLimits, values: Array) -> Excess:
+    """Write thrust, roll, pitch, yaw rate (4,) of one row of a table; return the excess beyond the limits."""
+    upright = 1.0 - 2.0 * (row[QUAT_AT] * row[QUAT_AT] + row[QUAT_AT + 1] * row[QUAT_AT + 1])
+    desired = limits.mass * (GRAVITY + acc[2]) / max(upright, UPRIGHT_MIN)
+    thrust = min(max(desired, 0.0), limits.thrust_max)
+    yaw = _yaw_of(row)
+    tilt = _tilt(acc, yaw, thrust, limits)
+    wrapped = (row[YAW] - yaw + math.pi) % (2.0 * math.pi) - math.pi
+    yaw_rate = row[YAW_RATE] + limits.k_yaw * wrapped
+    values[0], values[1], values[2] = thrust, tilt.roll, tilt.pitch
+    values[3] = min(max(yaw_rate, -limits.yaw_rate_max), limits.yaw_rate_max)
+    return Excess(desired - thrust, tilt.cut)
+
+
+@compiled
+def _yaw_of(row: Array) -> float:
+    """Return the present yaw [rad]."""
+    x, y, z, w = row[QUAT_AT], row[QUAT_AT + 1], row[QUAT_AT + 2], row[QUAT_AT + 3]
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+@compiled
+def _tilt(acc: Array, yaw: float, thrust: float, limits: ThrustLimits) -> _Tilt:
+    """Return roll, pitch [rad], and whether tilt_max cuts them."""
+    forward = acc[0] * math.cos(yaw) + acc[1] * math.sin(yaw)
+    left = acc[1] * math.cos(yaw) - acc[0] * math.sin(yaw)
     if limits.exact:
-        roll, pitch, cut = _exact(forward, left, np.maximum(lift, WEIGHT_MIN * GRAVITY), limits.tilt_max)
+        vertical = max(GRAVITY + acc[2], WEIGHT_MIN * GRAVITY)
+        forward, left, most = forward / vertical, left / vertical, math.tan(limits.tilt_max)
     else:
-        specific = np.maximum(thrust / limits.mass, WEIGHT_MIN * GRAVITY)
-        roll, pitch, cut = _small(forward / specific, left / specific, limits.tilt_max)
-    return ThrustVector(thrust, roll, pitch, np.sign(wanted - thrust), cut)
-
-
-def _small(forward: Array, left: Array, tilt_max: float) -> tuple[Array, Array, NDArray[np.bool_]]:
-    tilt = np.sqrt(forward * forward + left * left)
-    cut = tilt > tilt_max
-    share = tilt_max / np.maximum(tilt, tilt_max)
-    return -left * share, forward * share, cut
-
-
-def _exact(
-    forward: Array, left: Array, lift: Array, tilt_max: float
-) -> tuple[Array, Array, NDArray[np.bool_]]:
-    side_max = lift * np.tan(tilt_max)
-    side = np.sqrt(forward * forward + left * left)
-    share = side_max / np.maximum(side, side_max)
-    forward, left = forward * share, left * share
-    pitch = np.arctan2(forward, lift)
-    roll = np.arctan2(-left, np.sqrt(forward * forward + lift * lift))
-    return roll, pitch, side > side_max
+        vertical = max(thrust / limits.mass, WEIGHT_MIN * GRAVITY)
+        forward, left, most = forward / vertical, left / vertical, limits.tilt_max
+    side = math.sqrt(forward * forward + left * left)
+    cut = side > most
+    if cut:
+        forward, left = forward * most / side, left * most / side
+    if limits.exact:
+        return _Tilt(-math.atan2(left, math.sqrt(forward * forward + 1.0)), math.atan(forward), cut)
+    return _Tilt(-left, forward, cut)

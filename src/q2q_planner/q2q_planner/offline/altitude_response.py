@@ -1,10 +1,10 @@
-"""Predict how far downwash pushes vehicles off a plan: altitude loop (13) under learned downwash (14).
+"""Predicted height errors along a plan: altitude loop (13) under learned downwash (14).
 
     e_i'' = -K_d e_i' - K_p e_i + sum_j eta(r_j - r_i),    z_i = z_i,ref + e_i
 
-Vehicles follow their references sideways; heights are the disturbed ones, so what one vehicle suffers
-changes what it does to the next. Semi-implicit Euler at the sampling of the references. This judges plans as
-section 4 of the paper does (Figs 11 and 13); transport delays and the motion of sources are left out.
+Horizontally, vehicles follow their references; heights are the disturbed ones, so the downwash of a vehicle
+includes the effect of the downwash on it. Semi-implicit Euler at the sampling of the references. Plans are
+judged as in section 4 of the paper (Figs 11 and 13); delays and the motion of sources are neglected.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ def altitude_errors(pos: Array, step: float, model: InteractionModel, loop: Alti
         pos: references [m], (T, n, 3).
         step: time between them [s].
         model: the downwash.
-        loop: its K_p and K_d are used.
+        loop: K_p and K_d.
     """
     ticks, n, _ = pos.shape
     i, j = np.nonzero(~np.eye(n, dtype=np.bool_))

@@ -1,4 +1,4 @@
-"""Prove that no pair of a plan enters a zone, at any time, not only at samples.
+"""Proof that no pair of a plan enters a zone, at any time, not only at samples.
 
 Branch and bound over time. On a stretch of time the relative position dr(t) of a pair lies in the convex
 hull of its Bernstein control points c_k, so for every unit n
@@ -6,10 +6,10 @@ hull of its Bernstein control points c_k, so for every unit n
     distance(dr(t), zone) >= min_k n.c_k - support(n)
 
 holds for all t of the stretch (`convex_zone`). With n the zone's normal at the middle of the stretch the
-bound is second order in its length. Stretches whose bound is above the least distance seen so far are
-done; the others are halved. What remains is the clearance: the least signed distance over all pairs and
-all t, from below, within TOLERANCE. It is proven up to ROUNDING. After their last waypoint vehicles rest
-where they are; that time is covered by their last point.
+bound is second order in its length. Stretches whose bound is above the least distance found so far are
+discarded; the others are halved. The result is the clearance: a lower bound of the signed distance over all
+pairs and all t, within TOLERANCE. It is proven up to ROUNDING. After their last waypoint vehicles are at
+rest; that time is covered by their last point.
 """
 
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ ROUNDING = 1e-9
 """Slack for rounding [m]: 1e5 times the last bit of a position of 50 m."""
 
 LIKELY = 256
-"""How many of the nearest boxes are looked into first, for a first guess of the least distance."""
+"""Number of nearest boxes evaluated first, for an initial least distance."""
 
 DEEPEST = 40
 """Most halvings of a piece: 1e-12 of its length."""
@@ -42,15 +42,15 @@ class Certificate:
     """Proven clearance of a plan from a zone."""
 
     clearance: float
-    """No pair is nearer to the zone than this at any t [m]; infinite for one vehicle."""
+    """Lower bound of every pair's distance to the zone at any t [m]; infinite for one vehicle."""
     pair: tuple[str, str] | None
     """The pair that comes nearest."""
     t: float
-    """When it does [s]."""
+    """Time of its least distance [s]."""
 
     @property
     def holds(self) -> bool:
-        """Return True where the plan is proven to stay out of the zone."""
+        """Return whether the plan is proven to stay out of the zone."""
         return self.clearance > ROUNDING
 
 
@@ -71,7 +71,7 @@ Rows = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Stretches:
-    """Pairs and pieces on which they may come near each other."""
+    """Pairs and pieces on which they may come close."""
 
     first: Rows
     second: Rows
@@ -81,13 +81,13 @@ class _Stretches:
 
 
 def _stretches(shared: SharedPieces, lathe: Lathe) -> _Stretches:
-    """Return every stretch that can hold the least distance: its boxes are nearer than some midpoint."""
+    """Return the stretches that may contain the least distance: their boxes are nearer than some midpoint."""
     points = control_points(shared.coefficients, shared.durations[:, None, None])  # (pieces, n, 3, order)
     first, second = np.triu_indices(points.shape[1], 1)
     apart = _box_gaps(points, first, second, lathe)  # (pieces, pairs)
     likely = np.unravel_index(np.argsort(apart, axis=None)[:LIKELY], apart.shape)
-    seen = lathe.nearest(_midpoints(_relative(points, likely, first, second)))[1].min()
-    piece, pair = near = np.nonzero(apart <= seen)
+    least = lathe.nearest(_midpoints(_relative(points, likely, first, second)))[1].min()
+    piece, pair = near = np.nonzero(apart <= least)
     return _Stretches(first[pair], second[pair], piece, _relative(points, near, first, second))
 
 
@@ -145,8 +145,8 @@ def _midpoints(points: Array) -> Array:
 def _lower_bounds(points: Array, normal: Array, lathe: Lathe, distance: Array) -> Array:
     """Return bounds below the signed distance on each stretch, (stretches,).
 
-    A separating plane where the middle is outside; everywhere, one over the reach of the control points,
-    for a signed distance changes no faster than its argument.
+    A separating plane where the middle is outside; everywhere, the distance less the radius of the control
+    points, because a signed distance is 1-Lipschitz.
     """
     plane = np.einsum("sak,sa->sk", points, normal).min(-1) - lathe.support(normal)
     reach = np.sqrt(((points - _midpoints(points)[..., None]) ** 2).sum(1)).max(-1)

@@ -1,4 +1,4 @@
-"""Wrap an interference zone in a convex solid of revolution, the shape that planners prove things about.
+"""Convex solid of revolution that contains an interference zone; separation is proven for the solid.
 
 A `Lathe` is the convex hull, revolved about the vertical and mirrored at dz = 0, of a few profile points
 (radius, height). Its support function is exact, so any direction n gives a true statement:
@@ -7,7 +7,7 @@ A `Lathe` is the convex hull, revolved about the vertical and mirrored at dz = 0
     distance(x, Lathe) >= n.x - support(n)  for every unit n, with equality at the best n.
 
 Every zone lies in its Lathe: a cylinder is one with a single profile point; any other shape is sampled by
-height and each piece of its profile gets the corner that holds it.
+height, and each piece of its profile gets a corner that contains it.
 """
 
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.signals.values import Array
 
 LARGEST = 5.0
-"""How far a zone is searched for, outwards and upwards [m]: far beyond any downwash measured."""
+"""Range in which a zone is searched, outwards and upwards [m]: far beyond any downwash measured."""
 
 HEIGHT_STEP = 0.01
-"""Slices of a zone of unknown shape [m]; each slice takes the larger radius of its two faces."""
+"""Thickness of the slices of a zone of unknown shape [m]; a slice gets the larger radius of its faces."""
 
 TANGENTS = 16
-"""Tangent planes, in a quarter turn, that wrap a round profile: it grows by at most 0.12 % of its size."""
+"""Tangent planes, in a quarter turn, that wrap a round profile: its size grows by at most 0.12 %."""
 
 SHORTEST_EDGE = 1e-9
 """Edges of a profile shorter than this are rounding [m]."""
@@ -95,10 +95,10 @@ class Lathe:
 
 
 def lathe_around(zone: Zone) -> Lathe:
-    """Return a Lathe that holds a zone symmetric about the vertical: exact for a cylinder.
+    """Return a Lathe that contains a zone symmetric about the vertical: exact for a cylinder.
 
     Raises:
-        ValueError: where the zone is empty, or larger than LARGEST.
+        ValueError: the zone is empty, or larger than LARGEST.
     """
     if isinstance(zone, Lathe):
         return zone
@@ -114,7 +114,7 @@ def lathe_around(zone: Zone) -> Lathe:
         raise ValueError("the zone is empty: nothing is inside it at dx = dy = 0")
     if radii.max() >= LARGEST or radii[-1] > 0.0:
         raise ValueError(f"the zone reaches beyond {LARGEST} m: give a smaller one")
-    last = int(np.flatnonzero(radii > 0.0).max()) + 1  # the slice above the last radius is held too
+    last = int(np.flatnonzero(radii > 0.0).max()) + 1  # the slice above the last radius is contained too
     widest = np.maximum(radii[:last], radii[1 : last + 1])
     corners = np.concatenate(
         [np.stack([widest, heights[:last]], -1), np.stack([widest, heights[1 : last + 1]], -1)]

@@ -1,17 +1,16 @@
-"""Choose how much air to keep clear of: the smallest zone whose plan spares a swarm a share of its downwash.
+"""Smallest downwash zone whose avoidance reduces the height errors of a swarm by a given share.
 
-A learned downwash eta has no edge, and where it is as strong as some threshold says little of the harm it
-does: that depends on how long vehicles stay in it and on how their altitude loop answers. So the threshold is
-chosen by what it brings. For the level sets { |eta| >= threshold } (`q2q_model.downwash.level_set`) the
-swarm is planned around the set, and the height errors of the loop (13) in the downwash (14) are predicted
-along that plan and along the one without avoidance (`downwash_response`). Weaker thresholds are larger
-zones, cost more snap and leave less error; halving log(threshold) finds the strongest threshold at which,
-for every vehicle,
+A learned downwash eta has no edge, and its strength alone does not determine its effect, which also depends
+on the time spent in it and on the altitude loop. So the threshold is chosen by its effect. For the level sets
+{ |eta| >= threshold } (`q2q_model.downwash.level_set`) the swarm is planned around the set, and the height
+errors of the loop (13) in the downwash (14) are predicted along that plan and along the one without avoidance
+(`altitude_response`). Weaker thresholds give larger zones, higher snap cost and smaller errors; bisection of
+log(threshold) finds the strongest threshold at which, for every vehicle,
 
     rms(z) with avoidance <= (1 - cut) rms(z) without,    or below HARMLESS.
 
-Shapes other than the level set were tried in section 4.1 (cylinders, spheroids): all come out on one curve
-of cost against error, so the level set, which has one number, is as good as any.
+Other shapes (cylinders, spheroids) were compared on section 4.1: all lie on one curve of cost against error,
+so the level set, which has a single parameter, is as good as any.
 """
 
 from collections.abc import Sequence
@@ -32,11 +31,11 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 __all__ = ["PAPER_LOOP", "AltitudeLoop", "DownwashPlan", "LearnedDownwash", "avoid_downwash"]
 
 HARMLESS = 1e-3
-"""A height error that needs no cut [m]: below VICON's 2 mm dynamic error."""
+"""Height error that needs no reduction [m]: below VICON's 2 mm dynamic error."""
 STEP = 0.02
 """Step of the prediction [s]: 1/350 of the learned loop's period."""
 STRONGEST, FAINTEST = 0.5, 0.005
-"""Thresholds tried, as shares of the downwash's peak."""
+"""Range of thresholds, as shares of the downwash's peak."""
 HALVINGS = 7
 """The threshold is found within (STRONGEST / FAINTEST)^(1 / 2^7): 4 %."""
 
@@ -48,11 +47,11 @@ class LearnedDownwash:
     model: InteractionModel
     loop: AltitudeLoop = PAPER_LOOP
     cut: float = 0.88
-    """Share of the height error to take away, 0 to 1, both excluded; 0.85 is asked of a flight, which a
-    learned downwash foretells within 0.01."""
+    """Relative reduction of the height error, 0 to 1, both excluded; a flight must reach 0.85, which a
+    learned downwash predicts within 0.01."""
 
     def __post_init__(self) -> None:
-        """Raise ValueError where the share is out of bounds."""
+        """Raise ValueError if the share is out of bounds."""
         if not 0.0 < self.cut < 1.0:
             raise ValueError(f"cut = {self.cut}: allowed is 0 to 1, both excluded")
 
@@ -70,7 +69,7 @@ class DownwashPlan:
 
     @property
     def cut(self) -> float:
-        """Return the least share of the height error that a vehicle is spared; 1 where all is HARMLESS."""
+        """Return the least relative reduction of a vehicle's height error; 1 if all errors are HARMLESS."""
         harmed = self.after > HARMLESS
         return float((1.0 - self.after[harmed] / self.before[harmed]).min(initial=1.0))
 
@@ -81,13 +80,13 @@ def avoid_downwash(
     reading: Reading = "stop_and_go",
     params: AvoidanceParams | None = None,
 ) -> DownwashPlan:
-    """Return the cheapest plan that spares every vehicle a share of its height error.
+    """Return the cheapest plan that reduces every vehicle's height error by the given share.
 
-    Where no plan spares that much, the certified one that spares most is returned: look at `cut`.
+    If no plan does, the certified one with the largest reduction is returned; check `cut`.
 
     Raises:
-        InfeasibleError: where no plan was found around any zone tried.
-        ValueError: the model knows no downwash, or the waypoints cannot be flown.
+        InfeasibleError: no plan was found around any zone tried.
+        ValueError: the model has no downwash, or the waypoints cannot be flown.
     """
     before = _predicted(minimum_snap_plan(swarm, reading), downwash)
     strong, faint = np.log(np.array([STRONGEST, FAINTEST]) * peak(downwash.model))

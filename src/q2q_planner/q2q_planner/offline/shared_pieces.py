@@ -1,4 +1,4 @@
-"""Cut the trajectories of a swarm at common times, so that vehicles can be compared piece by piece."""
+"""Trajectories of a swarm on common pieces, so that vehicles can be compared piece by piece."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class SharedPieces:
 
 
 def split(trajectory: Trajectory, cuts: Array) -> Trajectory:
-    """Return the same curve with pieces that also end at `cuts` [s]; beyond its end it rests."""
+    """Return the same curve with pieces that also end at `cuts` [s]; at rest beyond its end."""
     ends = np.cumsum(trajectory.durations)
     times = _merged(np.concatenate([[0.0], ends, cuts]))
     starts, durations = times[:-1], np.diff(times)

@@ -1,10 +1,9 @@
-"""Bend a swarm out of a zone step by step, and prove where that ends: the search behind `avoidance`.
+"""Successive convexification: deform a swarm's trajectories out of a zone step by step, then certify them.
 
-Each step puts planes around the current curves (`half_spaces`) and bends the minimum snap curves as little
-as the planes allow (`planes`). The first steps of a crowd let planes give way, softly, so that pairs sort
-out who goes where before anyone is held exactly. When the cost stays still and no plane is violated, the
-curves go to the `certificate`; where it finds a pair in the zone between two samples, samples are made
-denser.
+Each step linearises the zone around the current curves (`half_spaces`) and deforms the minimum snap curves as
+little as the planes allow (`separating_planes`). In a large swarm the planes of the first steps are soft, so
+that pairs can change sides. When the cost has converged and no plane is violated, the curves are certified
+(`certificate`); if a pair is in the zone between two samples, the samples are made denser.
 """
 
 from dataclasses import dataclass
@@ -22,28 +21,28 @@ from q2q_planner.offline.convex_zone import Lathe
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
 
 DENSER = 3
-"""Rounds of samples, each twice as dense as the one before."""
+"""Rounds of samples, each twice as dense as the previous one."""
 STILL = 1e-4
-"""Relative change of cost in a step at which the curves count as still."""
+"""Relative change of cost in a step below which the iteration has converged."""
 SOFTEST = 0.1
-"""Softness of the first step of a crowd."""
+"""Softness of the first step of a large swarm."""
 HARDEN = 0.3
 """Factor on the softness from step to step."""
 FEWEST_SAMPLES = 64
 HOPELESS = 0.2
-"""Depth, in radii, that denser samples cannot mend."""
+"""Depth, in radii, beyond which denser samples do not help."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Trajectories to bend and the zone to bend them out of."""
+    """Trajectories to deform and the zone they must leave."""
 
     free: SwarmPlan
     """Minimum snap without avoidance."""
     infimum: float
     """Its cost."""
     spaces: tuple[DeviationSpace, ...]
-    """How each vehicle may be bent."""
+    """Deformations of each vehicle."""
     lathe: Lathe
     margin: float
     """Distance kept from the zone [m]."""
@@ -62,7 +61,7 @@ class Start:
     side: Array
     """-1 for pairs whose first deep pass changes sides, (pairs,)."""
     plan: SwarmPlan
-    """Curves around which the first planes are put."""
+    """Curves around which the first planes are placed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,13 +75,13 @@ class Attempt:
 
 
 def search(problem: Problem, start: Start) -> Attempt:
-    """Return where the convex steps from one start end, with its proof."""
+    """Return the result of the convex steps from one start, with its certificate."""
     spacing, steps, softness = SPACING * problem.lathe.eps, 0, SOFTEST
     plan, side, curves = start.plan, start.side, problem.free.trajectories
     for _ in range(DENSER):
         times = sample_times(plan.trajectories, spacing, FEWEST_SAMPLES)
         samples = sample_swarm(curves, problem.spaces, times)
-        bends, taken = _turn_planes(problem, samples, Start(side, plan), softness)
+        bends, taken = _iterate(problem, samples, Start(side, plan), softness)
         steps += taken
         plan = _bent_plan(problem, bends)
         proof = certify(plan, problem.lathe)
@@ -99,8 +98,8 @@ def _bent_plan(problem: Problem, bends: Array) -> SwarmPlan:
     )
 
 
-def _turn_planes(problem: Problem, samples: SwarmSamples, start: Start, softness: float) -> tuple[Array, int]:
-    """Return the bends (n, m, 3) at which the cost stays still, and the steps that took."""
+def _iterate(problem: Problem, samples: SwarmSamples, start: Start, softness: float) -> tuple[Array, int]:
+    """Return the converged bends (n, m, 3) and the number of steps."""
     pairs, side = problem.pairs, start.side
     dual = np.zeros((len(pairs[0]), len(samples.t)))
     positions = np.stack([curve.at(samples.t)[:, :3] for curve in start.plan.trajectories], axis=1)

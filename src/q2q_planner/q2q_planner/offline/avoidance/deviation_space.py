@@ -1,12 +1,12 @@
-"""Span the ways a minimum snap trajectory may be bent, in coordinates where cost is plain length.
+"""Deviations of a minimum snap trajectory, in coordinates in which cost is a Euclidean norm.
 
 Knots are added between the waypoints. The nodal data v (value and three derivatives at the knots) that the
-waypoints leave free carry the energy 1/2 v'Hv (`hermite`). With H = LL' and y = L'v,
+waypoints leave free have the energy 1/2 v'Hv (`hermite`). With H = LL' and y = L'v,
 
     r(t) = r_0(t) + phi(t) y,    cost = cost_0 + ||y||^2,    phi(t) = (Hermite row at t) L^-T
 
 for each of x, y, z, where r_0 is the minimum snap trajectory: it is the optimum over v, so the cross term
-vanishes. Any y meets all waypoint constraints exactly, and the curve keeps three continuous derivatives.
+vanishes. Any y satisfies all waypoint constraints exactly, and the curve keeps three continuous derivatives.
 """
 
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class DeviationSpace:
         return int(self.nodes.shape[-1])
 
     def rows(self, t: Array) -> Array:
-        """Return phi at times t (s,): (s, m). Zero where the vehicle rests before or after its flight."""
+        """Return phi at times t (s,): (s, m). Zero while the vehicle rests before or after its flight."""
         durations = np.diff(self.knots)
         piece = np.clip(np.searchsorted(self.knots, t, side="right") - 1, 0, len(durations) - 1)
         share = np.clip((t - self.knots[piece]) / durations[piece], 0.0, 1.0)

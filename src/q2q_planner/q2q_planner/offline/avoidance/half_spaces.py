@@ -1,11 +1,11 @@
-"""Choose, for every pair near a zone, the planes that keep it out: the linearisation of eq. (18).
+"""Separating planes for every pair near a zone: the linearisation of eq. (18).
 
-Outside or shallowly inside, a sample's plane touches the zone at its nearest point. A pass deeper than DEEP
+Outside or slightly inside, a sample's plane touches the zone at its nearest point. A pass deeper than DEEP
 gets one plane for all its samples inside, normal to the relative velocity at its deepest point: nearest
-points there would send one half of the pass back and the other half ahead.
+points would push one half of the pass backwards and the other half forwards.
 
-Between planes a curve may cut the corner; where the pair moves by ds from one to the next, the planes
-stand off by the sagitta ds^2 / (8 eps) of a chord of the zone's radius.
+Between planes a curve may cut the corner; if the pair moves by ds from one plane to the next, the planes are
+offset by the sagitta ds^2 / (8 eps) of a chord of the zone's radius.
 """
 
 from dataclasses import dataclass
@@ -20,11 +20,11 @@ from q2q_planner.offline.convex_zone import Lathe
 LOOK = 0.1
 """Samples within this many radii of the zone get a plane before they violate it."""
 SPACING = 0.25
-"""A pair gets one plane each time it has moved on by this many radii."""
+"""Distance between the planes of a pair, in radii."""
 DEEP = 0.25
-"""Depth of a pass, in radii, from which it gets one common plane."""
+"""Depth of a pass, in radii, beyond which it gets one common plane."""
 HEAD_ON = 1e-6
-"""A miss distance below this is head on [m]."""
+"""Miss distance below which a pass is head on [m]."""
 
 Mask = NDArray[np.bool_]
 
@@ -40,9 +40,9 @@ class Watch:
     rel: Array
     """r_i - r_j [m], (w, 3)."""
     passing: Rows
-    """Counts the passes of a pair by the zone, (w,)."""
+    """Index of a pair's pass by the zone, (w,)."""
     chord: Array
-    """How r_i - r_j moves from the sample before to the one after [m], (w, 3)."""
+    """Change of r_i - r_j from the previous to the next sample [m], (w, 3)."""
     normal: Array
     """Outward normal at the zone's nearest point, (w, 3)."""
     distance: Array
@@ -56,7 +56,7 @@ def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, watche
         positions: of all vehicles at all samples [m], (S, n, 3).
         pairs: vehicles i and j of each pair.
         lathe: the zone.
-        watched: samples to look at in any case, (pairs, S).
+        watched: samples to include in any case, (pairs, S).
     """
     first, second = pairs
     seen, passing = watched.copy(), np.zeros(watched.shape, dtype=np.intp)
@@ -95,7 +95,7 @@ def _thinned(rel: Array, spacing: float) -> Mask:
 
 
 def planes_of(watch: Watch, pairs: tuple[Rows, Rows], lathe: Lathe, margin: float, side: Array) -> Planes:
-    """Return one plane a watched sample; `side` (pairs,) is -1 where a deep pass is to change sides."""
+    """Return one plane a watched sample; `side` (pairs,) is -1 where a deep pass changes sides."""
     normal = _with_common_normals(watch, lathe, side)
     apart = np.maximum(SPACING * lathe.eps, 0.5 * np.sqrt((watch.chord**2).sum(-1)))
     level = lathe.support(normal) + margin + apart**2 / (8.0 * lathe.eps)
@@ -119,7 +119,7 @@ def _with_common_normals(watch: Watch, lathe: Lathe, side: Array) -> Array:
 
 
 def _across(rel: Array, chord: Array) -> Array:
-    """Return horizontal units (k, 3) normal to the motion, to the side of rel; head on: to the right."""
+    """Return horizontal units (k, 3) normal to the motion, towards rel; to the right if head on."""
     speed = np.hypot(chord[:, 0], chord[:, 1])
     moving = speed > 0.0
     along = np.where(moving[:, None], chord[:, :2] / np.where(moving, speed, 1.0)[:, None], 0.0)

@@ -1,16 +1,17 @@
-"""Plan a swarm jointly so that no pair enters the interference zone: eq. (18), for any number of vehicles.
+"""Joint plan of a swarm in which no pair enters the interference zone: eq. (18), any number of vehicles.
 
 min sum_j cost(r_j)  subject to the waypoints and  dr_ij(t) not in I  for all pairs and all t.
 
 Method: successive convex steps. Around the current curves each sample (i, j, t) near or in the zone gets
 the plane that touches the zone towards dr_ij(t): n.dr_ij(t) >= support(n) + margin keeps it out, and is a
-convex, conservative stand-in for the zone (Augugliaro, Schoellig and D'Andrea, Generation of collision-free
-trajectories for a quadrocopter fleet, 2012). Each step bends the curves as little as the planes allow;
-planes turn with the curves until nothing moves (`convex_steps`). Then `certificate` proves the plan.
+convex, conservative approximation of the zone (Augugliaro, Schoellig and D'Andrea, Generation of
+collision-free trajectories for a quadrocopter fleet, 2012). Each step deforms the curves as little as the
+planes allow; planes are updated with the curves until convergence (`convexification`). Then `certificate`
+proves the plan.
 
-Starts: the sides on which pairs pass already, exactly head on every vehicle keeps right; then mirrored;
-then at random. The cheapest certified plan is returned. A plan that is not certified is never returned:
-InfeasibleError says which pair stands in the way, when and how deep.
+Starts: the sides on which pairs already pass, to the right if head on; then mirrored; then at random. The
+cheapest certified plan is returned. A plan that is not certified is never returned: InfeasibleError names the
+pair in conflict, its time and depth.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,7 +31,7 @@ from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 
 SAME_MOMENT = 1e-3
-"""A waypoint this near in time is named with an obstacle [s]."""
+"""Time difference within which a waypoint is named in an error [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +45,13 @@ class AvoidanceParams:
     seed: int = tunable(0, "seed of the random starts", low=0)
 
     def __post_init__(self) -> None:
-        """Raise ValueError where a number is out of bounds."""
+        """Raise ValueError if a number is out of bounds."""
         check_bounds(self)
 
 
 @dataclass(frozen=True, slots=True)
 class AvoidancePlan:
-    """Certified plan and the effort it took."""
+    """Certified plan, its costs and the number of steps."""
 
     plan: SwarmPlan
     certificate: Certificate
@@ -77,14 +78,14 @@ def avoid(
 
     Args:
         swarm: the waypoints of each vehicle.
-        zone: what every pair keeps out of.
-        reading: whether vehicles stop at inner waypoints (`minsnap`).
+        zone: the zone that every pair keeps out of.
+        reading: whether vehicles stop at inner waypoints (`minimum_snap`).
         params: numbers of the search.
         warm: a plan of the same vehicles; the search starts around it and tries nothing else.
 
     Raises:
-        InfeasibleError: where no start ended in a certified plan.
-        ValueError: where the waypoints cannot be flown.
+        InfeasibleError: no start led to a certified plan.
+        ValueError: the waypoints cannot be flown.
     """
     numbers = params or AvoidanceParams()
     lathe = lathe_around(zone)
@@ -129,7 +130,7 @@ def _sides(start: int, pairs: int, generator: np.random.Generator) -> Array:
 
 
 def _check_held(swarm: Sequence[VehicleWaypoints], lathe: Lathe) -> None:
-    """Raise where two waypoints of the same time, or a rest after the last one, lie in each other's zone."""
+    """Raise if waypoints at the same time, or a rest after the last one, lie in each other's zone."""
     for row, vehicle in enumerate(swarm):
         for index, waypoint in enumerate(vehicle.waypoints):
             for other in (*swarm[:row], *swarm[row + 1 :]):
@@ -146,7 +147,7 @@ def _check_held(swarm: Sequence[VehicleWaypoints], lathe: Lathe) -> None:
 
 
 def _held_at(vehicle: VehicleWaypoints, t: float) -> int | None:
-    """Return the waypoint where a vehicle is at time t [s], if it is at one."""
+    """Return the waypoint at which a vehicle is at time t [s], or None."""
     times = vehicle.times
     if t >= times[-1]:
         return len(times) - 1

@@ -1,4 +1,4 @@
-"""Solve min 1/2 x'Gx - b'x over x >= 0, G symmetric positive definite: the dual of a least-norm problem.
+"""Interior point solver of min 1/2 x'Gx - b'x over x >= 0, G positive definite: the dual of a least-norm QP.
 
 Mehrotra's predictor-corrector interior point method (Mehrotra, On the implementation of a primal-dual
 interior point method, 1992). Optimality is s = Gx - b >= 0, x >= 0, x s = 0; each step solves
@@ -11,11 +11,11 @@ from scipy.linalg import cho_factor, cho_solve
 from q2q_model.signals.values import Array
 
 GAP = 1e-10
-"""Relative complementarity at which it ends."""
+"""Relative complementarity at convergence."""
 MOST_STEPS = 60
-"""Steps allowed; 10 to 25 are usual."""
+"""Most steps; 10 to 25 are usual."""
 BACK_OFF = 0.995
-"""Share of the way to the boundary that a step may take."""
+"""Largest step, as a share of the distance to the boundary."""
 
 
 def solve_nonnegative_qp(G: Array, b: Array) -> Array:

@@ -1,11 +1,11 @@
-"""Keep pairs out of a zone by planes at samples, and bend a swarm as little as they allow.
+"""Least deformation of a swarm under separating planes at samples.
 
-A plane (i, j, s, n, level) asks n.(r_i(t_s) - r_j(t_s)) >= level. In the bends y of `deviation_space` all
-planes together read A y >= b, and the least bend is y = A'x with the dual x >= 0 of least
-1/2 x'AA'x - b'x. It is approached from a guess x_0 by proximal steps, with delta/2 ||x - x_0||^2 added,
-which planes that contradict each other cannot break. Two planes touch each other in AA' only where they
-share a vehicle, so AA' is sparse for a large swarm: few planes go to an interior point method, many to
-coordinate descent (Hildreth, A quadratic programming procedure, 1957), one pass over AA' a sweep.
+A plane (i, j, s, n, level) requires n.(r_i(t_s) - r_j(t_s)) >= level. In the deviations y of
+`deviation_space` all planes together read A y >= b, and the least deviation is y = A'x, where the dual x >= 0
+minimises 1/2 x'AA'x - b'x. It is approached from a guess x_0 by proximal steps, with delta/2 ||x - x_0||^2
+added, so that contradictory planes do no harm. Two planes are coupled in AA' only if they share a vehicle, so
+AA' is sparse for a large swarm: few planes are solved by an interior point method, many by coordinate descent
+(Hildreth, A quadratic programming procedure, 1957), one pass over AA' per sweep.
 """
 
 from dataclasses import dataclass
@@ -24,15 +24,15 @@ Rows = NDArray[np.intp]
 HARD = 1e-4
 """Least delta, over the mean of AA' 's diagonal."""
 MOST_DENSE = 400
-"""Planes up to which AA' is treated as dense: its factor costs under 10 ms."""
+"""Most planes for which AA' is treated as dense: its factor takes under 10 ms."""
 SWEEPS = 2000
 """Most passes of coordinate descent."""
 RELAXED = 1.7
 """Over-relaxation of coordinate descent, between 1 and 2: projected SOR (Cryer, 1971)."""
 ACTIVE_SETS = 12
-"""Most active sets tried to finish exactly."""
+"""Most active sets tried for the exact solution."""
 SETTLED = 1e-7
-"""Coordinate descent ends when no plane gains more than this in a sweep [m]."""
+"""Largest change of a plane in a sweep at which coordinate descent ends [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,15 +54,15 @@ class Planes:
 def least_bends(
     samples: SwarmSamples, planes: Planes, warm: Array, softness: float = HARD
 ) -> tuple[Array, Array]:
-    """Return the bends y (n, m, 3) of least cost that meet the planes, and their dual x (planes,).
+    """Return the deviations y (n, m, 3) of least cost that satisfy the planes, and their dual x (planes,).
 
     `warm` is the guess x_0; `softness` is delta over the mean of AA' 's diagonal, HARD for few planes.
     """
     n, _, dimension = samples.rows.shape
     pushes = _push_matrix(samples, planes)
     rel = samples.base[planes.sample, planes.first] - samples.base[planes.sample, planes.second]
-    asked = planes.level - (planes.normal * rel).sum(-1)
-    dual = _dual(pushes, asked, warm, softness)
+    required = planes.level - (planes.normal * rel).sum(-1)
+    dual = _dual(pushes, required, warm, softness)
     bends = (pushes.T @ dual).reshape(n, 3, dimension).swapaxes(1, 2)
     return bends, dual
 
@@ -82,37 +82,37 @@ def _push_matrix(samples: SwarmSamples, planes: Planes) -> sparse.csr_array:
     return sparse.csr_array(flat, shape=(count, n * 3 * dimension))
 
 
-def _dual(pushes: sparse.csr_array, asked: Array, warm: Array, softness: float) -> Array:
-    """Return the planes' dual, (planes,), from A and what each plane asks for beyond the unbent curves."""
-    few = len(asked) <= MOST_DENSE
+def _dual(pushes: sparse.csr_array, required: Array, warm: Array, softness: float) -> Array:
+    """Return the planes' dual, (planes,), from A and b."""
+    few = len(required) <= MOST_DENSE
     if few:
         dense = pushes.toarray()
         gram = dense @ dense.T
     else:
         gram = (pushes @ pushes.T).tocsr()
     give = (HARD if few else softness) * gram.diagonal().mean()
-    if give == 0.0:  # nothing can be moved
-        return np.zeros_like(asked)
+    if give == 0.0:  # no vehicle can move
+        return np.zeros_like(required)
     if few:
-        return solve_nonnegative_qp(gram + give * np.eye(len(asked)), asked + give * warm)
-    soft = (gram + give * sparse.eye_array(len(asked))).tocsr()
-    asked = asked + give * warm
-    return settle_active_set(soft, asked, coordinate_descent(soft, asked, warm))
+        return solve_nonnegative_qp(gram + give * np.eye(len(required)), required + give * warm)
+    soft = (gram + give * sparse.eye_array(len(required))).tocsr()
+    required = required + give * warm
+    return settle_active_set(soft, required, coordinate_descent(soft, required, warm))
 
 
-def coordinate_descent(gram: sparse.csr_array, asked: Array, warm: Array) -> Array:
+def coordinate_descent(gram: sparse.csr_array, required: Array, warm: Array) -> Array:
     """Return argmin 1/2 x'Gx - b'x over x >= 0 for a sparse G with positive diagonal, from a guess."""
     dual = np.maximum(warm, 0.0)
-    slack = gram @ dual - asked
+    slack = gram @ dual - required
     matrix = (gram.indptr, gram.indices, gram.data, gram.diagonal())
     _compiled_descent(matrix, dual, slack, SWEEPS, SETTLED)
     return dual
 
 
-def settle_active_set(gram: sparse.csr_array, asked: Array, dual: Array) -> Array:
-    """Return the exact minimiser next to a good guess: solve on the active planes until they stay the same.
+def settle_active_set(gram: sparse.csr_array, required: Array, dual: Array) -> Array:
+    """Return the exact minimiser next to a good guess: solve on the active planes until they do not change.
 
-    The primal-dual active set method (Hintermueller, Ito and Kunisch, 2002). Where it does not settle, the
+    The primal-dual active set method (Hintermueller, Ito and Kunisch, 2002). If it does not converge, the
     guess is returned.
     """
     diagonal = gram.diagonal()
@@ -121,8 +121,8 @@ def settle_active_set(gram: sparse.csr_array, asked: Array, dual: Array) -> Arra
     for _ in range(ACTIVE_SETS):
         rows = np.flatnonzero(active)
         exact = np.zeros_like(dual)
-        exact[rows] = np.linalg.solve(gram[rows][:, rows].toarray(), asked[rows])
-        slack = gram @ exact - asked
+        exact[rows] = np.linalg.solve(gram[rows][:, rows].toarray(), required[rows])
+        slack = gram @ exact - required
         now = np.where(active, exact > 0.0, slack < -1e-12 * diagonal.max())
         if (now == active).all():
             return np.maximum(exact, 0.0)

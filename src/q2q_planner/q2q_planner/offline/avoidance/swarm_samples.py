@@ -1,4 +1,4 @@
-"""Read the curves of a swarm, and how they bend, at common sample times."""
+"""Positions and deviation bases of a swarm at common sample times."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from q2q_model.trajectory.polynomials import Trajectory
 from q2q_planner.offline.avoidance.deviation_space import DeviationSpace
 
 FINE = 512
-"""Times at which speeds are looked at to choose the samples."""
+"""Number of times at which speeds are evaluated to choose the samples."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +22,7 @@ class SwarmSamples:
     base: Array
     """Positions of the unbent curves [m], (S, n, 3)."""
     rows: Array
-    """phi of each vehicle, filled up with zeros to the largest dimension, (n, S, m)."""
+    """phi of each vehicle, zero-padded to the largest dimension, (n, S, m)."""
 
     def positions(self, bends: Array) -> Array:
         """Return the positions [m], (S, n, 3), under bends y (n, m, 3)."""
@@ -32,7 +32,7 @@ class SwarmSamples:
 def sample_swarm(
     trajectories: Sequence[Trajectory], spaces: Sequence[DeviationSpace], t: Array
 ) -> SwarmSamples:
-    """Return the samples at times t; a vehicle that has ended rests."""
+    """Return the samples at times t; vehicles are at rest after their end."""
     base = np.stack([trajectory.at(t)[:, :3] for trajectory in trajectories], axis=1)
     rows = np.zeros((len(spaces), len(t), max(space.dimension for space in spaces)))
     for vehicle, space in enumerate(spaces):
@@ -43,7 +43,7 @@ def sample_swarm(
 def sample_times(trajectories: Sequence[Trajectory], spacing: float, fewest: int) -> Array:
     """Return times between which no pair moves apart or together by more than about `spacing` [m].
 
-    The two fastest vehicles of each moment are taken to fly head on; at least `fewest` samples.
+    The two fastest vehicles of each moment are assumed to fly head on; at least `fewest` samples.
     """
     end = max(trajectory.duration for trajectory in trajectories)
     fine = np.linspace(0.0, end, FINE)

@@ -1,11 +1,11 @@
-"""Check a plan against speed, acceleration and thrust, for every t, and give waypoints times that fit them.
+"""Flight limits: peak speed, acceleration and thrust of a plan, and waypoint times that keep them.
 
 Peaks are bounded by branch and bound over Bernstein hulls (`bernstein`): the norm of a curve is at most the
-largest norm of its control points, and a stretch whose bound is below a norm seen is done.
+largest norm of its control points, and a stretch whose bound is below a norm already found is discarded.
 
 Times: a rest-to-rest piece s(u) = 35 u^4 - 84 u^5 + 70 u^6 - 20 u^7 over a length D in time T peaks at
 35/16 D/T and 84 sqrt(5)/25 D/T^2, so T = max(35/16 D / v_max, sqrt(84 sqrt(5)/25 D / a_max)); exact where
-vehicles stop at waypoints. Free curves then take all times longer by one factor. Thrust is kept by
+vehicles stop at waypoints. Times of free curves are then scaled by one factor. Thrust is kept by
 a <= rpyt_thrust_max / m - g in every direction.
 """
 
@@ -28,26 +28,26 @@ PEAK_SPEED = 35.0 / 16.0
 PEAK_ACC = 84.0 * sqrt(5.0) / 25.0
 """max s'' of the rest-to-rest piece."""
 TOLERANCE = 1e-6
-"""How far a bound may lie above the true peak, relative."""
+"""Relative excess of a bound over the true peak."""
 TIME_STEP = 0.01
 """Allocated times are rounded up to a tick [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightLimits:
-    """Hold what a trajectory may ask for."""
+    """Limits of a trajectory."""
 
     speed: float = tunable(2.0, "largest speed", unit="m/s", low=0.01, high=50.0)
     acceleration: float = tunable(4.0, "largest acceleration", unit="m/s^2", low=0.01, high=100.0)
 
     def __post_init__(self) -> None:
-        """Raise ValueError where a number is out of bounds."""
+        """Raise ValueError if a number is out of bounds."""
         check_bounds(self)
 
 
 @dataclass(frozen=True, slots=True)
 class Peak:
-    """Hold the largest value of something and when it is met."""
+    """Largest value of a norm and its time."""
 
     value: float
     t: float
@@ -79,7 +79,7 @@ def peak_norm(trajectory: Trajectory, derivative: int, offset: Array | None = No
 
 
 def check_flyable(plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: Vehicle) -> None:
-    """Raise ValueError naming vehicle, waypoint and bound where more thrust is asked than there is."""
+    """Raise ValueError with vehicle, waypoint and bound if a trajectory needs too much thrust."""
     for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
         peak = peak_norm(trajectory, 2, np.array([0.0, 0.0, GRAVITY]))
         thrust = vehicle.mass * peak.value
@@ -87,14 +87,14 @@ def check_flyable(plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: V
             after = int(np.searchsorted(waypoints.times, peak.t, side="right")) - 1
             where = f"{waypoints.name}, after waypoint {after} (t = {peak.t:.2f} s)"
             most = f"{vehicle.name} has at most {vehicle.rpyt_thrust_max:.3g} N"
-            raise ValueError(f"{where}: asks for {thrust:.3g} N of thrust, {most}; allow more time")
+            raise ValueError(f"{where}: needs {thrust:.3g} N of thrust, {most}; allow more time")
 
 
 def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
     """Return limits with the acceleration that the vehicle's thrust allows in every direction.
 
     Raises:
-        ValueError: where the vehicle cannot hover.
+        ValueError: the vehicle cannot hover.
     """
     spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
     if spare <= 0.0:
@@ -105,7 +105,7 @@ def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
 def allocate_times(
     name: str, points: Sequence[Waypoint], limits: FlightLimits, reading: Reading = "stop_and_go"
 ) -> VehicleWaypoints:
-    """Return the waypoints with times that keep the limits; the times given are not looked at."""
+    """Return the waypoints with times that keep the limits; given times are ignored."""
     pos = np.array([waypoint.pos for waypoint in points])
     lengths = np.sqrt((np.diff(pos, axis=0) ** 2).sum(-1))
     spans = np.maximum(PEAK_SPEED * lengths / limits.speed, np.sqrt(PEAK_ACC * lengths / limits.acceleration))
@@ -122,7 +122,7 @@ def _excess(trajectory: Trajectory, limits: FlightLimits) -> float:
 
 
 def timed_document(document: object, limits: FlightLimits, reading: Reading = "stop_and_go") -> object:
-    """Return a parsed waypoint file with t filled in for vehicles that give none; the rest as it is."""
+    """Return a parsed waypoint file with t filled in for vehicles that have none."""
     if not isinstance(document, Mapping) or not isinstance(document.get("vehicles"), Mapping):
         return document
     vehicles = document["vehicles"].items()

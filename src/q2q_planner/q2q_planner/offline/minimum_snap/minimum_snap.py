@@ -1,4 +1,4 @@
-"""Solve the minimum snap problem (17) exactly, in both readings of its constraints.
+"""Exact solution of the minimum snap problem (17), in both readings of its constraints.
 
 min int mu_r ||r^(4)||^2 + mu_psi (psi^(2))^2 dt through the waypoints (Mellinger and Kumar, Minimum snap
 trajectory generation and control for quadrotors, 2011; the paper, eq. 17, k_r = 4, k_psi = 2).
@@ -46,14 +46,14 @@ def minimum_snap(vehicle: VehicleWaypoints, reading: Reading = "stop_and_go") ->
 
 
 def minimum_snap_plan(swarm: Sequence[VehicleWaypoints], reading: Reading = "stop_and_go") -> SwarmPlan:
-    """Return the plan of least cost (17) for each vehicle by itself; nothing keeps them apart."""
+    """Return the plan of least cost (17) for each vehicle by itself, without avoidance."""
     check_swarm(swarm)
     names = tuple(vehicle.name for vehicle in swarm)
     return SwarmPlan(names, tuple(minimum_snap(vehicle, reading) for vehicle in swarm))
 
 
 def snap_cost(trajectory: Trajectory, mu_r: float = 1.0, mu_psi: float = 1.0) -> float:
-    """Return the cost (17) of a trajectory, exact for its polynomials; both weights 1 as the paper."""
+    """Return the cost (17) of a trajectory, exact for its polynomials; both weights are 1 as in the paper."""
     pos = _energy(trajectory.coefficients[:, :3], trajectory.durations, POSITION_HALF)
     yaw = _energy(trajectory.coefficients[:, 3:], trajectory.durations, YAW_HALF)
     return mu_r * pos + mu_psi * yaw
@@ -93,7 +93,7 @@ def _free_nodes(values: Array, durations: Array, half: int) -> Array:
         return nodes
     energies = piece_energies(durations / scale, half)  # (pieces, 2k, 2k)
     banded, force = _inner_system(energies, values, half)
-    from scipy.linalg import solveh_banded  # half a second that whoever flies a finished plan is spared
+    from scipy.linalg import solveh_banded  # not needed to fly a finished plan; half a second to import
 
     slopes = solveh_banded(banded, force, lower=True)  # (inner (k-1), axes)
     unscale = scale ** -np.arange(1, half, dtype=float)

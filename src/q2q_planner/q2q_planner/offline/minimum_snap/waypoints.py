@@ -1,6 +1,6 @@
-"""Name the points through which each vehicle must fly, and refuse those that no trajectory can meet.
+"""Waypoints of each vehicle, checked for what a trajectory can meet.
 
-A waypoint is (t, x, y, z, yaw) of eq. (17). Yaw is taken as given, without wrapping: 0 to 2 pi is a turn.
+A waypoint is (t, x, y, z, yaw) of eq. (17). Yaw is not wrapped: 0 to 2 pi is a full turn.
 """
 
 import re
@@ -14,22 +14,22 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 
-MOST_TOLD = 100
-"""Characters of a wrong value that an error repeats."""
+LONGEST_VALUE = 100
+"""Most characters of a wrong value in an error."""
 EXAMPLE = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1], yaw: 0}]}"
 """The waypoints of one vehicle as YAML."""
 
 Point = tuple[float, float, float]
 
 SHORTEST_PIECE = 1e-3
-"""Least time between waypoints [s]: a tenth of the 100 Hz tick; closer ones cannot be told apart."""
+"""Least time between waypoints [s]: a tenth of the 100 Hz tick."""
 
 FARTHEST, LONGEST, MOST_TURN = 1e4, 1e5, 1e4
-"""Largest coordinate [m], time [s] and yaw [rad]: beyond, a double's last bit is no longer below a micrometre
-once raised to the 7th power of time."""
+"""Largest coordinate [m], time [s] and yaw [rad]: beyond, the rounding of a 7th power of time
+exceeds a micrometre."""
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""What a vehicle may be called: it becomes part of topics and file names."""
+"""Allowed names of vehicles: they become part of topics and file names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +115,7 @@ def _name(given: object) -> str:
 
 def _vehicle(name: str, rows: object) -> VehicleWaypoints:
     if not isinstance(rows, list):
-        raise ValueError(f"{name}: got {_told(rows)}, expected a list of waypoints {{t, pos, yaw}}")  # noqa: TRY004
+        raise ValueError(f"{name}: got {_shown(rows)}, expected a list of waypoints {{t, pos, yaw}}")  # noqa: TRY004
     waypoints = (_waypoint(f"{name}, waypoint {index}", row) for index, row in enumerate(rows))
     return VehicleWaypoints(name, tuple(waypoints))
 
@@ -126,7 +126,7 @@ def _waypoint(where: str, row: object) -> Waypoint:
     if unknown:
         raise ValueError(f"{where}: unknown key {shown(unknown[0])}; known are t, pos, yaw")
     if "t" not in entry or "pos" not in entry:
-        raise ValueError(f"{where}: got {_told(dict(entry))}, expected t [s] and pos [x, y, z]")
+        raise ValueError(f"{where}: got {_shown(dict(entry))}, expected t [s] and pos [x, y, z]")
     pos = entry["pos"]
     if not isinstance(pos, list | tuple) or len(pos) != 3:
         raise ValueError(f"{where}: pos = {shown(pos)}, expected [x, y, z] in metres")
@@ -138,7 +138,7 @@ def _waypoint(where: str, row: object) -> Waypoint:
 
 def _mapping(value: object, where: str) -> Mapping[object, object]:
     if not isinstance(value, Mapping):
-        raise ValueError(f"{where}: got {_told(value)}, expected a mapping, as {EXAMPLE}")  # noqa: TRY004
+        raise ValueError(f"{where}: got {_shown(value)}, expected a mapping, as {EXAMPLE}")  # noqa: TRY004
     return value
 
 
@@ -178,7 +178,7 @@ def _check_rising(where: str, before: float, after: float) -> None:
         )
 
 
-def _told(value: object) -> str:
-    """Return what was given, cut short."""
+def _shown(value: object) -> str:
+    """Return the given value, shortened."""
     text = shown(value)
-    return text if len(text) <= MOST_TOLD else f"{text[:MOST_TOLD]} ..."
+    return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]} ..."

@@ -1,9 +1,9 @@
-"""Solve (26) as the paper parameterises it: networks of time for r, a and U, trained all at once.
+"""Networks of time for r, a and U, trained together: (26) in the paper's parameterisation.
 
 Each vehicle has r(t), a(t) = (phi, theta), U1(t) as networks of one hidden layer, tanh, 30 units, of the time
-scaled to -1..1. Derivatives of r with respect to time are exact. What the paper hands to SQP as equalities
-(70 024 of them for 980 weights: that cannot run) enters the loss as defects, and Levenberg-Marquardt does
-the rest:
+scaled to -1..1. Derivatives of r with respect to time are exact. The equality constraints that the paper
+passes to SQP (70 024 for 980 weights, which is infeasible) enter the loss as defects, minimised by
+Levenberg-Marquardt:
 
     loss = sum_k sum_j |r_j - r_j,ref|^2 + w_d |r_j'' - U_j / m b(a_j) + g e_z - eta|^2
                        + w_b (excess of U_j over 0..U_max)^2  + start
@@ -14,7 +14,7 @@ the reference plus its network, so that the search starts on the plan; a and U1 
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| w_d | defect_weight | [s^4]: a defect that lasts a second moves a vehicle by as many metres |
+| w_d | defect_weight | [s^4]: a defect of 1 m/s^2 over a second moves a vehicle by metres |
 | w_b | bound_weight | [m^2/N^2] |
 | mu | damping | [-] |
 """
@@ -24,7 +24,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, downwash, thrust_acceleration
+from q2q_control.experiments.global_mpc.problem import (
+    GlobalProblem,
+    GlobalSolution,
+    downwash,
+    thrust_acceleration,
+)
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -44,7 +49,7 @@ class NetworkSolutionParams:
     bound_weight: float = 1.0
     iterations: int = 60
     tolerance: float = 1e-5
-    """Relative fall of the loss below which it ends."""
+    """Relative decrease of the loss at which the training ends."""
 
 
 def solve_networks(
@@ -173,7 +178,7 @@ class _Fit:
         n, count, own = self._n, self._count, values.shape[-1]
         pos, _, tilt, thrust = self._flight(weights)
         by_downwash = self._downwash_slopes(pos)  # (n, n, T, 3, 3)
-        by_tilt, by_thrust = _lift_slopes(thrust, tilt, self._problem.vehicle.mass)
+        by_tilt, by_thrust = _thrust_slopes(thrust, tilt, self._problem.vehicle.mass)
         weight = self._problem.vehicle.hover_thrust
         off, defect = np.zeros((n, count, 3, n, own)), np.zeros((n, count, 3, n, own))
         excess = np.zeros((n, count, n, own))
@@ -181,7 +186,7 @@ class _Fit:
         for i in range(n):
             off[i, :, :, i] = values[i, :, :3]
             defect[i, :, :, i] = seconds[i, :, :3]
-            defect[i, :, :, i] -= np.einsum("tab,tbw->taw", by_tilt[i], values[i, :, 3:5])  # d lift / d tilt
+            defect[i, :, :, i] -= np.einsum("tab,tbw->taw", by_tilt[i], values[i, :, 3:5])  # by tilt
             defect[i, :, :, i] -= (by_thrust[i] * weight)[:, :, None] * values[i, :, None, 5]
             excess[i, :, i] = active[i][:, None] * weight * values[i, :, 5]
             for j in range(n):
@@ -221,8 +226,8 @@ class _Fit:
     def solution(self, weights: Array) -> GlobalSolution:
         """Return the flight of the networks."""
         pos, acc, tilt, thrust = self._flight(weights)
-        lift = thrust_acceleration(thrust, tilt, self._problem.vehicle.mass)
-        return GlobalSolution(pos, thrust, acc - lift - downwash(self._problem.model, pos))
+        by_thrust = thrust_acceleration(thrust, tilt, self._problem.vehicle.mass)
+        return GlobalSolution(pos, thrust, acc - by_thrust - downwash(self._problem.model, pos))
 
 
 _NETS = ((0, 1, 2), (3, 4), (5,))
@@ -231,13 +236,13 @@ _NETS = ((0, 1, 2), (3, 4), (5,))
 
 def _tilt_of(acc: Array) -> Array:
     """Return roll and pitch [rad], (..., 2), that hold a reference's acceleration (..., 3)."""
-    lift = GRAVITY + acc[..., 2]
-    pitch = np.arctan2(acc[..., 0], lift)
-    return np.stack([np.arctan2(-acc[..., 1], np.hypot(acc[..., 0], lift)), pitch], axis=-1)
+    vertical = GRAVITY + acc[..., 2]
+    pitch = np.arctan2(acc[..., 0], vertical)
+    return np.stack([np.arctan2(-acc[..., 1], np.hypot(acc[..., 0], vertical)), pitch], axis=-1)
 
 
-def _lift_slopes(thrust: Array, tilt: Array, mass: float) -> tuple[Array, Array]:
-    """Return d lift / d (roll, pitch), (n, T, 3, 2), and d lift / d U1, (n, T, 3)."""
+def _thrust_slopes(thrust: Array, tilt: Array, mass: float) -> tuple[Array, Array]:
+    """Return the thrust acceleration's derivatives by roll, pitch (n, T, 3, 2), and by U1 (n, T, 3)."""
     roll, pitch = tilt[..., 0], tilt[..., 1]
     cr, sr, cp, sp = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch)
     by_roll = np.stack([-sr * sp, -cr, -sr * cp], axis=-1)

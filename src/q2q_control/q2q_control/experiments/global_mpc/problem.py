@@ -1,12 +1,12 @@
-"""Pose (26) once for a whole flight: who should be where, and what pushes.
+"""Problem (26) over a whole flight: references, dynamics and downwash.
 
     min  sum_k sum_j |r_j(t_k) - r_j,ref(t_k)|^2
     s.t. r_j'' = U_j / m b(phi_j, theta_j) - g e_z + eta(r_1 - r_2)          psi_j = 0
          0 <= U_j <= U_max,  r and r' given at the start
 
-Readings: the downwash belongs into the second constraint and is missing in print; only the bound on U1 is
-given. So U2 to U4 are free, any twice differentiable phi, theta can be had by (1)-(3), and those inputs and
-constraints drop out without moving the optimum.
+Readings: the downwash belongs in the second constraint and is missing in print; only the bound on U1 is
+given. So U2 to U4 are free, any twice differentiable phi, theta can be reached by (1)-(3), and these inputs
+and constraints can be dropped without changing the optimum.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class GlobalProblem:
     times: Array
     """(T,) [s]"""
     reference: Array
-    """Position [m], velocity [m/s], acceleration [m/s^2], world, (n, T, 9); it starts the flight."""
+    """Position [m], velocity [m/s], acceleration [m/s^2], world, (n, T, 9), from the initial state on."""
     vehicle: Vehicle
     thrust_max: float
     """U_max [N]."""
@@ -36,7 +36,7 @@ class GlobalProblem:
         n, count, width = self.reference.shape
         if self.times.shape != (count,) or width != 9 or n < 1:
             raise ValueError(
-                f"reference {self.reference.shape} and times {self.times.shape}: (n, T, 9) and (T,) are meant"
+                f"reference {self.reference.shape} and times {self.times.shape}: expected (n, T, 9) and (T,)"
             )
         if self.thrust_max <= self.vehicle.hover_thrust:
             raise ValueError(
@@ -46,14 +46,14 @@ class GlobalProblem:
 
 @dataclass(frozen=True, slots=True)
 class GlobalSolution:
-    """Solution that a method found."""
+    """Solution of one method."""
 
     pos: Array
     """[m], world, (n, T, 3)."""
     thrust: Array
     """U1 [N], (n, T)."""
     defect: Array
-    """How far r'' is from what thrust and downwash give [m/s^2], (n, T, 3)."""
+    """r'' minus the acceleration by thrust and downwash [m/s^2], (n, T, 3)."""
 
 
 def thrust_acceleration(thrust: Array, tilt: Array, mass: float) -> Array:

@@ -1,29 +1,33 @@
-"""Solve (26) by direct collocation: states and inputs at every sample, CasADi's derivatives, IPOPT.
+"""Direct collocation of (26): states and inputs at every sample, CasADi's derivatives, IPOPT.
 
     r_{k+1} - r_k = h/2 (v_k + v_{k+1}) - h^2/12 (a_{k+1} - a_k)       Hermite-Simpson's rule in one step
     v_{k+1} - v_k = h/2 (a_k + a_{k+1})
     a_k = U_k / m b(phi_k, theta_k) - g e_z + eta_k,   0 <= U_k <= U_max
 
-The downwash enters as a cubic spline over horizontal distance and height difference, made from the model
-once, so that any model that looks at nothing else can be used, and IPOPT gets exact derivatives of a smooth
-law.
+The downwash enters as a cubic spline over horizontal distance and height difference, sampled from the model
+once, so that any model of these two can be used, and IPOPT gets exact derivatives of a smooth law.
 """
 
 import casadi
 import numpy as np
 
-from q2q_control.global_mpc.problem import GlobalProblem, GlobalSolution, downwash, thrust_acceleration
+from q2q_control.experiments.global_mpc.problem import (
+    GlobalProblem,
+    GlobalSolution,
+    downwash,
+    thrust_acceleration,
+)
 from q2q_model.downwash.interaction_model import InteractionModel, at_rest
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
 ACROSS_MAX, DEPTH_MAX = 1.2, 2.5
-"""How far the spline reaches sideways and up or down [m]; beyond, it keeps its edge value."""
+"""Range of the spline, horizontally and vertically [m]; constant beyond."""
 TILT_MAX = 0.6
-"""Bound on roll and pitch [rad]: nothing in (26) bounds them, and more is never wanted."""
+"""Bound on roll and pitch [rad]: (26) does not bound them, and more is never needed."""
 
 EFFORT = 1e-6
-"""Weight of inputs that change from sample to sample [m^2]: it picks one of the many equal chatterings."""
+"""Weight of input changes between samples [m^2]: it makes the optimum unique."""
 
 
 def solve_collocation(problem: GlobalProblem, iterations: int = 200) -> GlobalSolution:
@@ -56,13 +60,13 @@ def solve_collocation(problem: GlobalProblem, iterations: int = 200) -> GlobalSo
         goal += EFFORT * casadi.sumsqr(casadi.diff(inputs[j], 1, 1))
     found = _solved((pos, vel, inputs), (goal, casadi.vertcat(*equal)), problem, iterations)
     tilt, thrust = found[2][..., :2], found[2][..., 2] * problem.vehicle.hover_thrust
-    climb = np.gradient(found[1], step, axis=1)
-    lift = thrust_acceleration(thrust, tilt, problem.vehicle.mass)
-    return GlobalSolution(found[0], thrust, climb - lift - downwash(problem.model, found[0]))
+    total = np.gradient(found[1], step, axis=1)
+    by_thrust = thrust_acceleration(thrust, tilt, problem.vehicle.mass)
+    return GlobalSolution(found[0], thrust, total - by_thrust - downwash(problem.model, found[0]))
 
 
 QUIET: dict[str, object] = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
-"""IPOPT says nothing."""
+"""No output of IPOPT."""
 
 
 def _solved(
@@ -94,11 +98,11 @@ def _solved(
 
 
 def _acceleration(inputs: casadi.MX) -> casadi.MX:
-    roll, pitch, lift = inputs[0, :], inputs[1, :], GRAVITY * inputs[2, :]
+    roll, pitch, specific = inputs[0, :], inputs[1, :], GRAVITY * inputs[2, :]  # thrust over mass
     return casadi.vertcat(
-        lift * casadi.cos(roll) * casadi.sin(pitch),
-        -lift * casadi.sin(roll),
-        lift * casadi.cos(roll) * casadi.cos(pitch) - GRAVITY,
+        specific * casadi.cos(roll) * casadi.sin(pitch),
+        -specific * casadi.sin(roll),
+        specific * casadi.cos(roll) * casadi.cos(pitch) - GRAVITY,
     )
 
 

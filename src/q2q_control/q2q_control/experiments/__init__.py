@@ -1,0 +1,1 @@
+"""References that nothing in flight imports."""
