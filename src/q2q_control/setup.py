@@ -21,7 +21,7 @@ setup(
     zip_safe=False,
     maintainer="q2q developers",
     maintainer_email="q2q@example.org",
-    description="How to push: interaction-aware PID and MPC",
+    description="Interaction-aware PID and MPC, failsafe, interfaces to Crazyflies",
     license="MIT",
     entry_points={
         "console_scripts": [

@@ -21,7 +21,7 @@ setup(
     zip_safe=False,
     maintainer="q2q developers",
     maintainer_email="q2q@example.org",
-    description="What the world is: signals, vehicles, mocap filter, interaction models, identification",
+    description="Signals, vehicles, mocap filter, interaction models, identification",
     license="MIT",
     entry_points={
         "console_scripts": [

@@ -21,7 +21,7 @@ setup(
     zip_safe=False,
     maintainer="q2q developers",
     maintainer_email="q2q@example.org",
-    description="Where to fly: trajectories, minimum snap, zone avoidance, the online replanner",
+    description="Trajectory planning: minimum snap, avoidance of interaction zones, online replanner",
     license="MIT",
     entry_points={
         "console_scripts": [

@@ -22,7 +22,7 @@ setup(
     zip_safe=False,
     maintainer="q2q developers",
     maintainer_email="q2q@example.org",
-    description="A stand-in for the room: vehicles, wake, radio, VICON, scenarios, flights, reports",
+    description="Simulation of vehicles, wake, radio and VICON; scenarios, flights, campaigns, reports",
     license="MIT",
     entry_points={
         "console_scripts": [

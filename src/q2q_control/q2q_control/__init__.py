@@ -1,1 +1,1 @@
-"""How to push: interaction-aware PID and MPC."""
+"""Interaction-aware PID and MPC, failsafe, interfaces to Crazyflies."""

@@ -1,1 +1,1 @@
-"""What the world is: signals, vehicles, mocap filter, interaction models, identification."""
+"""Signals, vehicles, mocap filter, interaction models, identification."""

@@ -1,1 +1,1 @@
-"""Where to fly: trajectories, minimum snap, zone avoidance, the online replanner."""
+"""Trajectory planning: minimum snap, avoidance of interaction zones, online replanner."""

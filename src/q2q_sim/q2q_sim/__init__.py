@@ -1,1 +1,1 @@
-"""A stand-in for the room: vehicles, wake, radio, VICON, scenarios, flights, reports."""
+"""Simulation of vehicles, wake, radio and VICON; scenarios, flights, campaigns, reports."""
