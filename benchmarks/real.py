@@ -1,0 +1,115 @@
+"""Vertical force of real flights, each predicted by a jet fitted to all other flights of its family.
+
+The reference is what the vehicles' own network said in flight (`fa_ff`: Shi et al., Neural-Swarm2, T-RO
+2021), on the same rows and by the same rule (q2q_model.identification.force.downwash_force). That network
+was trained on flights of this source; in the family dc19 it was off. The form of the jet was chosen before.
+Needs the flights of Q2Q_DATA.
+"""
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from q2q_model.identification.force.downwash_force import ForceSamples, force_samples, residual_of
+from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.force.residual import predicted_residual
+from q2q_model.identification.identification import Recording, force_record
+from q2q_model.signals.values import Array
+from q2q_model.tools.recordings import read_recordings
+from q2q_model.vehicle.constants import CRAZYFLIE_2_1
+from q2q_sim.tools.import_table import flight_table, read_columns, write_bag
+from row import Row
+
+FLIGHTS = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"
+FAMILIES = ("dc19", "dc21")
+"""Feed-forward off, on."""
+PAIRS, TRIPLES = "_ss_", "_sss_"
+MASS = 0.034
+"""Mass with which the network's force was flown [kg] (README of the flights)."""
+REFERENCE = "the vehicles' network"
+
+
+@dataclass(frozen=True, slots=True)
+class _Flight:
+    name: str
+    samples: list[ForceSamples]
+    network: list[Array]
+    """Acceleration predicted in flight [m/s^2], (T,), for each of `samples`."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Misses:
+    """What predictions leave of y over the exposed rows of one vehicle [m/s^2], (k,) each."""
+
+    flight: str
+    y: Array
+    jet: Array
+    ahead: Array
+    """Of the jet 20 ms ahead."""
+    network: Array
+
+
+def run() -> list[Row]:
+    """Return R2 of each flight, of all pairs and of all triples, now and 20 ms ahead."""
+    if not FLIGHTS.is_dir():
+        print(f"bench: real: no flights in {FLIGHTS}: set Q2Q_DATA", file=sys.stderr)
+        return []
+    rows = []
+    for family in FAMILIES:
+        flights = _flights(sorted(FLIGHTS.glob(f"{family}_*_ss*.parquet")))
+        missed = [part for one in flights for part in _held_out(one, flights)]
+        for one in flights:
+            rows += _rows(one.name, [part for part in missed if part.flight == one.name])
+        for kind, mark in (("pairs", PAIRS), ("triples", TRIPLES)):
+            rows += _rows(f"{family}, all {kind}", [part for part in missed if mark in part.flight])
+    return rows
+
+
+def _flights(tables: Sequence[Path]) -> list[_Flight]:
+    with TemporaryDirectory() as scratch:
+        bags = [Path(scratch) / table.stem for table in tables]
+        for table, bag in zip(tables, bags, strict=True):
+            write_bag(flight_table(read_columns(table)), bag)
+        recordings, _ = read_recordings(bags)
+    return [_flight(one) for one in recordings]
+
+
+def _flight(recording: Recording) -> _Flight:
+    record = force_record(recording, CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
+    if record is None or recording.log is None:
+        raise ValueError(f"{recording.flight.name} has no measured force")
+    samples, said = force_samples(record), recording.log.column("fa_ff") / MASS
+    return _Flight(recording.flight.name, samples, [said[:, one.vehicle] for one in samples])
+
+
+def _held_out(flight: _Flight, flights: Sequence[_Flight]) -> list[_Misses]:
+    """Return the misses of a jet fitted to the other flights, for each vehicle under another."""
+    taught = [sample for other in flights if other is not flight for sample in other.samples]
+    jet = fit_to_pushes(taught, JetForm()).jet
+    found = []
+    for sample, network in zip(flight.samples, flight.network, strict=True):
+        rows, residual = sample.exposed, residual_of(jet, sample)
+        ahead = residual - predicted_residual(sample.motion.t, residual, sample.usable)
+        y = sample.y[rows]
+        found.append(_Misses(flight.name, y, residual[rows], ahead[rows], y - network[rows]))
+    return found
+
+
+def _rows(name: str, missed: Sequence[_Misses]) -> list[Row]:
+    """Return R2 now, beside the network's where it was on, and ahead; none without exposed rows."""
+    y = np.concatenate([np.empty(0), *(one.y for one in missed)])
+    if not y.size:
+        return []
+    kinds = ("jet", "ahead", "network")
+    left = {kind: np.concatenate([getattr(one, kind) for one in missed]) for kind in kinds}
+    r2 = {kind: 1.0 - float(values @ values) / float(y @ y) for kind, values in left.items()}
+    on = bool((left["network"] != y).any())
+    beside = f"{REFERENCE}: {r2['network']:.3f}" if on else None
+    ratio = (1.0 - r2["network"]) / (1.0 - r2["jet"]) if on else None
+    label = f"{name}, {y.size} samples"
+    return [Row(label, r2["jet"], "R2", beside, ratio), Row(f"{label}, 20 ms ahead", r2["ahead"], "R2")]
