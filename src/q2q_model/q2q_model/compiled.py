@@ -75,14 +75,15 @@ def _compiled(function: Callable[..., object], options: dict[str, object]) -> ob
     return made
 
 
-def uncached() -> list[str]:
-    """Return the names of the kernels whose current machine code is not cached.
-
-    Kernels called by other kernels are part of the callers' code and not listed.
-    """
+def entries() -> list[Kernel]:
+    """Return the kernels that Python calls: those called by other kernels are part of the callers' code."""
     parts = {called for kernel in KERNELS for called in _called_by(kernel.function)}
-    entries = [one for one in KERNELS if not one.inlined and one.function not in parts]
-    return [kernel.name for kernel in entries if not kernel.cache.holds_any()]
+    return [one for one in KERNELS if not one.inlined and one.function not in parts]
+
+
+def uncached() -> list[str]:
+    """Return the names of the entries whose current machine code is not cached."""
+    return [kernel.name for kernel in entries() if not kernel.cache.holds_any()]
 
 
 def idle() -> list[str]:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import sparse
 
 from q2q_control.explicit.distillation import DistillationParams, distil
 from q2q_control.explicit.explicit_solver import explicit_solver
@@ -26,7 +25,6 @@ from q2q_model.node.rehearsal import rehearse
 from q2q_model.signals.values import Interference, MocapFrame, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_model.vehicle.constants import TEXTBOOK_065
-from q2q_planner.offline.avoidance.separating_planes import coordinate_descent
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
@@ -43,7 +41,7 @@ CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
 def calls() -> tuple[Sequence[Call], Sequence[Call]]:
     """Return the functions that call every kernel, in two lists of about equal time."""
     flights = (_estimators, _room, _replanned, _many, _firmware)
-    solvers = (_mpc, _explicit, _identification, _planes)
+    solvers = (_mpc, _explicit, _identification)
     return flights, solvers
 
 
@@ -101,8 +99,3 @@ def _explicit() -> None:
 def _identification() -> None:
     impulse_response(PAPER_LOOP, 0.01, 3)
     lagged(np.zeros((3, 2)), np.array([0.0, 0.01, 0.02]), 0.07)
-
-
-def _planes() -> None:
-    gram = sparse.csr_array(np.eye(2))
-    coordinate_descent(gram, np.ones(2), np.zeros(2))

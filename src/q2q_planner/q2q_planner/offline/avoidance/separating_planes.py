@@ -4,19 +4,18 @@ A plane (i, j, s, n, level) requires n.(r_i(t_s) - r_j(t_s)) >= level. In the de
 `deviation_space` all planes together read A y >= b, and the least deviation is y = A'x, where the dual x >= 0
 minimises 1/2 x'AA'x - b'x. It is approached from a guess x_0 by proximal steps, with delta/2 ||x - x_0||^2
 added, so that contradictory planes do no harm. Two planes are coupled in AA' only if they share a vehicle, so
-AA' is sparse for a large swarm: few planes are solved by an interior point method, many by coordinate descent
-(Hildreth, A quadratic programming procedure, 1957), one pass over AA' per sweep.
+AA' is sparse for a large swarm. PIQP solves it (Schwan, Jiang, Kuhn, Jones, PIQP: A proximal interior-point
+quadratic programming solver, 2023).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+import piqp
 from numpy.typing import NDArray
 from scipy import sparse
 
-from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_planner.offline.avoidance.nonnegative_qp import solve_nonnegative_qp
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples
 
 Rows = NDArray[np.intp]
@@ -25,14 +24,8 @@ HARD = 1e-4
 """Least delta, over the mean of AA' 's diagonal."""
 MOST_DENSE = 400
 """Most planes for which AA' is treated as dense: its factor takes under 10 ms."""
-SWEEPS = 2000
-"""Most passes of coordinate descent."""
-RELAXED = 1.7
-"""Over-relaxation of coordinate descent, between 1 and 2: projected SOR (Cryer, 1971)."""
-ACTIVE_SETS = 12
-"""Most active sets tried for the exact solution."""
-SETTLED = 1e-7
-"""Largest change of a plane in a sweep at which coordinate descent ends [m]."""
+ACCURACY = 1e-10
+"""Absolute and relative tolerance of the QP."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,58 +86,18 @@ def _dual(pushes: sparse.csr_array, required: Array, warm: Array, softness: floa
     give = (HARD if few else softness) * gram.diagonal().mean()
     if give == 0.0:  # no vehicle can move
         return np.zeros_like(required)
-    if few:
-        return solve_nonnegative_qp(gram + give * np.eye(len(required)), required + give * warm)
-    soft = (gram + give * sparse.eye_array(len(required))).tocsr()
-    required = required + give * warm
-    return settle_active_set(soft, required, coordinate_descent(soft, required, warm))
+    added = np.eye(len(required)) if few else sparse.eye_array(len(required))
+    return nonnegative_qp(gram + give * added, required + give * warm)
 
 
-def coordinate_descent(gram: sparse.csr_array, required: Array, warm: Array) -> Array:
-    """Return argmin 1/2 x'Gx - b'x over x >= 0 for a sparse G with positive diagonal, from a guess."""
-    dual = np.maximum(warm, 0.0)
-    slack = gram @ dual - required
-    matrix = (gram.indptr, gram.indices, gram.data, gram.diagonal())
-    _compiled_descent(matrix, dual, slack, SWEEPS, SETTLED)
-    return dual
-
-
-def settle_active_set(gram: sparse.csr_array, required: Array, dual: Array) -> Array:
-    """Return the exact minimiser next to a good guess: solve on the active planes until they do not change.
-
-    The primal-dual active set method (Hintermueller, Ito and Kunisch, 2002). If it does not converge, the
-    guess is returned.
-    """
-    diagonal = gram.diagonal()
-    exact = dual
-    active = dual > 0.0
-    for _ in range(ACTIVE_SETS):
-        rows = np.flatnonzero(active)
-        exact = np.zeros_like(dual)
-        exact[rows] = np.linalg.solve(gram[rows][:, rows].toarray(), required[rows])
-        slack = gram @ exact - required
-        now = np.where(active, exact > 0.0, slack < -1e-12 * diagonal.max())
-        if (now == active).all():
-            return np.maximum(exact, 0.0)
-        active = now
-    return dual
-
-
-@compiled
-def _compiled_descent(
-    matrix: tuple[Rows, Rows, Array, Array], dual: Array, slack: Array, sweeps: int, settled: float
-) -> None:
-    """Minimise over one coordinate after the other; dual and slack = G x - b change in place."""
-    pointer, column, value, diagonal = matrix
-    for _ in range(sweeps):
-        largest = 0.0
-        for row in range(dual.size):
-            change = max(-RELAXED * slack[row] / diagonal[row], -dual[row])
-            if change == 0.0:
-                continue
-            dual[row] += change
-            largest = max(largest, abs(change) * diagonal[row])
-            for at in range(pointer[row], pointer[row + 1]):
-                slack[column[at]] += value[at] * change
-        if largest < settled:
-            return
+def nonnegative_qp(gram: Array | sparse.csr_array, required: Array) -> Array:
+    """Return argmin 1/2 x'Gx - b'x over x >= 0, (m,), for a positive definite G (m, m)."""
+    if not (required > 0.0).any():
+        return np.zeros_like(required)
+    dense = isinstance(gram, np.ndarray)
+    solver = piqp.DenseSolver() if dense else piqp.SparseSolver()
+    solver.settings.eps_abs = solver.settings.eps_rel = ACCURACY
+    matrix = gram if dense else sparse.csc_matrix(gram)
+    solver.setup(matrix, -required, x_l=np.zeros_like(required))
+    solver.solve()
+    return np.asarray(np.maximum(solver.result.x, 0.0), dtype=np.float64)
