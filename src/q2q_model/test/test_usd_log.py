@@ -6,7 +6,7 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from q2q_model.flights.column_map import Source
+from q2q_model.flights.column_map import SourceColumn
 from q2q_model.flights.usd_flight import columns_of_logs
 from q2q_model.flights.usd_log import UsdLogError, is_usd_log, usd_log
 from q2q_model.geometry.quaternion32 import compressed
@@ -109,7 +109,7 @@ def test_what_is_no_log_is_refused(data: bytes) -> None:
         usd_log(data)
 
 
-def flight(*data: bytes, **given: tuple[Source, ...]) -> dict[str, Array]:
+def flight(*data: bytes, **given: tuple[SourceColumn, ...]) -> dict[str, Array]:
     return columns_of_logs({f"cf{k}": usd_log(one) for k, one in enumerate(data, 1)}, given)
 
 
@@ -154,7 +154,7 @@ def test_a_hole_of_a_log_is_marked() -> None:
 
 
 def test_a_map_comes_before_the_firmwares_names_and_lacking_positions_are_named() -> None:
-    found = flight(new_format(2), z=(Source("stateEstimate.x", 2.0, 1.0),))
+    found = flight(new_format(2), z=(SourceColumn("stateEstimate.x", 2.0, 1.0),))
     np.testing.assert_allclose(found["cf1_z"], 2.0 * found["cf1_x"] + 1.0, atol=1e-9)
     with pytest.raises(ValueError, match=r"cf1 logs no z; .* it logs stateEstimate.x"):
-        flight(new_format(2), z=(Source("none"),))
+        flight(new_format(2), z=(SourceColumn("none"),))

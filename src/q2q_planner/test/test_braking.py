@@ -9,7 +9,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.braking import BrakingLaw, Motions, motion_after, stays_out
-from q2q_planner.online.safe.broad_phase import Limits, Pairs, Room, broad_phase
+from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 
 BRAKE = 3.0
 LAW = BrakingLaw(0.2, 1.1, BRAKE)
@@ -92,9 +92,13 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
     ways = (
         fast * (0.1 + 0.5 * fast / BRAKE) + growth[:, 0] + growth[:, 1] * (0.1 + (fast.max() + 0.1) / BRAKE)
     )
-    limits = Limits(12, 0.2, 1.1, 100.0, 2.0, 2.0 * BRAKE)
+    space = StoppingSpace(ways, growth)
+    limits = SweepLimits(12, 0.2, 1.1, 100.0, 2.0, 2.0 * BRAKE)
     found = set(
-        zip(*(rows.tolist() for rows in broad_phase(pos, vel, Room(ways, growth), limits)), strict=True)
+        zip(
+            *(rows.tolist() for rows in broad_phase(pos, vel, space, limits)),
+            strict=True,
+        )
     )
     bound = np.minimum(np.abs(acc), BRAKE / np.sqrt(3.0)) * np.sign(acc)
     for i in range(12):

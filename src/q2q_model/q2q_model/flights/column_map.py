@@ -25,7 +25,7 @@ GRAM_FORCE = 1e-3 * GRAVITY
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class SourceColumn:
     """Column that one of ours is made of: scale * column + offset."""
 
     name: str
@@ -33,15 +33,15 @@ class Source:
     offset: float = 0.0
 
 
-ColumnMap = Mapping[str, tuple[Source, ...]]
+ColumnMap = Mapping[str, tuple[SourceColumn, ...]]
 """Column of ours -> its possible sources, the first present one counts."""
 
 
-def _of(prefix: str, fields: Mapping[str, str], scale: float = 1.0) -> dict[str, Source]:
-    return {ours: Source(f"{prefix}.{theirs}", scale) for ours, theirs in fields.items()}
+def _of(prefix: str, fields: Mapping[str, str], scale: float = 1.0) -> dict[str, SourceColumn]:
+    return {ours: SourceColumn(f"{prefix}.{theirs}", scale) for ours, theirs in fields.items()}
 
 
-def _joined(*maps: Mapping[str, Source]) -> ColumnMap:
+def _joined(*maps: Mapping[str, SourceColumn]) -> ColumnMap:
     names = dict.fromkeys(ours for one in maps for ours in one)
     return {ours: tuple(one[ours] for one in maps if ours in one) for ours in names}
 
@@ -56,17 +56,17 @@ FIRMWARE: ColumnMap = _joined(
     _of("stateEstimate", {**_POS, **_VEL, "qx": "qx", "qy": "qy", "qz": "qz", "qw": "qw"}),
     _of("stateEstimate", _ACC, GRAVITY),  # in g, gravity taken off
     _of("stateEstimateZ", {**_POS, **_VEL, "ax": "ax", "ay": "ay"}, 1e-3),
-    {"az": Source("stateEstimateZ.az", 1e-3, -GRAVITY)},  # with gravity
+    {"az": SourceColumn("stateEstimateZ.az", 1e-3, -GRAVITY)},  # with gravity
     _of("gyro", _GYRO, math.radians(1.0)),
     _of("stateEstimateZ", _RATES, 1e-3),
     _of("ctrltarget", _REF),
     _of("ctrltargetZ", _REF, 1e-3),
     _of("motor", _MOTORS, 1.0 / FULL_PWM),
     _of("pwm", {ours: f"{theirs}_pwm" for ours, theirs in _MOTORS.items()}, 1.0 / FULL_PWM),
-    {"vbat": Source("pm.vbat")},
-    {"vbat": Source("pm.vbatMV", 1e-3)},
-    {"thrust_cmd": Source("motor.thrust")},
-    {"fa_ff": Source("ctrlFa.Faz", GRAM_FORCE)},
+    {"vbat": SourceColumn("pm.vbat")},
+    {"vbat": SourceColumn("pm.vbatMV", 1e-3)},
+    {"thrust_cmd": SourceColumn("motor.thrust")},
+    {"fa_ff": SourceColumn("ctrlFa.Faz", GRAM_FORCE)},
 )
 """Log variables of the firmware (units: q2q_sim.crtp.tables.log_table), and of aerorobotics/neural-swarm."""
 
@@ -88,7 +88,7 @@ def load_column_map(path: Path) -> ColumnMap:
     return {str(ours): (_source(path, ours, value),) for ours, value in columns.items()}
 
 
-def _source(path: Path, ours: object, value: object) -> Source:
+def _source(path: Path, ours: object, value: object) -> SourceColumn:
     given = value if isinstance(value, dict) else {"from": value}
     unknown = set(given) - {"from", "scale", "offset"}
     name, scale, offset = given.get("from"), given.get("scale", 1.0), given.get("offset", 0.0)
@@ -96,7 +96,7 @@ def _source(path: Path, ours: object, value: object) -> Source:
         raise ValueError(f"{path}: columns.{ours} = {value!r}; give a name, or from, scale and offset")
     if not (_is_finite(scale) and _is_finite(offset)):
         raise ValueError(f"{path}: columns.{ours}: scale {scale}, offset {offset}; give finite numbers")
-    return Source(name, float(scale), float(offset))
+    return SourceColumn(name, float(scale), float(offset))
 
 
 def _is_finite(value: object) -> TypeGuard[float]:

@@ -25,7 +25,7 @@ class Pairs(NamedTuple):
     """Rows of the swarm or of external vehicles, (pairs,)."""
 
 
-class Room(NamedTuple):
+class StoppingSpace(NamedTuple):
     """Space that each row may need."""
 
     ways: Array
@@ -34,7 +34,7 @@ class Room(NamedTuple):
     """g0 [m] and g1 [m/s], (rows, 2)."""
 
 
-class Limits(NamedTuple):
+class SweepLimits(NamedTuple):
     """Limits of the sweep."""
 
     own: int
@@ -49,21 +49,21 @@ class Limits(NamedTuple):
     """Largest push of a pair [m/s^2]."""
 
 
-def broad_phase(pos: Array, vel: Array, room: Room, limits: Limits) -> Pairs:
+def broad_phase(pos: Array, vel: Array, room: StoppingSpace, limits: SweepLimits) -> Pairs:
     """Return rows i < j, i of the swarm, of all pairs that can affect each other.
 
     Args:
         pos: [m], (rows, 3); a row with NaN is in no pair.
         vel: [m/s], (rows, 3).
         room: space that each row may need.
-        limits: see Limits.
+        limits: see SweepLimits.
     """
     order = np.argsort(pos[:, 0])  # NaN sorts last
     return _sweep(np.ascontiguousarray(pos), np.ascontiguousarray(vel), order, room, limits)
 
 
 @compiled
-def _sweep(pos: Array, vel: Array, order: Rows, room: Room, limits: Limits) -> Pairs:
+def _sweep(pos: Array, vel: Array, order: Rows, room: StoppingSpace, limits: SweepLimits) -> Pairs:
     ways, growth = room.ways, room.growth
     first, second = np.empty(4 * len(order), np.intp), np.empty(4 * len(order), np.intp)
     count = 0

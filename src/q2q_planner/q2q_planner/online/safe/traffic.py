@@ -15,7 +15,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array, SwarmSetpoint
 from q2q_planner.online.safe.braking import Motions, motion_after
-from q2q_planner.online.safe.broad_phase import Limits, Pairs, Room, broad_phase
+from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 from q2q_planner.online.safe.committed_motion import SNAP_POS, SNAP_VEL, CommittedMotion, Mask, near_reference
 from q2q_planner.online.safe.last_known_states import KnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -156,8 +156,8 @@ def _with_pairs(
     reach = (
         params.eps + params.margin + 2.0 * max(float(ways.max()), float(whole.growth[:, 0].max()) + approach)
     )
-    limits = Limits(whole.own, params.eps, params.d, reach, params.approach, 2.0 * params.acc_max)
-    return replace(whole, pairs=broad_phase(whole.pos, whole.vel, Room(ways, whole.growth), limits))
+    limits = SweepLimits(whole.own, params.eps, params.d, reach, params.approach, 2.0 * params.acc_max)
+    return replace(whole, pairs=broad_phase(whole.pos, whole.vel, StoppingSpace(ways, whole.growth), limits))
 
 
 def _ways_to_rest(traffic: TrafficTable, params: SafeReplannerParams) -> tuple[Array, float]:
