@@ -17,7 +17,7 @@ from q2q_control.crazyswarm.crazyflies import crazyflies_from_document
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.message_conversion import NamedPose, frame_of, legacy_twists, poses_of
 from q2q_control.radio.rpyt_scale import LegacyScale
-from q2q_control.ros.crazyswarm_node import POSES_OUT, Crazyswarm
+from q2q_control.ros.crazyswarm_bridge import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
 from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.rehearsal import rehearsal
@@ -230,7 +230,7 @@ def test_the_tutorials_file_has_two_vehicles_to_fly_and_a_wand_to_leave_alone() 
 
 
 def test_poses_that_would_go_round_and_missing_vehicles_are_refused() -> None:
-    with pytest.raises(ValueError, match="would go round"):
+    with pytest.raises(ValueError, match="would circulate"):
         CrazyswarmParams(poses_in="/poses", poses_out="/poses")
     with pytest.raises(ValueError, match="no vehicles"):
         Crazyswarm(_Node(vehicles=()))

@@ -27,10 +27,10 @@ from q2q_control.flight_procedure.supervisor_info import READY
 from q2q_control.radio.cflib_link import OnboardPose
 from q2q_control.radio.firmware_params import difference
 from q2q_control.radio.link import CflibSender, LinkHealth
-from q2q_control.ros import procedure_services, radio_node, radio_topics, server_vehicles
-from q2q_control.ros.crazyswarm_node import Crazyswarm
+from q2q_control.ros import procedure_services, radio_topics, radio_wiring, server_vehicles
+from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
-from q2q_control.ros.radio_node import RadioNode
+from q2q_control.ros.radio_wiring import RadioNode
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.signals.values import MocapFrame
 from q2q_model.trajectory.polynomials import SwarmPlan
@@ -94,7 +94,7 @@ class _Link(CflibSender):
     def keep_open(self) -> None:
         """Stay open."""
 
-    def said(self) -> list[str]:
+    def log_lines(self) -> list[str]:
         return []
 
     def close(self) -> None:
@@ -122,10 +122,10 @@ def by_radio(monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, **g
         parts = Commander(wire), HighLevelCommander(wire), Localization(wire), Supervisor(wire)
         return flown.links.setdefault(name, _Link(*parts, firmware, params))
 
-    monkeypatch.setattr(radio_node, "CflibLink", link)
+    monkeypatch.setattr(radio_wiring, "CflibLink", link)
     monkeypatch.setattr(radio_topics.RadioTopics, "other_radios", lambda _: "")
     monkeypatch.setattr(radio_topics.RadioTopics, "publish", lambda *_: None)
-    room.clock(radio_node, procedure_services)
+    room.clock(radio_wiring, procedure_services)
     uris = tuple(f"udp://127.0.0.1:{19850 + k}" for k in range(2))
     vehicle = room.scenario.vehicle.name
     room.start("radio", {"vehicles": NAMES, "uris": uris, "vehicle": vehicle, **given}, RadioNode, {})
@@ -305,7 +305,7 @@ def test_a_parameter_that_a_vehicle_does_not_hold_refuses_the_take_off(
     flown.room.wait(1.5)
     flown.links["cf2"].firmware.parameters.set("stabilizer.controller", 1)
     refusal = flown.room.call(Call.TAKE_OFF)
-    assert "cf2: its stabilizer.controller is 1: 2 is wanted" in refusal.reason
+    assert "cf2: its stabilizer.controller is 1, expected 2" in refusal.reason
     flown.room.wait(1.0)
     assert flown.room.highest() < 0.01
 
@@ -464,7 +464,7 @@ REFUSED_BY_WHAT_THE_SERVER_TELLS = [
         {"held": {"ctrlMel.mass": 0.034, "ctrlMel.massThrust": 132000.0}},
         "cf1 would be sent 68 % of the thrust",
     ),
-    ({"held": {"stabilizer.controller": 1.0}}, "cf1: its stabilizer.controller is 1: 2 is wanted"),
+    ({"held": {"stabilizer.controller": 1.0}}, "cf1: its stabilizer.controller is 1, expected 2"),
 ]
 
 

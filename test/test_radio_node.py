@@ -229,7 +229,7 @@ def test_a_parameter_that_a_vehicle_does_not_hold_is_named_with_both_values() ->
     wanted = firmware_params(("locSrv.extPosStdDev=1e-3",), "setpoint")
     held = {"stabilizer.controller": 2.0, "locSrv.extPosStdDev": float(np.float32(1e-3))}
     assert not difference(wanted, held)
-    assert "its stabilizer.controller is 1: 2 is wanted" in difference(
+    assert "its stabilizer.controller is 1, expected 2" in difference(
         wanted, held | {"stabilizer.controller": 1.0}
     )
     assert "its locSrv.extPosStdDev is nan: 0.001" in difference(wanted, {"stabilizer.controller": 2.0})

@@ -20,9 +20,10 @@ from cflib.crazyflie.supervisor import Supervisor
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import CflibSender, LinkHealth
 from q2q_control.radio.pilot_params import RadioPilotParams
-from q2q_control.radio.radio_pilot import Phase, RadioPilot
+from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.radio.setpoints import full_states, level_rpyt, rpyt_setpoints
+from q2q_control.radio.vehicle_record import Phase
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
@@ -111,7 +112,7 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
         wanted = setpoint_at(blocks.plan, t)
         aware = downwash if mode != "ignoring" else None
         pilot.watch(t)
-        pilot.places(state, t)
+        pilot.update_state(state, t)
         if k == 1:  # the filter trusts no first sample
             for act in (Act.ARM, Act.STREAM):
                 pilot.begin(Order(act), t)

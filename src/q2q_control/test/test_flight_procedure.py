@@ -77,7 +77,7 @@ class _Bench:
             for order in self.procedure.orders():
                 self._obey(order)
             self.replies += self.procedure.replies()
-            self.said += self.procedure.said()
+            self.said += self.procedure.log_lines()
 
     def answer(self) -> Reply:
         assert len(self.replies) == 1, self.replies

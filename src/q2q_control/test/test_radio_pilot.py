@@ -15,7 +15,7 @@ from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_executor import RadioExecutor
-from q2q_control.radio.radio_pilot import Phase, RadioPilot
+from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.radio.setpoints import (
     ZERO_STICK,
@@ -26,6 +26,7 @@ from q2q_control.radio.setpoints import (
     names_cut,
     rpyt_setpoints,
 )
+from q2q_control.radio.vehicle_record import Phase
 from q2q_model.geometry.rotations import euler_from_quat
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import (
@@ -94,7 +95,7 @@ class _Bench:
         self.pilot.watch(self.t)
 
     def see(self, status: TrackStatus = TrackStatus.TRACKED) -> None:
-        self.pilot.places(state(self.t, status), self.t)
+        self.pilot.update_state(state(self.t, status), self.t)
 
     def fly(self) -> None:
         self.see()
@@ -245,7 +246,7 @@ def test_a_link_lost_in_flight_is_silent_until_a_new_start_and_the_other_flies_o
     bench.rpyt_setpoints()
     assert len(bench.links["cf1"].sent) == count
     assert bench.pilot.phases == {"cf1": Phase.READY, "cf2": Phase.FLYING}
-    assert any("cf1 is lost in flight" in line for line in bench.pilot.said())
+    assert any("cf1 is lost in flight" in line for line in bench.pilot.log_lines())
     assert bench.links["cf2"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
 
 
@@ -280,7 +281,7 @@ def test_a_vehicle_without_commands_is_levelled_within_60_ms_and_lands_after_a_s
     assert bench.pilot.phases["cf1"] is Phase.FLYING
     assert bench.silent_until(0.04, seen=True)[-1] == ("land", LANDING_S[0])
     assert bench.pilot.phases["cf1"] is Phase.LANDING
-    assert any("no command for 1.0 s" in line for line in bench.pilot.said())
+    assert any("no command for 1.0 s" in line for line in bench.pilot.log_lines())
 
 
 def test_a_word_that_none_will_come_levels_a_look_earlier_and_never_after_a_fresh_command() -> None:
@@ -352,7 +353,7 @@ def test_a_landing_takes_as_long_as_the_height_asks_for_and_no_less_than_land_s(
     bench.fly()
     low = state(bench.t)
     low.pos[:, 2] = [0.5, 2.0]
-    bench.pilot.places(low, bench.t)
+    bench.pilot.update_state(low, bench.t)
     bench.pilot.land(bench.t)
     least = LandingParams().land_s
     assert [bench.links[name].sent[-1] for name in NAMES] == [("land", least), ("land", 2.0 / 0.4)]
@@ -395,14 +396,14 @@ def test_a_vehicle_that_stopped_for_good_is_no_longer_flown() -> None:
     bench.links["cf1"].now = replace(WELL, locked=True)
     bench.pilot.watch(bench.t)
     assert bench.pilot.phases["cf1"] is Phase.READY
-    assert any("must be restarted" in line for line in bench.pilot.said())
+    assert any("must be restarted" in line for line in bench.pilot.log_lines())
 
 
 def test_places_are_sent_once_a_frame_and_only_where_measured() -> None:
     bench = _Bench()
     for t in (1.0, 1.0, 1.01):
-        bench.pilot.places(state(t), bench.t)
-    bench.pilot.places(state(1.02, TrackStatus.COASTING), bench.t)
+        bench.pilot.update_state(state(t), bench.t)
+    bench.pilot.update_state(state(1.02, TrackStatus.COASTING), bench.t)
     expected = ("place", (4.0, 5.0, 6.0), (0.0, 0.0, 0.0, 1.0))
     assert bench.links["cf2"].sent == [expected, expected]
 
@@ -411,7 +412,7 @@ def test_a_place_that_is_no_number_and_a_stranger_are_passed_over() -> None:
     bench = _Bench()
     one = state(1.0)
     one.pos[0, 1] = np.nan
-    bench.pilot.places(replace(one, names=("cf1", "stranger")), bench.t)
+    bench.pilot.update_state(replace(one, names=("cf1", "stranger")), bench.t)
     assert bench.links["cf1"].sent == bench.links["cf2"].sent == []
 
 

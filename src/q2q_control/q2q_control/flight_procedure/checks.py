@@ -16,52 +16,54 @@ from q2q_model.signals.values import Array
 AXES = "xyz"
 
 
-def connection_refusal(seen: Observation) -> str:
+def connection_refusal(observation: Observation) -> str:
     """Return which vehicles are not connected."""
-    offline = [one.name for one in seen.vehicles if not one.connected]
+    offline = [one.name for one in observation.vehicles if not one.connected]
     return f"{', '.join(offline)} offline: check URI, battery and radio" if offline else ""
 
 
-def take_off_refusal(seen: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
+def take_off_refusal(observation: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
     """Return why vehicles on the ground may not take off."""
     checks: tuple[Callable[[], str], ...] = (
-        lambda: connection_refusal(seen),
-        lambda: _first(_said(one, params) for one in seen.vehicles),
-        lambda: state_refusal(seen, landing),
-        lambda: _first(_estimates(seen, params)),
-        lambda: _first(_thrust(one, params) for one in seen.vehicles),
-        lambda: _first(_standing(seen, params)),
-        lambda: apart_refusal(seen.names, seen.pos, params.apart),
-        lambda: _first(_places(seen, params)),
-        lambda: _first(_extent(seen, params)),
+        lambda: connection_refusal(observation),
+        lambda: _first(_vehicle_refusal(one, params) for one in observation.vehicles),
+        lambda: state_refusal(observation, landing),
+        lambda: _first(_estimates(observation, params)),
+        lambda: _first(_thrust(one, params) for one in observation.vehicles),
+        lambda: _first(_standing(observation, params)),
+        lambda: apart_refusal(observation.names, observation.pos, params.apart),
+        lambda: _first(_places(observation, params)),
+        lambda: _first(_extent(observation, params)),
     )
     return _first(check() for check in checks)
 
 
-def join_refusal(seen: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
+def join_refusal(observation: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
     """Return why vehicles may not fly the present setpoints from their positions."""
     return (
-        connection_refusal(seen)
-        or _first(_said(one, params) for one in seen.vehicles)
-        or state_refusal(seen, landing)
-        or setpoint_refusal(seen, params.start_near, landing)
+        connection_refusal(observation)
+        or _first(_vehicle_refusal(one, params) for one in observation.vehicles)
+        or state_refusal(observation, landing)
+        or setpoint_refusal(observation, params.start_near, landing)
     )
 
 
-def state_refusal(seen: Observation, landing: LandingParams) -> str:
+def state_refusal(observation: Observation, landing: LandingParams) -> str:
     """Return which vehicle has no fresh state."""
-    for name, age in zip(seen.names, seen.age.tolist(), strict=True):
+    for name, age in zip(observation.names, observation.age.tolist(), strict=True):
         if not age <= landing.stale_s:
             found = f"its last is {age:.2f} s old" if np.isfinite(age) else "it was never measured"
             return f"{name} has no state younger than {landing.stale_s:g} s ({found}): check motion capture"
     return ""
 
 
-def setpoint_refusal(seen: Observation, near: float, landing: LandingParams) -> str:
+def setpoint_refusal(observation: Observation, near: float, landing: LandingParams) -> str:
     """Return which vehicle has no fresh setpoint, or one farther than `near` [m]."""
-    if not seen.wanted_age <= landing.stale_s:
+    if not observation.wanted_age <= landing.stale_s:
         return f"no setpoint younger than {landing.stale_s:g} s: start trajectory and replanner"
-    for name, far in zip(seen.names, _norm(seen.pos - seen.wanted).tolist(), strict=True):
+    for name, far in zip(
+        observation.names, _norm(observation.pos - observation.wanted).tolist(), strict=True
+    ):
         if not far <= near:
             found = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"
             return f"{name} {found}: {near:.2f} m is the most; call take_off, then fly"
@@ -77,7 +79,7 @@ def apart_refusal(names: tuple[str, ...], pos: Array, apart: float) -> str:
     return ""
 
 
-def unchecked(seen: Observation) -> str:
+def unchecked(observation: Observation) -> str:
     """Return what could not be checked because vehicles do not report it; empty if all could."""
     silent: dict[str, Callable[[VehicleReport], bool]] = {
         "battery": lambda one: bool(np.isnan(one.volt)),
@@ -85,12 +87,15 @@ def unchecked(seen: Observation) -> str:
         "own estimate": lambda one: one.onboard is None,
         "thrust scale": lambda one: bool(np.isnan(one.hover_ratio)),
     }
-    of = {what: [one.name for one in seen.vehicles if is_silent(one)] for what, is_silent in silent.items()}
+    of = {
+        what: [one.name for one in observation.vehicles if is_silent(one)]
+        for what, is_silent in silent.items()
+    }
     missing = [f"{what} of {', '.join(names)}" for what, names in of.items() if names]
     return f"not checked: {'; '.join(missing)}" if missing else ""
 
 
-def _said(one: VehicleReport, params: FlightProcedureParams) -> str:
+def _vehicle_refusal(one: VehicleReport, params: FlightProcedureParams) -> str:
     if one.locked:
         return f"{one.name} is locked: restart it"
     if np.isnan(one.volt) and params.volt_start > 0.0:
@@ -100,8 +105,8 @@ def _said(one: VehicleReport, params: FlightProcedureParams) -> str:
     return f"{one.name}: {one.wrong}" if one.wrong else ""
 
 
-def _estimates(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
-    for one, pos in zip(seen.vehicles, seen.pos, strict=True):
+def _estimates(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:
+    for one, pos in zip(observation.vehicles, observation.pos, strict=True):
         if one.onboard is None:
             continue
         far = float(_norm(np.array(one.onboard) - pos))
@@ -120,35 +125,36 @@ def _thrust(one: VehicleReport, params: FlightProcedureParams) -> str:
     return f"{one.name} {sent}: {allowed}; check `vehicle`, `firmware`, ctrlMel.mass and ctrlMel.massThrust"
 
 
-def _standing(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
-    heights, speeds = seen.pos[:, 2] - params.ground, _norm(seen.vel)
-    for name, height, speed in zip(seen.names, heights.tolist(), speeds.tolist(), strict=True):
+def _standing(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:
+    heights, speeds = observation.pos[:, 2] - params.ground, _norm(observation.vel)
+    for name, height, speed in zip(observation.names, heights.tolist(), speeds.tolist(), strict=True):
         if not abs(height) <= params.near_ground:
             yield f"{name} is {height:.2f} m above the ground: it must stand on it; set `ground`"
         if not speed <= params.still_speed:
             yield f"{name} moves at {speed:.2f} m/s: it must stand still"
 
 
-def _places(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
-    if seen.plan is None:
+def _places(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:
+    if observation.plan is None:
         yield "no plan is waiting: start trajectory with a plan and wait:=true"
         return
-    if set(seen.plan.names) != set(seen.names):
-        yield f"the plan is for {', '.join(seen.plan.names)}, the vehicles are {', '.join(seen.names)}"
+    if set(observation.plan.names) != set(observation.names):
+        planned, flown = ", ".join(observation.plan.names), ", ".join(observation.names)
+        yield f"the plan is for {planned}, the vehicles are {flown}"
         return
-    off = seen.pos[:, :2] - seen.first_points()[:, :2]
-    for name, far in zip(seen.names, _norm(off).tolist(), strict=True):
+    off = observation.pos[:, :2] - observation.first_points()[:, :2]
+    for name, far in zip(observation.names, _norm(off).tolist(), strict=True):
         if not far <= params.start_near:
             yield f"{name} is {far:.2f} m from its first point: {params.start_near:.2f} m is the most"
 
 
-def _extent(seen: Observation, params: FlightProcedureParams) -> Iterator[str]:
-    if seen.plan is None:
+def _extent(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:
+    if observation.plan is None:
         return
     low, high = np.array(params.room[:3]), np.array(params.room[3:])
-    for row, name in enumerate(seen.plan.names):
+    for row, name in enumerate(observation.plan.names):
         for axis in range(3):
-            least, most = float(seen.plan.low[row, axis]), float(seen.plan.high[row, axis])
+            least, most = float(observation.plan.low[row, axis]), float(observation.plan.high[row, axis])
             if least < low[axis] or most > high[axis]:
                 reach = f"{AXES[axis]} from {least:.2f} to {most:.2f} m"
                 yield f"{name} would fly {reach}: the room is {low[axis]:g} to {high[axis]:g} m"

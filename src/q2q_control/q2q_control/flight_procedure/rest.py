@@ -26,32 +26,34 @@ class Rest:
 
 
 def at_height(
-    seen: Observation,
+    observation: Observation,
     height: float,
     params: FlightProcedureParams,
     landing: LandingParams,
     near: float | None = None,
 ) -> str:
     """Return which vehicle is not at rest at a height [m]; empty if all are."""
-    points = np.column_stack([seen.pos[:, :2], np.full(len(seen.names), height)])
-    return at_points(seen, points, params, landing, near)
+    points = np.column_stack([observation.pos[:, :2], np.full(len(observation.names), height)])
+    return at_points(observation, points, params, landing, near)
 
 
 def at_points(
-    seen: Observation,
+    observation: Observation,
     points: Array,
     params: FlightProcedureParams,
     landing: LandingParams,
     near: float | None = None,
 ) -> str:
     """Return which vehicle is not at rest within `near` (params.reached) of its point (n, 3) [m]."""
-    stale = state_refusal(seen, landing)
+    stale = state_refusal(observation, landing)
     if stale:
         return stale
     bound = params.reached if near is None else near
-    far = np.linalg.norm(seen.pos - points, axis=1).tolist()
-    speed = np.linalg.norm(seen.vel, axis=1).tolist()
-    for name, height, off, fast in zip(seen.names, seen.pos[:, 2].tolist(), far, speed, strict=True):
+    far = np.linalg.norm(observation.pos - points, axis=1).tolist()
+    speed = np.linalg.norm(observation.vel, axis=1).tolist()
+    for name, height, off, fast in zip(
+        observation.names, observation.pos[:, 2].tolist(), far, speed, strict=True
+    ):
         if not off <= bound:
             return f"{name} is at {height:.2f} m, {off:.2f} m from where it should be"
         if not fast <= params.still_speed:
@@ -59,8 +61,20 @@ def at_points(
     return ""
 
 
-def places(seen: Observation) -> str:
+def setpoints_rest(
+    observation: Observation, params: FlightProcedureParams, points: Array | None = None
+) -> bool:
+    """Return whether setpoints are 100 times slower than a vehicle at rest, and at `points` (n, 3) [m]."""
+    still = np.linalg.norm(observation.wanted_vel, axis=1) < 0.01 * params.still_speed
+    if points is None:
+        return bool(still.all())
+    near = np.linalg.norm(observation.wanted - points, axis=1) < 0.1 * params.reached
+    return bool(near.all() and still.all())
+
+
+def places(observation: Observation) -> str:
     """Return the height of every vehicle as text."""
     return ", ".join(
-        f"{name} at {height:.2f} m" for name, height in zip(seen.names, seen.pos[:, 2].tolist(), strict=True)
+        f"{name} at {height:.2f} m"
+        for name, height in zip(observation.names, observation.pos[:, 2].tolist(), strict=True)
     )

@@ -1,23 +1,20 @@
-"""Reach vehicles through cflib, at any URI it knows (radio://, udp://, usb://).
+"""Link to a vehicle through cflib, at any URI it supports (radio://, udp://, usb://).
 
-cflib is needed only when a link is made. Each link has a thread of its own, because cflib's radio driver
-blocks while the radio is busy: what is to be sent waits in a mailbox where a newer stick or place replaces an
-older one, so that a slow radio costs rate, not delay.
+cflib is imported only when a link is created. Packets are sent by the thread of a mailbox
+(q2q_control.radio.mailbox).
 """
 
 import logging
 import math
-import threading
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
-from itertools import count
 from time import monotonic
 from typing import TYPE_CHECKING
 
 from q2q_control.flight_procedure.supervisor_info import LOCKED, READY
 from q2q_control.radio.firmware_params import TableEntry, difference, unsettable
 from q2q_control.radio.link import CflibSender, LinkHealth
+from q2q_control.radio.mailbox import Mailbox
 from q2q_control.radio.ping_share import PingShare
 from q2q_control.radio.setpoints import FullState, RpytSetpoint
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
@@ -30,11 +27,11 @@ if TYPE_CHECKING:
 HEALTH_MS, POSE_MS = 100, 100
 """Periods of the log blocks."""
 SILENT_S = 1.0
-"""A link over which nothing has come for this long is lost [s]."""
+"""Time without a packet after which a link is lost [s]."""
 PING = (15, 0)
 """Port and channel of cflib's pings."""
 AGAIN_S = 3.0
-"""One over which nothing has come for this long is opened again [s]."""
+"""Time without a packet after which a link is reopened [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,72 +52,24 @@ class _Known:
     info: int = 0
     quality: float = math.nan
     pose: OnboardPose | None = None
-    heard: float = -math.inf
-    """When a packet last came [s]."""
+    received: float = -math.inf
+    """Time of the last packet [s]."""
     own_hover: OwnHover | None = None
     held: dict[str, float] = field(default_factory=dict)
-    """What it answers of the parameters that were set."""
+    """Values read back of the parameters that were set."""
     refused: list[str] = field(default_factory=list)
-    """Why it cannot be given parameters, or does not log what is needed."""
-    words: list[str] = field(default_factory=list)
-    """Whole lines."""
+    """Why parameters cannot be set, or required values are not logged."""
+    console: list[str] = field(default_factory=list)
+    """Complete console lines."""
     line: str = ""
-    """What its console has begun."""
-
-
-class Mailbox:
-    """Newest packet of each kind, sent from a thread of its own."""
-
-    def __init__(self, name: str) -> None:
-        self._waiting: dict[str, Callable[[], None]] = {}
-        self._serial = count()
-        self._change = threading.Condition()
-        self._ended = False
-        self._thread = threading.Thread(target=self._run, name=f"radio {name}", daemon=True)
-        self._thread.start()
-
-    def put(self, kind: str, send: Callable[[], None]) -> None:
-        """Send this soon, instead of what waits of the same kind."""
-        with self._change:
-            self._waiting.pop(kind, None)
-            self._waiting[kind] = send
-            self._change.notify()
-
-    def put_once(self, send: Callable[[], None]) -> None:
-        """Send this soon, whatever else waits."""
-        self.put(f"once {next(self._serial)}", send)
-
-    def put_first(self, send: Callable[[], None]) -> None:
-        """Send this next, instead of all that waits."""
-        with self._change:
-            self._waiting.clear()
-        self.put_once(send)
-
-    def close(self) -> None:
-        """Send what waits, then nothing more."""
-        with self._change:
-            self._ended = True
-            self._change.notify()
-        self._thread.join(timeout=5.0)
-
-    def _run(self) -> None:
-        while True:
-            with self._change:
-                while not self._waiting and not self._ended:
-                    self._change.wait()
-                if not self._waiting:
-                    return
-                kind = next(iter(self._waiting))
-                send = self._waiting.pop(kind)
-            with suppress(OSError):  # the link says by itself when it is lost
-                send()
+    """Incomplete console line."""
 
 
 class CflibLink:
     """Link to one vehicle; it reconnects when it is lost."""
 
     def __init__(self, name: str, uri: str, firmware_params: Mapping[str, float], cache: str = "") -> None:
-        """Open the link; `firmware_params` are set once it is connected, `cache` keeps the tables.
+        """Open the link; `firmware_params` are set once connected, `cache` is a folder for the tables.
 
         Raises:
             ValueError: cflib is not installed.
@@ -136,29 +85,31 @@ class CflibLink:
         self._sender = CflibSender(one.commander, one.high_level_commander, one.loc, one.supervisor)
         one.fully_connected.add_callback(self._connected)
         one.disconnected.add_callback(self._lost)
-        one.packet_received.add_callback(self._heard)
-        one.connection_failed.add_callback(lambda _, why: self._known.words.append(str(why).splitlines()[0]))
+        one.packet_received.add_callback(self._on_packet)
+        one.connection_failed.add_callback(
+            lambda _, why: self._known.console.append(str(why).splitlines()[0])
+        )
         for parameter in self._params:
             one.param.add_update_callback(*parameter.split(".", 1), self._read_back)
         one.console.receivedChar.add_callback(self._read)
         one.link_statistics.link_quality_updated.add_callback(self._quality)
-        if uri.startswith("udp://"):  # its driver tells of no quality
+        if uri.startswith("udp://"):  # its driver reports no quality
             one.packet_sent.add_callback(self._count_ping)
             one.link_statistics.latency_updated.add_callback(self._count_answer)
         self._mailbox = Mailbox(name)
         self.keep_open()
 
     def keep_open(self) -> None:
-        """Open the link again if it is lost; call now and then."""
-        silent = monotonic() - max(self._known.heard, self._opened_at)
+        """Reopen the link if it is lost; call periodically."""
+        silent = monotonic() - max(self._known.received, self._opened_at)
         if silent > AGAIN_S:
             self._opened_at = monotonic()
             self._mailbox.put("open", self._reopen)
 
-    def said(self) -> list[str]:
-        """Return, and forget, what the vehicle wrote on its console and why links failed."""
-        words, self._known.words = self._known.words, []
-        return [word for word in words if word]
+    def log_lines(self) -> list[str]:
+        """Return and clear the vehicle's console lines and the reasons of failed connections."""
+        lines, self._known.console = self._known.console, []
+        return [line for line in lines if line]
 
     @property
     def pose(self) -> OnboardPose | None:
@@ -171,10 +122,10 @@ class CflibLink:
         self._crazyflie.close_link()
 
     def health(self) -> LinkHealth:
-        """Return how the link and the vehicle are."""
+        """Return the health of link and vehicle."""
         one = self._known
         return LinkHealth(
-            connected=self._open and monotonic() - one.heard < SILENT_S,
+            connected=self._open and monotonic() - one.received < SILENT_S,
             volt=one.volt,
             quality=one.quality,
             armed=one.info & READY == READY,
@@ -185,7 +136,7 @@ class CflibLink:
         )
 
     def send_rpyt(self, stick: RpytSetpoint) -> None:
-        """Send roll, pitch, yaw rate, thrust; a stick without thrust is never replaced by a newer one."""
+        """Send roll, pitch, yaw rate, thrust; a zero setpoint is never replaced by a newer one."""
         if stick.pwm == 0:
             self._mailbox.put_once(lambda: self._sender.send_rpyt(stick))
         else:
@@ -200,23 +151,23 @@ class CflibLink:
         self._mailbox.put("place", lambda: self._sender.send_place(pos, quat))
 
     def arm(self) -> None:
-        """Ask the vehicle to arm."""
+        """Request arming."""
         self._mailbox.put_once(self._sender.arm)
 
     def disarm(self) -> None:
-        """Ask the vehicle to disarm."""
+        """Request disarming."""
         self._mailbox.put_once(self._sender.disarm)
 
     def take_off(self, height: float, duration: float) -> None:
-        """Let the vehicle climb by itself."""
+        """Command the onboard take-off."""
         self._mailbox.put_once(lambda: self._sender.take_off(height, duration))
 
     def land(self, duration: float) -> None:
-        """Let the vehicle land by itself, instead of what waits."""
+        """Command the onboard landing, before all that wait."""
         self._mailbox.put_first(lambda: self._sender.land(duration))
 
     def stop(self) -> None:
-        """Stop the motors for good, before anything else."""
+        """Stop the motors and lock them, before all that wait."""
         self._mailbox.put_first(self._sender.stop)
 
     def _wrong(self) -> str:
@@ -261,12 +212,12 @@ class CflibLink:
     def _read_back(self, name: str, value: str) -> None:
         self._known.held[name] = float(value)
 
-    def _heard(self, _: object) -> None:
-        self._known.heard = monotonic()
+    def _on_packet(self, _: object) -> None:
+        self._known.received = monotonic()
 
     def _read(self, text: str) -> None:
         *lines, self._known.line = (self._known.line + text).split("\n")
-        self._known.words += lines
+        self._known.console += lines
 
     def _log(self, name: str, period_ms: int, variables: Mapping[str, str], take: "_Take") -> None:
         config = _log_config(name, period_ms)
@@ -304,7 +255,7 @@ _Take = Callable[[Mapping[str, float]], None]
 
 
 def _crazyflie(cache: str) -> "Crazyflie":
-    """Return a new Crazyflie; raise ValueError where cflib is missing."""
+    """Return a new Crazyflie; raise ValueError if cflib is missing."""
     try:
         import cflib.crtp
         from cflib.crazyflie import Crazyflie
@@ -312,7 +263,9 @@ def _crazyflie(cache: str) -> "Crazyflie":
         raise ValueError(
             "cflib is not installed: `pip install cflib==0.1.34`, or scripts/setup --dev"
         ) from missing
-    logging.getLogger("cflib").setLevel(logging.ERROR)  # it warns of every lost link; the node says so itself
+    logging.getLogger("cflib").setLevel(
+        logging.ERROR
+    )  # it warns of every lost link, which the node logs itself
     cflib.crtp.init_drivers()
     return Crazyflie(rw_cache=cache or None)
 

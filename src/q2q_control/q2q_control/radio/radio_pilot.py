@@ -1,4 +1,4 @@
-"""Carry out the flight procedure's orders over the radio, vehicle by vehicle, and land or stop by itself.
+"""Pilot that executes the flight procedure's orders over the radio, and lands or stops vehicles by itself.
 
     OFFLINE <-> READY -- arm --> ARMING --> ARMED -- take off --> CLIMBING -- stream --> FLYING
                   ^                           |                      |                     |
@@ -6,29 +6,27 @@
 
 | event | what happens |
 |---|---|
-| armed | sticks: one without thrust unlocks the motors |
+| armed | a zero RPYT setpoint unlocks the thrust |
 | arming takes longer than arm_s | back to READY |
-| flying | every tick's command is sent; before that, none |
+| flying | the command of every tick is sent; before that, none |
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
-| battery below volt_land for volt_land_s | that vehicle lands by itself, whatever is commanded |
-| state older than stale_s | no place is sent; the firmware's estimate coasts |
-| a command says CUT | that vehicle's motors are stopped for good |
-| no command for silent_s | sticks: level at hover thrust; full states: a hover where it was last sent |
-| none for silent_land_s | it lands by itself |
-| the same, by stick without a fresh state | it sinks level, at the ladder's land_share of hover |
-| the same for silent_stop_s | its motors are stopped for good |
+| battery below volt_land for volt_land_s | the vehicle lands by itself, whatever is commanded |
+| state older than stale_s | no pose is sent; the firmware's estimate coasts |
+| command with status CUT | the vehicle's motors are stopped and locked |
+| no command for silent_s | RPYT: level at hover thrust; full states: hover at the last one |
+| none for silent_land_s | the vehicle lands by itself |
+| the same, with RPYT and no fresh state | it descends level, at the ladder's land_share of hover |
+| the same for silent_stop_s | its motors are stopped and locked |
 
-The last four keep the firmware's watchdog fed (it levels after 0.5 s and cuts after 2 s) while the radio
-lives and a controller does not; they begin with the first command in flight, and end with the next one
-that comes before the landing. Whether vehicles may be armed is the procedure's to say
-(q2q_control.flight_procedure).
+The last four rows keep the firmware's watchdog fed while the radio works and the controller does not; they
+start after the first command in flight, and end with the next command before the landing. The procedure
+decides whether vehicles may be armed (q2q_control.flight_procedure).
 
-A vehicle's place is sent once a frame, and only where it was measured in that frame.
+A vehicle's pose is sent once per frame, and only if it was measured in that frame.
 """
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
-from enum import Enum
+from dataclasses import replace
 
 import numpy as np
 
@@ -38,49 +36,13 @@ from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth, VehicleLink
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.setpoints import ZERO_STICK, FullState, RpytSetpoint
+from q2q_control.radio.vehicle_record import AIRBORNE, Phase, VehicleRecord
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmState, TrackStatus
 
 
-class Phase(Enum):
-    """Name what a vehicle is doing."""
-
-    OFFLINE = "offline"
-    READY = "ready"
-    ARMING = "arming"
-    ARMED = "armed"
-    CLIMBING = "climbing"
-    """By its own commander, which then holds it."""
-    FLYING = "flying"
-    LANDING = "landing"
-
-
-AIRBORNE = frozenset({Phase.CLIMBING, Phase.FLYING, Phase.LANDING})
-
-
-@dataclass(slots=True)
-class _Vehicle:
-    """Hold what the pilot remembers of a vehicle."""
-
-    phase: Phase = Phase.OFFLINE
-    since: float = 0.0
-    """When the phase began [s]."""
-    seen: float = -np.inf
-    """When the last state came that was measured [s]."""
-    low_since: float = np.inf
-    """Since when the battery is low [s]."""
-    heard: float = -np.inf
-    """When it was last commanded [s]; not since its start: never."""
-    height: float = 0.0
-    """Where it was last measured [m]."""
-    landing_s: float = 0.0
-    """How long its landing takes [s]."""
-    wanted: FullState | None = None
-    """The last full state it was sent."""
-
-
 class RadioPilot:
-    """Hold the phase of every vehicle."""
+    """Phases of all vehicles, and the pending order."""
 
     def __init__(
         self,
@@ -89,35 +51,35 @@ class RadioPilot:
         hover: RpytSetpoint | None,
         landing: LandingParams | None = None,
     ) -> None:
-        """Fly vehicles over their links: by sticks, `hover` the level one, or by full states where None."""
+        """Fly vehicles by RPYT setpoints, with the level one `hover`, or by full states if it is None."""
         self._links = dict(links)
         self._params = params
         self._landing = landing or LandingParams()
         self._order: Order | None = None
-        self._asked = -np.inf
+        self._ordered = -np.inf
         self._hover = hover
-        self._vehicles = {name: _Vehicle() for name in links}
+        self._vehicles = {name: VehicleRecord() for name in links}
         self._last_stamp = -np.inf
-        self._said: list[str] = []
+        self._log: list[str] = []
 
     @property
     def phases(self) -> dict[str, Phase]:
-        """Return every vehicle's phase."""
+        """Return the phase of every vehicle."""
         return {name: one.phase for name, one in self._vehicles.items()}
 
     @property
     def landing_s(self) -> float:
-        """Return how long the longest landing that has begun takes [s]."""
+        """Return the duration of the longest landing [s]."""
         return max((one.landing_s for one in self._vehicles.values()), default=0.0)
 
-    def said(self) -> list[str]:
-        """Return, and forget, what happened since the last call, a line each."""
-        lines, self._said = self._said, []
+    def log_lines(self) -> list[str]:
+        """Return and clear the log lines."""
+        lines, self._log = self._log, []
         return lines
 
     def begin(self, order: Order, t: float) -> None:
-        """Begin to carry out an order at time t [s]; `outcome` tells what became of it."""
-        self._order, self._asked = order, t
+        """Start executing an order at time t [s]; `outcome` returns its result."""
+        self._order, self._ordered = order, t
         if order.act is Act.ARM:
             self._each({Phase.READY}, self._arm_one, t)
         elif order.act is Act.TAKE_OFF:
@@ -134,7 +96,7 @@ class RadioPilot:
             self.stop(t)
 
     def outcome(self, t: float) -> Reply | None:
-        """Return what became of the last order by time t [s], once; None while that is not known."""
+        """Return the outcome of the last order by time t [s], once; None while it is unknown."""
         order = self._order
         if order is None:
             return None
@@ -144,66 +106,67 @@ class RadioPilot:
         return reply
 
     def land(self, t: float) -> bool:
-        """Let all vehicles in the air land by themselves; return whether there are any."""
+        """Land all flying vehicles by themselves; return whether there are any."""
         flying = self._in({Phase.CLIMBING, Phase.FLYING})
         for name in flying:
             self._land(name, t)
         return bool(flying)
 
     def stop(self, t: float) -> None:
-        """Stop all motors for good, whoever flies."""
+        """Stop and lock all motors."""
         for name, link in self._links.items():
             link.stop()
             if self._vehicles[name].phase is not Phase.OFFLINE:
                 self._enter(name, Phase.READY, t)
 
     def cut(self, names: Names, t: float) -> None:
-        """Stop the motors of these vehicles for good, where they fly."""
+        """Stop and lock the motors of these vehicles, if they fly."""
         for name in names:
             if name in self._vehicles and self._vehicles[name].phase in AIRBORNE:
                 self._links[name].stop()
                 self._enter(name, Phase.READY, t)
 
     def watch(self, t: float, ahead: float = 0.0) -> None:
-        """Look at links, batteries and silence at time t [s].
+        """Check links, batteries and missing commands at time t [s].
 
         Args:
             t: now [s].
-            ahead: take a command as missing that will be within this time [s], where none is going to come.
+            ahead: a command that will be missing within this time [s] counts as missing, if its writer is
+            gone.
         """
         for name, one in self._vehicles.items():
             self._watch(name, one, self._links[name].health(), t)
             if one.phase is Phase.FLYING:
                 self._watch_silence(name, one, t, ahead)
 
-    def places(self, state: SwarmState, t: float, *, send: bool = True) -> None:
-        """Take a frame's state that came at time t [s]; send the places measured in it, once."""
+    def update_state(self, state: SwarmState, t: float, *, send: bool = True) -> None:
+        """Store a frame's state received at time t [s]; send the poses measured in it, once."""
         fresh = state.status == TrackStatus.TRACKED
         again = state.t == self._last_stamp or not send
         self._last_stamp = state.t
         for row, name in enumerate(state.names):
             if name not in self._vehicles or not fresh[row] or not np.isfinite(state.pos[row]).all():
                 continue
-            self._vehicles[name].seen, self._vehicles[name].height = t, float(state.pos[row, 2])
+            self._vehicles[name].measured_at, self._vehicles[name].height = t, float(state.pos[row, 2])
             if not again and self._vehicles[name].phase is not Phase.OFFLINE:
                 self._links[name].send_place(state.pos[row].tolist(), state.quat[row].tolist())
 
     def fly_rpyt(self, names: Names, rpyt_setpoints: list[RpytSetpoint], t: float) -> None:
-        """Send a tick's sticks, that came at time t [s], to the vehicles that fly."""
+        """Send a tick's RPYT setpoints, received at time t [s], to the flying vehicles."""
         for name, stick in zip(names, rpyt_setpoints, strict=True):
             if self._flies(name):
-                self._vehicles[name].heard = t
+                self._vehicles[name].commanded_at = t
                 self._links[name].send_rpyt(stick)
 
     def fly_full_states(self, names: Names, wanted: list[FullState], t: float) -> None:
-        """Send a tick's full states, that came at time t [s], to the vehicles that fly."""
+        """Send a tick's full states, received at time t [s], to the flying vehicles."""
         for name, one in zip(names, wanted, strict=True):
             if self._flies(name):
-                self._vehicles[name].heard, self._vehicles[name].wanted = t, one
+                self._vehicles[name].commanded_at, self._vehicles[name].full_state = t, one
                 self._links[name].send_full_state(one)
 
     def _armed(self) -> Reply | None:
-        """Return how arming went; None while it goes on."""
+        """Return the outcome of arming; None while it goes on."""
         if self._in({Phase.ARMING}):
             return None
         missing = [name for name, one in self._vehicles.items() if one.phase is not Phase.ARMED]
@@ -214,7 +177,7 @@ class RadioPilot:
         if act is not Act.DISARM:
             return Reply(granted=True)
         armed = [name for name, link in self._links.items() if link.health().armed]
-        if armed and t - self._asked < self._params.arm_s:
+        if armed and t - self._ordered < self._params.arm_s:
             return None
         return Reply(
             granted=not armed,
@@ -231,7 +194,7 @@ class RadioPilot:
     def _arm_one(self, name: str, t: float) -> None:
         one = self._vehicles[name]
         self._enter(name, Phase.ARMING, t)
-        one.low_since, one.heard, one.wanted = np.inf, -np.inf, None
+        one.low_since, one.commanded_at, one.full_state = np.inf, -np.inf, None
         self._links[name].arm()
 
     def _fly_one(self, name: str, t: float) -> None:
@@ -244,7 +207,7 @@ class RadioPilot:
     def _flies(self, name: str) -> bool:
         return name in self._vehicles and self._vehicles[name].phase is Phase.FLYING
 
-    def _watch(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
+    def _watch(self, name: str, one: VehicleRecord, health: LinkHealth, t: float) -> None:
         if not health.connected:
             if one.phase is not Phase.OFFLINE:
                 self._enter(name, Phase.OFFLINE, t)
@@ -258,7 +221,7 @@ class RadioPilot:
         elif one.phase is Phase.LANDING and t - one.since > one.landing_s:
             self._enter(name, Phase.READY, t)
 
-    def _arm(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
+    def _arm(self, name: str, one: VehicleRecord, health: LinkHealth, t: float) -> None:
         if health.armed:
             if self._hover is not None:
                 self._links[name].send_rpyt(ZERO_STICK)
@@ -266,39 +229,39 @@ class RadioPilot:
         elif t - one.since > self._params.arm_s:
             self._enter(name, Phase.READY, t)
 
-    def _watch_flight(self, name: str, one: _Vehicle, health: LinkHealth, t: float) -> None:
+    def _watch_flight(self, name: str, one: VehicleRecord, health: LinkHealth, t: float) -> None:
         if health.locked:
             self._enter(name, Phase.READY, t)
-            self._said.append(f"{name} has stopped for good and must be restarted")
+            self._log.append(f"{name} is locked and must be restarted")
             return
         one.low_since = min(one.low_since, t) if health.volt < self._params.volt_land else np.inf
         if t - one.low_since >= self._params.volt_land_s:
-            self._said.append(f"{name} has {health.volt:.2f} V and lands")
+            self._log.append(f"{name} has {health.volt:.2f} V and lands")
             self._land(name, t)
 
-    def _watch_silence(self, name: str, one: _Vehicle, t: float, ahead: float) -> None:
-        silent, limits = t - one.heard, self._params
+    def _watch_silence(self, name: str, one: VehicleRecord, t: float, ahead: float) -> None:
+        silent, limits = t - one.commanded_at, self._params
         if silent + ahead < limits.silent_s or not np.isfinite(silent):
             return
         if silent < limits.silent_land_s:
             self._hold(name, one)
-        elif self._hover is None or t - one.seen <= self._landing.stale_s:
-            self._said.append(f"{name} has no command for {limits.silent_land_s} s and lands")
+        elif self._hover is None or t - one.measured_at <= self._landing.stale_s:
+            self._log.append(f"{name} has no command for {limits.silent_land_s} s and lands")
             self._land(name, t)
         elif silent < limits.silent_stop_s:
             share = FallbackParams().land_share
             self._links[name].send_rpyt(replace(self._hover, pwm=round(share * self._hover.pwm)))
         else:
-            self._said.append(f"{name} has no command for {limits.silent_stop_s} s and sank blind")
+            self._log.append(f"{name} has no command for {limits.silent_stop_s} s and descended blind")
             self.cut((name,), t)
 
-    def _hold(self, name: str, one: _Vehicle) -> None:
-        """Send what keeps a vehicle where it is."""
+    def _hold(self, name: str, one: VehicleRecord) -> None:
+        """Send a setpoint that keeps a vehicle in place."""
         if self._hover is not None:
             self._links[name].send_rpyt(self._hover)
-        elif one.wanted is not None:
+        elif one.full_state is not None:
             zero = (0.0, 0.0, 0.0)
-            self._links[name].send_full_state(replace(one.wanted, vel=zero, acc=zero, ang_vel=zero))
+            self._links[name].send_full_state(replace(one.full_state, vel=zero, acc=zero, ang_vel=zero))
 
     def _land(self, name: str, t: float) -> None:
         one = self._vehicles[name]
@@ -309,7 +272,7 @@ class RadioPilot:
     def _enter(self, name: str, phase: Phase, t: float) -> None:
         one = self._vehicles[name]
         if one.phase in AIRBORNE and phase is Phase.OFFLINE:
-            self._said.append(f"{name} is lost in flight: its firmware levels out, then cuts its motors")
+            self._log.append(f"{name} is lost in flight: its firmware levels out, then cuts its motors")
         elif one.phase is not phase:
-            self._said.append(f"{name} is {phase.value}")
+            self._log.append(f"{name} is {phase.value}")
         one.phase, one.since = phase, t

@@ -47,7 +47,7 @@ class ProcedureServices:
         self._view = FlightView(names)
         self._trajectory = TrajectoryClient(node)
         self._status = node.create_publisher(DiagnosticStatus, "~/status", LATCHED)
-        self._told: tuple[Step, str, str] | None = None
+        self._published: tuple[Step, str, str] | None = None
         self._single: LateReplyService | None = None
         """Service of a single act that is under way."""
         self._services = {
@@ -111,17 +111,17 @@ class ProcedureServices:
                 self._trajectory.begin(order.act)
             else:
                 self._executor.begin(order, now)
-        for line in self._procedure.said():
+        for line in self._procedure.log_lines():
             self._node.get_logger().info(line)
         for call, reply in self._procedure.replies():
             self._services[call].answer(reply)
-        self._tell()
+        self._publish_status()
 
-    def _tell(self) -> None:
-        now = (self._procedure.step, self._procedure.refusal, self._procedure.unchecked)
-        if now == self._told:
+    def _publish_status(self) -> None:
+        now = (self._procedure.step, self._procedure.ground.refusal, self._procedure.ground.unchecked)
+        if now == self._published:
             return
-        self._told = now
+        self._published = now
         step, refusal, unchecked = now
         level = DiagnosticStatus.ERROR if step is Step.STOPPED else DiagnosticStatus.OK
         self._status.publish(

@@ -96,8 +96,8 @@ def ways(executable: str, folder: Path) -> list[Way]:
     return known.get(executable, [{}])
 
 
-SILENT = {"radio": "CflibLink"}
-"""What of a node's module reaches hardware: a stand-in takes its place."""
+SILENT = {"radio": "q2q_control.ros.radio_wiring.CflibLink"}
+"""Class of a node that reaches hardware: a stand-in takes its place."""
 
 
 def _surveyed(package: str, name: str) -> NodeInterface:
@@ -126,7 +126,7 @@ def _built(module: ModuleType, executable: str, way: Way) -> StandInNode:
     with ExitStack() as stack:
         stack.enter_context(standing_in())
         if executable in SILENT:
-            stack.enter_context(patch.object(module, SILENT[executable], MagicMock()))
+            stack.enter_context(patch(SILENT[executable], MagicMock()))
         runner = stack.enter_context(patch.object(module, "run"))
         module.main()
         build: Callable[[StandInNode], object] = runner.call_args.args[1]

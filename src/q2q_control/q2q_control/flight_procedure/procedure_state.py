@@ -1,0 +1,71 @@
+"""State of the flight procedure: its step, pending call and order, and what it has to send."""
+
+import numpy as np
+
+from q2q_control.flight_procedure.rest import Rest
+from q2q_control.flight_procedure.steps import Call, Order, Step
+from q2q_model.node.reply import Reply
+
+
+class ProcedureState:
+    """Step of a flight, its pending call and order, and queues of orders, replies and log lines."""
+
+    def __init__(self, settle_s: float, patience_s: float) -> None:
+        self._patience_s = patience_s
+        self.step = Step.OFFLINE
+        self.since = -np.inf
+        """Time at which the step began [s]."""
+        self.rest = Rest(settle_s)
+        """Time at rest within the step, or since the last order."""
+        self.pending: Call | None = None
+        """Call that is not answered yet."""
+        self.waiting: Order | None = None
+        """Order whose outcome is unknown."""
+        self._ordered = -np.inf
+        self._orders: list[Order] = []
+        self._replies: list[tuple[Call, Reply]] = []
+        self.log: list[str] = []
+
+    def enter(self, step: Step, t: float, why: str = "") -> None:
+        """Enter a step at time t [s]."""
+        self.step, self.since = step, t
+        self.rest.reset()
+        self.log.append(f"step {step.value}{': ' if why else ''}{why}")
+
+    def give(self, order: Order, t: float) -> None:
+        """Give an order at time t [s]."""
+        self.waiting, self._ordered = order, t
+        self._orders.append(order)
+        self.rest.reset()
+
+    def answer(self, *, granted: bool, reason: str) -> None:
+        """Answer the pending call, if there is one."""
+        if self.pending is not None:
+            self.log.append(f"{self.pending.value}: {reason}")
+            self._replies.append((self.pending, Reply(granted=granted, reason=reason)))
+        self.pending = None
+
+    def late(self, duration: float, t: float) -> bool:
+        """Return whether a step of this duration [s] has failed by time t [s]."""
+        return t - self.since > duration + self._patience_s
+
+    def overdue(self, order: Order, t: float) -> Reply | None:
+        """Return the failure of an order without outcome; None while it may still come."""
+        if t - self._ordered <= self._patience_s:
+            return None
+        return Reply(granted=False, reason=f"{order}: no answer in {self._patience_s:g} s")
+
+    def take_orders(self) -> tuple[Order, ...]:
+        """Return and clear the orders to execute."""
+        orders, self._orders = tuple(self._orders), []
+        return orders
+
+    def take_replies(self) -> list[tuple[Call, Reply]]:
+        """Return and clear the answers to pending calls."""
+        replies, self._replies = self._replies, []
+        return replies
+
+    def take_log(self) -> list[str]:
+        """Return and clear the log lines."""
+        lines, self.log = self.log, []
+        return lines

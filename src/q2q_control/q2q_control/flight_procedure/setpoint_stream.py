@@ -1,0 +1,43 @@
+"""Stream of setpoints to vehicles, which ends at a jump or a gap of the setpoints."""
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+
+
+class SetpointStream:
+    """Whether setpoints are streamed, and the first fault since the stream was checked."""
+
+    def __init__(self, jump: float, lost_s: float) -> None:
+        """Allow moves up to `jump` [m] a tick and gaps up to `lost_s` [s]."""
+        self._jump, self._lost_s = jump, lost_s
+        self.on = False
+        """Setpoints are streamed."""
+        self.before = False
+        """They were streamed before the stream was last stopped."""
+        self._last: Array | None = None
+        self._fault = ""
+
+    def accepts(self, wanted: Array) -> bool:
+        """Return whether to fly setpoints at these positions (n, 3) [m]; NaN is a vehicle without one."""
+        last, self._last = self._last, wanted
+        if not self.on or self._fault:
+            return False
+        moved = (
+            0.0
+            if last is None
+            else float(np.nan_to_num(np.linalg.norm(wanted - last, axis=-1)).max(initial=0.0))
+        )
+        if moved > self._jump:
+            self._fault = f"a setpoint jumped by {moved:.2f} m: {self._jump:.2f} m is the most"
+        return not self._fault
+
+    def stop(self) -> None:
+        """Stop the stream."""
+        self.before, self.on = self.on, False
+
+    def take_fault(self, age: float) -> str:
+        """Return and clear the fault, with the last setpoint `age` [s] old; empty if there is none."""
+        silent = f"no setpoint for {age:.2f} s" if age > self._lost_s else ""
+        fault, self._fault = self._fault or silent, ""
+        return fault

@@ -1,0 +1,58 @@
+"""Mailbox of packets that are sent by its own thread.
+
+cflib's radio driver blocks while the radio is busy. In the mailbox a newer setpoint or pose replaces an older
+one, so that a slow radio costs rate, not delay.
+"""
+
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from itertools import count
+
+
+class Mailbox:
+    """Newest packet of each kind, sent by its own thread."""
+
+    def __init__(self, name: str) -> None:
+        self._waiting: dict[str, Callable[[], None]] = {}
+        self._serial = count()
+        self._change = threading.Condition()
+        self._ended = False
+        self._thread = threading.Thread(target=self._run, name=f"radio {name}", daemon=True)
+        self._thread.start()
+
+    def put(self, kind: str, send: Callable[[], None]) -> None:
+        """Queue a packet; it replaces a waiting one of the same kind."""
+        with self._change:
+            self._waiting.pop(kind, None)
+            self._waiting[kind] = send
+            self._change.notify()
+
+    def put_once(self, send: Callable[[], None]) -> None:
+        """Queue a packet; it is never replaced by another."""
+        self.put(f"once {next(self._serial)}", send)
+
+    def put_first(self, send: Callable[[], None]) -> None:
+        """Send a packet next and drop all that wait."""
+        with self._change:
+            self._waiting.clear()
+        self.put_once(send)
+
+    def close(self) -> None:
+        """Send what waits, then stop."""
+        with self._change:
+            self._ended = True
+            self._change.notify()
+        self._thread.join(timeout=5.0)
+
+    def _run(self) -> None:
+        while True:
+            with self._change:
+                while not self._waiting and not self._ended:
+                    self._change.wait()
+                if not self._waiting:
+                    return
+                kind = next(iter(self._waiting))
+                send = self._waiting.pop(kind)
+            with suppress(OSError):  # the link reports its own loss
+                send()

@@ -1,0 +1,161 @@
+"""Bridge between q2q and Crazyswarm2: poses in and out, setpoints out, services as clients."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import yaml
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from q2q_control.crazyswarm.crazyflies import crazyflies_from_document, params_set
+from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
+from q2q_control.crazyswarm.message_conversion import frame_of, poses_of
+from q2q_control.crazyswarm.server_vehicle import ServerVehicle
+from q2q_control.flight_procedure.flown_ticks import FlownTicks
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.steps import Act
+from q2q_control.radio.firmware_params import firmware_params
+from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
+from q2q_control.ros.crazyswarm_executor import CrazyswarmExecutor
+from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
+from q2q_control.ros.procedure_services import ProcedureServices
+from q2q_model.node.health import Health
+from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.topics.listening import listener
+from q2q_model.ros.topics.messages import MESSAGES, header_at
+from q2q_model.ros.topics.qos import OUTSIDE, TICK
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_parts
+from q2q_model.signals.values import MocapFrame, Names, SwarmState
+from q2q_model.vehicle.constants import vehicle_by_name
+
+POSES_OUT = QoSProfile(
+    depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, deadline=Duration(nanoseconds=10_000_000)
+)
+"""QoS of poses_out: Crazyswarm2's servers request a deadline of 10 ms, which the writer must offer."""
+
+
+class Crazyswarm:
+    """Topics of both sides."""
+
+    def __init__(self, node: Node) -> None:
+        """Wire what the installed packages allow.
+
+        Raises:
+            ValueError: no vehicles, or a wrong file or parameter.
+            OSError: a file cannot be read.
+        """
+        self._node = node
+        self._settings = declare(node, CrazyswarmParams())
+        self._names = _names(self._settings)
+        self._health = Health()
+        self._ticks = FlownTicks(self._settings.mode, self._health, aware=self._settings.aware)
+        self._poses: PoseTypes | None = None
+        self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
+        self._try(self._wire_poses)
+        self._try(self._wire_commands)
+        self._try(self._wire_procedure)
+        publish_health(node, self._health)
+
+    def _try(self, wire: Callable[[], None]) -> None:
+        """Wire a part, or log why it is disabled."""
+        try:
+            wire()
+        except ImportError as missing:
+            self._node.get_logger().warning(str(missing))
+            self._health.extra["off"] = f"{self._health.extra.get('off', '')} {missing}".strip()
+
+    def _wire_poses(self) -> None:
+        if not (self._settings.poses_in or self._settings.poses_out):
+            return
+        types = find_pose_types()
+        if self._settings.poses_in:
+            self._mocap = self._node.create_publisher(MESSAGES[MocapFrame], "mocap", TICK)
+            kind = find_pose_types(self._settings.poses_version).array
+            self._node.create_subscription(kind, self._settings.poses_in, self._on_poses, OUTSIDE)
+        if self._settings.poses_out:
+            self._out = self._node.create_publisher(types.array, self._settings.poses_out, POSES_OUT)
+        self._poses = types
+
+    def _wire_commands(self) -> None:
+        vehicle = vehicle_by_name(self._settings.vehicle, self._settings.firmware)
+        scale = LegacyScale(vehicle.full_pwm_thrust)
+        self._commands = CrazyswarmCommands(
+            self._node,
+            self._names,
+            (scale, self._settings.backend),
+            full_state=self._settings.mode == "setpoint",
+        )
+        for topic, signal in self._ticks.topics.items():
+            self._listen(topic, signal)
+
+    def _wire_procedure(self) -> None:
+        executor = CrazyswarmExecutor(self._node, _vehicles(self._settings))
+        self._ticks.procedure = services = ProcedureServices(self._node, self._names, executor, self._params)
+        for name, act in (
+            ("arm", Act.ARM),
+            ("disarm", Act.DISARM),
+            ("notify_setpoints_stop", Act.STOP_STREAM),
+        ):
+            services.offer(name, act)
+
+    def _listen(self, topic: str, signal: type[Signal]) -> None:
+        def take(stamp_ns: int, value: Signal) -> None:
+            self._take(topic, stamp_ns, value)
+
+        receive = listener(topic, signal, take, self._health)
+        self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
+
+    def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
+        if isinstance(value, SwarmState) and self._settings.poses_out:
+            self._send_poses(stamp_ns, value)
+        tick = self._ticks.take(topic, stamp_ns, value)
+        if tick is None or not tick.flown:
+            return
+        if tick.command is not None:
+            self._commands.send_command(tick.command)
+        elif tick.setpoint is not None:
+            self._commands.send_setpoint(stamp_ns, tick.setpoint, tick.downwash)
+
+    def _on_poses(self, message: PosesMessage) -> None:
+        if self._poses is None:
+            return
+        stamp = message.header.stamp
+        stamp_ns = stamp_from_parts(stamp.sec, stamp.nanosec)
+        poses = [self._poses.read(one) for one in message.poses]
+        self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))
+
+    def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:
+        if self._poses is not None:
+            self._out.publish(self._poses.write(header_at(stamp_ns), poses_of(state)))
+
+
+def _names(params: CrazyswarmParams) -> Names:
+    if not params.crazyflies:
+        if not params.vehicles:
+            raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles")
+        return params.vehicles
+    return tuple(one.name for one in crazyflies_from_document(_document(params)))
+
+
+def _vehicles(params: CrazyswarmParams) -> tuple[ServerVehicle, ...]:
+    vehicle, wanted = vehicle_by_name(params.vehicle, params.firmware), firmware_params((), params.mode)
+    by_type = params.backend == "cpp"
+    document = _document(params)
+    return tuple(
+        ServerVehicle(
+            name, vehicle, wanted, {} if document is None else params_set(document, name, by_type=by_type)
+        )
+        for name in _names(params)
+    )
+
+
+def _document(params: CrazyswarmParams) -> object:
+    """Return the content of crazyflies.yaml; None without one."""
+    if not params.crazyflies:
+        return None
+    return yaml.safe_load(Path(params.crazyflies).read_text(encoding="utf-8"))
