@@ -25,7 +25,7 @@ from q2q_model.identification.gains.impulse_response import downwash_response, f
 from q2q_model.identification.gains.trajectory_gains import gains_by_powell, gains_from_trajectories
 from q2q_model.identification.networks.fit import NetworkFitParams, adam, random_weights, ridge_start
 from q2q_model.identification.networks.gradient import unpack
-from q2q_model.identification.networks.trajectory_loss import Passage, passage, trajectory_loss
+from q2q_model.identification.networks.trajectory_loss import FlightTerms, flight_terms, trajectory_loss
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from row import Row
@@ -50,7 +50,7 @@ REFERENCE = "Adam through an adaptive ODE solver, torch"
 def run() -> list[Row]:
     """Return the rows of this area."""
     records = [_flight(k, *way) for k, way in enumerate(WAYS)]
-    flights = [passage(one, LOOP, (0.6, 6.6)) for one in records]
+    flights = [flight_terms(one, LOOP, (0.6, 6.6)) for one in records]
     start = unpack(_first_weights(), 0.1, 1.1)
     paper, ours = _paper_step(records[:-1], start), _our_step(flights[:-1], start)
     rows = [Row("one step of Adam on (16)", 1e3 * ours, "ms", REFERENCE, paper / ours)]
@@ -68,7 +68,7 @@ def _paper_step(records: list[AltitudeRecord], start: EnvelopeNetwork) -> float:
     return process_time() - began
 
 
-def _our_step(flights: list[Passage], start: EnvelopeNetwork) -> float:
+def _our_step(flights: list[FlightTerms], start: EnvelopeNetwork) -> float:
     walk = adam(flights, start)
     next(walk)
     began = process_time()
@@ -77,7 +77,7 @@ def _our_step(flights: list[Passage], start: EnvelopeNetwork) -> float:
     return (process_time() - began) / STEPS
 
 
-def _same_error(flights: list[Passage], start: EnvelopeNetwork, paper_step: float) -> list[Row]:
+def _same_error(flights: list[FlightTerms], start: EnvelopeNetwork, paper_step: float) -> list[Row]:
     """Fit by ridge regression, and count the paper's steps to the same error on the flight left out."""
     ridge_start(flights[:-1], NetworkFitParams())  # once for the caches
     began = process_time()
@@ -92,7 +92,7 @@ def _same_error(flights: list[Passage], start: EnvelopeNetwork, paper_step: floa
     ]
 
 
-def _steps_to(goal: float, flights: list[Passage], start: EnvelopeNetwork) -> tuple[int, bool]:
+def _steps_to(goal: float, flights: list[FlightTerms], start: EnvelopeNetwork) -> tuple[int, bool]:
     """Return how many of Adam's steps reach a held-out loss, on the exact loss: its path is the paper's."""
     near = None
     for step, (model, _) in enumerate(adam(flights[:-1], start)):
@@ -132,8 +132,8 @@ def _calm(record: AltitudeRecord) -> AltitudeRecord:
     """Return the same flight without downwash, begun 0.3 m above its reference."""
     start = np.array([[0.3, 0.3], [0.0, 0.0]])
     pos = record.pos.copy()
-    pos[..., 2] = record.ref[..., 0] + free_response(LOOP, DT, start, np.zeros(record.lift.shape))
-    pos[..., 2] += NOISE * np.random.default_rng(9).standard_normal(record.lift.shape)
+    pos[..., 2] = record.ref[..., 0] + free_response(LOOP, DT, start, np.zeros(record.commanded_acc.shape))
+    pos[..., 2] += NOISE * np.random.default_rng(9).standard_normal(record.commanded_acc.shape)
     return replace(record, pos=pos)
 
 
@@ -164,4 +164,4 @@ def _flight(number: int, gap: float, speed: float) -> AltitudeRecord:
     blank = AltitudeRecord(
         f"pass {number}", ("cf1", "cf2"), DT, t, pos, still, still, ref, 0.0 * z, 0.0 * z, 0, 2 * ticks
     )
-    return replace(blank, lift=np.full_like(z, np.nan), feed_forward=np.full_like(z, np.nan))
+    return replace(blank, commanded_acc=np.full_like(z, np.nan), feed_forward=np.full_like(z, np.nan))

@@ -132,9 +132,9 @@ def test_an_interrupt_during_a_nodes_import_ends_it_without_a_word(number: str, 
 def test_an_interrupt_during_a_tools_import_ends_it_with_130():
     program = (
         f"import os, signal, sys; sys.path.insert(0, {str(ROOT / 'src/q2q_model')!r})\n"
-        "from q2q_model.commands.command_line import CommandLine, carry_out\n"
+        "from q2q_model.commands.command_line import CommandLine, run_command\n"
         "def prepare(asked): os.kill(os.getpid(), signal.SIGINT); return lambda asked: 9\n"
-        "sys.exit(carry_out(CommandLine('tool', '', ''), prepare, []))"
+        "sys.exit(run_command(CommandLine('tool', '', ''), prepare, []))"
     )
     done = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (130, b"")

@@ -43,8 +43,8 @@ def test_the_loops_exact_response_is_that_of_an_accurate_solver(loop: AltitudeLo
     def rate(when: float, x: np.ndarray) -> list[float]:
         wanted = -loop.k_p * x[0] - loop.k_d * x[1] + loop.k_i * x[2] + loop.offset
         downwash = np.interp(when, t, eta)
-        lift = x[3] if loop.lag else wanted
-        return [x[1], lift + downwash, -x[0], (wanted - x[3]) / loop.lag if loop.lag else 0.0]
+        commanded_acc = x[3] if loop.lag else wanted
+        return [x[1], commanded_acc + downwash, -x[0], (wanted - x[3]) / loop.lag if loop.lag else 0.0]
 
     settled = loop.offset - loop.k_p * 0.1 + loop.k_d * 0.05
     exact = {"rtol": 1e-9, "atol": 1e-11, "max_step": 0.05}
@@ -89,16 +89,16 @@ def test_terms_that_did_not_fly_are_not_asked_for():
 
 def test_rows_in_which_a_limit_cut_the_command_do_not_move_the_gains():
     record = record_of(CALM)
-    lift = record.lift.copy()
-    lift[100:150] = 0.05
-    fit = gains_from_commands([replace(record, lift=lift)])
+    commanded_acc = record.commanded_acc.copy()
+    commanded_acc[100:150] = 0.05
+    fit = gains_from_commands([replace(record, commanded_acc=commanded_acc)])
     assert fit.k_p.value == pytest.approx(LOOP.k_p, rel=1e-3)  # 50 of 6000 rows, all wrong the same way
 
 
 def test_a_flight_without_commands_is_refused_with_the_way_out():
     record = record_of(CALM)
     with pytest.raises(ValueError, match="0 rows with thrust commands in 1 flights, 200 needed"):
-        gains_from_commands([replace(record, lift=np.full_like(record.lift, np.nan))])
+        gains_from_commands([replace(record, commanded_acc=np.full_like(record.commanded_acc, np.nan))])
 
 
 def test_trajectories_alone_give_the_gains_of_a_loop_without_lag():

@@ -269,9 +269,9 @@ def test_strays_repeats_and_disorder_are_stated(tmp_path: Path):
         warnings.simplefilter("always")
         flight = read_flight(tmp_path / "bag")
     text = " | ".join(str(one.message) for one in said)
-    assert "1 of 2 messages on state belong to no tick" in text
+    assert "1 of 2 messages on state match no tick" in text
     assert "command" not in text  # a live controller commands on after the last tick
-    assert "1 stamps on mocap come again" in text
+    assert "1 stamps on mocap repeat" in text
     assert "stamps on mocap are out of order" in text
     assert len(flight.t) == 5
 
@@ -408,6 +408,6 @@ def test_a_cut_bag_whose_channel_was_given_another_topic_keeps_what_came_under_t
     path = tmp_path / "cut.mcap"
     path.write_bytes(b"\x89MCAP0\r\n" + builder.end())
     reader = BagReader(path)
-    assert "saved 1 messages" in reader.repairs[0]
+    assert "recovered 1 messages" in reader.repairs[0]
     assert reader.topics == {"/first": "q2q_msgs/msg/MocapFrame"}
     assert [(found.topic, found.stamp_ns) for found in reader.raw()] == [("/first", 5)]

@@ -11,7 +11,7 @@ from q2q_model.downwash.jet import MEASURED_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.force.along_flight import Motion, eta_along, eta_felt
+from q2q_model.identification.force.along_flight import Motion, eta_along, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import (
     ForceRecord,
     ForceSamples,
@@ -230,7 +230,10 @@ def _beyond_constant(jet: Jet, samples: list[ForceSamples]) -> float:
 
 def _measured_and_predicted(jet: Jet, samples: list[ForceSamples], rows: str) -> tuple[Array, Array]:
     chosen = [np.nonzero({"exposed": one.exposed, "usable": one.usable}[rows])[0] for one in samples]
-    eta = [eta_felt(jet, one.motion, one.vehicle, at)[:, 2] for one, at in zip(samples, chosen, strict=True)]
+    eta = [
+        eta_on_vehicle(jet, one.motion, one.vehicle, at)[:, 2]
+        for one, at in zip(samples, chosen, strict=True)
+    ]
     return np.concatenate([one.y[at] for one, at in zip(samples, chosen, strict=True)]), np.concatenate(eta)
 
 
@@ -277,5 +280,5 @@ def test_the_deviation_that_one_flight_teaches_holds_on_the_other_flight_feed_fo
 def _within_band(jet: Jet, one: ForceSamples) -> Mask:
     """Return which exposed rows lie within 1.96 of the deviations that the model claims."""
     rows = np.nonzero(one.exposed)[0]
-    eta = eta_felt(jet, one.motion, one.vehicle, rows)[:, 2]
+    eta = eta_on_vehicle(jet, one.motion, one.vehicle, rows)[:, 2]
     return np.abs(one.y[rows] - eta) <= 1.96 * (jet.std_floor + jet.relative_std * np.abs(eta))

@@ -202,7 +202,7 @@ def test_poses_too_far_from_every_tick_are_refused_or_said(tmp_path: Path):
         read_mapped_flight(tmp_path / "far", mapped)
     with SqliteWriter(tmp_path / "near", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
         _write_ros(writer, store, store.serialize_cdr, offset_ns=100_000_000)
-    with pytest.warns(BagRepairWarning, match="10 of 20 poses of cf2 belong to no tick"):
+    with pytest.warns(BagRepairWarning, match="10 of 20 poses of cf2 match no tick"):
         flight = read_mapped_flight(tmp_path / "near", mapped)
     assert np.isnan(flight.mocap_pos[:10, 1]).all()
     assert np.array_equal(flight.mocap_pos[10, 1], _place(0, 1)[0])
@@ -227,11 +227,11 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path):
     assert load_topic_map(file) == TopicMap({"cf1": "/a"}, "/poses", {"cf231": "cf2"}, {}, by_header=False)
     for text, said in (
         ("vehicle: {cf1: /a}", "unknown vehicle; known are vehicles"),
-        ("vehicles: [a]", "maps names to names"),
+        ("vehicles: [a]", "mapping of names to names"),
         ("stamps: wall\nposes: /p", "allowed are header, receive"),
         ("tolerance_s: -1\nposes: /p", "allowed is 0 to 1 s"),
         ("rename: {a: b}", "maps nothing"),
-        ("[1, 2]", "is no mapping"),
+        ("[1, 2]", "is not a mapping"),
         ("{", "cannot be read"),
     ):
         file.write_text(text)

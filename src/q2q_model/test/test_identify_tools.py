@@ -93,9 +93,9 @@ def test_what_lies_beside_bags_is_left_out_of_a_glob_with_a_note(
     (tmp_path / "notes").mkdir()
     kept, notes = bags_among([*beside, tmp_path / "notes", tmp_path / "not there"])
     assert kept == [beside[1], tmp_path / "not there"]  # reading says that nothing is there
-    assert notes == [f"left out: {path} is no bag" for path in (beside[0], tmp_path / "notes")]
+    assert notes == [f"skipped: {path} is not a bag" for path in (beside[0], tmp_path / "notes")]
     assert evaluate.main([*map(str, beside), "--model", "paper_law"]) == 0
-    assert f"evaluate: left out: {beside[0]} is no bag" in capsys.readouterr().err
+    assert f"evaluate: skipped: {beside[0]} is not a bag" in capsys.readouterr().err
     assert evaluate.main([str(beside[0]), "--model", "paper_law"]) == 1
     assert "remake" in capsys.readouterr().err
 

@@ -30,8 +30,8 @@ from q2q_model.identification.networks.fit import (
 from q2q_model.identification.networks.gradient import evaluate, pack, pullback, unpack
 from q2q_model.identification.networks.trajectory_loss import (
     DivergingModelError,
-    Passage,
-    passage,
+    FlightTerms,
+    flight_terms,
     trajectory_loss,
 )
 from q2q_model.identification.selection.candidates import (
@@ -41,7 +41,7 @@ from q2q_model.identification.selection.candidates import (
     candidates,
     fit_best,
     fit_jet,
-    try_out,
+    score_candidates,
 )
 from q2q_model.identification.selection.held_out import score_held_out, score_on
 from q2q_model.signals.values import Array, SwarmState
@@ -59,9 +59,9 @@ def records() -> list[AltitudeRecord]:
     return [altitude_record(made_flight(one), CRAZYFLIE_2_0) for one in FLOWN]
 
 
-def passages() -> list[Passage]:
+def terms() -> list[FlightTerms]:
     """Return the made flights for training."""
-    return [passage(one, LOOP, REACH) for one in records()]
+    return [flight_terms(one, LOOP, REACH) for one in records()]
 
 
 def evidence() -> list[FlightEvidence]:
@@ -114,7 +114,7 @@ def test_the_networks_of_training_are_those_that_fly():
 def test_the_loss_is_that_of_the_whole_trajectory_simulated_with_its_own_heights():
     """Step (14) tick by tick with eta at simulated heights: the plain twin of the fixed point."""
     model, record = random_model(5), records()[0]
-    value = trajectory_loss(model, [passage(record, LOOP, REACH)])
+    value = trajectory_loss(model, [flight_terms(record, LOOP, REACH)])
     free = free_response(LOOP, record.dt, record.start, record.jerk)
     across = np.hypot(*(record.pos[:, 1] - record.pos[:, 0])[:, :2].T)
     eta, z = np.zeros_like(free), record.ref[..., 0] + free
@@ -130,7 +130,7 @@ def test_the_loss_is_that_of_the_whole_trajectory_simulated_with_its_own_heights
 
 
 def test_the_losss_gradient_is_that_of_finite_differences():
-    flights, theta, rng = passages(), pack(random_model(6)), np.random.default_rng(7)
+    flights, theta, rng = terms(), pack(random_model(6)), np.random.default_rng(7)
     gradient = trajectory_loss(unpack(theta, 0.1, 1.1), flights).gradient
     for _ in range(3):
         step = 1e-4 * rng.standard_normal(322)
@@ -139,7 +139,7 @@ def test_the_losss_gradient_is_that_of_finite_differences():
 
 
 def test_a_start_near_the_solution_changes_nothing_but_time():
-    flights, model = passages(), random_model(8)
+    flights, model = terms(), random_model(8)
     first = trajectory_loss(model, flights)
     again = trajectory_loss(model, flights, first.etas)
     assert again.loss == pytest.approx(first.loss, rel=1e-7)
@@ -151,14 +151,14 @@ def test_a_model_that_runs_away_is_announced():
     theta[[*range(120, 161), *range(281, 322)]] *= 1e5  # output layers: kilometres of push a metre
     wild = unpack(theta, 0.1, 1.1)
     with pytest.raises(DivergingModelError, match="do not settle"):
-        trajectory_loss(wild, passages())
+        trajectory_loss(wild, terms())
 
 
 def test_an_endless_encounter_is_thinned_and_keeps_its_loss(monkeypatch: pytest.MonkeyPatch):
     record, model = records()[0], random_model(5)
-    whole = passage(record, LOOP, REACH)
+    whole = flight_terms(record, LOOP, REACH)
     monkeypatch.setattr(trajectory_loss_module, "MOST_ACTIVE", whole.across.shape[0] // 3)
-    thin = passage(record, LOOP, REACH)
+    thin = flight_terms(record, LOOP, REACH)
     assert thin.across.shape[0] == pytest.approx(whole.across.shape[0] / 4, abs=1)
     full, fewer = (trajectory_loss(model, [one]).loss for one in (whole, thin))
     assert fewer == pytest.approx(full, rel=0.01)  # 25 Hz for a pass of 0.4 s
@@ -171,19 +171,21 @@ def test_a_candidate_that_cannot_be_fitted_is_left_out_with_a_remark():
         raise ValueError("too many samples")
 
     nothing = Candidate("nothing", "none", 0, lambda _: NoInteraction())
-    trials, remarks = try_out([Candidate("broken", "jet", 4, fails), nothing], flights, LOOP, lambda _: None)
+    trials, remarks = score_candidates(
+        [Candidate("broken", "jet", 4, fails), nothing], flights, LOOP, lambda _: None
+    )
     assert [one.candidate.name for one in trials] == ["nothing"]
-    assert remarks == ["broken: left out, too many samples"]
+    assert remarks == ["broken: dropped, too many samples"]
     late = Trial(Candidate("late", "jet", 4, fails), trials[0].held_out)
     best, model, more = fit_best([late, *trials], flights)  # fails only when fitted to all flights
     assert (best.candidate, model) == (nothing, NoInteraction())
-    assert more == ["late: left out, too many samples"]
-    with pytest.raises(ValueError, match="no model can be fitted to these flights: late: left out"):
+    assert more == ["late: dropped, too many samples"]
+    with pytest.raises(ValueError, match="no model can be fitted to these flights: late: dropped"):
         fit_best([late], flights)
 
 
 def test_ridge_regression_and_l_bfgs_lower_the_loss_and_find_the_downwash():
-    flights = passages()
+    flights = terms()
     nothing = trajectory_loss(unpack(np.zeros(322), 0.1, 1.1), flights).loss
     start = ridge_start(flights, NetworkFitParams())
     fitted = fit_networks(flights, NetworkFitParams(iterations=40))
@@ -194,7 +196,7 @@ def test_ridge_regression_and_l_bfgs_lower_the_loss_and_find_the_downwash():
 
 
 def test_adam_takes_the_steps_of_its_definition():
-    flights, start = passages(), random_model(10)
+    flights, start = terms(), random_model(10)
     walk = adam(flights, start)
     before, after = next(walk)[0], next(walk)[0]
     gradient = trajectory_loss(start, flights).gradient
@@ -305,7 +307,7 @@ def test_with_one_flight_nothing_is_claimed_about_others():
 def test_the_plain_jet_is_kept_where_freedom_brings_nothing():
     flights = evidence()
     tried = candidates("jet", flights, LOOP)
-    best = best_of(try_out(tried, flights, LOOP, lambda _: None)[0])
+    best = best_of(score_candidates(tried, flights, LOOP, lambda _: None)[0])
     assert best.candidate.name == "jet, straight down, power law"
 
 

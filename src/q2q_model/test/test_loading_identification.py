@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
-from q2q_model.identification.force.loading import MOST, believed, loading_of
+from q2q_model.identification.force.loading import MOST, loading_of, usable_loading
 from q2q_model.identification.intervals import Interval
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
@@ -58,7 +58,7 @@ def test_the_loading_of_a_stack_is_found_and_is_zero_where_there_is_none(truth: 
     known = [one for one in found if one is not None]
     assert len(known) == flights
     assert sum(one.low <= truth <= one.high for one in known) >= 0.85 * flights  # 95 %: 2.9 deviations below
-    used = [believed(one) for one in known]
+    used = [usable_loading(one) for one in known]
     if truth == 0.0:
         assert np.count_nonzero(used) <= 0.10 * flights  # 2.5 % expected
     else:
@@ -80,8 +80,8 @@ def test_a_pair_shows_no_loading():
 
 
 def test_a_loading_that_may_be_zero_is_zero_and_none_is_more_than_a_controller_takes():
-    assert believed(None) == 0.0
-    assert believed(Interval(1.5, -0.1, 3.1)) == 0.0
-    assert believed(Interval(-1.0, -1.5, -0.5)) == 0.0
-    assert believed(Interval(0.8, 0.5, 1.1)) == 0.8
-    assert believed(Interval(5.0, 4.0, 6.0)) == MOST
+    assert usable_loading(None) == 0.0
+    assert usable_loading(Interval(1.5, -0.1, 3.1)) == 0.0
+    assert usable_loading(Interval(-1.0, -1.5, -0.5)) == 0.0
+    assert usable_loading(Interval(0.8, 0.5, 1.1)) == 0.8
+    assert usable_loading(Interval(5.0, 4.0, 6.0)) == MOST

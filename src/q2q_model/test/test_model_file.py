@@ -58,13 +58,13 @@ def test_zones_of_every_kind_survive():
 def test_a_file_cut_anywhere_is_one_clear_error():
     text = encode(ModelFile(PAPER_LAW))
     for end in range(0, len(text) - 2, 7):
-        with pytest.raises(ModelFileError, match="no complete JSON"):
+        with pytest.raises(ModelFileError, match="not complete JSON"):
             decode(text[:end])
 
 
 def test_an_edited_number_is_found_by_the_checksum():
     text = encode(ModelFile(PAPER_LAW))
-    with pytest.raises(ModelFileError, match="checksum does not fit"):
+    with pytest.raises(ModelFileError, match="checksum does not match"):
         decode(text.replace("0.392", "0.492"))
 
 

@@ -108,7 +108,7 @@ def test_a_track_without_a_good_sample_stays_unknown():
 def test_a_time_that_falls_is_refused_with_the_place():
     t, pos = _flight(50)
     t[10] = t[9]
-    with pytest.raises(ValueError, match=r"t must rise; after 0\.09 comes 0\.09"):
+    with pytest.raises(ValueError, match=r"t must increase; 0\.09 follows 0\.09"):
         find_outliers(t, pos)
 
 

@@ -7,7 +7,7 @@ from made_flights import Pass, made_flight
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.networks.fit import adam, random_weights
 from q2q_model.identification.networks.gradient import pack, unpack
-from q2q_model.identification.networks.trajectory_loss import passage, trajectory_loss
+from q2q_model.identification.networks.trajectory_loss import flight_terms, trajectory_loss
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
@@ -28,7 +28,7 @@ def record() -> AltitudeRecord:
 @pytest.mark.parametrize("lag", [0.0, 0.1])
 def test_an_adaptive_solver_and_the_fixed_point_find_the_same_loss_and_gradient(lag: float):
     loop = AltitudeLoop(k_p=0.81, k_d=0.43, lag=lag)
-    exact = trajectory_loss(MODEL, [passage(record(), loop, REACH)])
+    exact = trajectory_loss(MODEL, [flight_terms(record(), loop, REACH)])
     loss, gradient = training.loss_and_gradient([record()], loop, MODEL)
     assert loss == pytest.approx(exact.loss, rel=2e-3)  # the solver's tolerance, 1e-5 a step
     off = np.linalg.norm(gradient.numpy() - exact.gradient) / np.linalg.norm(exact.gradient)
@@ -37,7 +37,10 @@ def test_an_adaptive_solver_and_the_fixed_point_find_the_same_loss_and_gradient(
 
 def test_both_ways_of_adam_walk_the_same_path():
     loop = AltitudeLoop(k_p=0.81, k_d=0.43)
-    ours, reference = adam([passage(record(), loop, REACH)], MODEL), training.train([record()], loop, MODEL)
+    ours, reference = (
+        adam([flight_terms(record(), loop, REACH)], MODEL),
+        training.train([record()], loop, MODEL),
+    )
     for _ in range(3):
         model, loss = next(ours)
         theta, its_loss = next(reference)

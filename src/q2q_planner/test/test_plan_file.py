@@ -66,7 +66,7 @@ def test_what_is_no_plan_is_refused(tmp_path: Path) -> None:
     }
     for name, text in bad.items():
         (tmp_path / name).write_text(text)
-        with pytest.raises(ValueError, match=rf"{name} is no plan: .*; write one with"):
+        with pytest.raises(ValueError, match=rf"{name} is not a plan: .*; write one with"):
             load(tmp_path / name)
     with pytest.raises(ValueError, match=r"absent\.json cannot be read"):
         load(tmp_path / "absent.json")
@@ -99,4 +99,4 @@ def test_a_plan_with_any_entry_replaced_is_read_or_refused(
         plan, _ = decode(text, "fuzzed")
     except ValueError as refusal:
         said = str(refusal)
-    assert said.startswith("fuzzed is no plan: ") if said else np.isfinite(plan.duration)
+    assert said.startswith("fuzzed is not a plan: ") if said else np.isfinite(plan.duration)

@@ -98,7 +98,7 @@ def test_vehicle_and_air_of_the_command_line_come_before_the_files(plan: Path) -
         ("both.yaml", "plan: mine.json\n" + WAYPOINTS, "vehicles and plan are both given"),
         ("none.yaml", "plan: absent.json\n", "absent.json cannot be read as a plan"),
         ("number.yaml", "plan: 3\n", "plan = 3: the path of a plan file is expected"),
-        ("points.json", '{"vehicles": {}}', "points.json is no plan: format and version"),
+        ("points.json", '{"vehicles": {}}', "points.json is not a plan: format and version"),
         ("points.csv", "t,x,y,z\n", "or a file: .yaml of a scenario or waypoints, .json of a plan"),
     ],
 )

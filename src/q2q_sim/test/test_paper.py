@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from q2q_model.identification.gains.altitude_record import altitude_record
-from q2q_model.identification.networks.trajectory_loss import WIDE, passage
+from q2q_model.identification.networks.trajectory_loss import WIDE, flight_terms
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands.paper import main as command_of_paper
@@ -73,7 +73,7 @@ def test_a_hover_lasts_until_the_charge_of_the_low_voltage_and_the_firmwares_pat
 def test_adams_first_step_is_its_rate():
     flight = fly(library.load("table2_3"), FlightOptions(mode="ignoring"))
     loop = AltitudeLoop(k_p=0.81, k_d=0.43)
-    near = passage(altitude_record(flight, CRAZYFLIE_2_0), loop, (WIDE * 0.1, WIDE * 1.1))
+    near = flight_terms(altitude_record(flight, CRAZYFLIE_2_0), loop, (WIDE * 0.1, WIDE * 1.1))
     step, seconds = learning_tables.timed_adam([near])
     assert step == pytest.approx(1e-4, rel=1e-3)  # 1e-8 in Adam's denominator
     assert seconds > 0.0

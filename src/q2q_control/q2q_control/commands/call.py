@@ -9,7 +9,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_control.flight_procedure.steps import Call
-from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 EXAMPLE = """  ros2 run q2q_control call take_off
   ros2 run q2q_control call emergency --node crazyswarm"""
@@ -17,7 +17,7 @@ EXAMPLE = """  ros2 run q2q_control call take_off
 
 def main(words: Sequence[str] | None = None) -> int:
     """Make one call; return the exit status."""
-    return carry_out(parser(), _prepare, words, interrupted="interrupted; the call goes on")
+    return run_command(parser(), _prepare, words, interrupted="interrupted; the call goes on")
 
 
 def _prepare(_: Namespace) -> Work:

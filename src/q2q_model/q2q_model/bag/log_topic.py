@@ -70,7 +70,9 @@ def read_flight_log(path: Path | str) -> FlightLog:
         raise BagError(f"bag {bag.path} has no message on {topic}")
     heads = {(tuple(row.names), tuple(row.columns), tuple(row.units)) for row in rows}
     if len(heads) > 1:
-        raise BagError(f"bag {bag.path}: vehicles or columns of {topic} change on the way; split it there")
+        raise BagError(
+            f"bag {bag.path}: vehicles or columns of {topic} change during the flight; split the bag there"
+        )
     ((names, columns, units),) = heads
     t = [time_from_stamp(stamp_from_parts(row.header.stamp.sec, row.header.stamp.nanosec)) for row in rows]
     lengths = {len(row.values) for row in rows}

@@ -4,7 +4,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from q2q_model.bag.reader import SIGNALS, BagReader
-from q2q_model.bag.storage.fault import BagError, state_repairs
+from q2q_model.bag.storage.fault import BagError, warn_of_repairs
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, flight_from_rows
 
 
@@ -29,7 +29,7 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
         joined = flight_from_rows(Path(path).stem, signals)
     except ValueError as misfit:
         raise BagError(f"bag {bag.path}: {misfit}") from misfit
-    state_repairs(bag.repairs + tuple(f"bag {bag.path}: {repair}" for repair in joined.repairs))
+    warn_of_repairs(bag.repairs + tuple(f"bag {bag.path}: {repair}" for repair in joined.repairs))
     return joined.flight
 
 

@@ -67,7 +67,7 @@ class BagWriter:
         try:
             self._writer.open()
         except OSError as refused:
-            raise BagError(f"cannot make the bag folder {self.path}: {refused.strerror}") from refused
+            raise BagError(f"cannot create the bag folder {self.path}: {refused.strerror}") from refused
         self._connections: dict[str, Connection] = {}
         self._name_as_rosbag2()
 

@@ -61,7 +61,7 @@ class CommandLine(argparse.ArgumentParser):
         return options + choices
 
 
-def carry_out(
+def run_command(
     line: CommandLine,
     prepare: Callable[[Namespace], Work],
     words: Sequence[str] | None = None,
@@ -80,12 +80,12 @@ def carry_out(
         refused: exit status after a ValueError or OSError.
     """
     own = without_ros(words)
-    asked = line.parse_args(own, Namespace(words=own))
+    args = line.parse_args(own, Namespace(words=own))
     warnings.formatwarning = lambda message, *_, **__: f"{line.prog}: warning: {message}\n"
     try:
         with ending_at_once(INTERRUPTED), lean_imports():
-            work = prepare(asked)
-        return work(asked)
+            work = prepare(args)
+        return work(args)
     except KeyboardInterrupt:
         print(f"{line.prog}: {interrupted}", file=sys.stderr)
         return INTERRUPTED
@@ -96,7 +96,7 @@ def carry_out(
         return refused
 
 
-def must_exist(what: str, *paths: Path) -> None:
+def require_existing(what: str, *paths: Path) -> None:
     """Raise ValueError for the first path that does not exist; `what` names its kind."""
     for path in paths:
         if not path.exists():

@@ -14,7 +14,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import VEHICLES
 
@@ -23,12 +23,12 @@ EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --jso
 
 def main(words: Sequence[str] | None = None) -> int:
     """Run `evaluate`; return the exit status."""
-    return carry_out(parser(), _prepare, words)
+    return run_command(parser(), _prepare, words)
 
 
-def _prepare(asked: Namespace) -> Work:
-    check_model(asked.model)
-    must_exist("bag", *asked.bags, *([asked.topics] if asked.topics else []))
+def _prepare(args: Namespace) -> Work:
+    check_model(args.model)
+    require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
     from q2q_model.tools.score_model import run
 
     return run

@@ -5,7 +5,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, UsageError, Work, carry_out, must_exist
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, require_existing, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import VEHICLES
 
@@ -17,15 +17,15 @@ EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Run `identify`; return the exit status."""
-    return carry_out(parser(), _prepare, words)
+    return run_command(parser(), _prepare, words)
 
 
-def _prepare(asked: Namespace) -> Work:
-    if bool(asked.bags) == asked.live:
+def _prepare(args: Namespace) -> Work:
+    if bool(args.bags) == args.live:
         raise UsageError("give bags of recorded flights, or --live with --model, not both")
-    if asked.live:
-        check_model(asked.model)
-    must_exist("bag", *asked.bags, *([asked.topics] if asked.topics else []))
+    if args.live:
+        check_model(args.model)
+    require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
     from q2q_model.tools.identify_flights import run
 
     return run

@@ -137,16 +137,16 @@ def _checked_body(text: str) -> dict[str, Plain]:
     try:
         body = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ModelFileError(f"no complete JSON ({error}); make it again with identify") from error
+        raise ModelFileError(f"not complete JSON ({error}); create it again with identify") from error
     if not isinstance(body, dict) or body.get("format") != FORMAT:
-        raise ModelFileError(f'no q2q model: entry "format" should be "{FORMAT}"')
+        raise ModelFileError(f'not a q2q model: entry "format" should be "{FORMAT}"')
     if body.get("version") not in READABLE:
         raise ModelFileError(
             f"version {body.get('version')!r} is unknown: this program reads versions 1 to {VERSION}"
         )
     found = body.pop("checksum", None)
     if found != _checksum(body):
-        raise ModelFileError("the checksum does not fit: the file was edited or damaged; make it again")
+        raise ModelFileError("the checksum does not match: the file was edited or damaged; create it again")
     return body
 
 
@@ -159,7 +159,7 @@ def _tag(value: object, known: Mapping[str, type], path: str) -> Plain:
     for name, cls in known.items():
         if isinstance(value, cls):
             return {"type": name, "parameters": to_plain(value, path)}
-    raise ModelFileError(f"a {type(value).__name__} cannot be kept; known are {', '.join(known)}")
+    raise ModelFileError(f"a {type(value).__name__} cannot be stored; allowed are {', '.join(known)}")
 
 
 def _tagged(plain: Plain, known: Mapping[str, type[T]], path: str) -> tuple[type[T], Plain, str]:

@@ -116,7 +116,7 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     if not present:
         raise ValueError(f"there is no signal; a flight needs one of {', '.join(FLIGHT_FIELDS)}")
     names = tuple(
-        dict.fromkeys(vehicle for topic in _NAMING for vehicle in _names_in(present.get(topic, ())))
+        dict.fromkeys(vehicle for topic in _NAME_SOURCES for vehicle in _names_in(present.get(topic, ())))
     )
     ticks_of = next(iter(present))
     t = np.unique(_stamps(present[ticks_of]))
@@ -132,10 +132,10 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     return JoinedFlight(Flight(name=name, names=names, t=t, **arrays), tuple(repairs))
 
 
-_NAMING = ("truth", "reference", "state", "command", "reference_safe", "interference", "imu", "mocap")
+_NAME_SOURCES = ("truth", "reference", "state", "command", "reference_safe", "interference", "imu", "mocap")
 """Topics in the order in which vehicle names are taken from them; those with the whole swarm first."""
 
-GOES_ON = "command"
+FREE_RUNNING = "command"
 """Topic that may outlast the ticks: a live controller publishes by its own clock."""
 
 
@@ -152,23 +152,25 @@ def _stamps(found: Sequence[SignalRows]) -> Array:
 
 
 def _remarks(topic: str, stamps: Array, t: Array, ticks_of: str) -> list[str]:
-    apart = int(np.count_nonzero(~np.isin(stamps, t)))
-    if apart == len(stamps):
+    unmatched = int(np.count_nonzero(~np.isin(stamps, t)))
+    if unmatched == len(stamps):
         raise ValueError(
             f"no stamp of {topic} ({stamps.min():.3f} to {stamps.max():.3f} s) is one of {ticks_of} "
             f"({t[0]:.3f} to {t[-1]:.3f} s): the clocks are mixed, or the recordings do not overlap"
         )
-    said = []
-    if topic == GOES_ON:
-        apart -= int(np.count_nonzero(stamps > t[-1]))
-    if apart:
-        said.append(f"{apart} of {len(stamps)} messages on {topic} belong to no tick of {ticks_of}: left out")
-    twice = len(stamps) - len(np.unique(stamps))
-    if twice:
-        said.append(f"{twice} stamps on {topic} come again: the last message counts")
+    remarks = []
+    if topic == FREE_RUNNING:
+        unmatched -= int(np.count_nonzero(stamps > t[-1]))
+    if unmatched:
+        remarks.append(
+            f"{unmatched} of {len(stamps)} messages on {topic} match no tick of {ticks_of}: dropped"
+        )
+    repeated = len(stamps) - len(np.unique(stamps))
+    if repeated:
+        remarks.append(f"{repeated} stamps on {topic} repeat: the last message is used")
     if np.any(np.diff(stamps) < 0.0):
-        said.append(f"stamps on {topic} are out of order: sorted")
-    return said
+        remarks.append(f"stamps on {topic} are out of order: sorted")
+    return remarks
 
 
 def _fill(arrays: dict[str, Array], topic: str, rows: SignalRows, axes: tuple[Array, Names]) -> None:

@@ -94,7 +94,7 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
     late = np.flatnonzero(~(np.diff(t) > 0.0))
     if not len(t) or not t[0] >= 0.0 or len(late):
         row = int(late[0]) + 1 if len(late) else 0
-        raise ValueError(f"t must begin at 0 or later and rise; row {row} of {len(t)} breaks that")
+        raise ValueError(f"t must begin at 0 or later and increase; row {row} of {len(t)} does not")
     prefixes = [
         match[1] for name in columns if (match := re.fullmatch(r"(\w+)_x", name)) and match[1] != "est"
     ]
@@ -140,9 +140,9 @@ def stamp(t: float) -> float:
 
 def _mocap(table: FlightTable) -> Iterator[Signal]:
     pos, quat = table.vectors(POS), _quat(table)
-    seen = np.isfinite(pos).all(axis=-1) & ~table.gap
+    visible = np.isfinite(pos).all(axis=-1) & ~table.gap
     for row, t in enumerate(table.t):
-        here = np.flatnonzero(seen[row])
+        here = np.flatnonzero(visible[row])
         names = tuple(table.names[k] for k in here)
         yield MocapFrame(t=stamp(t), names=names, pos=pos[row, here], quat=quat[row, here])
 

@@ -73,7 +73,9 @@ def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = N
     limits = thresholds or OutlierThresholds()
     if np.any(~(np.diff(t) > 0.0)):
         row = int(np.argmax(~(np.diff(t) > 0.0)))
-        raise ValueError(f"t must rise; after {t[row]} comes {t[row + 1]}: sort, and drop repeats first")
+        raise ValueError(
+            f"t must increase; {t[row + 1]} follows {t[row]}: sort, and drop repeated stamps first"
+        )
     tracks = pos.reshape(len(t), -1, 3)
     found = [_outliers_of_track(t, tracks[:, column], limits) for column in range(tracks.shape[1])]
     return np.stack(found, axis=1).reshape(pos.shape[:-1]) if found else np.zeros(pos.shape[:-1], dtype=bool)

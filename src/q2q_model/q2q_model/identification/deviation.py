@@ -99,7 +99,7 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
     if len(overlaps) < 2:
         raise ValueError(
             f"{len(overlaps)} of {len(records)} flights have vehicles within {given.eps} m of each other "
-            "horizontally, 2 needed to see dev fall with height"
+            "horizontally, 2 needed to fit the decay of dev"
         )
     gaps, devs = np.array([o.gap for o in overlaps]), np.array([o.dev for o in overlaps])
     best = _decay(gaps, devs, given.allowed)

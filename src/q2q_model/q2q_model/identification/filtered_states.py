@@ -14,7 +14,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import MocapFrame, SwarmState, TrackStatus
 
 
-def with_states(flight: Flight, params: MocapFilterParams | None = None) -> Flight:
+def with_filtered_states(flight: Flight, params: MocapFilterParams | None = None) -> Flight:
     """Return the flight with filtered positions, velocities and attitudes, unchanged if it has any.
 
     A vehicle that the filter has lost is NaN.
@@ -32,12 +32,12 @@ def with_states(flight: Flight, params: MocapFilterParams | None = None) -> Flig
 
 
 def _frame(flight: Flight, tick: int) -> MocapFrame:
-    seen = np.nonzero(np.isfinite(flight.mocap_pos[tick]).all(axis=1))[0]
+    visible = np.nonzero(np.isfinite(flight.mocap_pos[tick]).all(axis=1))[0]
     return MocapFrame(
         t=float(flight.t[tick]),
-        names=tuple(flight.names[row] for row in seen),
-        pos=flight.mocap_pos[tick, seen],
-        quat=flight.mocap_quat[tick, seen],
+        names=tuple(flight.names[row] for row in visible),
+        pos=flight.mocap_pos[tick, visible],
+        quat=flight.mocap_quat[tick, visible],
     )
 
 

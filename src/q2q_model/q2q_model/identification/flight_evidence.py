@@ -35,7 +35,7 @@ class FlightEvidence:
         return Motion(self.record.t, self.record.pos, self.record.vel, self.record.axis)
 
 
-def shows_downwash(record: AltitudeRecord) -> bool:
+def has_exposure(record: AltitudeRecord) -> bool:
     """Return whether any vehicle flies under another."""
     rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
     gap = np.abs(rel[..., 2])

@@ -35,15 +35,15 @@ from q2q_model.identification.selection.candidates import (
     Trial,
     candidates,
     fit_best,
+    parameter_intervals,
     remarks_on_networks,
-    spread_of,
-    try_out,
+    score_candidates,
     with_deviation,
 )
 from q2q_model.identification.selection.held_out import Score, score_on
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 
-Tell = Callable[[str], None]
+StepCallback = Callable[[str], None]
 
 FEED_FORWARD = "fa_ff"
 """Log column of the downwash force that the controller compensated [N]."""
@@ -87,29 +87,33 @@ class Identification:
     remarks: tuple[str, ...]
 
 
-def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tell) -> Identification:
-    """Return gains, zone and model of flights; `tell` is called with the name of each step at its start.
+def identify(
+    recordings: Sequence[Recording], params: ProcedureParams, on_step: StepCallback
+) -> Identification:
+    """Return gains, zone and model of flights; `on_step` is called with the name of each step at its start.
 
     Raises:
         ValueError: a flight lacks data that a step needs; the message says what to record.
     """
-    tell("records")
+    on_step("records")
     records = [recorded_altitudes(one, params.vehicle) for one in recordings]
-    tell("gains")
+    on_step("gains")
     gains, remarks = _gains(records)
     lag = thrust_lag([one.flight for one in recordings], params.vehicle) or params.vehicle.thrust_lag
     loop = replace(gains.loop, lag=lag if gains.from_commands else 0.0)
-    tell("pushes")
+    on_step("pushes")
     pushes = [_pushes(one, params.vehicle, lag) for one in recordings]
     evidence = [FlightEvidence(*pair) for pair in zip(records, pushes, strict=True)]
-    tell("zone")
-    decay, said = _decay(records)
-    said += remarks_on_networks(params.model_type, evidence)
-    trials, left_out = try_out(candidates(params.model_type, evidence, loop), evidence, loop, tell)
-    tell("final fit")
-    best, model, refused = fit_best(trials, evidence)
+    on_step("zone")
+    decay, decay_remarks = _decay(records)
+    network_remarks = remarks_on_networks(params.model_type, evidence)
+    trials, failed_trials = score_candidates(
+        candidates(params.model_type, evidence, loop), evidence, loop, on_step
+    )
+    on_step("final fit")
+    best, model, failed_fits = fit_best(trials, evidence)
     model = with_deviation(best.candidate, model, evidence)
-    zone, more = _learned_zone(model, params.threshold)
+    zone, zone_remarks = _learned_zone(model, params.threshold)
     fit = Fit(
         method=best.candidate.name,
         flights=tuple(one.name for one in evidence),
@@ -125,11 +129,11 @@ def identify(recordings: Sequence[Recording], params: ProcedureParams, tell: Tel
         chosen=best.candidate,
         train=train,
         held_out=best.held_out,
-        spread=spread_of(best.candidate, model, evidence, loop),
+        spread=parameter_intervals(best.candidate, model, evidence, loop),
         loading=loading_of(model, [one for flight in evidence for one in flight.pushes]),
         zone=zone,
         file=ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit),
-        remarks=(*remarks, *said, *left_out, *refused, *more),
+        remarks=(*remarks, *decay_remarks, *network_remarks, *failed_trials, *failed_fits, *zone_remarks),
     )
 
 

@@ -122,10 +122,10 @@ def correlation_time(stretches: Sequence[Stretch]) -> float:
     if dt <= 0.0:
         return 0.0
     grids = [_on_grid(one, dt) for one in stretches if one.t.size]
-    square = sum(float(grid @ grid) for grid, _ in grids) / sum(float(seen.sum()) for _, seen in grids)
+    square = sum(float(grid @ grid) for grid, _ in grids) / sum(float(present.sum()) for _, present in grids)
     total, longest = 0.5 * dt, max(grid.size for grid, _ in grids) // 4
     for lag in range(1, longest):
-        pairs = sum(float(seen[lag:] @ seen[:-lag]) for _, seen in grids)
+        pairs = sum(float(present[lag:] @ present[:-lag]) for _, present in grids)
         along = sum(float(grid[lag:] @ grid[:-lag]) for grid, _ in grids)
         if along <= 0.1 * square * pairs:  # also with zero residuals, or no pair at this lag
             break
@@ -182,6 +182,6 @@ def _sums(rows: EstimatingRows, jacobian: Array) -> tuple[Array, Array, Array]:
 def _on_grid(one: Stretch, dt: float) -> tuple[Array, Array]:
     """Return residuals on a grid of step dt, zero where missing, and whether each exists, (T,)."""
     tick = np.round((one.t - one.t[0]) / dt).astype(np.intp)
-    grid, seen = np.zeros((2, int(tick[-1]) + 1))
-    grid[tick], seen[tick] = one.residual, 1.0
-    return grid, seen
+    grid, present = np.zeros((2, int(tick[-1]) + 1))
+    grid[tick], present[tick] = one.residual, 1.0
+    return grid, present

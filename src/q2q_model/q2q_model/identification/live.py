@@ -62,7 +62,7 @@ class LiveEstimate:
     gain: float
     names: Names
     offset: Array
-    seen: float
+    information: float
     """Centred sum of eta^2 behind the gain [m^2/s^4], to compare with the prior."""
 
 
@@ -114,13 +114,14 @@ class LiveRefinement:
 
     def _push(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu, dt: float) -> Array:
         """Return y [m/s^2], (n,); NaN if a sensor or command is missing."""
-        asked = _rows(command.names, state.names, command.thrust)
+        command_thrust = _rows(command.names, state.names, command.thrust)
         keep = np.exp(-dt / self._vehicle.thrust_lag) if self._vehicle.thrust_lag > 0.0 else 0.0
-        before = np.where(np.isfinite(self._thrust), self._thrust, asked)
-        self._thrust = np.where(np.isfinite(asked), keep * before + (1.0 - keep) * asked, before)
+        before = np.where(np.isfinite(self._thrust), self._thrust, command_thrust)
+        settled = keep * before + (1.0 - keep) * command_thrust
+        self._thrust = np.where(np.isfinite(command_thrust), settled, before)
         force = rotate(state.quat, _rows(imu.names, state.names, imu.specific_force_body))[:, 2]
-        lean = rotate(state.quat, np.array([0.0, 0.0, 1.0]))[:, 2]
-        return np.asarray(force - self._thrust * lean / self._vehicle.mass)
+        body_z = rotate(state.quat, np.array([0.0, 0.0, 1.0]))[:, 2]
+        return np.asarray(force - self._thrust * body_z / self._vehicle.mass)
 
     def _estimate(self) -> LiveEstimate:
         weight = np.maximum(self._sums[:, WEIGHT], 1e-12)

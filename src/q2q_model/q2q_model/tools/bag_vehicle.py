@@ -18,25 +18,25 @@ class FlownVehicle:
     """Remark if the vehicle is unknown and the default is used."""
 
 
-def flown_vehicle(bag: Path, asked: str = "") -> FlownVehicle:
-    """Return the vehicle of a bag; `asked` overrides the bag's metadata.
+def flown_vehicle(bag: Path, override: str = "") -> FlownVehicle:
+    """Return the vehicle of a bag; `override` overrides the bag's metadata.
 
     Raises:
-        ValueError: `asked`, or the vehicle that the bag names, does not exist.
+        ValueError: `override`, or the vehicle that the bag names, does not exist.
     """
-    if asked:
-        return FlownVehicle(vehicle_by_name(asked))
+    if override:
+        return FlownVehicle(vehicle_by_name(override))
     facts = read_facts(bag)
     if not facts.vehicle:
-        note = f"{bag} does not say which vehicle flew: {DEFAULT_VEHICLE} is taken; name it by --vehicle"
+        note = f"{bag} does not name its vehicle: {DEFAULT_VEHICLE} is assumed; name it with --vehicle"
         return FlownVehicle(vehicle_by_name(DEFAULT_VEHICLE), note)
     try:
         return FlownVehicle(vehicle_by_name(facts.vehicle, facts.firmware or STOCK))
     except ValueError as unknown:
-        raise ValueError(f"bag {bag}: {unknown}; name the vehicle by --vehicle") from unknown
+        raise ValueError(f"bag {bag}: {unknown}; name the vehicle with --vehicle") from unknown
 
 
-def common_vehicle(bags: Sequence[Path], asked: str = "") -> FlownVehicle:
+def common_vehicle(bags: Sequence[Path], override: str = "") -> FlownVehicle:
     """Return the common vehicle of several bags.
 
     Bags that name no vehicle are assumed to be of the same vehicle as the others.
@@ -44,15 +44,17 @@ def common_vehicle(bags: Sequence[Path], asked: str = "") -> FlownVehicle:
     Raises:
         ValueError: as `flown_vehicle`, or bags of different vehicles.
     """
-    found = [flown_vehicle(bag, asked) for bag in bags]
+    found = [flown_vehicle(bag, override) for bag in bags]
     named = {one.vehicle.name: bag for one, bag in zip(found, bags, strict=True) if not one.note}
     if len(named) > 1:
         flown = ", ".join(f"{bag} of {name}" for name, bag in named.items())
-        raise ValueError(f"bags of different vehicles, {flown}: take them apart, or name one by --vehicle")
-    silent = [bag for one, bag in zip(found, bags, strict=True) if one.note]
+        raise ValueError(
+            f"bags of different vehicles, {flown}: process them separately, or name one with --vehicle"
+        )
+    unnamed = [bag for one, bag in zip(found, bags, strict=True) if one.note]
     vehicle = next((one.vehicle for one in found if not one.note), found[0].vehicle)
-    if not silent:
+    if not unnamed:
         return FlownVehicle(vehicle)
-    which = f"{silent[0]}" + (f" and {len(silent) - 1} more" if len(silent) > 1 else "")
-    note = f"which vehicle flew is not said in {which}: {vehicle.name} is taken; name it by --vehicle"
+    which = f"{unnamed[0]}" + (f" and {len(unnamed) - 1} more" if len(unnamed) > 1 else "")
+    note = f"no vehicle is named in {which}: {vehicle.name} is assumed; name it with --vehicle"
     return FlownVehicle(vehicle, note)

@@ -23,18 +23,18 @@ STEPS = 12
 """Steps of a run with all candidates, for the progress bar."""
 
 
-def run(given: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Identify a model, write and print the results, and return the exit status."""
-    if given.live:
-        return _refine_live(given.model, vehicle_by_name(given.vehicle or DEFAULT_VEHICLE), given.out)
+    if args.live:
+        return _refine_live(args.model, vehicle_by_name(args.vehicle or DEFAULT_VEHICLE), args.out)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
-        found, seconds = _run(given, Console(stderr=True))
-    save(given.out, found.file)
-    wanted = given.json or given.out.with_suffix(".json")
+        found, seconds = _run(args, Console(stderr=True))
+    save(args.out, found.file)
+    wanted = args.json or args.out.with_suffix(".json")
     wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
-    pictures = [] if given.no_plots else _draw(found, wanted.with_suffix(""))
+    pictures = [] if args.no_plots else _draw(found, wanted.with_suffix(""))
     print(summary(found))
-    print(f"model: {given.out}\nreport: {wanted}")
+    print(f"model: {args.out}\nreport: {wanted}")
     for picture in pictures:
         print(f"plot: {picture}")
     return 0
@@ -51,8 +51,8 @@ def _refine_live(model: str, vehicle: Vehicle, out: Path) -> int:
     return 0
 
 
-def _params(given: Namespace, vehicle: Vehicle) -> ProcedureParams:
-    return ProcedureParams(model_type=given.model_type, threshold=given.threshold, vehicle=vehicle)
+def _params(args: Namespace, vehicle: Vehicle) -> ProcedureParams:
+    return ProcedureParams(model_type=args.model_type, threshold=args.threshold, vehicle=vehicle)
 
 
 @dataclass(slots=True)
@@ -64,7 +64,7 @@ class _Steps:
     began: float = field(default_factory=time.process_time)
     name: str = ""
 
-    def tell(self, name: str) -> None:
+    def begin(self, name: str) -> None:
         """Begin a step."""
         self._close()
         self.name, self.began = name, time.process_time()
@@ -81,18 +81,18 @@ class _Steps:
         return self.seconds
 
 
-def _run(given: Namespace, console: Console) -> tuple[Identification, dict[str, float]]:
+def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, float]]:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         progress.add_task("read", total=STEPS)
         steps = _Steps(progress)
-        steps.tell("read")
-        kept, left_out = bags_among(given.bags)
-        flown = common_vehicle(kept, given.vehicle)
-        recordings, repairs = read_recordings(kept, topic_map(given.topics))
-        found = identify(recordings, _params(given, flown.vehicle), steps.tell)
-        mended = [f"mended: {repair}" for repair in repairs]
-        for note in [*left_out, *filter(None, [flown.note]), *mended]:
+        steps.begin("read")
+        kept, left_out = bags_among(args.bags)
+        flown = common_vehicle(kept, args.vehicle)
+        recordings, repairs = read_recordings(kept, topic_map(args.topics))
+        found = identify(recordings, _params(args, flown.vehicle), steps.begin)
+        remarks = [f"repaired: {repair}" for repair in repairs]
+        for note in [*left_out, *filter(None, [flown.note]), *remarks]:
             progress.console.print(f"identify: {note}", highlight=False)
         return found, steps.finish()
 
@@ -101,7 +101,7 @@ def _as_json(found: Identification, seconds: dict[str, float]) -> Plain:
     try:
         return to_plain(report(found, seconds))
     except PlainValueError as wrong:
-        raise ValueError(f"the report holds a number that is none: {wrong}") from wrong
+        raise ValueError(f"the report contains a value that JSON lacks: {wrong}") from wrong
 
 
 def _draw(found: Identification, folder: Path) -> list[Path]:

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from q2q_model.files.model_file import RoleScores
 from q2q_model.files.plain_values import Plain
 from q2q_model.identification.deviation import DeviationParams
-from q2q_model.identification.force.loading import believed
+from q2q_model.identification.force.loading import usable_loading
 from q2q_model.identification.identification import Identification
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.selection.candidates import Trial
@@ -43,7 +43,7 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
         },
         "loading": {
             "interval": found.loading.as_list() if found.loading else None,
-            "used": believed(found.loading),
+            "used": usable_loading(found.loading),
         },
         "candidates": [_candidate(trial) for trial in found.trials],
         "remarks": list(found.remarks),
@@ -72,7 +72,7 @@ def summary(found: Identification) -> str:
         lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's downwash")
     lines += [f"  {name} {_ranged(one)}" for name, one in found.spread]
     if found.loading is not None:
-        lines.append(f"loading {_ranged(found.loading)}: {believed(found.loading):.2f} is used")
+        lines.append(f"loading {_ranged(found.loading)}: {usable_loading(found.loading):.2f} is used")
     return "\n".join(lines + [f"note: {remark}" for remark in found.remarks])
 
 
@@ -81,8 +81,8 @@ def _ranged(one: Interval) -> str:
 
 
 def _gain(name: str, found: Interval) -> str:
-    doubt = "" if found.is_positive else ": not identifiable from these flights"
-    return f"{name} {found.value:.5f} [{found.low:.5f}, {found.high:.5f}]{doubt}"
+    remark = "" if found.is_positive else ": not identifiable from these flights"
+    return f"{name} {found.value:.5f} [{found.low:.5f}, {found.high:.5f}]{remark}"
 
 
 def _zone(found: Identification) -> dict[str, object]:

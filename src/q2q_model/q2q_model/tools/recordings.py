@@ -17,7 +17,7 @@ from q2q_model.bag import (
 )
 from q2q_model.bag.log_topic import LOG_TYPE
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.identification.filtered_states import with_states
+from q2q_model.identification.filtered_states import with_filtered_states
 from q2q_model.identification.identification import Recording
 
 
@@ -32,8 +32,8 @@ def read_recordings(
     Raises:
         BagError: a bag cannot be read, or is given twice, so that a held-out flight would be in the fit.
     """
-    _refuse_twins([bag.resolve() for bag in bags])
-    with warnings.catch_warnings(record=True) as said:
+    _reject_duplicates([bag.resolve() for bag in bags])
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", BagRepairWarning)
         recordings = [_recording(bag, topics) for bag in bags]
     names = [one.flight.name for one in recordings]
@@ -41,7 +41,7 @@ def read_recordings(
         if names.count(names[k]) > 1:
             flight = replace(recordings[k].flight, name=f"{bag.resolve().parent.name}/{names[k]}")
             recordings[k] = replace(recordings[k], flight=flight)
-    return recordings, [str(one.message) for one in said if issubclass(one.category, BagRepairWarning)]
+    return recordings, [str(one.message) for one in caught if issubclass(one.category, BagRepairWarning)]
 
 
 def bags_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
@@ -53,7 +53,7 @@ def bags_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
     if len(others) == len(paths):
         return list(paths), []
     kept = [path for path in paths if path not in others]
-    return kept, [f"left out: {path} is no bag" for path in others]
+    return kept, [f"skipped: {path} is not a bag" for path in others]
 
 
 def topic_map(path: Path | None) -> TopicMap | None:
@@ -61,15 +61,15 @@ def topic_map(path: Path | None) -> TopicMap | None:
     return None if path is None else load_topic_map(path)
 
 
-def _refuse_twins(bags: Sequence[Path]) -> None:
-    twins = sorted({str(bag) for bag in bags if bags.count(bag) > 1})
-    if twins:
-        raise BagError(f"bag {', '.join(twins)} is given twice; a flight counts once")
+def _reject_duplicates(bags: Sequence[Path]) -> None:
+    duplicates = sorted({str(bag) for bag in bags if bags.count(bag) > 1})
+    if duplicates:
+        raise BagError(f"bag {', '.join(duplicates)} is given twice; give each flight once")
 
 
 def _recording(bag: Path, topics: TopicMap | None) -> Recording:
     flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
-    return Recording(with_states(flight), _log(bag))
+    return Recording(with_filtered_states(flight), _log(bag))
 
 
 def _log(bag: Path) -> FlightLog | None:

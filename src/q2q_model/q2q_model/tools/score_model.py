@@ -15,19 +15,19 @@ from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle.constants import Vehicle
 
 
-def run(given: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Score a model, print and write the scores, and return the exit status."""
-    law = find_model(given.model).interaction
-    bags, left_out = bags_among(given.bags)
-    recordings, repairs = read_recordings(bags, topic_map(given.topics))
-    flown = common_vehicle(bags, given.vehicle)
+    law = find_model(args.model).interaction
+    bags, left_out = bags_among(args.bags)
+    recordings, repairs = read_recordings(bags, topic_map(args.topics))
+    flown = common_vehicle(bags, args.vehicle)
     samples = _samples(recordings, flown.vehicle)
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
     text = {"flights": {name: asdict(one) for name, one in scores.items()}, "pooled": asdict(pooled)}
-    if given.json:
-        given.json.write_text(json.dumps(text, indent=1) + "\n")
-    for note in [*left_out, *filter(None, [flown.note]), *(f"mended: {repair}" for repair in repairs)]:
+    if args.json:
+        args.json.write_text(json.dumps(text, indent=1) + "\n")
+    for note in [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
         print(_line(name, one))
@@ -41,11 +41,11 @@ def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, lis
     for one in recordings:
         record = force_record(one, vehicle, lag)
         if record is None:
-            print(f"evaluate: {one.flight.name} shows no pushes: not scored", file=sys.stderr)
+            print(f"evaluate: {one.flight.name} has no measured force: not scored", file=sys.stderr)
         found[one.flight.name] = [] if record is None else force_samples(record)
     if not any(found.values()):
         raise ValueError(
-            "no flight shows pushes: record imu and command, or a log with faz_est, gap and pwm1-4"
+            "no flight has a measured force: record imu and command, or a log with faz_est, gap and pwm1-4"
         )
     return found
 

@@ -76,7 +76,7 @@ def decode(text: str, source: str = "plan") -> tuple[SwarmPlan, PlanFacts]:
         plan = SwarmPlan(tuple(name for name, _ in named), tuple(curve for _, curve in named), certified)
         facts = _facts(document)
     except (ValueError, OverflowError, RecursionError) as error:  # a JSONDecodeError is a ValueError
-        raise ValueError(f"{source} is no plan: {error}; {REMEDY}") from error
+        raise ValueError(f"{source} is not a plan: {error}; {REMEDY}") from error
     return plan, facts
 
 

@@ -6,7 +6,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
@@ -21,14 +21,14 @@ waypoints.yaml:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Plan from the command line; return the exit status."""
-    return carry_out(parser(), _prepare, words)
+    return run_command(parser(), _prepare, words)
 
 
 def _prepare(asked: Namespace) -> Work:
     vehicle_by_name(asked.vehicle)
     if asked.model:
         check_model(asked.model)
-    must_exist("waypoint file", asked.waypoints, *([asked.warm] if asked.warm else []))
+    require_existing("waypoint file", asked.waypoints, *([asked.warm] if asked.warm else []))
     from q2q_planner.tools.plan_swarm import run
 
     return run

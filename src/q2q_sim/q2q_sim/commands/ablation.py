@@ -5,7 +5,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 EXAMPLE = """  ros2 run q2q_sim ablation --seeds 20 --json out/ablation.json --out docs/ablation.md --jobs 2
@@ -15,7 +15,7 @@ EXAMPLE = """  ros2 run q2q_sim ablation --seeds 20 --json out/ablation.json --o
 def main(words: Sequence[str] | None = None) -> int:
     """Fly missing flights and write the table; return the exit status."""
     what = "interrupted; run the same command to resume from the numbers in --json"
-    return carry_out(parser(), _prepare, words, interrupted=what)
+    return run_command(parser(), _prepare, words, interrupted=what)
 
 
 def _prepare(_: Namespace) -> Work:

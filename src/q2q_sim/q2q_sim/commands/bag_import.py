@@ -5,7 +5,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
 
 EXAMPLE = """\
   ros2 run q2q_sim bag_import flight.parquet --out flight
@@ -14,14 +14,14 @@ EXAMPLE = """\
 
 def main(words: Sequence[str] | None = None) -> int:
     """Convert the table of the command line; return the exit status."""
-    return carry_out(parser(), _prepare, words)
+    return run_command(parser(), _prepare, words)
 
 
 def _prepare(asked: Namespace) -> Work:
     for path in asked.flight:
-        must_exist("flight", path)
+        require_existing("flight", path)
     if asked.columns:
-        must_exist("column map", asked.columns)
+        require_existing("column map", asked.columns)
     from q2q_sim.tools.import_table import run
 
     return run

@@ -10,7 +10,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_sim.scenarios.choices import ENGINES
 
 EXAMPLE = """  scripts/campaign --runs 20
@@ -20,7 +20,7 @@ EXAMPLE = """  scripts/campaign --runs 20
 
 def main(words: Sequence[str] | None = None) -> int:
     """Fly the campaign of the command line; return the exit status."""
-    return carry_out(
+    return run_command(
         parser(), _prepare, words, interrupted="interrupted; run the same command to resume", refused=2
     )
 

@@ -7,14 +7,14 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.vehicle.thrust_map import FIRMWARES
 from q2q_sim.scenarios import scenario_files
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Open the room of the command line; return the exit status."""
-    return carry_out(parser(), _prepare, words)
+    return run_command(parser(), _prepare, words)
 
 
 def _prepare(asked: Namespace) -> Work:

@@ -10,12 +10,12 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Fly the demonstration; return the exit status."""
-    return carry_out(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
+    return run_command(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
 
 
 def _prepare(_: Namespace) -> Work:

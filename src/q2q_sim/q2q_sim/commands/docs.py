@@ -9,14 +9,14 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 OUT = Path("docs/nodes")
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Write or check the pages; return the exit status."""
-    return carry_out(parser(), _prepare, words)
+    return run_command(parser(), _prepare, words)
 
 
 def _prepare(_: Namespace) -> Work:

@@ -9,7 +9,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
 from q2q_sim.scenarios.choices import STDOUT
 
 EXAMPLE = """  ros2 run q2q_sim firmware_check ../shared/data/firmware
@@ -20,11 +20,11 @@ TABLES = ("controllers", "planner", "supervisor", "mixer", "compensation")
 
 def main(words: Sequence[str] | None = None) -> int:
     """Compare with the tables of the command line; return the exit status."""
-    return carry_out(parser(), _prepare, words, refused=2)
+    return run_command(parser(), _prepare, words, refused=2)
 
 
 def _prepare(asked: Namespace) -> Work:
-    must_exist("table", *(asked.folder / f"{name}.csv" for name in TABLES))
+    require_existing("table", *(asked.folder / f"{name}.csv" for name in TABLES))
     from q2q_sim.tools.check_firmware import run
 
     return run

@@ -6,7 +6,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.scenarios import scenario_files
@@ -21,7 +21,7 @@ EXAMPLE = """  scripts/fly --list
 
 def main(words: Sequence[str] | None = None) -> int:
     """Fly the scenario of the command line; return the exit status."""
-    return carry_out(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
+    return run_command(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
 
 
 def _prepare(asked: Namespace) -> Work:

@@ -9,7 +9,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 EXAMPLE = """  scripts/paper
   scripts/paper --only table6,fig10 --json out/paper.json"""
@@ -18,7 +18,7 @@ EXAMPLE = """  scripts/paper
 def main(words: Sequence[str] | None = None) -> int:
     """Reproduce the paper; return the exit status."""
     what = "interrupted; run the same command to resume"
-    return carry_out(parser(), _prepare, words, interrupted=what)
+    return run_command(parser(), _prepare, words, interrupted=what)
 
 
 def _prepare(asked: Namespace) -> Work:

@@ -5,7 +5,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 from q2q_sim.scenarios import scenario_files
 
@@ -15,11 +15,11 @@ EXAMPLE = """  ros2 run q2q_sim policies out/fly/bag
 
 def main(words: Sequence[str] | None = None) -> int:
     """Check the bags of the command line; return the exit status."""
-    return carry_out(parser(), _prepare, words, refused=2)
+    return run_command(parser(), _prepare, words, refused=2)
 
 
 def _prepare(asked: Namespace) -> Work:
-    must_exist("bag", *asked.bags)
+    require_existing("bag", *asked.bags)
     if asked.scenario:
         scenario_files.check(asked.scenario)
     elif asked.vehicle:

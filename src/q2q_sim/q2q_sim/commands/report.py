@@ -8,20 +8,20 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, carry_out, must_exist
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Write the report of the command line; return the exit status."""
-    return carry_out(parser(), _prepare, words)
+    return run_command(parser(), _prepare, words)
 
 
 def _prepare(asked: Namespace) -> Work:
     if asked.vehicle:
         vehicle_by_name(asked.vehicle)
-    must_exist("bag", asked.bag, *asked.compare)
-    must_exist("topic map", *([asked.topics] if asked.topics else []))
+    require_existing("bag", asked.bag, *asked.compare)
+    require_existing("topic map", *([asked.topics] if asked.topics else []))
     from q2q_sim.tools.report_bags import run
 
     return run

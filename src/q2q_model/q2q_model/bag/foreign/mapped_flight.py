@@ -18,7 +18,7 @@ from rosbags.typesys.store import Typestore
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.definitions import jazzy_types
-from q2q_model.bag.storage.fault import BagError, state_repairs
+from q2q_model.bag.storage.fault import BagError, warn_of_repairs
 from q2q_model.bag.storage.source import Channel, RawMessage, Source, open_source
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.cdr import BadMessageError, SignalReader
@@ -66,7 +66,7 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
         joined = flight_from_signals(Path(path).stem, signals)
     except ValueError as misfit:
         raise BagError(f"bag {path}: {misfit}") from misfit
-    state_repairs(source.repairs + tuple(f"bag {path}: {said}" for said in (*repairs, *joined.repairs)))
+    warn_of_repairs(source.repairs + tuple(f"bag {path}: {repair}" for repair in (*repairs, *joined.repairs)))
     given = _sorted(source, _rows_by_vehicle(source, channels, topic_map.references, topic_map))
     return _with_references(source, joined.flight, given)
 
@@ -215,15 +215,17 @@ def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal]
         lost = len(track.t) - len(np.unique(rows[vehicle][rows[vehicle] >= 0]))
         if lost == len(track.t):
             spans = f"{track.t[0]:.3f} to {track.t[-1]:.3f} s, not {ticks[0]:.3f} to {ticks[-1]:.3f} s"
-            raise BagError(f"poses of {vehicle} lie at {spans}: the clocks are mixed, or nothing overlaps")
+            raise BagError(
+                f"poses of {vehicle} lie at {spans}: the clocks differ, or the recordings do not overlap"
+            )
         if lost:
-            repairs.append(f"{lost} of {len(track.t)} poses of {vehicle} belong to no tick: left out")
+            repairs.append(f"{lost} of {len(track.t)} poses of {vehicle} match no tick: dropped")
     frames: list[Signal] = []
     for tick, t in enumerate(ticks):
-        seen = [(vehicle, row[tick]) for vehicle, row in rows.items() if row[tick] >= 0]
-        pos = np.array([tracks[vehicle].pos[row] for vehicle, row in seen]).reshape(-1, 3)
-        quat = np.array([tracks[vehicle].quat[row] for vehicle, row in seen]).reshape(-1, 4)
-        frames.append(MocapFrame(t=float(t), names=tuple(vehicle for vehicle, _ in seen), pos=pos, quat=quat))
+        near = [(vehicle, row[tick]) for vehicle, row in rows.items() if row[tick] >= 0]
+        pos = np.array([tracks[vehicle].pos[row] for vehicle, row in near]).reshape(-1, 3)
+        quat = np.array([tracks[vehicle].quat[row] for vehicle, row in near]).reshape(-1, 4)
+        frames.append(MocapFrame(t=float(t), names=tuple(vehicle for vehicle, _ in near), pos=pos, quat=quat))
     return frames, repairs
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from q2q_model.bag.foreign.mapped_flight import mapped_channels, mapped_frames
 from q2q_model.bag.foreign.topic_map import TopicMap
-from q2q_model.bag.storage.fault import state_repairs
+from q2q_model.bag.storage.fault import warn_of_repairs
 from q2q_model.bag.storage.source import RawMessage
 from q2q_model.signals.cdr import encode, header_stamp_ns
 from q2q_model.signals.layout import LAYOUTS
@@ -31,7 +31,7 @@ class MappedBag:
                 messages.append(RawMessage(topic, stamp_ns, one.data, one.type_name))
         if topic_map.vehicles or topic_map.poses:
             frames, repairs = mapped_frames(source, channels, topic_map)
-            state_repairs(tuple(f"bag {path}: {said}" for said in repairs))
+            warn_of_repairs(tuple(f"bag {path}: {repair}" for repair in repairs))
             for frame in frames:
                 kind = f"q2q_msgs/msg/{LAYOUTS[type(frame)].message}"
                 stamp_ns = stamp_from_time(frame.t)

@@ -53,7 +53,7 @@ def load_topic_map(path: Path | str) -> TopicMap:
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as damage:
         raise BagError(f"topic map {path} cannot be read: {damage}") from damage
     if not isinstance(loaded, dict):
-        raise BagError(f"topic map {path} is no mapping; its keys are {', '.join(KEYS)}")
+        raise BagError(f"topic map {path} is not a mapping; its keys are {', '.join(KEYS)}")
     unknown = set(map(str, loaded)) - set(KEYS)
     if unknown:
         raise BagError(
@@ -75,5 +75,5 @@ def load_topic_map(path: Path | str) -> TopicMap:
 
 def _names(path: Path | str, key: str, value: object) -> dict[str, str]:
     if not isinstance(value, dict):
-        raise BagError(f"topic map {path}: {key} = {value!r}; it maps names to names")
+        raise BagError(f"topic map {path}: {key} = {value!r}; expected a mapping of names to names")
     return {str(left): str(right) for left, right in value.items()}

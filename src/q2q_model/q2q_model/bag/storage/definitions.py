@@ -9,7 +9,7 @@ from rosbags.typesys.store import Typestore
 
 from q2q_model.bag.storage.fault import BagError
 
-OURS = "q2q_msgs"
+PACKAGE = "q2q_msgs"
 
 
 @lru_cache(maxsize=1)
@@ -17,7 +17,7 @@ def jazzy_types() -> Typestore:
     """Return the message types of ROS 2 Jazzy and q2q_msgs."""
     store = get_typestore(Stores.ROS2_JAZZY)
     for path in sorted(_message_folder().glob("*.msg")):
-        store.register(get_types_from_msg(path.read_text(), f"{OURS}/msg/{path.stem}"))
+        store.register(get_types_from_msg(path.read_text(), f"{PACKAGE}/msg/{path.stem}"))
     return store
 
 
@@ -28,16 +28,18 @@ def definition_of(type_name: str) -> tuple[str, str]:
     """
     store = jazzy_types()
     if type_name not in store.fielddefs:
-        ours = ", ".join(sorted(name for name in store.fielddefs if name.startswith(OURS)))
+        ours = ", ".join(sorted(name for name in store.fielddefs if name.startswith(PACKAGE)))
         raise BagError(f"no definition of message type {type_name!r}; known are common ROS types, {ours}")
     return store.generate_msgdef(type_name, ros_version=2)[0], store.hash_rihs01(type_name)
 
 
 def _message_folder() -> Path:
     prefixes = map(Path, filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)))
-    sources = [parent / OURS for parent in Path(__file__).resolve().parents]
-    places = [prefix / "share" / OURS / "msg" for prefix in prefixes] + [source / "msg" for source in sources]
+    sources = [parent / PACKAGE for parent in Path(__file__).resolve().parents]
+    places = [prefix / "share" / PACKAGE / "msg" for prefix in prefixes] + [
+        source / "msg" for source in sources
+    ]
     for place in places:
         if (place / "MocapFrame.msg").is_file():
             return place
-    raise BagError("the .msg files of q2q_msgs are nowhere: source scripts/env.sh")
+    raise BagError("cannot find the .msg files of q2q_msgs: source scripts/env.sh")

@@ -11,7 +11,7 @@ class BagRepairWarning(UserWarning):
     """Warning of a repair: part of the bag was lost or changed, and the rest is used."""
 
 
-def state_repairs(repairs: tuple[str, ...]) -> None:
+def warn_of_repairs(repairs: tuple[str, ...]) -> None:
     """Issue a BagRepairWarning for every repair."""
     for repair in repairs:
         warnings.warn(repair, BagRepairWarning, stacklevel=3)

@@ -12,7 +12,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 
 
 @dataclass(frozen=True, slots=True)
-class SavedMessage:
+class RecoveredMessage:
     """Recovered message."""
 
     topic: str
@@ -25,7 +25,7 @@ class SavedMessage:
 class Salvage:
     """Recovered contents of a damaged file."""
 
-    messages: tuple[SavedMessage, ...]
+    messages: tuple[RecoveredMessage, ...]
     definitions: dict[str, str]
     """Topic -> message definition."""
     losses: tuple[str, ...]
@@ -37,11 +37,11 @@ class _Collector:
     def __init__(self) -> None:
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
-        self.messages: list[SavedMessage] = []
+        self.messages: list[RecoveredMessage] = []
         self.definitions: dict[str, str] = {}
         self.orphans = 0
 
-    def take(self, record: McapRecord) -> None:
+    def add(self, record: McapRecord) -> None:
         if isinstance(record, Schema):
             self.schemas[record.id] = record
         elif isinstance(record, Channel):
@@ -52,7 +52,9 @@ class _Collector:
             if channel is None or schema is None:
                 self.orphans += 1
             else:
-                self.messages.append(SavedMessage(channel.topic, schema.name, record.log_time, record.data))
+                self.messages.append(
+                    RecoveredMessage(channel.topic, schema.name, record.log_time, record.data)
+                )
                 self.definitions[channel.topic] = schema.data.decode(errors="replace")
 
 
@@ -65,9 +67,9 @@ def salvage(file: Path) -> Salvage:
             if isinstance(found, str):
                 losses.append(found)
             else:
-                collector.take(found)
+                collector.add(found)
     if collector.orphans:
-        losses.append(f"{file.name}: {collector.orphans} messages of unknown channels are left out")
+        losses.append(f"{file.name}: {collector.orphans} messages of unknown channels are dropped")
     return Salvage(tuple(collector.messages), collector.definitions, tuple(losses))
 
 
@@ -80,7 +82,7 @@ def _records(reader: StreamReader, name: str) -> Iterator[McapRecord | str]:
         except StopIteration:
             return
         except Exception as cut:  # noqa: BLE001 - a parser on damaged bytes raises anything
-            yield f"{name} is cut off or damaged ({type(cut).__name__}): nothing behind that place is read"
+            yield f"{name} is truncated or damaged ({type(cut).__name__}): the rest is not read"
             return
         if isinstance(record, Footer):
             return
@@ -91,4 +93,4 @@ def _records(reader: StreamReader, name: str) -> Iterator[McapRecord | str]:
             yield from breakup_chunk(record, validate_crc=True)
         except Exception as damage:  # noqa: BLE001 - as above
             begin, end = record.message_start_time * 1e-9, record.message_end_time * 1e-9
-            yield f"{name}: a damaged chunk is left out, {begin:.3f} to {end:.3f} s of bag time ({damage})"
+            yield f"{name}: a damaged chunk is dropped, {begin:.3f} to {end:.3f} s of bag time ({damage})"

@@ -76,20 +76,20 @@ def open_source(path: Path | str) -> Source:
     try:
         return _regular(bag, bag)
     except Exception as damage:  # noqa: BLE001 - a parser on damaged bytes raises anything
-        return _mended(bag, f"{type(damage).__name__}: {damage}")
+        return _salvaged(bag, f"{type(damage).__name__}: {damage}")
 
 
 def _open_bare_folder(bag: Path) -> Source:
     files = _storage_files(bag)
     if not files:
-        raise BagError(f"{bag} is no bag: it has neither metadata.yaml nor an .mcap or .db3 file")
+        raise BagError(f"{bag} is not a bag: it has neither metadata.yaml nor an .mcap or .db3 file")
     lost = f"bag {bag} has no metadata.yaml (it was not closed)"
     if len(files) > 1:
-        return _mended(bag, lost)
+        return _salvaged(bag, lost)
     try:
         return _regular(bag, files[0], (f"{lost}; read from {files[0].name}, which is whole",))
     except Exception:  # noqa: BLE001 - a parser on damaged bytes raises anything
-        return _mended(bag, lost)
+        return _salvaged(bag, lost)
 
 
 def _regular(bag: Path, file: Path, repairs: tuple[str, ...] = ()) -> Source:
@@ -143,23 +143,25 @@ def _channel(connection: Connection) -> Channel:
     return Channel(connection.topic, connection.msgtype, connection.msgdef.data, connection.msgcount)
 
 
-def _mended(bag: Path, why: str) -> Source:
+def _salvaged(bag: Path, why: str) -> Source:
     files = [file for file in _storage_files(bag) if file.suffix == ".mcap"]
     if not files:
-        raise BagError(f"bag {bag} cannot be read ({why}); only MCAP bags can be mended")
-    saved = [salvage(file) for file in files]
-    messages = sorted((found for one in saved for found in one.messages), key=lambda found: found.stamp_ns)
+        raise BagError(f"bag {bag} cannot be read ({why}); only MCAP bags can be repaired")
+    recovered = [salvage(file) for file in files]
+    messages = sorted(
+        (found for one in recovered for found in one.messages), key=lambda found: found.stamp_ns
+    )
     if not messages:
-        raise BagError(f"bag {bag} cannot be read ({why}), and no message of it can be saved")
-    definitions = {topic: text for one in saved for topic, text in one.definitions.items()}
+        raise BagError(f"bag {bag} cannot be read ({why}), and no message can be recovered")
+    definitions = {topic: text for one in recovered for topic, text in one.definitions.items()}
     counts: dict[tuple[str, str], int] = {}
     for found in messages:
         counts[found.topic, found.type_name] = counts.get((found.topic, found.type_name), 0) + 1
     channels = tuple(Channel(*key, definitions[key[0]], count) for key, count in counts.items())
     raw = [RawMessage(found.topic, found.stamp_ns, found.data, found.type_name) for found in messages]
     repairs = (
-        f"bag {bag}: {why}; saved {len(raw)} messages",
-        *(loss for one in saved for loss in one.losses),
+        f"bag {bag}: {why}; recovered {len(raw)} messages",
+        *(loss for one in recovered for loss in one.losses),
     )
     return Source(bag, channels, lambda topics: (found for found in raw if found.topic in topics), repairs)
 

@@ -34,17 +34,17 @@ def eta_along(model: InteractionModel, motion: Motion) -> Array:
     """Return eta [m/s^2], world, (T, n, 3)."""
     ticks, n = motion.pos.shape[:2]
     everywhere = np.arange(ticks)
-    return np.stack([eta_felt(model, motion, i, everywhere) for i in range(n)], axis=1)
+    return np.stack([eta_on_vehicle(model, motion, i, everywhere) for i in range(n)], axis=1)
 
 
-def eta_felt(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.intp]) -> Array:
+def eta_on_vehicle(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.intp]) -> Array:
     """Return eta of vehicle i at ticks `rows` (k,), [m/s^2], (k, 3)."""
     eta = np.zeros((rows.size, 3))
     for j in range(motion.pos.shape[1]):
         if j != i:
             rel_pos = motion.pos[rows, j] - motion.pos[rows, i]
             near = _in_reach(model, rel_pos, motion.vel[:, j])
-            pos, vel, axis = _as_it_was(model, motion, j, rows[near], rel_pos[near])
+            pos, vel, axis = _delayed_state(model, motion, j, rows[near], rel_pos[near])
             pair = PairMotion(source_vel=vel, source_axis=axis, vel=motion.vel[rows[near], i])
             eta[near] += model.acceleration(pos - motion.pos[rows[near], i], pair)
     return eta
@@ -60,7 +60,7 @@ def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np
     return np.asarray((across2 <= wide * wide) & (np.abs(rel_pos[:, 2]) <= tall))
 
 
-def _as_it_was(
+def _delayed_state(
     model: InteractionModel, motion: Motion, j: int, rows: NDArray[np.intp], rel_pos: Array
 ) -> tuple[Array, Array, Array]:
     """Return pos, vel and axis of j, (k, 3), at the time that air arriving at ticks `rows` left it."""

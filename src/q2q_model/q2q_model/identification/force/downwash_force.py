@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.identification.force.along_flight import Motion, eta_felt
+from q2q_model.identification.force.along_flight import Motion, eta_on_vehicle
 from q2q_model.identification.force.residual import predicted_residual
 from q2q_model.signals.values import Array, Names
 
@@ -110,7 +110,7 @@ def residual_of(model: InteractionModel, one: ForceSamples) -> Array:
     """Return y - eta [m/s^2], (T,); 0 in rows that are not usable."""
     rows = np.nonzero(one.usable)[0]
     residual = np.zeros(len(one.y))
-    residual[rows] = one.y[rows] - eta_felt(model, one.motion, one.vehicle, rows)[:, 2]
+    residual[rows] = one.y[rows] - eta_on_vehicle(model, one.motion, one.vehicle, rows)[:, 2]
     return residual
 
 

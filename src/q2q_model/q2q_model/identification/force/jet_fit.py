@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force.along_flight import Motion, eta_along, eta_felt
+from q2q_model.identification.force.along_flight import Motion, eta_along, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
@@ -77,20 +77,20 @@ def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | 
     `solved` is that jet if known already: then only its intervals are computed.
     """
     flights = list(dict.fromkeys(one.flight for one in samples))
-    seen = [(flights.index(one.flight), one, np.nonzero(one.exposed | one.upper)[0]) for one in samples]
+    chosen = [(flights.index(one.flight), one, np.nonzero(one.exposed | one.upper)[0]) for one in samples]
 
     def residuals(jet: Jet) -> list[Stretch]:
         return [
             Stretch(
                 flight,
                 one.motion.t[rows],
-                one.y[rows] - eta_felt(jet, one.motion, one.vehicle, rows)[:, 2],
+                one.y[rows] - eta_on_vehicle(jet, one.motion, one.vehicle, rows)[:, 2],
             )
-            for flight, one, rows in seen
+            for flight, one, rows in chosen
         ]
 
     fit = _fit(residuals, form, solved, "soft_l1")
-    floor, share = _affine(*_misses(fit.jet, samples))
+    floor, share = _affine(*_magnitudes(fit.jet, samples))
     return replace(fit, jet=replace(fit.jet, std_floor=floor, relative_std=share))
 
 
@@ -199,7 +199,7 @@ def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: Jet
     halves = _halves(samples)
     if not all(any(one.exposed.any() for one in half) for half in halves):
         return jet
-    parts = [_misses(fit_to_pushes(halves[1 - k], form).jet, halves[k]) for k in (0, 1)]
+    parts = [_magnitudes(fit_to_pushes(halves[1 - k], form).jet, halves[k]) for k in (0, 1)]
     floor, share = _affine(*(np.concatenate(some) for some in zip(*parts, strict=True)))
     return replace(jet, std_floor=floor, relative_std=share)
 
@@ -221,18 +221,18 @@ def _halves(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
     ]
 
 
-def _misses(jet: Jet, samples: Sequence[ForceSamples]) -> tuple[Array, Array]:
+def _magnitudes(jet: Jet, samples: Sequence[ForceSamples]) -> tuple[Array, Array]:
     """Return |eta| and |y - eta| on exposed rows, (k,)."""
-    pushes, misses = [np.empty(0)], [np.empty(0)]
+    pushes, errors = [np.empty(0)], [np.empty(0)]
     for one in samples:
         rows = np.nonzero(one.exposed)[0]
-        eta = eta_felt(jet, one.motion, one.vehicle, rows)[:, 2]
+        eta = eta_on_vehicle(jet, one.motion, one.vehicle, rows)[:, 2]
         pushes.append(np.abs(eta))
-        misses.append(np.abs(one.y[rows] - eta))
-    return np.concatenate(pushes), np.concatenate(misses)
+        errors.append(np.abs(one.y[rows] - eta))
+    return np.concatenate(pushes), np.concatenate(errors)
 
 
-def _affine(push: Array, miss: Array) -> tuple[float, float]:
+def _affine(push: Array, error: Array) -> tuple[float, float]:
     """Return floor [m/s^2] and share of the deviation floor + share |eta| of residuals.
 
     Both are the maximum likelihood of a normal, scaled so that 95 % of the rows lie within 1.96 deviations,
@@ -241,11 +241,11 @@ def _affine(push: Array, miss: Array) -> tuple[float, float]:
     if push.size == 0:
         return 0.0, 0.0
 
-    def unlikely(x: Array) -> float:
+    def negative_log_likelihood(x: Array) -> float:
         std = np.exp(x[0]) + np.exp(x[1]) * push
-        return float(np.sum(np.log(std) + 0.5 * (miss / std) ** 2))
+        return float(np.sum(np.log(std) + 0.5 * (error / std) ** 2))
 
-    first = np.log([max(float(np.sqrt(np.mean(miss**2))), 1e-6), 0.1])
-    floor, share = np.exp(minimize(unlikely, first, method="Nelder-Mead").x)
-    wide = float(np.quantile(miss / (floor + share * push), 0.95)) / Z95
+    first = np.log([max(float(np.sqrt(np.mean(error**2))), 1e-6), 0.1])
+    floor, share = np.exp(minimize(negative_log_likelihood, first, method="Nelder-Mead").x)
+    wide = float(np.quantile(error / (floor + share * push), 0.95)) / Z95
     return float(min(wide * floor, MOST_STD)), float(min(wide * share, MOST_STD))

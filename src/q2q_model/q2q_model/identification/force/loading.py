@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.identification.force.along_flight import Motion, eta_felt
+from q2q_model.identification.force.along_flight import Motion, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.force.jet_fit import BLOCK
 from q2q_model.identification.intervals import Interval, Stretch, clusters, intervals, least_squares_rows
@@ -63,7 +63,7 @@ def loading_of(model: InteractionModel, samples: Sequence[ForceSamples]) -> Inte
     return intervals(np.array([scale, loading]), rows)[1]
 
 
-def believed(loading: Interval | None) -> float:
+def usable_loading(loading: Interval | None) -> float:
     """Return the loading for controllers: 0 if unknown or not significant, else at most `MOST`."""
     if loading is None or not loading.is_positive:
         return 0.0
@@ -88,4 +88,4 @@ def _vertical(model: InteractionModel, motion: Motion, pair: tuple[int, int], ro
     """Return the vertical downwash [m/s^2] of pair[1] alone on pair[0], (k,)."""
     both = list(pair)
     two = Motion(motion.t, motion.pos[:, both], motion.vel[:, both], motion.axis[:, both])
-    return eta_felt(model, two, 0, rows)[:, 2]
+    return eta_on_vehicle(model, two, 0, rows)[:, 2]

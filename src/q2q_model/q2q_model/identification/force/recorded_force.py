@@ -45,7 +45,7 @@ def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class Sensed:
+class RecordedAcceleration:
     """Recorded acceleration and command of a flight."""
 
     t: Array
@@ -53,24 +53,26 @@ class Sensed:
     """(R f_body)_z [m/s^2], (T, n)."""
     thrust: Array
     """Commanded U1 [N], (T, n)."""
-    lean: Array
+    thrust_gain: Array
     """b_z / m [1/kg], (T, n)."""
     whole: Mask
     """Where all of them and the position are known, (T, n)."""
 
     def push(self, lag: float) -> Array:
         """Return the push [m/s^2], (T, n), for a thrust lag [s]; 0 where unknown."""
-        return np.where(self.whole, self.force - lagged(self.thrust, self.t, lag) * self.lean, 0.0)
+        return np.where(self.whole, self.force - lagged(self.thrust, self.t, lag) * self.thrust_gain, 0.0)
 
 
-def sensed(flight: Flight, vehicle: Vehicle) -> Sensed | None:
+def recorded_acceleration(flight: Flight, vehicle: Vehicle) -> RecordedAcceleration | None:
     """Return acceleration and command of a flight; None if it lacks either."""
     force = rotate(flight.quat, flight.specific_force_body)[..., 2]
-    lean = rotate(flight.quat, UP)[..., 2] / vehicle.mass
-    whole = np.isfinite(force * lean) & np.isfinite(flight.thrust) & np.isfinite(flight.pos).all(axis=-1)
+    thrust_gain = rotate(flight.quat, UP)[..., 2] / vehicle.mass
+    whole = (
+        np.isfinite(force * thrust_gain) & np.isfinite(flight.thrust) & np.isfinite(flight.pos).all(axis=-1)
+    )
     if not whole.any():
         return None
-    return Sensed(flight.t, force, flight.thrust, lean, np.asarray(whole))
+    return RecordedAcceleration(flight.t, force, flight.thrust, thrust_gain, np.asarray(whole))
 
 
 def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord | None:
@@ -81,7 +83,7 @@ def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord
         vehicle: vehicle, for its mass.
         lag: time constant of thrust [s].
     """
-    found = sensed(flight, vehicle)
+    found = recorded_acceleration(flight, vehicle)
     if found is None:
         return None
     return ForceRecord(

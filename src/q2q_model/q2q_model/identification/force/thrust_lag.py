@@ -13,7 +13,11 @@ from scipy.optimize import minimize_scalar
 
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.force.downwash_force import Mask
-from q2q_model.identification.force.recorded_force import Sensed, motion_of, sensed
+from q2q_model.identification.force.recorded_force import (
+    RecordedAcceleration,
+    motion_of,
+    recorded_acceleration,
+)
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_model.vehicle.constants import Vehicle
 
@@ -31,7 +35,7 @@ FEWEST = 200
 class _ClearAir:
     """Sensor records of a flight and each vehicle's rows in clear air."""
 
-    found: Sensed
+    found: RecordedAcceleration
     clear: Mask
     """(T, n)"""
 
@@ -53,7 +57,7 @@ def thrust_lag(flights: Sequence[Flight], vehicle: Vehicle) -> float | None:
 
 
 def _clear_air(flight: Flight, vehicle: Vehicle) -> _ClearAir | None:
-    found = sensed(flight, vehicle)
+    found = recorded_acceleration(flight, vehicle)
     if found is None:
         return None
     pos = motion_of(flight).pos

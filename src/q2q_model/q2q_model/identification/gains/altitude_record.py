@@ -4,7 +4,7 @@
 |---|---|---|
 | r | pos | position [m], world, (T, n, 3) |
 | z_ref z_ref' z_ref'' | ref | altitude reference and its derivatives [m], [m/s], [m/s^2], (T, n, 3) |
-| U1 b_z / m - g | lift | commanded vertical acceleration [m/s^2], (T, n) |
+| U1 b_z / m - g | commanded_acc | commanded vertical acceleration [m/s^2], (T, n) |
 """
 
 from dataclasses import dataclass, replace
@@ -39,7 +39,7 @@ class AltitudeRecord:
     axis: Array
     """Body z, world, (T, n, 3)."""
     ref: Array
-    lift: Array
+    commanded_acc: Array
     """Commanded vertical acceleration [m/s^2], (T, n); NaN where no command was recorded."""
     feed_forward: Array
     """Downwash compensated by the controller [m/s^2], along z, (T, n); NaN where not recorded."""
@@ -74,7 +74,7 @@ def thinned(record: AltitudeRecord, every: int) -> AltitudeRecord:
         vel=record.vel[rows],
         axis=record.axis[rows],
         ref=record.ref[rows],
-        lift=record.lift[rows],
+        commanded_acc=record.commanded_acc[rows],
         feed_forward=record.feed_forward[rows],
     )
 
@@ -89,15 +89,15 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         ValueError: no reference, no positions, or less than 2 s of both.
     """
     mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
-    seen = _finite_rows(mocap)
+    visible = _finite_rows(mocap)
     bad = find_outliers(flight.t, mocap)
     ref = _altitude_reference(flight)
-    rows = _common_rows(flight, seen | _finite_rows(flight.pos), ref)
-    mended = repair(flight.t, mocap, bad)
-    pos = np.where(np.isfinite(flight.pos), flight.pos, mended)
-    vel = np.where(np.isfinite(flight.vel), flight.vel, np.gradient(mended, flight.t, axis=0))
+    rows = _common_rows(flight, visible | _finite_rows(flight.pos), ref)
+    repaired = repair(flight.t, mocap, bad)
+    pos = np.where(np.isfinite(flight.pos), flight.pos, repaired)
+    vel = np.where(np.isfinite(flight.vel), flight.vel, np.gradient(repaired, flight.t, axis=0))
     t = np.arange(flight.t[rows][0], flight.t[rows][-1] + 1e-9, dt := float(np.median(np.diff(flight.t))))
-    axis, lift = _attitude(flight), _lift(flight, vehicle)
+    axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle)
     resampled = (_resample(flight.t, values, t) for values in (pos, vel, axis, ref))
     pos, vel, axis, ref = resampled
     nearest = np.clip(np.searchsorted(flight.t, t - 0.5 * dt), 0, flight.t.size - 1)
@@ -110,10 +110,10 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         vel=vel,
         axis=axis,
         ref=ref,
-        lift=lift[nearest],
+        commanded_acc=commanded_acc[nearest],
         feed_forward=flight.eta[nearest, :, 2],
-        outliers=int((bad & seen).sum()),
-        samples=int(seen.sum()),
+        outliers=int((bad & visible).sum()),
+        samples=int(visible.sum()),
     )
 
 
@@ -144,7 +144,7 @@ def _attitude(flight: Flight) -> Array:
     return np.asarray(axis)
 
 
-def _lift(flight: Flight, vehicle: Vehicle) -> Array:
+def _commanded_acc(flight: Flight, vehicle: Vehicle) -> Array:
     return np.asarray(flight.thrust / vehicle.mass * _attitude(flight)[..., 2] - GRAVITY)
 
 

@@ -40,7 +40,7 @@ BLOCK = 1.0
 MOST_VEHICLES = 1000
 """Bound of the vehicles of a flight, for group numbers made of flight and vehicle."""
 
-K_P, K_D, INTEGRAL, TOLD, OFFSET = range(5)
+K_P, K_D, INTEGRAL, FEED_FORWARD, OFFSET = range(5)
 """Terms of the equation; OFFSET is one column for each vehicle of each flight."""
 
 
@@ -64,7 +64,7 @@ class _Equation:
 
     target: Array
     columns: Array
-    """K_P to TOLD, (rows, 4)."""
+    """K_P to FEED_FORWARD, (rows, 4)."""
     group: Array
     """Number of flight and vehicle, (rows,)."""
     t: Array
@@ -83,8 +83,8 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
             f"{system.target.size} rows with thrust commands in {len(records)} flights, {FEWEST} needed: "
             "record the topic command, or fit the gains to trajectories"
         )
-    terms = [K_P, K_D, INTEGRAL, TOLD, OFFSET]
-    for term in (TOLD, INTEGRAL, OFFSET):
+    terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, OFFSET]
+    for term in (FEED_FORWARD, INTEGRAL, OFFSET):
         if not _is_needed(system, terms, term):
             terms.remove(term)
     design = _design(system, terms)
@@ -127,9 +127,9 @@ def _equation(record: AltitudeRecord, i: int, group: int) -> _Equation:
     error = -record.deviation[:, i]
     rate = record.ref[:, i, 1] - record.vel[:, i, 2]
     integral = np.cumsum(error) * record.dt
-    told = np.where(np.isfinite(record.feed_forward[:, i]), record.feed_forward[:, i], 0.0)
-    columns = np.stack([error, rate, integral - integral.mean(), -told], axis=1)
-    target = record.lift[:, i] - record.ref[:, i, 2]
+    feed_forward = np.where(np.isfinite(record.feed_forward[:, i]), record.feed_forward[:, i], 0.0)
+    columns = np.stack([error, rate, integral - integral.mean(), -feed_forward], axis=1)
+    target = record.commanded_acc[:, i] - record.ref[:, i, 2]
     known = np.isfinite(target)
     return _Equation(target[known], columns[known], np.full(known.sum(), float(group)), record.t[known])
 
@@ -141,14 +141,14 @@ def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Arra
     """
     columns = system.columns[:, [term for term in terms if term != OFFSET]].copy()
     slope = (weight == 1.0).astype(np.float64)
-    seen = weight * np.copysign(np.maximum(np.abs(residual), RESOLUTION), residual)
+    psi = weight * np.copysign(np.maximum(np.abs(residual), RESOLUTION), residual)
     stretches = []
     for group in np.unique(system.group):
         own = system.group == group
         if OFFSET in terms:
             columns[own] -= slope[own] @ columns[own] / max(slope[own].sum(), 1.0)
-        stretches.append(Stretch(int(group) // MOST_VEHICLES, system.t[own], seen[own]))
-    return EstimatingRows(columns, seen, slope, clusters(stretches, BLOCK))
+        stretches.append(Stretch(int(group) // MOST_VEHICLES, system.t[own], psi[own]))
+    return EstimatingRows(columns, psi, slope, clusters(stretches, BLOCK))
 
 
 def _design(system: _Equation, terms: Sequence[int]) -> Array:

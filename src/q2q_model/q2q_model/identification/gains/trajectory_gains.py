@@ -63,25 +63,25 @@ def gains_from_trajectories(
     bounds = (np.array([LOW[name] for name in names]), np.array([HIGH[name] for name in names]))
     start = np.array([START[name] for name in names])
     found = least_squares(
-        lambda x: np.concatenate([part.T.ravel() for part in _misses(records, _loop(names, x))]),
+        lambda x: np.concatenate([part.T.ravel() for part in _residuals(records, _loop(names, x))]),
         start,
         bounds=bounds,
         x_scale=np.maximum(np.abs(start), 0.05),
     )
     loop = _loop(names, found.x)
-    misses = _misses(records, loop)
+    residuals = _residuals(records, loop)
     stretches = [
         Stretch(k, record.t, one)
-        for k, (record, miss) in enumerate(zip(records, misses, strict=True))
-        for one in miss.T
+        for k, (record, residual) in enumerate(zip(records, residuals, strict=True))
+        for one in residual.T
     ]
     rows = least_squares_rows(found.jac, found.fun, clusters(stretches, BLOCK))
     spread = intervals(found.x, rows, (np.minimum(bounds[0], 0.0), bounds[1]))
-    rho = _correlation(misses)
+    rho = _correlation(residuals)
     return TrajectoryGains(
         loop=loop,
         intervals=tuple(zip(names, spread, strict=True)),
-        mse=np.stack([(miss**2).mean(axis=0) for miss in misses]),
+        mse=np.stack([(residual**2).mean(axis=0) for residual in residuals]),
         rows=found.fun.size * (1.0 - rho) / (1.0 + rho),
     )
 
@@ -114,7 +114,7 @@ def is_better(more: TrajectoryGains, less: TrajectoryGains, level: float = 0.01)
     return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < level)
 
 
-def _misses(records: Sequence[AltitudeRecord], loop: AltitudeLoop) -> list[Array]:
+def _residuals(records: Sequence[AltitudeRecord], loop: AltitudeLoop) -> list[Array]:
     """Return z - zhat [m], (T, n), of every flight."""
     return [
         record.deviation - free_response(loop, record.dt, record.start, record.jerk) for record in records
@@ -141,6 +141,8 @@ def _loop(names: Sequence[str], x: Array) -> AltitudeLoop:
     return AltitudeLoop(**values)
 
 
-def _correlation(misses: Sequence[Array]) -> float:
-    along = sum(float((miss[1:] * miss[:-1]).sum()) for miss in misses)
-    return float(np.clip(along / max(sum(float((miss**2).sum()) for miss in misses), 1e-300), 0.0, 0.9999))
+def _correlation(residuals: Sequence[Array]) -> float:
+    along = sum(float((residual[1:] * residual[:-1]).sum()) for residual in residuals)
+    return float(
+        np.clip(along / max(sum(float((residual**2).sum()) for residual in residuals), 1e-300), 0.0, 0.9999)
+    )

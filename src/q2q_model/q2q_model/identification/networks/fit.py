@@ -17,7 +17,11 @@ from scipy.optimize import minimize
 from q2q_model.downwash.envelope_network import HIDDEN, EnvelopeNetwork
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.networks.gradient import evaluate, output_features, pack, unpack
-from q2q_model.identification.networks.trajectory_loss import DivergingModelError, Passage, trajectory_loss
+from q2q_model.identification.networks.trajectory_loss import (
+    DivergingModelError,
+    FlightTerms,
+    trajectory_loss,
+)
 from q2q_model.signals.values import Array
 
 FORBIDDEN = 1e6
@@ -40,7 +44,7 @@ class NetworkFitParams:
     seed: int = 0
 
 
-def fit_networks(passages: Sequence[Passage], params: NetworkFitParams | None = None) -> EnvelopeNetwork:
+def fit_networks(terms: Sequence[FlightTerms], params: NetworkFitParams | None = None) -> EnvelopeNetwork:
     """Return networks fitted to flights by ridge regression and L-BFGS."""
     given = params or NetworkFitParams()
     zone = given.envelope
@@ -49,44 +53,44 @@ def fit_networks(passages: Sequence[Passage], params: NetworkFitParams | None = 
     def loss(theta: Array) -> tuple[float, Array]:
         nonlocal near
         try:
-            value = trajectory_loss(unpack(theta, zone.eps, zone.d), passages, near)
+            value = trajectory_loss(unpack(theta, zone.eps, zone.d), terms, near)
         except DivergingModelError:  # the line search stepped too far
             return FORBIDDEN, np.zeros_like(theta)
         near = value.etas
         return value.loss + given.decay * float(theta @ theta), value.gradient + 2.0 * given.decay * theta
 
-    start = pack(ridge_start(passages, given))
+    start = pack(ridge_start(terms, given))
     found = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": given.iterations})
     return unpack(found.x, zone.eps, zone.d)
 
 
-def ridge_start(passages: Sequence[Passage], params: NetworkFitParams) -> EnvelopeNetwork:
+def ridge_start(terms: Sequence[FlightTerms], params: NetworkFitParams) -> EnvelopeNetwork:
     """Return networks with random hidden layers and the optimal output layers."""
     zone = params.envelope
     theta = random_weights(np.random.default_rng(params.seed))
     model = unpack(theta, zone.eps, zone.d)
     outputs = 2 * (HIDDEN + 1)
     normal, right = params.decay * np.eye(outputs), np.zeros(outputs)
-    for one in passages:
+    for one in terms:
         at = evaluate(model, one.across.ravel(), one.dz.ravel())
         features = output_features(at, one.across.size).reshape(*one.across.shape, outputs)  # (S, p, 82)
         for vehicle in range(one.free.shape[1]):
-            felt = features[:, one.i == vehicle].sum(axis=1)
-            normal += felt.T @ one.G @ felt / (one.ticks * len(passages))
-            right += felt.T @ one.q[:, vehicle] / (one.ticks * len(passages))
+            summed = features[:, one.i == vehicle].sum(axis=1)
+            normal += summed.T @ one.G @ summed / (one.ticks * len(terms))
+            right += summed.T @ one.q[:, vehicle] / (one.ticks * len(terms))
     best = np.linalg.solve(normal, right).astype(np.float64)
     return unpack(_with_outputs(theta, best), zone.eps, zone.d)
 
 
 def adam(
-    passages: Sequence[Passage], start: EnvelopeNetwork, rate: float = 1e-4
+    terms: Sequence[FlightTerms], start: EnvelopeNetwork, rate: float = 1e-4
 ) -> Iterator[tuple[EnvelopeNetwork, float]]:
     """Yield the networks before each of Adam's steps, with their loss (16), endlessly."""
     theta, first, second = pack(start), np.zeros(1), np.zeros(1)
     step, near, before = 0, None, None
     while True:
         model = unpack(theta, start.eps, start.d)
-        value = trajectory_loss(model, passages, near)
+        value = trajectory_loss(model, terms, near)
         near = value.etas if before is None else _ahead(before, value.etas)
         before = value.etas
         yield model, value.loss

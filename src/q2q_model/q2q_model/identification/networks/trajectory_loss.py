@@ -50,7 +50,7 @@ class DivergingModelError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Passage:
+class FlightTerms:
     """Terms of one flight in the loss."""
 
     name: str
@@ -97,7 +97,7 @@ def active_samples(record: AltitudeRecord, reach: tuple[float, float]) -> Rows:
     return np.nonzero(near.any(axis=1))[0]
 
 
-def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, float]) -> Passage:
+def flight_terms(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, float]) -> FlightTerms:
     """Return the terms of one flight in the loss, decimated to at most `MOST_ACTIVE` active samples.
 
     Args:
@@ -116,7 +116,7 @@ def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, floa
     h = impulse_response(loop, record.dt, record.t.size)
     lag = np.arange(record.t.size)[:, None] - active
     K = np.where(lag >= 0, h[lag], 0.0)  # (T, S)
-    return Passage(
+    return FlightTerms(
         name=record.name,
         i=i,
         j=j,
@@ -132,34 +132,36 @@ def passage(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float, floa
 
 
 def trajectory_loss(
-    model: EnvelopeNetwork, passages: Sequence[Passage], near: Sequence[Array] | None = None
+    model: EnvelopeNetwork, terms: Sequence[FlightTerms], near: Sequence[Array] | None = None
 ) -> LossValue:
     """Return the loss of a model on flights, with its exact gradient.
 
     Args:
         model: networks.
-        passages: terms of the flights.
+        terms: terms of the flights.
         near: eta of a similar model, as the start of the fixed point.
     """
-    starts = near or [_felt(one, evaluate(model, one.across.ravel(), one.dz.ravel()).eta) for one in passages]
-    solved = [_solve(model, one, start) for one, start in zip(passages, starts, strict=True)]
-    etas = tuple(_felt(one, at.eta) for one, at in zip(passages, solved, strict=True))
-    mse = np.stack([mean_square(one, eta) for one, eta in zip(passages, etas, strict=True)])
+    starts = near or [
+        _sum_over_sources(one, evaluate(model, one.across.ravel(), one.dz.ravel()).eta) for one in terms
+    ]
+    solved = [_solve(model, one, start) for one, start in zip(terms, starts, strict=True)]
+    etas = tuple(_sum_over_sources(one, at.eta) for one, at in zip(terms, solved, strict=True))
+    mse = np.stack([mean_square(one, eta) for one, eta in zip(terms, etas, strict=True)])
     parts = [
         pullback(model, at, _adjoint(one, at, eta)) / one.ticks
-        for one, at, eta in zip(passages, solved, etas, strict=True)
+        for one, at, eta in zip(terms, solved, etas, strict=True)
     ]
-    gradient = np.asarray(np.sum(parts, axis=0) / len(passages))
+    gradient = np.asarray(np.sum(parts, axis=0) / len(terms))
     return LossValue(mse=mse, loss=float(mse.sum(axis=1).mean()), gradient=gradient, etas=etas)
 
 
-def mean_square(one: Passage, eta: Array) -> Array:
+def mean_square(one: FlightTerms, eta: Array) -> Array:
     """Return the mean square error of every vehicle's altitude [m^2], (n,), under eta (S, n)."""
     squares = one.rr - 2.0 * (one.q * eta).sum(axis=0) + (eta * (one.G @ eta)).sum(axis=0)
     return np.asarray(squares / one.ticks)
 
 
-def _solve(model: EnvelopeNetwork, one: Passage, eta: Array) -> Evaluation:
+def _solve(model: EnvelopeNetwork, one: FlightTerms, eta: Array) -> Evaluation:
     """Return the pairs' evaluation at the simulated heights, by sweeps from `eta` (S, n).
 
     Raises:
@@ -167,13 +169,13 @@ def _solve(model: EnvelopeNetwork, one: Passage, eta: Array) -> Evaluation:
     """
     for _ in range(SWEEPS):
         at = evaluate(model, one.across.ravel(), _heights(one, eta).ravel())
-        before, eta = eta, _felt(one, at.eta)
+        before, eta = eta, _sum_over_sources(one, at.eta)
         if eta.size == 0 or np.abs(eta - before).max() < SETTLED:
             return at
     raise DivergingModelError(f"flight {one.name}: the simulated altitudes do not settle in {SWEEPS} sweeps")
 
 
-def _adjoint(one: Passage, at: Evaluation, eta: Array) -> Array:
+def _adjoint(one: FlightTerms, at: Evaluation, eta: Array) -> Array:
     """Return the total derivative of the loss with respect to each pair's eta, (S * p,)."""
     slope = at.slope.reshape(one.across.shape)
     direct = 2.0 * (one.G @ eta - one.q)
@@ -190,13 +192,13 @@ def _adjoint(one: Passage, at: Evaluation, eta: Array) -> Array:
     return adjoint[:, one.i].ravel()
 
 
-def _heights(one: Passage, eta: Array) -> Array:
+def _heights(one: FlightTerms, eta: Array) -> Array:
     """Return simulated zhat_j - zhat_i [m], (S, p)."""
     z = one.free + one.H @ eta
     return np.asarray(z[:, one.j] - z[:, one.i])
 
 
-def _felt(one: Passage, of_pairs: Array) -> Array:
+def _sum_over_sources(one: FlightTerms, of_pairs: Array) -> Array:
     """Return the sum over sources, (S, n), of eta of pairs (S * p,)."""
     eta = np.zeros_like(one.free)
     for k, i in enumerate(one.i):

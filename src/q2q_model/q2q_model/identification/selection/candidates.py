@@ -14,7 +14,7 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.identification.flight_evidence import FlightEvidence, shows_downwash
+from q2q_model.identification.flight_evidence import FlightEvidence, has_exposure
 from q2q_model.identification.force.jet_fit import (
     JetFit,
     JetForm,
@@ -24,7 +24,7 @@ from q2q_model.identification.force.jet_fit import (
 )
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
-from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, passage
+from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, flight_terms
 from q2q_model.identification.selection.held_out import Fitter, Score, score_held_out
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
@@ -71,7 +71,7 @@ def candidates(kind: str, flights: Sequence[FlightEvidence], loop: AltitudeLoop)
     kinds = {"auto": (_jets, _networks), "jet": (_jets,), "envelope_network": (_networks,)}
     if kind not in kinds:
         raise ValueError(f"unknown model type {kind!r}: choose one of {', '.join(kinds)}")
-    if not any(shows_downwash(flight.record) for flight in flights):
+    if not any(has_exposure(flight.record) for flight in flights):
         return [Candidate("no downwash: nobody flew under another", "none", 0, lambda _: NoInteraction())]
     kept = kinds[kind]
     if kind == "auto" and _long_encounters(flights):
@@ -91,24 +91,24 @@ def remarks_on_networks(kind: str, flights: Sequence[FlightEvidence]) -> list[st
     return [f"{NETWORKS}: fitted to thinned flights ({which})"]
 
 
-def try_out(
+def score_candidates(
     tried: Sequence[Candidate],
     flights: Sequence[FlightEvidence],
     loop: AltitudeLoop,
-    tell: Callable[[str], None],
+    on_step: Callable[[str], None],
 ) -> tuple[list[Trial], list[str]]:
     """Return each candidate's held-out score, and remarks on those that cannot be fitted.
 
-    `tell` is called with the name of each candidate before its fit.
+    `on_step` is called with the name of each candidate before its fit.
     """
     trials: list[Trial] = []
     remarks: list[str] = []
     for candidate in tried:
-        tell(candidate.name)
+        on_step(candidate.name)
         try:
             trials.append(Trial(candidate, score_held_out(candidate.fit, flights, loop)))
         except FAILURES as failure:
-            remarks.append(f"{candidate.name}: left out, {failure}")
+            remarks.append(f"{candidate.name}: dropped, {failure}")
     return trials, remarks
 
 
@@ -127,7 +127,7 @@ def fit_best(
         try:
             return best, best.candidate.fit(flights), remarks
         except FAILURES as failure:
-            remarks.append(f"{best.candidate.name}: left out, {failure}")
+            remarks.append(f"{best.candidate.name}: dropped, {failure}")
             left.remove(best)
     raise ValueError(f"no model can be fitted to these flights: {'; '.join(remarks)}")
 
@@ -136,7 +136,7 @@ def best_of(trials: Sequence[Trial]) -> Trial:
     """Return the trial with the least held-out error, the earlier of two within `MARGIN`."""
     best = trials[0]
     for trial in trials[1:]:
-        if trial.held_out.badness < (1.0 - MARGIN) * best.held_out.badness:
+        if trial.held_out.unexplained < (1.0 - MARGIN) * best.held_out.unexplained:
             best = trial
     return best
 
@@ -164,7 +164,7 @@ def with_deviation(
     return model
 
 
-def spread_of(
+def parameter_intervals(
     found: Candidate, model: InteractionModel, flights: Sequence[FlightEvidence], loop: AltitudeLoop
 ) -> tuple[tuple[str, Interval], ...]:
     """Return the intervals of the parameters of a candidate's model, by name; empty unless it is a jet."""
@@ -201,9 +201,9 @@ def _reach(params: NetworkFitParams) -> tuple[float, float]:
 
 def _networks(flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
     params = NetworkFitParams()
-    passages = {one.name: passage(one.record, loop, _reach(params)) for one in flights}
+    terms = {one.name: flight_terms(one.record, loop, _reach(params)) for one in flights}
 
     def fit(chosen: Sequence[FlightEvidence]) -> EnvelopeNetwork:
-        return fit_networks([passages[one.name] for one in chosen], params)
+        return fit_networks([terms[one.name] for one in chosen], params)
 
     return [Candidate(NETWORKS, "envelope_network", 322, fit)]

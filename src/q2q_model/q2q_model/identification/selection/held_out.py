@@ -15,7 +15,7 @@ import numpy as np
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.model_file import RoleScores
 from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
-from q2q_model.identification.force.along_flight import eta_along, eta_felt
+from q2q_model.identification.force.along_flight import eta_along, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples, Mask
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.signals.values import Array
@@ -35,7 +35,7 @@ class Score:
     r2: RoleScores
 
     @property
-    def badness(self) -> float:
+    def unexplained(self) -> float:
         """Return the unexplained share of the lower vehicle's downwash, which selection minimises."""
         return 1.0 - self.r2.lower if self.r2.lower is not None else float("inf")
 
@@ -83,7 +83,7 @@ def _sums(model: InteractionModel, flight: FlightEvidence, loop: AltitudeLoop) -
 def _push_sums(model: InteractionModel, one: ForceSamples, mask: Mask) -> Array:
     rows = np.nonzero(mask)[0]
     y = one.y[rows]
-    miss = y - eta_felt(model, one.motion, one.vehicle, rows)[:, 2]
+    miss = y - eta_on_vehicle(model, one.motion, one.vehicle, rows)[:, 2]
     return np.array([miss @ miss, y @ y])
 
 

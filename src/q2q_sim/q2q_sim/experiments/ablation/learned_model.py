@@ -16,7 +16,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples, score
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
-from q2q_model.identification.force.loading import believed, loading_of
+from q2q_model.identification.force.loading import loading_of, usable_loading
 from q2q_model.identification.force.recorded_force import push_of_sensors
 from q2q_model.identification.intervals import Interval
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -58,7 +58,7 @@ def learn(wake: str) -> Learned:
     model = fit_to_pushes([*taught, *left_out], form).jet
     stack = _flown(stack_of_three(), wake, FIRST_SEED + FLIGHTS)
     loading = loading_of(model, [one for one in _pushes(stack) if one.vehicle == 0])
-    return Learned(model, believed(loading), r2, loading)
+    return Learned(model, usable_loading(loading), r2, loading)
 
 
 def pairs_over(number: int) -> tuple[VehicleWaypoints, ...]:

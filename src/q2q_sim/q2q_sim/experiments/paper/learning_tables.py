@@ -21,7 +21,7 @@ from q2q_model.identification.gains.impulse_response import downwash_response, f
 from q2q_model.identification.gains.trajectory_gains import TOLERANCE, gains_from_trajectories
 from q2q_model.identification.networks.fit import adam, fit_networks, random_weights
 from q2q_model.identification.networks.gradient import pack, unpack
-from q2q_model.identification.networks.trajectory_loss import WIDE, Passage, passage, trajectory_loss
+from q2q_model.identification.networks.trajectory_loss import WIDE, FlightTerms, flight_terms, trajectory_loss
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -66,10 +66,10 @@ def hover_time() -> float:
     return flown
 
 
-def timed_adam(passages: Sequence[Passage]) -> tuple[float, float]:
+def timed_adam(terms: Sequence[FlightTerms]) -> tuple[float, float]:
     """Return the largest change of a weight in Adam's first step [-], and the time of an iteration [s]."""
     start = unpack(random_weights(np.random.default_rng(0)), ZONE.eps, ZONE.d)
-    steps = adam(passages, start)
+    steps = adam(terms, start)
     started = perf_counter()
     weights = [pack(model) for model, _ in islice(steps, ADAM_STEPS)]
     seconds = (perf_counter() - started) / ADAM_STEPS
@@ -83,10 +83,10 @@ def learning(folder: Path) -> ExperimentOutcome:
     by_paper = gains_from_trajectories(records)
     loop = gains_from_commands(records).loop
     decay = fit_decay(records)
-    passages = [passage(one, loop, (WIDE * ZONE.eps, WIDE * ZONE.d)) for one in records]
-    model = fit_networks(passages)
-    mse = trajectory_loss(model, passages).mse.mean(axis=0)
-    step_size, seconds = timed_adam(passages)
+    terms = [flight_terms(one, loop, (WIDE * ZONE.eps, WIDE * ZONE.d)) for one in records]
+    model = fit_networks(terms)
+    mse = trajectory_loss(model, terms).mse.mean(axis=0)
+    step_size, seconds = timed_adam(terms)
     eta = felt(model, records[SHOWN])
     found = {
         **_flown(flights),
