@@ -20,7 +20,7 @@ def test_the_asked_vehicle_comes_before_the_bags_own_and_that_before_the_default
     assert flown_vehicle(heavy, "crazyflie_2_1").vehicle == CRAZYFLIE_2_1
     assert (flown_vehicle(heavy).vehicle, flown_vehicle(heavy).note) == (TEXTBOOK_065, "")
     assert flown_vehicle(silent).vehicle == CRAZYFLIE_2_0
-    assert "silent does not say which vehicle flew: crazyflie_2_0 is taken" in flown_vehicle(silent).note
+    assert "silent does not name its vehicle: crazyflie_2_0 is assumed" in flown_vehicle(silent).note
 
 
 def test_a_bag_says_on_which_firmware_its_vehicle_flew(tmp_path: Path):
@@ -44,8 +44,10 @@ def test_several_bags_have_one_vehicle_or_are_refused(tmp_path: Path):
     assert common_vehicle([heavy, heavy]).vehicle == TEXTBOOK_065
     found = common_vehicle([silent, heavy, silent])
     assert found.vehicle == TEXTBOOK_065
-    assert "silent and 1 more: textbook_065 is taken" in found.note
-    with pytest.raises(ValueError, match=r"heavy of textbook_065, .*light of crazyflie_2_0: take them apart"):
+    assert "silent and 1 more: textbook_065 is assumed" in found.note
+    with pytest.raises(
+        ValueError, match=r"heavy of textbook_065, .*light of crazyflie_2_0: process them separately"
+    ):
         common_vehicle([heavy, light])
     assert common_vehicle([heavy, light], "crazyflie_2_0").vehicle == CRAZYFLIE_2_0
 

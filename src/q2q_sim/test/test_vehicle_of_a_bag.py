@@ -62,8 +62,8 @@ def test_a_report_needs_no_vehicle_where_the_bag_names_it(
     assert numbers(told, tmp_path, monkeypatch) == by_name
     assert not capsys.readouterr().err
     assert numbers(silent, tmp_path, monkeypatch) != by_name
-    assert "does not say which vehicle flew: crazyflie_2_0 is taken" in capsys.readouterr().err
-    assert "crazyflie_2_0 is taken" in (tmp_path / "page" / "index.html").read_text()
+    assert "does not name its vehicle: crazyflie_2_0 is assumed" in capsys.readouterr().err
+    assert "crazyflie_2_0 is assumed" in (tmp_path / "page" / "index.html").read_text()
 
 
 def test_policies_judge_a_bag_by_the_vehicle_it_names(
@@ -73,6 +73,6 @@ def test_policies_judge_a_bag_by_the_vehicle_it_names(
     assert not capsys.readouterr().err
     assert policies.main([str(silent)]) == 1  # 6.4 N are more than a Crazyflie has
     assert "policies: " in (said := capsys.readouterr()).err
-    assert "crazyflie_2_0 is taken" in said.err
+    assert "crazyflie_2_0 is assumed" in said.err
     assert "thrust: cf1" in said.out
     assert policies.main([str(told), "--vehicle", "crazyflie_2_0"]) == 1

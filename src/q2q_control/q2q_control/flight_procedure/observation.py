@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.inputs.plan_samples import Curve, sampled_preview
+from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_model.signals.values import Array, Names
+from q2q_model.trajectory.polynomials import Trajectory
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,10 +47,10 @@ class PlanOutline:
     """[s]"""
 
 
-def outline(names: Names, curves: Sequence[Curve]) -> PlanOutline:
+def outline(names: Names, trajectories: Sequence[Trajectory]) -> PlanOutline:
     """Return the outline of a plan, from samples every 10 ms."""
-    pos = sampled_preview(names, curves, 0.0).samples[..., :3]  # (n, T, 3)
-    duration = max(float(curve.durations.sum()) for curve in curves)
+    pos = sampled_preview(names, trajectories, 0.0).samples[..., :3]  # (n, T, 3)
+    duration = max(one.duration for one in trajectories)
     return PlanOutline(names, pos[:, 0], pos.min(axis=1), pos.max(axis=1), duration)
 
 

@@ -17,13 +17,13 @@ from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_control.ros.legacy_topics import LegacyTopics
-from q2q_control.ros.plan_curves import curves_of
 from q2q_model.files.find_model import find_model
 from q2q_model.node.rehearsal import STAND_IN
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.ready import expect_latched
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
@@ -121,7 +121,7 @@ def preview_of(message: Plan) -> SampledPreview:
     """Return the preview of the plan in a message."""
     stamp = message.header.stamp
     start = time_from_stamp(stamp_from_parts(stamp.sec, stamp.nanosec))
-    return sampled_preview(tuple(message.names), curves_of(message), start)
+    return sampled_preview(tuple(message.names), decode_trajectories(message), start)
 
 
 def main() -> None:

@@ -19,11 +19,11 @@ from q2q_control.flight_procedure.order_executor import OrderExecutor
 from q2q_control.flight_procedure.procedure import FlightProcedure
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import ON_GROUND, Act, Call, Order, Step
-from q2q_control.ros.plan_curves import curves_of
 from q2q_control.ros.trajectory_client import CALLS, TrajectoryClient
 from q2q_model.node.reply import Reply
 from q2q_model.ros.node.late_reply import LateReplyService
 from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import Names, SwarmSetpoint, SwarmState
 
@@ -141,4 +141,4 @@ class ProcedureServices:
         return self._view.observe(self._executor.reports(), now)
 
     def _take_plan(self, message: Plan) -> None:
-        self._view.plan = outline(tuple(message.names), curves_of(message))
+        self._view.plan = outline(tuple(message.names), decode_trajectories(message))

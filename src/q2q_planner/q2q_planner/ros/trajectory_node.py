@@ -20,6 +20,7 @@ from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.ready import note_latched
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import MocapFrame, SwarmSetpoint
 from q2q_model.trajectory import plan_file
@@ -27,7 +28,6 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.playing.glide import GlideParams
 from q2q_planner.playing.plan_player import PlanPlayer, Played
-from q2q_planner.ros.plan_message import encode_plan
 
 
 @dataclass(frozen=True, slots=True)

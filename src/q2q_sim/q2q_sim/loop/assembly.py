@@ -9,7 +9,7 @@ from typing import Literal
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
-from q2q_control.inputs.plan_samples import Curve, sampled_preview
+from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.pid import Pid, PidParams
@@ -155,8 +155,7 @@ def _replanner(scenario: Scenario, options: Options) -> Replanner:
 def _controller(scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan) -> Controller:
     if options.controller == "pid":
         return Pid(pid_params(scenario, limited=options.limited), scenario.vehicle)
-    curves = [Curve(one.durations, one.coefficients) for one in plan.trajectories]
-    setup = MpcSetup(preview=sampled_preview(plan.names, curves, 0.0))
+    setup = MpcSetup(preview=sampled_preview(plan.names, plan.trajectories, 0.0))
     return Mpc(mpc_params(scenario, limited=options.limited), scenario.vehicle, model, setup)
 
 

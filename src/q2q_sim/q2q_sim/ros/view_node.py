@@ -17,12 +17,12 @@ from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.plan_message import decode_plan
 from q2q_model.ros.topics.qos import LATCHED, OUTSIDE
 from q2q_model.signals.decimation import Decimation
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
-from q2q_planner.ros.plan_message import decode_plan
 from q2q_sim.ros.scene_markers import marker_array
 from q2q_sim.view.foxglove_server import FoxgloveScene
 from q2q_sim.view.scene import Glimpse, SceneBuilder, SceneParams

@@ -152,10 +152,6 @@ def _simulate(one: _Inputs, loop: AltitudeLoop, theta: torch.Tensor, shape: Enve
     return torch.cat(found)
 
 
-def _weighted(weights: Sequence[float], stages: Sequence[torch.Tensor]) -> torch.Tensor:
-    return torch.stack([w * k for w, k in zip(weights, stages, strict=False)]).sum(dim=0)
-
-
 def _between(one: _Inputs, t: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
     """Return reference (n, 3) and horizontal distances (p,) at time t."""
     after = int(torch.searchsorted(one.t, t).clamp(1, len(one.t) - 1))

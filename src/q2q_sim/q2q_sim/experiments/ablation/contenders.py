@@ -28,7 +28,7 @@ from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.law import ExplicitLaw
 from q2q_control.explicit.teacher import Teacher
 from q2q_control.inputs.controller import Controller
-from q2q_control.inputs.plan_samples import Curve, sampled_preview
+from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.observed_pid import ObservedPid
@@ -85,5 +85,4 @@ def _distilled(teacher: Teacher) -> ExplicitLaw:
 
 
 def _preview(plan: SwarmPlan) -> SampledPreview:
-    curves = [Curve(one.durations, one.coefficients) for one in plan.trajectories]
-    return sampled_preview(plan.names, curves, 0.0)
+    return sampled_preview(plan.names, plan.trajectories, 0.0)

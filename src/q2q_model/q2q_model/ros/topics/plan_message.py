@@ -25,19 +25,24 @@ def encode_plan(plan: SwarmPlan, start_ns: int) -> Plan:
 
 
 def decode_plan(message: Plan) -> SwarmPlan:
-    """Return the plan in a message; raise BadMessageError if the array lengths disagree."""
+    """Return the plan in a message; raise ValueError if it is not valid."""
+    return SwarmPlan(tuple(message.names), decode_trajectories(message), message.certified)
+
+
+def decode_trajectories(message: Plan) -> tuple[Trajectory, ...]:
+    """Return the trajectory of each vehicle in a message; raise ValueError if one is not valid."""
     total = sum(message.pieces)
     if len(message.pieces) != len(message.names) or len(message.durations) != total:
         raise BadMessageError(f"plan of {len(message.names)} vehicles: pieces and durations do not fit")
-    if len(message.coefficients) != total * AXES * message.order:
-        raise BadMessageError(f"plan has {len(message.coefficients)} coefficients; {total} pieces need more")
+    wanted = total * AXES * message.order
+    if len(message.coefficients) != wanted:
+        raise BadMessageError(f"plan has {len(message.coefficients)} coefficients; its pieces need {wanted}")
     coefficients = np.array(message.coefficients).reshape(total, AXES, message.order)
     ends = np.cumsum(message.pieces)
     pieces = zip(
         np.split(np.array(message.durations), ends[:-1]), np.split(coefficients, ends[:-1]), strict=True
     )
-    trajectories = tuple(Trajectory(durations, rows) for durations, rows in pieces)
-    return SwarmPlan(tuple(message.names), trajectories, message.certified)
+    return tuple(Trajectory(durations, rows) for durations, rows in pieces)
 
 
 def _padded(trajectory: Trajectory, order: int) -> bytes:
