@@ -31,7 +31,6 @@ WITHOUT_KEY = {
     "backports",
     "casadi",
     "cflib",
-    "daqp",
     "dask",
     "foxglove",
     "mcap",
