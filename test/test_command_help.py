@@ -41,7 +41,7 @@ REFUSALS = (
     ("q2q_sim.commands.policies . --scenario tabel6", 2, "did you mean table6?"),
     ("q2q_sim.commands.policies none", 2, "no bag at none"),
     ("q2q_sim.commands.firmware_check none", 2, "no table at none/controllers.csv"),
-    ("q2q_sim.commands.bag_import none.csv --out x", 1, "no table at none.csv"),
+    ("q2q_sim.commands.bag_import none.csv --out x", 1, "no flight at none.csv"),
     ("q2q_sim.commands.campaign --runs 1 --through-nodes 2", 2, "at most the 1 --runs"),
     ("q2q_planner.commands.plan none.yaml --out x", 1, "no waypoint file at none.yaml"),
     ("q2q_model.commands.identify none --out x", 1, "no bag at none"),

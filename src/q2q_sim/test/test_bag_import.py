@@ -106,7 +106,7 @@ def test_a_lone_vehicle_has_plain_columns_and_differences_where_nothing_is_logge
     ("change", "said"),
     [
         ({"t": None}, "has no column t"),
-        ({"t": np.zeros(40)}, "must begin at 0 or later and rise; row 1 of 40"),
+        ({"t": np.zeros(40)}, "must begin at 0 or later and increase; row 1 of 40"),
         ({"t": np.arange(40) - 5.0}, "row 0 of 40"),
         ({"cf50_x": None, "cf51_x": None}, "neither x nor <vehicle>_x"),
     ],
