@@ -37,6 +37,7 @@ from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
 from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -118,7 +119,7 @@ class Mpc:
     ) -> SwarmCommand:
         """Return the tick's command; `interference` None means ignoring the downwash."""
         last, names = self._last, self._setup.vehicles or setpoint.names
-        if last is not None and last.t == setpoint.t and last.names == names:
+        if is_repeated(last, setpoint.t, names):
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()

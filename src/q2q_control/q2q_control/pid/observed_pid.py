@@ -13,6 +13,7 @@ from q2q_control.disturbance.tracker import DisturbanceTracker, TrackerParams
 from q2q_control.inputs.alignment import ETA, POS, VEL, align
 from q2q_control.inputs.downwash_trust import DownwashTrust
 from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import Vehicle
 
@@ -42,7 +43,7 @@ class ObservedPid:
     ) -> SwarmCommand:
         """Return the tick's command; `interference` None means that no downwash is predicted."""
         last, names = self._last, self._vehicles or setpoint.names
-        if last is not None and last.t == setpoint.t and last.names == names:
+        if is_repeated(last, setpoint.t, names):
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()

@@ -31,6 +31,7 @@ from q2q_control.inputs.alignment import Aligned, align
 from q2q_control.inputs.downwash_trust import DownwashTrust
 from q2q_control.pid.pid_kernel import PidGains, pid_rows
 from q2q_control.pid.thrust_vector import ThrustLimits
+from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import (
     Interference,
     Names,
@@ -116,7 +117,7 @@ class Pid:
         """Return the tick's command; `interference` None means ignoring the downwash."""
         last = self._last
         names = self._vehicles or setpoint.names
-        if last is not None and last.t == setpoint.t and last.names == names:
+        if is_repeated(last, setpoint.t, names):
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
 from q2q_model.downwash.pairs import add_up, lay_out, look_back, meet
 from q2q_model.downwash.state_history import StateHistory
+from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Interference, Names, SwarmState, index_of
 
 _NO_PAIR = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_)
@@ -49,7 +50,7 @@ class InteractionPredictor:
 
     def update(self, state: SwarmState) -> Interference:
         """Return the downwash on every vehicle of `state`, in its order."""
-        if self._last is not None and state.t == self._last.t and state.names == self._last.names:
+        if is_repeated(self._last, state.t, state.names):
             return self._last
         states = np.concatenate(
             (state.pos, state.vel, state.quat, state.status[:, None]), axis=1, dtype=np.float64

@@ -33,6 +33,7 @@ from scipy.linalg import expm
 
 from q2q_model.downwash.interaction_model import Reach
 from q2q_model.downwash.pairs_in_reach import pairs_in_reach
+from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.online.setpoint_error import (
@@ -109,7 +110,7 @@ class PotentialField:
         A repeated stamp returns the same setpoints; a stamp that goes back, or a gap over LONGEST_GAP,
         restarts on the reference; other gaps are integrated.
         """
-        if self._answer is not None and setpoint.t == self._answer.t:
+        if is_repeated(self._answer, setpoint.t, setpoint.names):
             return self._answer
         if self._on_reference and not self.params.enabled:  # neither a push nor an error to integrate
             self._before = self._answer = setpoint

@@ -34,6 +34,7 @@ from dataclasses import replace
 import numpy as np
 
 from q2q_model.compiled import compiled
+from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState, index_of
 from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.braking import BrakingLaw, Motions
@@ -85,7 +86,7 @@ class SafeReplanner:
         A repeated stamp returns the same setpoints; a stamp that goes back, or a gap over LONGEST_GAP,
         restarts on the reference. `state` None assumes ideal tracking and no external vehicles.
         """
-        if self._answer is not None and setpoint.t == self._answer.t:
+        if is_repeated(self._answer, setpoint.t, setpoint.names):
             return self._answer
         if state is not None:
             self._last_known.update(state)
