@@ -1,0 +1,183 @@
+"""The layout of the packages: ideas are found by folder and file name, and names are unique."""
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+from fresh_checkout import ROOT
+
+PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/*/__init__.py"))
+MODULES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
+SHELLS = {"ros", "commands", "tools"}
+"""Folders of the entry points: a file for each node, command or tool."""
+MOST_ENTRIES = 11
+"""Modules and folders in one folder of the library. Eight is the aim."""
+MOST_LINES = 40
+"""Lines of a function without its docstring."""
+STILL_LONG = {
+    "q2q_sim/q2q_sim/commands/fly.py:parser",
+    "q2q_sim/q2q_sim/flight/scenario_flight.py:node_specs",
+}
+"""Functions above MOST_LINES that remain."""
+MOST_MIXED = 8
+"""Parameters that are tuples of three or more elements of several types; the aim is none."""
+
+QUESTIONS = (
+    ("where is the outlier gate?", "q2q_model/estimation/positions.py", "PositionTracks"),
+    ("where is the mocap filter?", "q2q_model/estimation/mocap_filter.py", "MocapFilter"),
+    ("where is the jet law?", "q2q_model/downwash/jet.py", "Jet"),
+    ("what is an interaction model?", "q2q_model/downwash/interaction_model.py", "InteractionModel"),
+    ("where are the vehicle constants?", "q2q_model/vehicle/constants.py", "Vehicle"),
+    ("where is thrust per PWM?", "q2q_model/vehicle/thrust_map.py", "motor_thrust"),
+    ("where is a bag written?", "q2q_model/bag/writer.py", "BagWriter"),
+    ("where are polynomial trajectories evaluated?", "q2q_model/trajectory/polynomials.py", "setpoint_at"),
+    (
+        "where are gains identified from commands?",
+        "q2q_model/identification/gains/command_gains.py",
+        "gains_from_commands",
+    ),
+    ("where are inputs joined by stamp?", "q2q_model/signals/tick_join.py", "TickJoin"),
+    (
+        "where is minimum snap solved?",
+        "q2q_planner/offline/minimum_snap/minimum_snap.py",
+        "minimum_snap",
+    ),
+    ("where is a plan certified?", "q2q_planner/offline/certificate.py", "certify"),
+    ("where is the potential field?", "q2q_planner/online/potential_field.py", "PotentialField"),
+    ("which replanner has a guarantee?", "q2q_planner/online/safe/safe_replanner.py", "SafeReplanner"),
+    ("where is the PID?", "q2q_control/pid/pid.py", "Pid"),
+    ("where is the Riccati recursion?", "q2q_control/mpc/solver/riccati.py", "solve"),
+    ("where is the failsafe ladder?", "q2q_control/failsafe/ladder.py", "fallback_command"),
+    ("where is a real vehicle's radio link?", "q2q_control/radio/cflib_link.py", "CflibLink"),
+    (
+        "where is the firmware's supervisor emulated?",
+        "q2q_sim/firmware/supervisor/supervisor.py",
+        "Supervisor",
+    ),
+    ("where are the motors' constants?", "q2q_sim/firmware/motors/thrust_curve.py", "CURVE"),
+    ("where is motion capture simulated?", "q2q_sim/sensors/vicon.py", "Vicon"),
+    ("which faults are there?", "q2q_sim/faults/faults.py", "Fault"),
+    ("where is the closed loop?", "q2q_sim/loop/closed_loop.py", "fly"),
+    ("where are the safety policies' limits?", "q2q_sim/monitors/policies/violations.py", "Limits"),
+)
+"""Question, file under src/PACKAGE, and the public class, function or constant that answers it."""
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    """Return the syntax tree of a module."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def public_classes(path: Path) -> list[str]:
+    """Return the public classes of a module."""
+    classes = [node.name for node in parsed(path).body if isinstance(node, ast.ClassDef)]
+    return [name for name in classes if not name.startswith("_")]
+
+
+def names(path: Path) -> set[str]:
+    """Return the classes, functions and constants that a module defines."""
+    body = parsed(path).body
+    defined = {node.name for node in body if isinstance(node, ast.ClassDef | ast.FunctionDef)}
+    targets = [one for node in body if isinstance(node, ast.Assign) for one in node.targets]
+    return defined | {one.id for one in targets if isinstance(one, ast.Name)}
+
+
+def functions() -> Iterator[tuple[str, ast.FunctionDef]]:
+    """Yield every function of the packages, with its module and name."""
+    for path in MODULES:
+        for node in ast.walk(parsed(path)):
+            if isinstance(node, ast.FunctionDef):
+                yield f"{path.relative_to(ROOT / 'src')}:{node.name}", node
+
+
+def length(function: ast.FunctionDef) -> int:
+    """Return the lines of a function without its docstring."""
+    return lines(function) - (lines(function.body[0]) if ast.get_docstring(function) else 0)
+
+
+def lines(node: ast.stmt) -> int:
+    """Return the lines of a statement."""
+    return (node.end_lineno or node.lineno) - node.lineno + 1
+
+
+def is_mixed(annotation: str) -> bool:
+    """Return whether a type contains a tuple of three or more elements of several types."""
+    for found in re.finditer(r"\btuple\[((?:[^\[\]]|\[[^\]]*\])*)\]", annotation):
+        parts = [part.strip() for part in re.split(r",(?![^\[]*\])", found[1])]
+        if "..." not in parts and len(parts) > 2 and len(set(parts)) > 1:
+            return True
+    return False
+
+
+def repeated(found: list[str]) -> list[str]:
+    """Return the strings that occur more than once."""
+    return sorted(name for name, count in Counter(found).items() if count > 1)
+
+
+@pytest.mark.parametrize(("question", "file", "name"), QUESTIONS, ids=[one[0] for one in QUESTIONS])
+def test_a_question_is_answered_by_folder_and_file_name(question: str, file: str, name: str):
+    path = ROOT / "src" / file.partition("/")[0] / file
+    assert path.is_file(), question
+    assert name in names(path), question
+
+
+def test_no_two_modules_share_a_name():
+    assert repeated([path.stem for path in MODULES if path.stem != "__init__"]) == []
+
+
+def test_no_two_public_classes_share_a_name():
+    assert repeated([name for path in MODULES for name in public_classes(path)]) == []
+
+
+def test_no_function_is_longer_than_a_screen():
+    long = {where for where, one in functions() if length(one) > MOST_LINES}
+    assert long - STILL_LONG == set()
+
+
+def test_no_more_parameters_are_tuples_of_mixed_types_beyond_a_pair():
+    mixed = [
+        f"{where}({argument.arg})"
+        for where, one in functions()
+        for argument in [*one.args.args, *one.args.kwonlyargs]
+        if argument.annotation is not None and is_mixed(ast.unparse(argument.annotation))
+    ]
+    assert len(mixed) <= MOST_MIXED, mixed
+
+
+def test_no_folder_of_the_library_has_more_entries_than_can_be_surveyed():
+    folders = {path.parent for path in MODULES} - set(PACKAGES)
+    library = [one for one in folders if not SHELLS & set(one.relative_to(ROOT / "src").parts)]
+    crowded = {str(one.relative_to(ROOT / "src")): len(entries(one)) for one in library}
+    assert {name: count for name, count in crowded.items() if count > MOST_ENTRIES} == {}
+
+
+def entries(folder: Path) -> list[Path]:
+    """Return the modules and packages in a folder."""
+    modules = [path for path in folder.glob("*.py") if path.stem != "__init__"]
+    return modules + [path.parent for path in folder.glob("*/__init__.py")]
+
+
+@pytest.mark.parametrize(
+    ("annotation", "mixed"),
+    [
+        ("tuple[int, str]", False),
+        ("tuple[float, float, float]", False),
+        ("tuple[int, ...]", False),
+        ("tuple[int, str, float]", True),
+        ("Callable[[tuple[int, str, NDArray[np.float64]]], None]", True),
+    ],
+)
+def test_a_mixed_tuple_has_three_elements_of_several_types(annotation: str, mixed: bool):
+    assert is_mixed(annotation) == mixed
+
+
+def test_the_docstring_does_not_count_as_length():
+    source = 'def f():\n    """One.\n\n    Two.\n    """\n    a = 1\n    return a\n'
+    made = ast.parse(source).body[0]
+    assert isinstance(made, ast.FunctionDef)
+    assert length(made) == 3
