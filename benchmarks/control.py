@@ -9,10 +9,10 @@ import daqp
 import numpy as np
 from scipy.optimize import minimize
 
-from q2q_control.explicit.features import WIDTH
-from q2q_control.explicit.law import ExplicitLaw, evaluate_all, packed, scratch_of
+from q2q_control.explicit.features import WIDTH, PairHorizon
+from q2q_control.explicit.law import ExplicitLaw, evaluate_all, gains_table, weights_of, workspace_of
 from q2q_control.explicit.situations import random_situations
-from q2q_control.explicit.teacher import Teacher, seen
+from q2q_control.explicit.teacher import Teacher, pair_horizon
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.mpc_params import MpcParams
@@ -237,7 +237,7 @@ def _explicit_law() -> float:
     rng = np.random.default_rng(0)
     teacher = Teacher(PARAMS, TEXTBOOK_065, PAPER_LAW, PARAMS.thrust_max)
     law = ExplicitLaw(
-        gains=sweep_gains(teacher.chain),
+        gains=gains_table(sweep_gains(teacher.chain)),
         bounds=np.array(teacher.bounds),
         mean=np.zeros(WIDTH),
         scale=np.ones(WIDTH),
@@ -247,12 +247,11 @@ def _explicit_law() -> float:
         last=rng.normal(size=16),
     )
     count = 200
-    ahead = seen(random_situations(count, PARAMS.step, rng), teacher)
-    # three times the push: a bound is met, the network is asked
-    pairs = (ahead.states, -3.0 * np.abs(ahead.push) - 0.5, ahead.slope)
-    weights, sizes = packed(law)
-    scratch = scratch_of(law)
-    return _best(lambda: evaluate_all(weights, sizes, pairs, scratch), 20) / count
+    ahead = pair_horizon(random_situations(count, PARAMS.step, rng), teacher)
+    # three times the push: a bound is met, the network is evaluated
+    pairs = PairHorizon(ahead.states, -3.0 * np.abs(ahead.push) - 0.5, ahead.slope)
+    weights, work = weights_of(law), workspace_of(law)
+    return _best(lambda: evaluate_all(weights, pairs, work), 20) / count
 
 
 def _best(task: Callable[[], object], count: int, repeats: int = 5) -> float:
