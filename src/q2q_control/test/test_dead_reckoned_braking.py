@@ -43,7 +43,7 @@ def flown_blind(vel: np.ndarray, yaw: float, status: CommandStatus) -> tuple[np.
     Its body's z axis follows the command with a first-order lag; nothing else moves it.
     """
     block, made = DeadReckonedBraking(), []
-    block.sighted(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
+    block.record_measured(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
     tilt = np.zeros(2)
     for k in range(1, 300):
         t = k * TICK
@@ -68,7 +68,7 @@ def test_who_is_not_seen_comes_to_rest_whatever_its_heading(yaw: float, status: 
 
 def test_a_tilt_that_was_on_its_way_when_a_vehicle_was_lost_counts() -> None:
     block = DeadReckonedBraking()
-    block.sighted(state_at(0.0, np.zeros(2)), level_at(0.0, CommandStatus.OK, roll=-0.2))
+    block.record_measured(state_at(0.0, np.zeros(2)), level_at(0.0, CommandStatus.OK, roll=-0.2))
     told = block.update(state_at(TICK, np.zeros(2), age=TICK), level_at(TICK))
     coming = GRAVITY * np.sin(0.2) * (LAG_S + TICK)  # m/s along y: a roll to the left
     assert told.roll[0] == pytest.approx(np.arctan(coming / 0.5 / GRAVITY), rel=1e-9)
@@ -78,7 +78,7 @@ def test_a_tilt_that_was_on_its_way_when_a_vehicle_was_lost_counts() -> None:
 def test_commands_that_are_computed_or_held_are_left_alone() -> None:
     block = DeadReckonedBraking()
     fast = np.array([1.0, 0.0])
-    block.sighted(state_at(0.0, fast), level_at(0.0, CommandStatus.OK))
+    block.record_measured(state_at(0.0, fast), level_at(0.0, CommandStatus.OK))
     for status in (CommandStatus.DEGRADED, CommandStatus.HOLD, CommandStatus.CUT):
         given = level_at(TICK, status)
         assert block.update(state_at(TICK, fast, age=TICK), given) is given
@@ -100,7 +100,7 @@ def test_where_who_is_not_seen_comes_to_rest_is_known(yaw: float) -> None:
     """The plant of `flown_blind`: what the reckoning does not model is the lag of the tilt, LAG_S of way."""
     block = DeadReckonedBraking()
     pos, vel, tilt = np.zeros(2), np.array([0.8, -0.6]), np.zeros(2)
-    block.sighted(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
+    block.record_measured(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
     for k in range(1, 300):
         t = k * TICK
         made = block.update(state_at(t, np.zeros(2), age=t), level_at(t, CommandStatus.LEVEL))
@@ -108,7 +108,7 @@ def test_where_who_is_not_seen_comes_to_rest_is_known(yaw: float) -> None:
         pos = pos + TICK * vel
         vel = vel + GRAVITY * TICK * rotate(quat_from_euler(tilt[0], tilt[1], yaw), UP)[:2]
     assert np.linalg.norm(pos) > 0.5
-    np.testing.assert_allclose(block.places["cf1"], pos, atol=1.1 * LAG_S)
+    np.testing.assert_allclose(block.positions["cf1"], pos, atol=1.1 * LAG_S)
 
 
 def test_the_largest_deceleration_costs_two_percent_of_lift_and_no_more() -> None:
@@ -118,9 +118,9 @@ def test_the_largest_deceleration_costs_two_percent_of_lift_and_no_more() -> Non
 def test_in_a_gap_between_ticks_a_tilt_is_taken_as_flown_for_a_tenth_of_a_second_at_most() -> None:
     def reckoned(gap: float) -> np.ndarray:
         block, leaning = DeadReckonedBraking(), level_at(0.0, CommandStatus.OK, roll=0.2)
-        block.sighted(state_at(0.0, np.array([1.0, 0.0])), leaning)
+        block.record_measured(state_at(0.0, np.array([1.0, 0.0])), leaning)
         block.update(state_at(gap, np.zeros(2), age=gap), level_at(gap, CommandStatus.HOLD, roll=0.2))
-        return block.places["cf1"]
+        return block.positions["cf1"]
 
     assert reckoned(0.05)[0] == pytest.approx(0.05)
     np.testing.assert_array_equal(reckoned(0.1), reckoned(2.0))

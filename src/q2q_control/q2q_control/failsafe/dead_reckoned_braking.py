@@ -60,17 +60,17 @@ class DeadReckonedBraking:
         self._t = math.inf
 
     @property
-    def places(self) -> dict[str, Array]:
+    def positions(self) -> dict[str, Array]:
         """Return the horizontal position of each vehicle, measured or dead-reckoned [m], (2,)."""
         return dict(zip(self._names, self._track[:, :2], strict=True))
 
-    def sighted(self, state: SwarmState, command: SwarmCommand) -> None:
+    def record_measured(self, state: SwarmState, command: SwarmCommand) -> None:
         """Record a tick in which every vehicle was measured, and its command."""
         self._names, self._track = state.names, np.zeros((len(state.names), 5))
         given = _of(_tilts(command), command.names, state.names, 0.0)
         sight = _sight(state, state.names)
         sight[:, _AGE] = 0.0
-        follow(self._track, given, 0.0, sight, given)
+        _propagate(self._track, given, 0.0, sight, given)
         self._given, self._t = given, command.t
 
     def update(self, state: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
@@ -82,7 +82,7 @@ class DeadReckonedBraking:
         track = _of(self._track, self._names, names, _UNKNOWN)
         flown = _of(self._given, self._names, names, 0.0)
         elapsed = min(max(command.t - self._t, 0.0), LONGEST_STEP)
-        follow(track, flown, elapsed, sight, _tilts(command))
+        _propagate(track, flown, elapsed, sight, _tilts(command))
         self._names, self._track = names, track
         braking = ~(sight[:, _AGE] <= 0.0) & is_blind(command.status)
         if braking.any():
@@ -128,7 +128,8 @@ def _of(values: Array, known: Names, names: Names, missing: float | Array) -> Ar
     return np.asarray(np.concatenate([values, absent])[index_of(names, known)])
 
 
-def _lean(one: Array, roll: float, pitch: float, elapsed: float) -> None:
+@compiled
+def _apply_tilt(one: Array, roll: float, pitch: float, elapsed: float) -> None:
     """Add the velocity that a tilt gives within `elapsed` [s]."""
     ahead, aside = math.sin(pitch) * math.cos(roll), -math.sin(roll)
     cos, sin = math.cos(one[_YAW]), math.sin(one[_YAW])
@@ -136,17 +137,17 @@ def _lean(one: Array, roll: float, pitch: float, elapsed: float) -> None:
     one[_VY] += GRAVITY * elapsed * (sin * ahead + cos * aside)
 
 
-def _follow(track: Array, flown: Array, elapsed: float, sight: Array, given: Array) -> None:
+@compiled
+def _propagate(track: Array, flown: Array, elapsed: float, sight: Array, given: Array) -> None:
+    """Propagate `track` (n, 5) by `elapsed` [s] under the tilts `flown` (n, 2).
+
+    Rows measured in `sight` (n, 6) are overwritten, with the tilts `given` (n, 2) still in the lag.
+    """
     for i in range(track.shape[0]):
         one, seen = track[i], sight[i]
         one[_X] += elapsed * one[_VX]
         one[_Y] += elapsed * one[_VY]
-        lean(one, flown[i, 0], flown[i, 1], elapsed)
+        _apply_tilt(one, flown[i, 0], flown[i, 1], elapsed)
         if seen[_AGE] <= 0.0:
             one[:] = seen[:_AGE]
-            lean(one, given[i, 0], given[i, 1], LAG_S)
-
-
-lean, follow = compiled(_lean), compiled(_follow)
-"""Propagate `track` (n, 5) by `elapsed` [s] under the tilts `flown` (n, 2), then overwrite the rows measured
-in `sight` (n, 6), with the tilts `given` (n, 2) still in the lag."""
+            _apply_tilt(one, given[i, 0], given[i, 1], LAG_S)

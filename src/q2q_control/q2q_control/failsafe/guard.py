@@ -29,6 +29,7 @@ but an emergency.
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,12 +87,12 @@ class Guard:
         self._lateness = lateness
         self._emergency = False
         self._braking = DeadReckonedBraking()
-        self._way = DescentEvasion()
+        self._evasion = DescentEvasion()
         self._last: SwarmCommand | None = None
-        self._calm: SwarmState | None = None  # state of the last tick, if it was nominal
-        self._old = ClockResetDetector()
+        self._nominal: SwarmState | None = None  # state of the last tick, if it was nominal
+        self._clock_reset = ClockResetDetector()
         self._names: Names = ()
-        self._basis = np.zeros(0)
+        self._measured_at = np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
 
     @property
@@ -114,20 +115,21 @@ class Guard:
         """Return the command of the tick; `interference` None ignores downwash."""
         last = self._last
         if last is not None and setpoint.t < last.t:
-            if last.t - setpoint.t <= RESTART and not self._old.rise(setpoint.t):
+            if last.t - setpoint.t <= RESTART and not self._clock_reset.rise(setpoint.t):
                 return _again(last, setpoint.t)
             last = self._set_back(last, setpoint.t)
-        self._old.reset()
-        if last is not None and (self._calm is None or self._way.active):
-            setpoint = self._way.update(setpoint, state, last, self._braking.places)
+        self._clock_reset.reset()
+        if last is not None and (self._nominal is None or self._evasion.active):
+            setpoint = self._evasion.update(setpoint, state, last, self._braking.positions)
         command = self._controller.update(state, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
-        if self._is_calm(command, state, known):
-            self._last, self._calm = command, state
+        if self._is_nominal(command, state, known):
+            self._measured_at = command.t - state.age - max(known, 0.0)
+            self._last, self._nominal = command, state
             return command
-        self._note_sight()
-        laddered = self._laddered(command, _ages(state, command.names) + max(known, 0.0))
-        self._last = self._braking.update(state, laddered)
+        self._start_dead_reckoning()
+        fallback = self._with_fallback(command, _ages(state, command.names) + max(known, 0.0))
+        self._last = self._braking.update(state, fallback)
         return self._last
 
     def without_tick(self, age: float) -> SwarmCommand | None:
@@ -135,17 +137,17 @@ class Guard:
         last = self._last
         if last is None or (age < self._params.hold_s and not self._emergency):
             return None
-        ages = last.t - self._basis + age
+        ages = last.t - self._measured_at + age
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
-        self._note_sight()
+        self._start_dead_reckoning()
         return self._braking.update(None, descended(held, ages, self._down, self._params, self._hover_thrust))
 
-    def _note_sight(self) -> None:
+    def _start_dead_reckoning(self) -> None:
         """Start dead reckoning from the last nominal tick."""
-        if self._calm is not None and self._last is not None:
-            self._braking.sighted(self._calm, self._last)
-        self._calm = None
+        if self._nominal is not None and self._last is not None:
+            self._braking.record_measured(self._nominal, self._last)
+        self._nominal = None
 
     def _set_back(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
         """Shift stored stamps to the new clock, or reset; return the last command with its new stamp."""
@@ -154,52 +156,51 @@ class Guard:
             self.reset()
             return None
         self._controller.reset()
-        self._basis = self._basis - back
+        self._measured_at = self._measured_at - back
         self._last = replace(last, t=t)
         return self._last
 
     def _forget(self) -> None:
         self._last, self._names = None, ()
-        self._calm = None
+        self._nominal = None
         self._braking.reset()
-        self._way.reset()
-        self._basis = np.zeros(0)
+        self._evasion.reset()
+        self._measured_at = np.zeros(0)
         self._down = np.zeros(0, dtype=np.bool_)
 
-    def _is_calm(self, command: SwarmCommand, state: SwarmState, known: float) -> bool:
-        """Return whether all is known of everybody, and note since when: nearly every tick."""
+    def _is_nominal(self, command: SwarmCommand, state: SwarmState, known: float) -> bool:
+        """Return whether every vehicle is measured, commanded and on: nearly every tick."""
         if self._emergency or command.names != self._names or state.names != self._names:
             return False
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-        ages = state.age + known
-        if not all_calm((ages, known, self._params.degraded_s), values, command.status, self._down):
-            return False
-        self._basis = command.t - state.age - max(known, 0.0)
-        return True
+        ages = NominalAges(state.age + known, known, self._params.degraded_s)
+        return all_nominal(ages, values, command.status, self._down)
 
-    def _laddered(self, command: SwarmCommand, heard: Array) -> SwarmCommand:
-        """Return the command after the fallback phases; `heard` is the age in the state [s], (n,)."""
-        self._follow(command)
-        command = self._without_nonsense(command)
+    def _with_fallback(self, command: SwarmCommand, state_age: Array) -> SwarmCommand:
+        """Return the command after the fallback phases; `state_age` is the age in the state [s], (n,)."""
+        self._match_names(command)
+        command = self._with_finite_values(command)
         sound = command.status <= _SOUND
-        self._basis = np.where(sound, np.fmax(self._basis, command.t - heard), self._basis)
-        ages = command.t - self._basis
+        self._measured_at = np.where(
+            sound, np.fmax(self._measured_at, command.t - state_age), self._measured_at
+        )
+        ages = command.t - self._measured_at
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         predicted = sound & ~(ages < self._params.degraded_s)
         status = np.where(predicted, CommandStatus.DEGRADED, command.status).astype(np.uint8)
-        told = replace(command, status=status)
-        return descended(told, ages, self._down, self._params, self._hover_thrust)
+        flagged = replace(command, status=status)
+        return descended(flagged, ages, self._down, self._params, self._hover_thrust)
 
-    def _follow(self, command: SwarmCommand) -> None:
+    def _match_names(self, command: SwarmCommand) -> None:
         """Match stored rows to the command's names; a new vehicle counts as measured now."""
         if command.names == self._names:
             return
         rows = index_of(command.names, self._names)
-        self._basis = np.append(self._basis, command.t)[rows]
+        self._measured_at = np.append(self._measured_at, command.t)[rows]
         self._down = np.append(self._down, False)[rows]
         self._names = command.names
 
-    def _without_nonsense(self, command: SwarmCommand) -> SwarmCommand:
+    def _with_finite_values(self, command: SwarmCommand) -> SwarmCommand:
         """Return the command with level hover, and status LEVEL, where the controller's is not finite."""
         values = np.stack([command.thrust, command.roll, command.pitch, command.yaw_rate])  # (4, n)
         bad = ~np.isfinite(values).all(axis=0)
@@ -211,22 +212,25 @@ class Guard:
         return SwarmCommand(command.t, command.names, thrust, roll, pitch, yaw_rate, status)
 
 
-def _all_calm(
-    known: tuple[Array, float, float], values: Array, status: Status, down: NDArray[np.bool_]
-) -> bool:
-    ages, least, most = known
-    for i in range(ages.size):
-        if not (least <= ages[i] < most) or status[i] > _SOUND or down[i]:
+class NominalAges(NamedTuple):
+    """Ages of measurements, and the bounds of nominal ones."""
+
+    ages: Array
+    """[s], (n,)."""
+    least: float
+    most: float
+
+
+@compiled
+def all_nominal(known: NominalAges, values: Array, status: Status, down: NDArray[np.bool_]) -> bool:
+    """Return whether all ages are nominal, all command values finite, and no motors `down` (n,)."""
+    for i in range(known.ages.size):
+        if not (known.least <= known.ages[i] < known.most) or status[i] > _SOUND or down[i]:
             return False
     for value in values:  # noqa: SIM110  numba knows no all()
         if not isfinite(value):
             return False
     return True
-
-
-all_calm = compiled(_all_calm)
-"""Return whether every vehicle is nominal: ((ages [s] (n,), their least and their bound), the commands'
-values, status, motors off (n,))."""
 
 
 def _again(last: SwarmCommand, t: float) -> SwarmCommand:

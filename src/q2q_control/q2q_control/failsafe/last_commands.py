@@ -10,6 +10,7 @@ missing from a tick; q2q_control.failsafe.ladder covers missing ticks.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,8 +53,9 @@ class LastCommands:
         if tick.names != self._names:
             self._reorder(tick.names)
         out, status = np.empty((4, len(values))), np.empty(len(values), dtype=np.uint8)
-        fresh, kept = (values, saturated, tick.usable), (self._values, self._stamps)
-        complete(fresh, kept, (tick.t, self.rule.hold_time, self.rule.hover_thrust), out, status)
+        rule = _Rule(self.rule.hold_time, self.rule.hover_thrust)
+        last = _Last(self._values, self._stamps)
+        _complete(_Tick(tick.t, values, saturated, tick.usable), last, rule, out, status)
         return SwarmCommand(tick.t, tick.names, out[0], out[1], out[2], out[3], status)
 
     def _reorder(self, names: Names) -> None:
@@ -63,29 +65,39 @@ class LastCommands:
         self._names, self._values, self._stamps = names, values[rows], stamps[rows]
 
 
-def _complete(
-    fresh: tuple[Array, Flags, Flags],
-    kept: tuple[Array, Array],
-    rule: tuple[float, float, float],
-    out: Array,
-    status: Status,
-) -> None:
-    values, saturated, usable = fresh
-    last, stamps = kept
-    t, hold_time, hover_thrust = rule
-    for i in range(usable.size):
-        if usable[i]:
-            last[i], stamps[i] = values[i], t
-            status[i] = _SATURATED if saturated[i] else _OK
-        elif t - stamps[i] > hold_time:
-            out[:, i], out[0, i] = 0.0, hover_thrust
+class _Tick(NamedTuple):
+    """Commands computed in a tick."""
+
+    t: float
+    values: Array
+    """Thrust, roll, pitch, yaw rate, (n, 4)."""
+    saturated: Flags
+    usable: Flags
+
+
+class _Last(NamedTuple):
+    """Last computed commands."""
+
+    values: Array
+    stamps: Array
+
+
+class _Rule(NamedTuple):
+    hold_time: float
+    hover_thrust: float
+
+
+@compiled
+def _complete(tick: _Tick, last: _Last, rule: _Rule, out: Array, status: Status) -> None:
+    """Write commands (4, n) and status (n,), and store the computed ones in `last`."""
+    for i in range(tick.usable.size):
+        if tick.usable[i]:
+            last.values[i], last.stamps[i] = tick.values[i], tick.t
+            status[i] = _SATURATED if tick.saturated[i] else _OK
+        elif tick.t - last.stamps[i] > rule.hold_time:
+            out[:, i], out[0, i] = 0.0, rule.hover_thrust
             status[i] = _LEVEL
             continue
         else:
             status[i] = _HOLD
-        out[:, i] = last[i]
-
-
-complete = compiled(_complete)
-"""Write commands (4, n) and status (n,), and store the computed ones: ((values (n, 4), saturated, usable),
-(last values (n, 4), stamps (n,)), (t, hold_time, hover_thrust), commands, status)."""
+        out[:, i] = last.values[i]
