@@ -114,13 +114,7 @@ def identify(
     best, model, failed_fits = fit_best(trials, evidence)
     model = with_deviation(best.candidate, model, evidence)
     zone, zone_remarks = _learned_zone(model, params.threshold)
-    fit = Fit(
-        method=best.candidate.name,
-        flights=tuple(one.name for one in evidence),
-        train_mse_m2=(train := score_on(model, evidence, loop)).mse_m2,
-        heldout_mse_m2=best.held_out.mse_m2,
-        heldout_r2=best.held_out.r2,
-    )
+    train = score_on(model, evidence, loop)
     return Identification(
         evidence=tuple(evidence),
         gains=gains,
@@ -132,8 +126,20 @@ def identify(
         spread=parameter_intervals(best.candidate, model, evidence, loop),
         loading=loading_of(model, [one for flight in evidence for one in flight.pushes]),
         zone=zone,
-        file=ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit),
+        file=ModelFile(
+            interaction=model, zone=zone or Cylinder(), gains=loop, fit=_fit(best, train, evidence)
+        ),
         remarks=(*remarks, *decay_remarks, *network_remarks, *failed_trials, *failed_fits, *zone_remarks),
+    )
+
+
+def _fit(best: Trial, train: Score, evidence: Sequence[FlightEvidence]) -> Fit:
+    return Fit(
+        method=best.candidate.name,
+        flights=tuple(one.name for one in evidence),
+        train_mse_m2=train.mse_m2,
+        heldout_mse_m2=best.held_out.mse_m2,
+        heldout_r2=best.held_out.r2,
     )
 
 
