@@ -37,12 +37,12 @@ from rclpy.node import Node
 from q2q_model.signals.cdr import encode
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.ros.topics.deadlines import promising
+from q2q_model.ros.topics.deadlines import publisher_qos
 from q2q_model.ros.node.run import run
 from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
 kinds = {"state": SwarmState, "reference_safe": SwarmSetpoint, "interference": Interference}
 def build(node):
-    quality = promising(float(sys.argv[1]))
+    quality = publisher_qos(float(sys.argv[1]))
     writers = {topic: node.create_publisher(MESSAGES[kind], topic, quality) for topic, kind in kinds.items()}
     tick = [0]
     def write():
