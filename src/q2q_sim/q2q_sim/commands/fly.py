@@ -50,6 +50,14 @@ def parser() -> CommandLine:
         help="scenario name (see --list), or a file: scenario or waypoints (.yaml), plan (.json)",
     )
     made.add_argument("--list", action="store_true", help="list the scenarios")
+    _add_blocks(made)
+    _add_process(made)
+    _add_physics(made)
+    _add_output(made)
+    return made
+
+
+def _add_blocks(made: CommandLine) -> None:
     made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="controller")
     _either(made, "aware", "ignoring", "compensate the downwash, or ignore it", default=True)
     _either(
@@ -70,6 +78,9 @@ def parser() -> CommandLine:
         choices=("none", "avoid"),
         help="plan around the model's downwash, or not",
     )
+
+
+def _add_process(made: CommandLine) -> None:
     _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as commands arrive", default=False)
     _either(
         made,
@@ -79,6 +90,9 @@ def parser() -> CommandLine:
         " numbers), or each in its own (default live)",
         default=None,
     )
+
+
+def _add_physics(made: CommandLine) -> None:
     made.add_argument("--seed", type=int, default=0, help="random seed")
     made.add_argument(
         "--model",
@@ -97,6 +111,9 @@ def parser() -> CommandLine:
         choices=WAKES,
         help="true wake, in place of the file's (a file that names none: none)",
     )
+
+
+def _add_output(made: CommandLine) -> None:
     made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
     made.add_argument(
         "--record",
@@ -107,7 +124,6 @@ def parser() -> CommandLine:
     )
     made.add_argument("--json", type=Path, help="write the numbers to this file")
     made.add_argument("--real", metavar="FLIGHT", help="replay a recorded flight of Q2Q_DATA instead")
-    return made
 
 
 def _either(made: argparse.ArgumentParser, yes: str, no: str, words: str, *, default: bool | None) -> None:

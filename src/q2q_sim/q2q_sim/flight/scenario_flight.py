@@ -13,6 +13,7 @@ from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.node.wiring import PROMISE_S
 from q2q_model.trajectory import plan_file
+from q2q_model.tunable import ParameterValue
 from q2q_model.vehicle.constants import firmware_of
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
 from q2q_sim.loop import assembly
@@ -116,45 +117,49 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
         plan_file.save(plan, assembly.plan_around(scenario, find_model(scenario.model)))
     else:
         plan_file.save(plan, assembly.plan_of(scenario))
-    pace = "live" if request.live else "lockstep"
+    chain = _chain(scenario, request, plan)
+    return [
+        _recorder(scenario, request, bag),
+        *(one_process(chain) if request.stack else chain),
+        _simulator(request),
+    ]
+
+
+def _recorder(scenario: Scenario, request: FlightRequest, bag: Path) -> NodeSpec:
+    parameters: dict[str, ParameterValue] = {
+        "bag": str(bag),
+        "stamps": "receive" if request.live else "header",
+        "topics": request.record,
+        "facts": facts_as_text(facts_of(scenario, request)),
+    }
+    return NodeSpec("q2q_sim", RECORDER, parameters)
+
+
+def _chain(scenario: Scenario, request: FlightRequest, plan: Path) -> tuple[NodeSpec, ...]:
+    """Return the nodes from mocap_filter to controller."""
+    replanner = assembly.replanner_parameters(scenario, request.options)
+    controller = assembly.controller_parameters(scenario, request.options) | {"live": request.live}
     nodes = (
         NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
         NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
-        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, request.options)),
-        NodeSpec(
-            "q2q_control",
-            request.controller,
-            assembly.controller_parameters(scenario, request.options) | {"live": request.live},
-        ),
+        NodeSpec("q2q_planner", "replanner", replanner),
+        NodeSpec("q2q_control", request.controller, controller),
     )
     promised = {"promise_s": PROMISE_S} if request.live else {}
-    road = tuple(replace(spec, parameters={**spec.parameters, **promised}) for spec in nodes)
-    return [
-        NodeSpec(
-            "q2q_sim",
-            RECORDER,
-            {
-                "bag": str(bag),
-                "stamps": "receive" if request.live else "header",
-                "topics": request.record,
-                "facts": facts_as_text(facts_of(scenario, request)),
-            },
-        ),
-        *(one_process(road) if request.stack else road),
-        NodeSpec(
-            "q2q_sim",
-            "simulator",
-            {
-                "scenario": request.scenario,
-                "vehicle": request.vehicle,
-                "wake": request.wake,
-                "seed": request.seed,
-                "pace": pace,
-                "autostart": False,
-            },
-        ),
-    ]
+    return tuple(replace(spec, parameters={**spec.parameters, **promised}) for spec in nodes)
+
+
+def _simulator(request: FlightRequest) -> NodeSpec:
+    parameters: dict[str, ParameterValue] = {
+        "scenario": request.scenario,
+        "vehicle": request.vehicle,
+        "wake": request.wake,
+        "seed": request.seed,
+        "pace": "live" if request.live else "lockstep",
+        "autostart": False,
+    }
+    return NodeSpec("q2q_sim", "simulator", parameters)
 
 
 def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
@@ -171,7 +176,7 @@ def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
     )
 
 
-def one_process(road: tuple[NodeSpec, ...]) -> list[NodeSpec]:
+def one_process(chain: tuple[NodeSpec, ...]) -> list[NodeSpec]:
     """Return the process that runs these nodes together."""
-    names = tuple(spec.executable for spec in road)
-    return [NodeSpec("q2q_sim", "stack", {"nodes": names}, inside=road)]
+    names = tuple(spec.executable for spec in chain)
+    return [NodeSpec("q2q_sim", "stack", {"nodes": names}, inside=chain)]

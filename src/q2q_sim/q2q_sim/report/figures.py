@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
+from q2q_sim.monitors.metrics import best_position
 
 COLOURS = ("#c0392b", "#1f77b4", "#2a9d55", "#8e44ad")
 """One for each flight; the first is the reference."""
@@ -34,7 +35,7 @@ def altitude_figure(curves: Sequence[PlotCurve], name: str) -> Figure:
         flight.t, _of(flight, name, flight.ref_pos)[:, 2], "--", color=REFERENCE_COLOUR, label="reference"
     )
     for curve, colour in zip(curves, COLOURS, strict=False):
-        z = _of(curve.flight, name, flown_pos(curve.flight))[:, 2]
+        z = _of(curve.flight, name, best_position(curve.flight))[:, 2]
         axes.plot(curve.flight.t, z, color=colour, label=curve.label)
     axes.legend()
     return figure
@@ -80,15 +81,10 @@ def sideways_figure(curves: Sequence[PlotCurve], name: str) -> Figure:
     figure, axes = _axes(f"{name}: horizontal error", "[m]")
     for curve, colour in zip(curves, COLOURS, strict=False):
         flight = curve.flight
-        error = _of(flight, name, flown_pos(flight) - flight.ref_pos)
+        error = _of(flight, name, best_position(flight) - flight.ref_pos)
         axes.plot(flight.t, np.hypot(error[:, 0], error[:, 1]), color=colour, label=curve.label)
     axes.legend()
     return figure
-
-
-def flown_pos(flight: Flight) -> Array:
-    """Return the positions [m], (T, n, 3): true ones if known, else the filtered state."""
-    return flight.pos if bool((flight.true_pos != flight.true_pos).all()) else flight.true_pos
 
 
 KINDS: dict[str, Callable[[Sequence[PlotCurve], str], Figure]] = {

@@ -4,8 +4,8 @@ Every module `q2q_*.ros.*_node` is built on a StandInNode by its `main`, once fo
 configurations, and given one tick, so that topics of a vehicle appear too. The union is its interface.
 """
 
-from collections.abc import Callable
-from contextlib import ExitStack, redirect_stderr
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, redirect_stderr
 from dataclasses import dataclass
 from importlib import import_module
 from io import StringIO
@@ -13,8 +13,8 @@ from pathlib import Path
 from pkgutil import iter_modules
 from tempfile import TemporaryDirectory
 from types import ModuleType
-from unittest.mock import MagicMock, patch
 
+from q2q_control.radio.link import LinkHealth
 from q2q_model.bag import BagWriter
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.ready import offer_drained, offer_ready
@@ -96,8 +96,31 @@ def ways(executable: str, folder: Path) -> list[Way]:
     return known.get(executable, [{}])
 
 
-SILENT = {"radio": "q2q_control.ros.radio_wiring.CflibLink"}
-"""Class of a node that reaches hardware: a stand-in takes its place."""
+class _SilentLink:
+    """Radio link to a vehicle that never connects."""
+
+    pose = None
+
+    def __init__(self, *_: object) -> None:
+        """Take the arguments of CflibLink."""
+
+    def health(self) -> LinkHealth:
+        """Return the health of a link that never connected."""
+        return LinkHealth(connected=False)
+
+    def keep_open(self) -> None:
+        """Do nothing."""
+
+    def said(self) -> tuple[str, ...]:
+        """Return no lines."""
+        return ()
+
+    def close(self) -> None:
+        """Do nothing."""
+
+
+HARDWARE = {"radio": ("q2q_control.ros.radio_wiring", "CflibLink", _SilentLink)}
+"""Module and name of a node's class that reaches hardware, and its replacement."""
 
 
 def _surveyed(package: str, name: str) -> NodeInterface:
@@ -125,19 +148,36 @@ def _built(module: ModuleType, executable: str, way: Way) -> StandInNode:
     node = StandInNode(executable, way)
     with ExitStack() as stack:
         stack.enter_context(standing_in())
-        if executable in SILENT:
-            stack.enter_context(patch(SILENT[executable], MagicMock()))
-        runner = stack.enter_context(patch.object(module, "run"))
-        module.main()
-        build: Callable[[StandInNode], object] = runner.call_args.args[1]
+        if executable in HARDWARE:
+            owner, name, stand_in = HARDWARE[executable]
+            stack.enter_context(_replaced(import_module(owner), name, stand_in))
+        build, *ends = _arguments_of_run(module)
         kept = build(node)
         offer_ready(node)
         offer_drained(node)
         with redirect_stderr(StringIO()):
             _feed(node)
-        for end in runner.call_args.args[2:]:
+        for end in ends:
             end(kept)
     return node
+
+
+def _arguments_of_run(module: ModuleType) -> list[Callable[..., object]]:
+    """Return the functions that `main` of a node module passes to `run`, without running it."""
+    passed: list[Callable[..., object]] = []
+    with _replaced(module, "run", lambda _, *functions: passed.extend(functions)):
+        module.main()
+    return passed
+
+
+@contextmanager
+def _replaced(module: ModuleType, name: str, stand_in: object) -> Iterator[None]:
+    own = vars(module)[name]
+    setattr(module, name, stand_in)
+    try:
+        yield
+    finally:
+        setattr(module, name, own)
 
 
 def _feed(node: StandInNode) -> None:
