@@ -16,7 +16,7 @@ from q2q_sim.firmware.controllers.attitude_pid import cascade
 from q2q_sim.firmware.controllers.columns import CONTROLLER
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
-from q2q_sim.plant.quadcopter import push, stand, turn
+from q2q_sim.plant.quadcopter import Body, move
 from q2q_sim.plant.swarm import Rows, Swarm, downwash, remember
 
 STEPS = 5
@@ -53,31 +53,20 @@ def _think(row: Array, brain: Brain, i: int, k: int, forces: Array) -> None:
         drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate drifts with its own velocity error
 
 
-def _move(row: Array, forces: Array, drive: Array, body: Array) -> None:
-    """Advance one vehicle by one step, as q2q_sim.plant.quadcopter.advance."""
-    for r in range(4):
-        target = drive[3 + r] * forces[r]
-        row[13 + r] = target + (row[13 + r] - target) * body[5, 1]
-    push(row, (drive[0], drive[1], drive[2] + row[20]), body)
-    turn(row, body)
-    if row[2] < 0.0:
-        stand(row, body)
-
-
-def _fly_tick(state: Array, air: tuple[int, Array, Rows], brain: Brain, drive: Array, body: Array) -> None:
+def _fly_tick(state: Array, air: tuple[int, Array, Rows], brain: Brain, drive: Array, body: Body) -> None:
     kind, ring, rows = air
     n = state.shape[0]
     forces = np.empty(4)
     for k in range(STEPS):
-        downwash(state, ring, rows, kind, body[5, 2])
+        downwash(state, ring, rows, kind, body.step)
         for i in range(n):
             think(state[i], brain, i, k, forces)
             move(state[i], forces, drive[i], body)
         rows[n] += 1
-        remember(state, ring, rows[n] % ring.shape[0], body[5, 0] * GRAVITY)
+        remember(state, ring, rows[n] % ring.shape[0], body.mass * GRAVITY)
 
 
-think, move = compiled(_think), compiled(_move)
+think = compiled(_think)
 _fly_tick_compiled = compiled(_fly_tick, nogil=True)
 
 

@@ -20,49 +20,72 @@ level, with its yaw kept. A commanded thrust of zero stops the motors, as in the
 | eta + a_air | push | acceleration by downwash and by moving air [m/s^2], world |
 | h | step | [s] |
 
-For speed the compiled loops read one row of numbers a vehicle, laid out by the slices below, and one small
-table of constants; small values pass between functions as tuples.
+The compiled loops hold one row of numbers for each vehicle, with the columns below.
 """
 
 import math
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.attitude.allocation import rotor_frame
-from q2q_control.attitude.allocation_kernel import allocate, packed_frame
+from q2q_control.attitude.allocation_kernel import allocate
 from q2q_control.attitude.attitude_law import AttitudeParams, attitude_torque, packed_gains
 from q2q_model.compiled import compiled
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
-POS, VEL, QUAT, RATE, ROTORS, ACC = (
-    slice(0, 3),
-    slice(3, 6),
-    slice(6, 10),
-    slice(10, 13),
-    slice(13, 17),
-    slice(17, 20),
-)
-"""Columns of a state row: position, velocity [m, m/s, world], x y z w, body rates [rad/s], rotor thrusts [N],
-acceleration during the last step [m/s^2, world]."""
+X, Y, Z = 0, 1, 2
+"""Columns of a state row: position [m], world."""
+VX, VY, VZ = 3, 4, 5
+"""Velocity [m/s], world."""
+QX, QY, QZ, QW = 6, 7, 8, 9
+"""Attitude, body to world."""
+P, Q, R = 10, 11, 12
+"""Body rates [rad/s]."""
+F1, F2, F3, F4 = 13, 14, 15, 16
+"""Rotor thrusts [N]."""
+AX, AY, AZ = 17, 18, 19
+"""Acceleration during the last step [m/s^2], world."""
 ETA = 20
-"""Column of the vertical downwash [m/s^2]."""
+"""Vertical downwash [m/s^2]."""
 STATE_WIDTH = 21
+POS, VEL, QUAT = slice(X, VX), slice(VX, QX), slice(QX, P)
+RATE, ROTORS, ACC = slice(P, F1), slice(F1, AX), slice(AX, ETA)
 
-FRAME_ROW, MASS_ROW = 4, 5
-"""Rows of the constants: 0-3 packed_gains, 4 packed_frame, 5 mass [kg], decay, step [s]."""
+GAIN1 = 3
+"""Column of the first rotor's gain in a drive row, after the acceleration by moving air [m/s^2]."""
+
+INERTIA = 2
+"""Row of the inertia [kg m^2] in packed_gains."""
 
 Three = tuple[float, float, float]
 Four = tuple[float, float, float, float]
 
 
-def body_of(vehicle: Vehicle, attitude: AttitudeParams, step: float) -> Array:
-    """Return the constants of `vehicle` for steps of `step` [s], (6, 3)."""
+class Body(NamedTuple):
+    """Constants of a vehicle for a physics step."""
+
+    gains: Array
+    """packed_gains of the attitude law, (4, 3)."""
+    frame: Three
+    """Lever [m], drag [m], rotor_max [N] of a RotorFrame."""
+    mass: float
+    """[kg]"""
+    decay: float
+    """exp(-step / T_lag)"""
+    step: float
+    """[s]"""
+
+
+def body_of(vehicle: Vehicle, attitude: AttitudeParams, step: float) -> Body:
+    """Return the constants of `vehicle` for steps of `step` [s]."""
     decay = math.exp(-step / vehicle.thrust_lag) if vehicle.thrust_lag > 0.0 else 0.0
-    gains, frame = packed_gains(attitude, vehicle), packed_frame(rotor_frame(vehicle))
-    return np.vstack([gains, frame, [vehicle.mass, decay, step]])
+    frame = rotor_frame(vehicle)
+    lever, drag, rotor_max = float(frame.lever), float(frame.drag), float(frame.rotor_max)
+    return Body(packed_gains(attitude, vehicle), (lever, drag, rotor_max), vehicle.mass, decay, step)
 
 
 def state_at_rest(start: Array, mass: float) -> Array:
@@ -90,32 +113,32 @@ def _tilt(quat: Four) -> Three:
     return roll, math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0)), 0.0
 
 
-def _wanted(row: Array, command: Four, body: Array, wanted: Array) -> None:
+def _wanted(row: Array, command: Four, body: Body, wanted: Array) -> None:
     """Write the rotor thrusts [N] that the onboard loop commands."""
     thrust, roll, pitch, yaw_rate = command
     if thrust <= 0.0:
         wanted[:] = 0.0
         return
-    torque_now = torque((row[13], row[14], row[15], row[16]), body[4, 0], body[4, 1])
-    attitude = tilt((row[6], row[7], row[8], row[9]))
-    rate = (row[10], row[11], row[12])
-    tx, ty, tz = attitude_torque(attitude, rate, torque_now, (roll, pitch, yaw_rate), body)
-    frame = (body[4, 0], body[4, 1], body[4, 2])
-    allocate((thrust, tx, ty, tz), frame, True, wanted)  # noqa: FBT003  numba takes no keywords here
+    lever, drag, _ = body.frame
+    torque_now = torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
+    attitude = tilt((row[QX], row[QY], row[QZ], row[QW]))
+    rate = (row[P], row[Q], row[R])
+    tx, ty, tz = attitude_torque(attitude, rate, torque_now, (roll, pitch, yaw_rate), body.gains)
+    allocate((thrust, tx, ty, tz), body.frame, True, wanted)  # noqa: FBT003  numba takes no keywords here
 
 
-def _push(row: Array, push: Three, body: Array) -> None:
+def _push(row: Array, push: Three, body: Body) -> None:
     """Integrate velocity and position over one step."""
-    x, y, z, w = row[6], row[7], row[8], row[9]
-    lift = (row[13] + row[14] + row[15] + row[16]) / body[5, 0]
-    h = body[5, 2]
-    row[17] = lift * 2.0 * (x * z + w * y) + push[0]
-    row[18] = lift * 2.0 * (y * z - w * x) + push[1]
-    row[19] = lift * (1.0 - 2.0 * (x * x + y * y)) - GRAVITY + push[2]
+    x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
+    thrust_acc = (row[F1] + row[F2] + row[F3] + row[F4]) / body.mass
+    h = body.step
+    row[AX] = thrust_acc * 2.0 * (x * z + w * y) + push[0]
+    row[AY] = thrust_acc * 2.0 * (y * z - w * x) + push[1]
+    row[AZ] = thrust_acc * (1.0 - 2.0 * (x * x + y * y)) - GRAVITY + push[2]
     for k in range(3):
-        before = row[3 + k]
-        row[3 + k] = before + row[17 + k] * h
-        row[k] += 0.5 * (before + row[3 + k]) * h
+        before = row[VX + k]
+        row[VX + k] = before + row[AX + k] * h
+        row[X + k] += 0.5 * (before + row[VX + k]) * h
 
 
 def _half_turn(square: float) -> tuple[float, float]:
@@ -128,54 +151,61 @@ def _half_turn(square: float) -> tuple[float, float]:
     return sine, 1.0 - square * (0.5 - square * rest)
 
 
-def _turn(row: Array, body: Array) -> None:
+def _turn(row: Array, body: Body) -> None:
     """Integrate angular velocity and attitude over one step."""
-    tx, ty, tz = torque((row[13], row[14], row[15], row[16]), body[4, 0], body[4, 1])
-    ix, iy, iz, h = body[2, 0], body[2, 1], body[2, 2], body[5, 2]
-    p, q, r = row[10], row[11], row[12]
+    lever, drag, _ = body.frame
+    tx, ty, tz = torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
+    ix, iy, iz = body.gains[INERTIA, 0], body.gains[INERTIA, 1], body.gains[INERTIA, 2]
+    h = body.step
+    p, q, r = row[P], row[Q], row[R]
     wx = p + h * (tx + (iy - iz) * q * r) / ix
     wy = q + h * (ty + (iz - ix) * p * r) / iy
     wz = r + h * (tz + (ix - iy) * p * q) / iz
-    row[10], row[11], row[12] = wx, wy, wz
+    row[P], row[Q], row[R] = wx, wy, wz
     s, c = half_turn(0.25 * h * h * (wx * wx + wy * wy + wz * wz))
     s *= 0.5 * h
     ex, ey, ez = s * wx, s * wy, s * wz
-    x, y, z, w = row[6], row[7], row[8], row[9]
+    x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
     nx = w * ex + x * c + y * ez - z * ey
     ny = w * ey - x * ez + y * c + z * ex
     nz = w * ez + x * ey - y * ex + z * c
     nw = w * c - x * ex - y * ey - z * ez
     scale = 1.5 - 0.5 * (nx * nx + ny * ny + nz * nz + nw * nw)  # 1 / sqrt near 1, by Newton
-    row[6], row[7], row[8], row[9] = nx * scale, ny * scale, nz * scale, nw * scale
+    row[QX], row[QY], row[QZ], row[QW] = nx * scale, ny * scale, nz * scale, nw * scale
 
 
-def _stand(row: Array, body: Array) -> None:
+def _stand(row: Array, body: Body) -> None:
     """Stop a vehicle below the ground, level, with its yaw kept; acc includes the ground's reaction."""
     for k in range(3):
-        after = max(row[5], 0.0) if k == 2 else 0.0
-        row[17 + k] += (after - row[3 + k]) / body[5, 2]
-        row[3 + k] = after
-        row[10 + k] = 0.0
-    row[2] = 0.0
-    x, y, z, w = row[6], row[7], row[8], row[9]
+        after = max(row[VZ], 0.0) if k == Z else 0.0
+        row[AX + k] += (after - row[VX + k]) / body.step
+        row[VX + k] = after
+        row[P + k] = 0.0
+    row[Z] = 0.0
+    x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
     half_yaw = 0.5 * math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    row[6], row[7], row[8], row[9] = 0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw)
+    row[QX], row[QY], row[QZ], row[QW] = 0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw)
 
 
-def _advance(row: Array, command: Four, drive: Array, body: Array, wanted: Array) -> None:
-    onboard(row, command, body, wanted)
+def _move(row: Array, wanted: Array, drive: Array, body: Body) -> None:
+    """Advance rotors and rigid body by one step towards the rotor thrusts `wanted` [N]."""
     for k in range(4):
-        target = drive[3 + k] * wanted[k]
-        row[13 + k] = target + (row[13 + k] - target) * body[5, 1]
-    push(row, (drive[0], drive[1], drive[2] + row[20]), body)
+        target = drive[GAIN1 + k] * wanted[k]
+        row[F1 + k] = target + (row[F1 + k] - target) * body.decay
+    push(row, (drive[X], drive[Y], drive[Z] + row[ETA]), body)
     turn(row, body)
-    if row[2] < 0.0:
+    if row[Z] < 0.0:
         stand(row, body)
+
+
+def _advance(row: Array, command: Four, drive: Array, body: Body, wanted: Array) -> None:
+    onboard(row, command, body, wanted)
+    move(row, wanted, drive, body)
 
 
 part = partial(compiled, inline="always")
 half_turn, torque, tilt, onboard = part(_half_turn), part(_torque), part(_tilt), part(_wanted)
-push, turn, stand = part(_push), part(_turn), compiled(_stand)
+push, turn, stand, move = part(_push), part(_turn), compiled(_stand), compiled(_move)
 advance = compiled(_advance)
-"""Move one vehicle by a step: state row (21,), command (thrust, roll, pitch, yaw rate), drive (7,), body
-(6, 3), room for wanted rotor thrusts (4,)."""
+"""Move one vehicle by a step: state row (21,), command (thrust, roll, pitch, yaw rate), drive (7,), Body,
+room for wanted rotor thrusts (4,)."""

@@ -18,21 +18,32 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.plant.quadcopter import (
-    MASS_ROW,
+    ETA,
+    F1,
+    F2,
+    F3,
+    F4,
     POS,
     QUAT,
     RATE,
     ROTORS,
     VEL,
+    Body,
     Four,
+    X,
+    Y,
+    Z,
     advance,
     body_of,
     state_at_rest,
 )
-from q2q_sim.plant.wake import Wake, delay, max_delay, pair_eta, reach
+from q2q_sim.plant.wake import MEASURED, NONE, PAPER, Wake, delay, max_delay, pair_eta, reach
 
 PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""
+
+SHARE = 3
+"""Column of T / (m g) in a slot of the ring, after x, y, z [m]."""
 
 Rows = NDArray[np.int64]
 
@@ -57,27 +68,27 @@ def _seen(ring: Array, steps: int, vehicle: int, late: float) -> Four:
     a, b = (steps - whole) % slots, (steps - whole - 1) % slots
     keep = 1.0 - share
     return (
-        keep * ring[a, vehicle, 0] + share * ring[b, vehicle, 0],
-        keep * ring[a, vehicle, 1] + share * ring[b, vehicle, 1],
-        keep * ring[a, vehicle, 2] + share * ring[b, vehicle, 2],
-        keep * ring[a, vehicle, 3] + share * ring[b, vehicle, 3],
+        keep * ring[a, vehicle, X] + share * ring[b, vehicle, X],
+        keep * ring[a, vehicle, Y] + share * ring[b, vehicle, Y],
+        keep * ring[a, vehicle, Z] + share * ring[b, vehicle, Z],
+        keep * ring[a, vehicle, SHARE] + share * ring[b, vehicle, SHARE],
     )
 
 
 def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int], step: float) -> float:
     """Return the measured downwash eta_z [m/s^2] of vehicle j on vehicle i, `pair` = (i, j)."""
     i, j = pair
-    late = delay(2, state[j, 2] - state[i, 2]) / step
+    late = delay(MEASURED, state[j, Z] - state[i, Z]) / step
     x, y, z, share = seen(ring, steps, j, late)
-    dx, dy = x - state[i, 0], y - state[i, 1]
-    return float(share * pair_eta(2, dx * dx + dy * dy, z - state[i, 2])[0])
+    dx, dy = x - state[i, X], y - state[i, Y]
+    return float(share * pair_eta(MEASURED, dx * dx + dy * dy, z - state[i, Z])[0])
 
 
 def _sort_by_x(state: Array, rows: Rows) -> None:
     for a in range(1, state.shape[0]):
         row = rows[a]
         b = a - 1
-        while b >= 0 and state[rows[b], 0] > state[row, 0]:
+        while b >= 0 and state[rows[b], X] > state[row, X]:
             rows[b + 1] = rows[b]
             b -= 1
         rows[b + 1] = row
@@ -86,11 +97,11 @@ def _sort_by_x(state: Array, rows: Rows) -> None:
 def _downwash(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
     """Write eta_z of every vehicle into its state."""
     n = state.shape[0]
-    lowest, highest = state[0, 2], state[0, 2]
+    lowest, highest = state[0, Z], state[0, Z]
     for i in range(n):
-        state[i, 20] = 0.0
-        lowest, highest = min(lowest, state[i, 2]), max(highest, state[i, 2])
-    if kind == 0 or n < 2:
+        state[i, ETA] = 0.0
+        lowest, highest = min(lowest, state[i, Z]), max(highest, state[i, Z])
+    if kind == NONE or n < 2:
         return
     sort_by_x(state, rows)
     bound = reach(kind, highest - lowest)
@@ -98,46 +109,46 @@ def _downwash(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> 
         i = rows[a]
         for b in range(a + 1, n):
             j = rows[b]
-            dx, dy = state[j, 0] - state[i, 0], state[j, 1] - state[i, 1]
+            dx, dy = state[j, X] - state[i, X], state[j, Y] - state[i, Y]
             if dx > bound:
                 break
-            dz = state[j, 2] - state[i, 2]
+            dz = state[j, Z] - state[i, Z]
             if dx * dx + dy * dy > reach(kind, abs(dz)) ** 2:
                 continue
-            if kind == 1:
+            if kind == PAPER:
                 on_i, on_j = pair_eta(kind, dx * dx + dy * dy, dz)
-                state[i, 20] += on_i
-                state[j, 20] += on_j
+                state[i, ETA] += on_i
+                state[j, ETA] += on_j
             else:
-                state[i, 20] += late_downwash(state, ring, int(rows[n]), (i, j), step)
-                state[j, 20] += late_downwash(state, ring, int(rows[n]), (j, i), step)
+                state[i, ETA] += late_downwash(state, ring, int(rows[n]), (i, j), step)
+                state[j, ETA] += late_downwash(state, ring, int(rows[n]), (j, i), step)
 
 
 def _remember(state: Array, ring: Array, slot: int, weight: float) -> None:
     for i in range(state.shape[0]):
-        ring[slot, i, 0], ring[slot, i, 1], ring[slot, i, 2] = state[i, 0], state[i, 1], state[i, 2]
-        ring[slot, i, 3] = (state[i, 13] + state[i, 14] + state[i, 15] + state[i, 16]) / weight
+        ring[slot, i, X], ring[slot, i, Y], ring[slot, i, Z] = state[i, X], state[i, Y], state[i, Z]
+        ring[slot, i, SHARE] = (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / weight
 
 
-def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Array, body: Array) -> None:
+def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Array, body: Body) -> None:
     """Advance by one physics step for each row of commands."""
     kind, ring, rows = air
     n = state.shape[0]
     wanted = np.empty(4)
     for k in range(commands.shape[0]):
-        downwash(state, ring, rows, kind, body[5, 2])
+        downwash(state, ring, rows, kind, body.step)
         for i in range(n):
             command = (commands[k, i, 0], commands[k, i, 1], commands[k, i, 2], commands[k, i, 3])
             advance(state[i], command, drive[i], body, wanted)
         rows[n] += 1
-        remember(state, ring, rows[n] % ring.shape[0], body[5, 0] * GRAVITY)
+        remember(state, ring, rows[n] % ring.shape[0], body.mass * GRAVITY)
 
 
 def _downwash_of(state: Array, air: tuple[int, Array, Rows], step: float, eta: Array) -> None:
     kind, ring, rows = air
     downwash(state, ring, rows, kind, step)
     for i in range(state.shape[0]):
-        eta[i, 0], eta[i, 1], eta[i, 2] = 0.0, 0.0, state[i, 20]
+        eta[i, 0], eta[i, 1], eta[i, 2] = 0.0, 0.0, state[i, ETA]
 
 
 seen, late_downwash = compiled(_seen), compiled(_late_downwash)
@@ -150,12 +161,11 @@ run = compiled(_run, nogil=True)
 """Advance by steps: (state, (kind, ring, rows), commands, drive, body); releases the GIL."""
 
 
-def still_air(state: Array, kind: Wake, body: Array) -> Air:
+def still_air(state: Array, kind: Wake, body: Body) -> Air:
     """Return the air around vehicles that have always hovered at their present positions."""
-    mass, _, step = body[MASS_ROW]
-    slots = math.ceil(max_delay(kind) / step) + 2
-    now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (mass * GRAVITY)])  # (n, 4)
-    order = np.argsort(state[:, 0], kind="stable")
+    slots = math.ceil(max_delay(kind) / body.step) + 2
+    now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (body.mass * GRAVITY)])  # (n, 4)
+    order = np.argsort(state[:, X], kind="stable")
     return Air(kind, np.tile(now, (slots, 1, 1)), np.append(order, 0).astype(np.int64))
 
 

@@ -1,4 +1,4 @@
-"""Move a swarm in plain numpy: the slow twin of `q2q_sim.plant.swarm`, which a test and a benchmark compare.
+"""Physics of a swarm in plain numpy: reference for `q2q_sim.plant.swarm` in a test and a benchmark.
 
 Written apart from the compiled loop: all vehicles at once, all pairs dense, rotations by
 q2q_model.geometry.rotations, rotors by q2q_control.attitude.allocation, the downwash from the equations of
@@ -14,17 +14,17 @@ from q2q_model.geometry.rotations import euler_from_quat, integrate_quat, normal
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.plant import wake as law
-from q2q_sim.plant.quadcopter import ACC, ETA, FRAME_ROW, MASS_ROW, POS, QUAT, RATE, ROTORS, VEL
+from q2q_sim.plant.quadcopter import ACC, ETA, INERTIA, POS, QUAT, RATE, ROTORS, VEL, VZ, Body, Z
 from q2q_sim.plant.swarm import Air
 from q2q_sim.plant.wake import Wake
 
 
-def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Array) -> None:
-    """Take one physics step for each row of commands, changing state and air in place.
+def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
+    """Advance by one physics step for each row of commands, changing state and air in place.
 
-    Arguments as of Swarm.step; state (n, 21) and body (6, 3) as of q2q_sim.plant.quadcopter.
+    Arguments as of Swarm.step; state (n, 21) and body as of q2q_sim.plant.quadcopter.
     """
-    mass, decay, h = body[MASS_ROW]
+    mass, decay, h = body.mass, body.decay, body.step
     for command in commands:  # (n, 4)
         state[:, ETA] = downwash_numpy(state, air, h)
         wanted = drive[:, 3:] * _wanted_rotors(state, command, body)
@@ -90,21 +90,21 @@ def _seen(air: Air, vehicle: NDArray[np.intp], late: Array) -> Array:
     return np.asarray((1.0 - share) * after + share * before)
 
 
-def _wanted_rotors(state: Array, command: Array, body: Array) -> Array:
-    frame = RotorFrame(*body[FRAME_ROW])
+def _wanted_rotors(state: Array, command: Array, body: Body) -> Array:
+    frame = RotorFrame(*body.frame)
     torque_now = wrench_of(state[:, ROTORS], frame)[:, 1:]
     attitude = euler_from_quat(state[:, QUAT])
-    torque = attitude_torques(attitude, state[:, RATE], torque_now, command[:, 1:], body[:FRAME_ROW])
+    torque = attitude_torques(attitude, state[:, RATE], torque_now, command[:, 1:], body.gains)
     wanted = rotors_of(np.column_stack([command[:, 0], torque]), frame)
     return np.where(command[:, :1] > 0.0, wanted, 0.0)
 
 
-def _move(state: Array, moving_air: Array, body: Array) -> None:
-    (mass, _, h), inertia = body[MASS_ROW], body[2]
-    wrench = wrench_of(state[:, ROTORS], RotorFrame(*body[FRAME_ROW]))
+def _move(state: Array, moving_air: Array, body: Body) -> None:
+    mass, h, inertia = body.mass, body.step, body.gains[INERTIA]
+    wrench = wrench_of(state[:, ROTORS], RotorFrame(*body.frame))
     up = np.array([0.0, 0.0, 1.0])
-    lift = rotate(state[:, QUAT], wrench[:, :1] / mass * up)
-    state[:, ACC] = lift + moving_air + (state[:, ETA, None] - GRAVITY) * up
+    thrust_acc = rotate(state[:, QUAT], wrench[:, :1] / mass * up)
+    state[:, ACC] = thrust_acc + moving_air + (state[:, ETA, None] - GRAVITY) * up
     before = state[:, VEL].copy()
     state[:, VEL] += h * state[:, ACC]
     state[:, POS] += 0.5 * h * (before + state[:, VEL])
@@ -114,12 +114,12 @@ def _move(state: Array, moving_air: Array, body: Array) -> None:
 
 
 def _stand(state: Array, h: float) -> None:
-    below = state[:, 2] < 0.0
+    below = state[:, Z] < 0.0
     after = np.zeros((len(state), 3))
-    after[:, 2] = np.maximum(state[:, 5], 0.0)
+    after[:, 2] = np.maximum(state[:, VZ], 0.0)
     state[below, ACC] += (after - state[:, VEL])[below] / h
     state[below, VEL] = after[below]
     state[below, RATE] = 0.0
-    state[below, 2] = 0.0
+    state[below, Z] = 0.0
     yaw = euler_from_quat(state[:, QUAT])[below, 2]
     state[below, QUAT] = quat_from_euler(np.zeros_like(yaw), np.zeros_like(yaw), yaw)

@@ -43,6 +43,10 @@ class Wake(IntEnum):
     MEASURED = 2
 
 
+NONE, PAPER, MEASURED = int(Wake.NONE), int(Wake.PAPER), int(Wake.MEASURED)
+"""Kinds in compiled code."""
+
+
 PAPER_A, PAPER_Z0, PAPER_S0, PAPER_KS, PAPER_UPPER = 0.392, 0.33, 0.06, 0.08, 0.2
 """[m/s^2], [m], [m], [m/m], [-]: paper/NOTES.md."""
 PAPER_DZ = 0.5
@@ -80,7 +84,7 @@ def max_delay(kind: Wake) -> float:
 
 def _width(kind: int, gap: float) -> float:
     """Return s [m] at |dz| = gap [m]."""
-    if kind == 1:
+    if kind == PAPER:
         return PAPER_S0 + PAPER_KS * gap
     return max(MEASURED_S + MEASURED_KS * (gap - MEASURED_DZ), NARROWEST)
 
@@ -91,7 +95,7 @@ def _push(kind: int, gap: float, dxy_squared: float) -> float:
     if dxy_squared > (EDGE * s) ** 2:
         return 0.0
     profile = math.exp(-dxy_squared / (2.0 * s * s))
-    if kind == 1:
+    if kind == PAPER:
         return PAPER_A * ((PAPER_Z0 + PAPER_DZ) / (PAPER_Z0 + gap)) ** 2 * profile
     return MEASURED_A * math.exp(-MEASURED_BETA * (gap - MEASURED_DZ)) * profile
 
@@ -99,7 +103,7 @@ def _push(kind: int, gap: float, dxy_squared: float) -> float:
 def _pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
     """Return the vertical acceleration [m/s^2] of i by j and of j by i, at dz = z_j - z_i [m]."""
     strength = push(kind, abs(dz), dxy_squared)
-    upper = PAPER_UPPER if kind == 1 else MEASURED_UPPER
+    upper = PAPER_UPPER if kind == PAPER else MEASURED_UPPER
     along = min(max(0.5 * (dz / BLEND + 1.0), 0.0), 1.0)
     share = along * along * (3.0 - 2.0 * along)  # weight of the lower vehicle's part, for i
     return strength * ((1.0 - share) * upper - share), strength * (share * upper - (1.0 - share))
@@ -107,7 +111,7 @@ def _pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
 
 def _delay(kind: int, dz: float) -> float:
     """Return the delay of the downwash from a source at height difference dz [m], [s]; 0 upwards."""
-    if kind != 2 or dz <= 0.0:
+    if kind != MEASURED or dz <= 0.0:
         return 0.0
     return min(dz / MEASURED_SPEED, MAX_DELAY)
 
