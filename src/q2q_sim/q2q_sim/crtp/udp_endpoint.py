@@ -14,6 +14,7 @@ from time import monotonic
 from typing import Self
 
 from q2q_model.signals.values import Array, Names
+from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
 
@@ -36,6 +37,17 @@ class Traffic:
     sent: int = 0
     dropped: int = 0
     """Lost by the link model or a full socket."""
+
+
+@dataclass(frozen=True, slots=True)
+class PortParams:
+    """Ports of an endpoint."""
+
+    port: int = tunable(19850, "UDP port of the first vehicle; 0 lets the system choose", low=0, high=65535)
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
 
 
 class CrtpEndpoint:

@@ -28,13 +28,16 @@ class CommandGate:
             ValueError: the command names a vehicle that does not exist.
         """
         check_known(command.names, self._names)
-        if stamp_ns != self._stamp_ns if self._exact else stamp_ns <= self._done_ns:
+        if not self._accepts(stamp_ns):
             return None
         self._rows |= {name: (command, row) for row, name in enumerate(command.names)}
         if len(self._rows) < len(self._names):
             return None
         self._done_ns = stamp_ns
         return _gathered(self._names, self._rows)
+
+    def _accepts(self, stamp_ns: int) -> bool:
+        return stamp_ns == self._stamp_ns if self._exact else stamp_ns > self._done_ns
 
 
 class Patience:
