@@ -205,7 +205,7 @@ def _advance(row: Array, command: Four, drive: Array, body: Body, wanted: Array)
 
 part = partial(compiled, inline="always")
 half_turn, torque, tilt, onboard = part(_half_turn), part(_torque), part(_tilt), part(_wanted)
-push, turn, stand, move = part(_push), part(_turn), compiled(_stand), compiled(_move)
+push, turn, stand, move = part(_push), part(_turn), compiled(_stand), part(_move)
 advance = compiled(_advance)
 """Move one vehicle by a step: state row (21,), command (thrust, roll, pitch, yaw rate), drive (7,), Body,
 room for wanted rotor thrusts (4,)."""
