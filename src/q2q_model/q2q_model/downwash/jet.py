@@ -30,18 +30,24 @@ Neural-Swarm2, T-RO 2021) that flew without feed-forward.
 | c | carried | share of the source's velocity and slope that the air keeps [-]; 0 ignores motion |
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.downwash.interaction_model import PairMotion, Reach
-from q2q_model.downwash.jet_kernel import STEEPEST, jet_pairs
+from q2q_model.downwash.roles import BLEND
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 
 EDGE = 4.3
 """Standard deviations at which a Gaussian has fallen to 1e-4."""
+
+STEEPEST = 0.5
+"""Largest slope b_xy / b_z that a jet follows [-], 27 degrees; steeper slopes are clipped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +121,9 @@ class Jet:
         """Return the unblended downward acceleration (...,) and eta (..., 3)."""
         shape = rel_pos.shape
         push, eta = np.empty(shape[:-1]), np.empty(shape)
-        parts = (motion.source_vel, motion.source_axis, motion.vel)
-        source_vel, source_axis, vel = (_as_pairs(part, shape) for part in parts)
-        pairs = _as_pairs(rel_pos, shape)
-        jet_pairs(
-            pairs, (source_vel, source_axis, vel), _numbers_of(self), push.reshape(-1), eta.reshape(-1, 3)
-        )
+        parts = (rel_pos, motion.source_vel, motion.source_axis, motion.vel)
+        pairs = _Pairs(*(_as_pairs(part, shape) for part in parts))
+        _evaluate_pairs(pairs, _law_of(self), push.reshape(-1), eta.reshape(-1, 3))
         return push, eta
 
 
@@ -131,13 +134,78 @@ def _as_pairs(part: Array, shape: tuple[int, ...]) -> Array:
     return np.ascontiguousarray(part, dtype=np.float64).reshape(-1, 3)
 
 
+class _Law(NamedTuple):
+    """Parameters of a Jet for the compiled loop."""
+
+    strength: float
+    gap_ref: float
+    power: bool
+    virtual_origin: float
+    decay_rate: float
+    width: float
+    spread: float
+    upper_ratio: float
+    travel_speed: float
+    carried: float
+    range: float
+
+
+class _Pairs(NamedTuple):
+    """Pairs for the compiled loop, (p, 3) each."""
+
+    rel_pos: Array
+    source_vel: Array
+    source_axis: Array
+    vel: Array
+
+
 @lru_cache(maxsize=64)
-def _numbers_of(jet: Jet) -> Array:
-    """Return the parameters that jet_kernel reads, (11,)."""
-    shape = jet.strength, jet.reference_gap, float(jet.decay == "power"), jet.virtual_origin, jet.decay_rate
-    return np.array(
-        [*shape, jet.width, jet.spread, jet.upper_ratio, jet.travel_speed, jet.carried, jet.range]
-    )
+def _law_of(jet: Jet) -> _Law:
+    shape = jet.strength, jet.reference_gap, jet.decay == "power", jet.virtual_origin, jet.decay_rate
+    width = jet.width, jet.spread, jet.upper_ratio
+    return _Law(*shape, *width, jet.travel_speed, jet.carried, jet.range)
+
+
+@compiled
+def _drift(dz: float, vel: Array, axis: Array, law: _Law) -> tuple[float, float]:
+    """Return the horizontal displacement of the air since it left its source [m]."""
+    upright = max(axis[2], 0.5)
+    sx, sy = axis[0] / upright, axis[1] / upright
+    cut = max(math.sqrt(sx * sx + sy * sy) / STEEPEST, 1.0)
+    fall, tau = max(dz, 0.0), 0.0
+    if law.travel_speed > 0.0:
+        tau = min(fall, law.range) / law.travel_speed
+    return law.carried * (vel[0] * tau - fall * sx / cut), law.carried * (vel[1] * tau - fall * sy / cut)
+
+
+@compiled
+def _push(pairs: _Pairs, k: int, law: _Law) -> float:
+    """Return the downward acceleration [m/s^2] of the lower vehicle of pair k."""
+    x, y, dz = pairs.rel_pos[k, 0], pairs.rel_pos[k, 1], pairs.rel_pos[k, 2]
+    gap, meeting = dz * math.tanh(dz / BLEND), 1.0
+    if law.carried > 0.0:
+        dx, dy = _drift(dz, pairs.source_vel[k], pairs.source_axis[k], law)
+        x, y = x + dx, y + dy
+        if law.travel_speed > 0.0:
+            meeting = max(1.0 + law.carried * pairs.vel[k, 2] / law.travel_speed, 0.0)
+    width = law.width + law.spread * gap
+    gaussian = math.exp(-(x * x + y * y) / (2.0 * width * width))
+    if law.power:
+        fall = (law.virtual_origin + law.gap_ref) / (law.virtual_origin + gap)
+        decay = fall * fall
+    else:
+        decay = math.exp(-law.decay_rate * (gap - law.gap_ref))
+    return float(law.strength * decay * gaussian * meeting)
+
+
+@compiled
+def _evaluate_pairs(pairs: _Pairs, law: _Law, push: Array, eta: Array) -> None:
+    """Write the downward acceleration (p,) and eta (p, 3) [m/s^2]."""
+    for k in range(push.size):
+        push[k] = _push(pairs, k, law)
+        share = 0.5 * (1.0 + math.tanh(pairs.rel_pos[k, 2] / BLEND))
+        eta[k, 0], eta[k, 1] = 0.0, 0.0
+        eta[k, 2] = (law.upper_ratio * (1.0 - share) - share) * push[k]
 
 
 PAPER_LAW = Jet()
