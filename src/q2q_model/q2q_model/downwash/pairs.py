@@ -9,6 +9,7 @@
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,28 @@ STATUS = 10
 _TRACKED = int(TrackStatus.TRACKED)
 _VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
 _STALE_SOURCE = int(InterferenceStatus.STALE_SOURCE)
+
+
+class PairInteractions(NamedTuple):
+    """Answers of a model to the pairs of a tick."""
+
+    eta: Array
+    """[m/s^2], (p, 3)."""
+    deviation: Array
+    """[m/s^2], (p, 3)."""
+    stale: Flags
+    """Source not tracked, (p,)."""
+
+
+class InteractionSums(NamedTuple):
+    """Sums over the sources of each vehicle."""
+
+    acc: Array
+    """[m/s^2], (n, 3)."""
+    std: Array
+    """[m/s^2], (n, 3)."""
+    status: Status
+    """InterferenceStatus, (n,)."""
 
 
 def _body_z(state: Array, axis: Array) -> None:
@@ -78,15 +101,9 @@ def _look_back(now: Array, keys: Rows, past: Array, pairs: Array, stale: Flags) 
             pairs[1, p, k], pairs[2, p, k] = past[p, 3 + k], past[p, 6 + k]
 
 
-def _add_up(
-    keys: Rows,
-    answers: tuple[Array, Array, Flags],
-    states: Array,
-    known: bool,
-    out: tuple[Array, Array, Status],
-) -> None:
+def _add_up(keys: Rows, answers: PairInteractions, states: Array, known: bool, sums: InteractionSums) -> None:
     eta, deviation, stale = answers
-    acc, std, status = out
+    acc, std, status = sums
     n = states.shape[0]
     acc[:], std[:], status[:] = 0.0, 0.0, _VALID
     for p in range(keys.size):
@@ -115,5 +132,4 @@ look_back = compiled(_look_back)
 """Replace sources by their state when their air left them: (now, keys, past (p, 9), pairs, stale); a source
 without a known past state is left unchanged and flagged stale."""
 add_up = compiled(_add_up)
-"""Write acc, std (n, 3), status (n,): (keys, (eta, deviation (p, 3), stale), states,
-whether there is a model, (acc, std, status))."""
+"""Write the sums: (keys, answers, states, whether there is a model, sums)."""

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
-from q2q_model.downwash.pairs import add_up, lay_out, look_back, meet
+from q2q_model.downwash.pairs import InteractionSums, PairInteractions, add_up, lay_out, look_back, meet
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Interference, Names, SwarmState, index_of
 
-_NO_PAIR = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_)
+_NO_PAIR = PairInteractions(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_))
 
 
 class InteractionPredictor:
@@ -62,7 +62,7 @@ class InteractionPredictor:
         answers = self._answers(state.t, states, now, keys) if keys.size else _NO_PAIR
         acc, std = np.empty((2, *state.pos.shape))
         status = np.empty(len(state.names), dtype=np.uint8)
-        add_up(keys, answers, states, reach.horizontal > 0.0, (acc, std, status))
+        add_up(keys, answers, states, reach.horizontal > 0.0, InteractionSums(acc, std, status))
         self._last = Interference(t=state.t, names=state.names, acc=acc, std=std, status=status)
         return self._last
 
@@ -77,14 +77,13 @@ class InteractionPredictor:
         if state.t > self._history.newest:
             self._history.push(state.t, now)
 
-    def _answers(
-        self, t: float, states: Array, now: Array, keys: NDArray[np.intp]
-    ) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return eta and its deviation (p, 3) of each pair, and whether its source is stale (p,)."""
+    def _answers(self, t: float, states: Array, now: Array, keys: NDArray[np.intp]) -> PairInteractions:
+        """Return the model's answers to the pairs of a tick."""
         pairs, stale = np.empty((4, keys.size, 3)), np.empty(keys.size, dtype=np.bool_)
         lay_out(states, now, keys, pairs, stale)
         if self.model.max_delay > 0.0:
             left = t - self.model.delay(pairs[0])
             look_back(now, keys, self._history.at(left, keys % len(now)), pairs, stale)
         rel_pos, motion = pairs[0], PairMotion(pairs[1], pairs[2], pairs[3])
-        return self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion), stale
+        eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
+        return PairInteractions(eta, deviation, stale)

@@ -17,7 +17,7 @@ from q2q_sim.firmware.controllers.columns import CONTROLLER
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
 from q2q_sim.plant.quadcopter import Body, move
-from q2q_sim.plant.swarm import Rows, Swarm, downwash, remember
+from q2q_sim.plant.swarm import Air, Swarm, downwash, remember
 
 STEPS = 5
 """Steps of 2 ms a tick."""
@@ -53,7 +53,7 @@ def _think(row: Array, brain: Brain, i: int, k: int, forces: Array) -> None:
         drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate drifts with its own velocity error
 
 
-def _fly_tick(state: Array, air: tuple[int, Array, Rows], brain: Brain, drive: Array, body: Body) -> None:
+def _fly_tick(state: Array, air: Air, brain: Brain, drive: Array, body: Body) -> None:
     kind, ring, rows = air
     n = state.shape[0]
     forces = np.empty(4)
@@ -80,5 +80,4 @@ def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:
     """
     one = controllers
     brain = (one.wanted, one.gains, one.memory, one.frame, one.drift)
-    air = (int(swarm.air.kind), swarm.air.ring, swarm.air.rows)
-    _fly_tick_compiled(swarm.state, air, brain, drive, swarm.body)
+    _fly_tick_compiled(swarm.state, swarm.air, brain, drive, swarm.body)

@@ -8,7 +8,7 @@ A test compares the kernel with a plain numpy implementation.
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,11 +48,11 @@ SHARE = 3
 Rows = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True)
-class Air:
+class Air(NamedTuple):
     """Past states of the sources, for delayed downwash."""
 
-    kind: Wake
+    kind: int
+    """Wake."""
     ring: Array
     """x, y, z [m] and T / (m g) at each past step, (slots, n, 4)."""
     rows: Rows
@@ -130,7 +130,7 @@ def _remember(state: Array, ring: Array, slot: int, weight: float) -> None:
         ring[slot, i, SHARE] = (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / weight
 
 
-def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Array, body: Body) -> None:
+def _run(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
     """Advance by one physics step for each row of commands."""
     kind, ring, rows = air
     n = state.shape[0]
@@ -144,7 +144,7 @@ def _run(state: Array, air: tuple[int, Array, Rows], commands: Array, drive: Arr
         remember(state, ring, rows[n] % ring.shape[0], body.mass * GRAVITY)
 
 
-def _downwash_of(state: Array, air: tuple[int, Array, Rows], step: float, eta: Array) -> None:
+def _downwash_of(state: Array, air: Air, step: float, eta: Array) -> None:
     kind, ring, rows = air
     downwash(state, ring, rows, kind, step)
     for i in range(state.shape[0]):
@@ -156,9 +156,9 @@ sort_by_x, remember = compiled(_sort_by_x), compiled(_remember)
 downwash = compiled(_downwash)
 """Write eta_z of every vehicle: (state, ring, rows, kind, step)."""
 downwash_of = compiled(_downwash_of)
-"""Write eta [m/s^2] (n, 3) of every vehicle now: (state, (kind, ring, rows), step, eta)."""
+"""Write eta [m/s^2] (n, 3) of every vehicle now: (state, air, step, eta)."""
 run = compiled(_run, nogil=True)
-"""Advance by steps: (state, (kind, ring, rows), commands, drive, body); releases the GIL."""
+"""Advance by steps: (state, air, commands, drive, body); releases the GIL."""
 
 
 def still_air(state: Array, kind: Wake, body: Body) -> Air:
@@ -166,7 +166,7 @@ def still_air(state: Array, kind: Wake, body: Body) -> Air:
     slots = math.ceil(max_delay(kind) / body.step) + 2
     now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (body.mass * GRAVITY)])  # (n, 4)
     order = np.argsort(state[:, X], kind="stable")
-    return Air(kind, np.tile(now, (slots, 1, 1)), np.append(order, 0).astype(np.int64))
+    return Air(int(kind), np.tile(now, (slots, 1, 1)), np.append(order, 0).astype(np.int64))
 
 
 class Swarm:
@@ -178,7 +178,6 @@ class Swarm:
         self.body = body_of(vehicle, AttitudeParams(), 1.0 / PHYSICS_RATE)
         self.state = state_at_rest(start, vehicle.mass)
         self.air = still_air(self.state, wake, self.body)
-        self._air = (int(wake), self.air.ring, self.air.rows)
         self._age = np.zeros(len(names))  # all states share these two
         self._tracked = np.full(len(names), int(TrackStatus.TRACKED), dtype=np.uint8)
         self._age.flags.writeable = self._tracked.flags.writeable = False
@@ -190,12 +189,12 @@ class Swarm:
             commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] of each vehicle, (steps, n, 4).
             drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
         """
-        run(self.state, self._air, commands, drive, self.body)
+        run(self.state, self.air, commands, drive, self.body)
 
     def downwash(self) -> Array:
         """Return eta of every vehicle now [m/s^2], world, (n, 3)."""
         eta = np.empty((len(self.names), 3))
-        downwash_of(self.state, self._air, 1.0 / PHYSICS_RATE, eta)
+        downwash_of(self.state, self.air, 1.0 / PHYSICS_RATE, eta)
         return eta
 
     def truth(self, t: float) -> SwarmState:

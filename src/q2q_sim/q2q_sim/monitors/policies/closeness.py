@@ -1,11 +1,21 @@
 """Policies on pairs: separation, and no unplanned entry into the interference zone."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.monitors.policies.blindness import blind_lately, lied_to
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
+
+
+class _Worst(NamedTuple):
+    """Worst moment of a pair."""
+
+    tick: int
+    value: float
+    limit: float
 
 
 def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
@@ -17,7 +27,7 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
         nearest = _lowest(distance)
         if nearest is not None and distance[nearest] < limit:
             found.append(
-                _violation("separation", evidence, (i, j), (nearest, float(distance[nearest]), limit))
+                _violation("separation", evidence, (i, j), _Worst(nearest, float(distance[nearest]), limit))
             )
     return found
 
@@ -40,7 +50,7 @@ def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
             deepest = _lowest(inside)
             if deepest is not None and inside[deepest] < 0.0:
                 found.append(
-                    _violation("zone", evidence, (one, other), (deepest, float(inside[deepest]), 0.0))
+                    _violation("zone", evidence, (one, other), _Worst(deepest, float(inside[deepest]), 0.0))
                 )
     return found
 
@@ -61,9 +71,6 @@ def _lowest(values: Array) -> int | None:
     return int(known.argmin()) if len(known) and np.isfinite(known.min()) else None
 
 
-def _violation(
-    policy: str, evidence: Evidence, pair: tuple[int, int], worst: tuple[int, float, float]
-) -> Violation:
-    k, value, limit = worst
+def _violation(policy: str, evidence: Evidence, pair: tuple[int, int], worst: _Worst) -> Violation:
     who = f"{evidence.names[pair[0]]} and {evidence.names[pair[1]]}"
-    return Violation(policy, who, float(evidence.t[k]), value, limit)
+    return Violation(policy, who, float(evidence.t[worst.tick]), worst.value, worst.limit)
