@@ -16,13 +16,13 @@ from std_srvs.srv import Trigger
 from q2q_control.flight_procedure.steps import Call
 from q2q_model.files.find_model import find_model
 from q2q_model.node.reply import Reply
+from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.playing.glide import GlideParams
 from q2q_planner.playing.plan_player import PlanPlayer
-from q2q_planner.ros.plan_message import encode_plan
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.pilot import Wire
 from q2q_sim.loop.assembly import Options, blocks_of

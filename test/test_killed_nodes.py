@@ -94,8 +94,9 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
     np.testing.assert_allclose(evidence.true_pos[before, never_level], hover[never_level], atol=0.05)
     status = statuses(tmp_path / "bag", after=7.0)
     order = list(dict.fromkeys(one for one, _ in status))
-    falling = (CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
-    assert [one for one in order if one in falling] == list(falling)
+    falling = (CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)  # busy, it may be level before
+    assert [one for one in order if one in falling] == [one for one in falling if one in order]
+    assert {CommandStatus.LAND, CommandStatus.CUT} <= set(order)
     assert status[-1] == [CommandStatus.CUT] * 2
     np.testing.assert_allclose(evidence.true_pos[-1, :, 2], 0.0, atol=1e-9)  # on the ground, in its place
     np.testing.assert_allclose(evidence.true_pos[-1, :, :2], [[0.0, 0.0], [0.0, 1.0]], atol=0.2)

@@ -108,7 +108,7 @@ def test_files_and_bag_are_looked_at_before_any_node_starts(
             made(given | {name: ""})
         with pytest.raises(ValueError, match=f"{name}:=absent: there is no such file"):
             made(given | {name: "absent"})
-    with pytest.raises(ValueError, match="is no plan"):
+    with pytest.raises(ValueError, match="is not a plan"):
         made(given | {"plan": room["crazyflies"]})
     (Path(room["folder"]) / "bag").mkdir(parents=True)
     with pytest.raises(ValueError, match="exists: choose another folder"):

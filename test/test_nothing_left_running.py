@@ -97,4 +97,4 @@ def test_a_node_that_is_killed_in_flight_is_named_and_the_others_end() -> None:
 
 def test_a_node_whose_parent_died_before_it_settled_does_not_run_on() -> None:
     done = subprocess.run([sys.executable, "-c", ORPHAN], capture_output=True, text=True, check=False)
-    assert (done.stdout, done.stderr) == ("", "the warm parent is gone\n")
+    assert (done.stdout, done.stderr) == ("", "the warm parent has ended\n")

@@ -232,4 +232,6 @@ def test_a_parameter_that_a_vehicle_does_not_hold_is_named_with_both_values() ->
     assert "its stabilizer.controller is 1, expected 2" in difference(
         wanted, held | {"stabilizer.controller": 1.0}
     )
-    assert "its locSrv.extPosStdDev is nan: 0.001" in difference(wanted, {"stabilizer.controller": 2.0})
+    assert "its locSrv.extPosStdDev is nan, expected 0.001" in difference(
+        wanted, {"stabilizer.controller": 2.0}
+    )

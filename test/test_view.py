@@ -13,10 +13,10 @@ from visualization_msgs.msg import Marker, MarkerArray
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Interference, SwarmState
-from q2q_planner.ros.plan_message import encode_plan
 from q2q_sim.loop.assembly import plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.ros.stand_in import StandInNode

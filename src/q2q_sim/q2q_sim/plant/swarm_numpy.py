@@ -44,12 +44,12 @@ def downwash_numpy(state: Array, air: Air, h: float) -> Array:
         return eta
     i, j = (rows[~np.eye(n, dtype=bool)] for rows in np.indices((n, n)))  # every i != j
     rel = state[j, POS] - state[i, POS]  # (pairs, 3)
-    near = np.hypot(rel[:, 0], rel[:, 1]) <= _reach(air.kind, np.abs(rel[:, 2]))
+    near = np.hypot(rel[:, 0], rel[:, 1]) <= _reach(Wake(air.kind), np.abs(rel[:, 2]))
     share = np.ones(len(rel))
     if air.kind == Wake.MEASURED:
         source = _seen(air, j, _delay(rel[:, 2]) / h)  # (pairs, 4)
         rel, share = source[:, :3] - state[i, POS], source[:, 3]
-    np.add.at(eta, i, np.where(near, share * _eta_z(air.kind, rel), 0.0))
+    np.add.at(eta, i, np.where(near, share * _eta_z(Wake(air.kind), rel), 0.0))
     return eta
 
 
