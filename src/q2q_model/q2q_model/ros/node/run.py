@@ -77,6 +77,8 @@ def run_together(
                     end(one)
     except (ValueError, OSError) as refusal:
         print(f"{name}: {refusal}", file=sys.stderr)
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)  # it is ending; an interrupt must not replace the status
         sys.exit(2)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
