@@ -14,6 +14,8 @@ kernels_are_compiled() { fresh kernels "$(kernels_hash)" && [ -d "$ROOT/build/nu
 compile_kernels() (
   ros_environment
   set +u
+  # colcon's script calls Python unquoted: the real interpreter's path has no space where the checkout's has.
+  COLCON_PYTHON_EXECUTABLE=$(readlink -f "$VENV/bin/python")
   . "$ROOT/install/local_setup.bash"
   NUMBA_CACHE_DIR=$ROOT/build/numba exec "$VENV/bin/python" -m q2q_sim.tools.compile_kernels
 )
@@ -22,8 +24,10 @@ compile_kernels() (
 ensure_kernels() {
   kernels_are_compiled && return
   say "machine code of the kernels, in build/numba (first time: a minute or two)"
-  in_log compile_kernels ||
-    say "warning: kernels are left to be compiled when a node starts: $(last_step | tail -n 1) (all of it in $LOG)"
   mkdir -p "$ROOT/build/numba"
-  stamp kernels "$(kernels_hash)"
+  if in_log compile_kernels; then
+    stamp kernels "$(kernels_hash)"
+  else
+    say "warning: kernels are left to be compiled when a node starts: $(last_step | tail -n 1) (all of it in $LOG)"
+  fi
 }
