@@ -12,9 +12,9 @@ from time import process_time
 import numpy as np
 
 from q2q_model.signals.values import Array
+from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm, still_air
 from q2q_sim.plant.swarm_numpy import run_numpy
-from q2q_sim.plant.wake import Wake
 from q2q_sim.scenarios import library
 from row import Row
 
@@ -31,7 +31,7 @@ NUMPY_CALLS = {1: 20, 2: 20, 10: 20, 100: 5, 1000: 1}
 def run() -> list[Row]:
     """Return drone-steps a second of each size in the paper's and the measured wake."""
     rows = []
-    for wake in (Wake.PAPER, Wake.MEASURED):
+    for wake in (WakeLaw.PAPER, WakeLaw.MEASURED):
         for count in SIZES:
             compiled, plain = _rates(count, wake)
             name = f"{count} {'vehicle' if count == 1 else 'vehicles'}, {wake.name.lower()} wake"
@@ -42,7 +42,7 @@ def run() -> list[Row]:
     return rows
 
 
-def _rates(count: int, wake: Wake) -> tuple[float, float]:
+def _rates(count: int, wake: WakeLaw) -> tuple[float, float]:
     """Return drone-steps a second of the compiled and the plain simulator."""
     swarm, commands, drive = _flight(count, wake)
     state = swarm.state.copy()
@@ -62,7 +62,7 @@ def _rates(count: int, wake: Wake) -> tuple[float, float]:
     return STEPS * count / best[0], STEPS * count / best[1]
 
 
-def _flight(count: int, wake: Wake) -> tuple[Swarm, Array, Array]:
+def _flight(count: int, wake: WakeLaw) -> tuple[Swarm, Array, Array]:
     scenario = library.load(f"swarm{count}")
     start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])
     swarm = Swarm(scenario.names, scenario.vehicle, start, wake)

@@ -6,10 +6,10 @@ import pytest
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.supervisor.rules import State
-from q2q_sim.plant.wake import Wake
 
 commander = pytest.importorskip("cflib.crazyflie.commander", reason="cflib is not installed").Commander
 high_level = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
@@ -131,7 +131,7 @@ EXACT = 65535 / CRAZYFLIE_2_0.full_pwm_thrust
 
 def under_a_source(aware: bool) -> Array:
     """Return the height of a vehicle that holds 1 m on Mellinger's loop while another hovers 0.5 m above."""
-    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.5, 0.0]]), wake=Wake.PAPER)
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.5, 0.0]]), wake=WakeLaw.PAPER)
     rpyt_setpoints = [commander(pilot.wire(k)) for k in (0, 1)]
     for k in (0, 1):
         pilot.firmware(k).parameters.set("stabilizer.controller", MELLINGER)

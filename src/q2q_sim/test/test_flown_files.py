@@ -11,11 +11,11 @@ from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_li
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_planner.tools.waypoint_file import read_waypoints
+from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.commands.fly import main
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario
 from q2q_sim.loop import assembly
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.plant.wake import Wake
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import WAKES
 from q2q_sim.scenarios.scenario import with_choices, with_firmware
@@ -89,7 +89,7 @@ def test_vehicle_and_air_of_the_command_line_come_before_the_files(plan: Path) -
     chosen = with_choices(upgraded, "crazyflie_2_0", "")
     assert chosen.vehicle == on_firmware(CRAZYFLIE_2_0, "thrust_upgrade")
     assert chosen.wake == "measured"
-    assert set(WAKES) == {wake.name.lower() for wake in Wake}
+    assert set(WAKES) == {wake.name.lower() for wake in WakeLaw}
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from q2q_control.attitude.allocation import rotor_frame, wrench_of
 from q2q_model.geometry.rotations import euler_from_quat, matrix_from_quat, quat_from_euler
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
+from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.firmware.commander.setpoint import ZERO, Mode, Setpoint
 from q2q_sim.firmware.controllers.attitude_of import legacy_degrees
@@ -38,7 +39,6 @@ from q2q_sim.firmware.motors.thrust_curve import compensated, thrust_pwm
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.plant.quadcopter import QUAT, RATE, STATE_WIDTH
 from q2q_sim.plant.swarm import Swarm
-from q2q_sim.plant.wake import Wake
 
 PID, MELLINGER = 1, 2
 Numbers = tuple[float, ...]
@@ -250,7 +250,7 @@ def flown(
     drive: Array = STILL,
     **values: float,
 ) -> Swarm:
-    swarm = Swarm(("cf1",), vehicle, np.array([[0.0, 0.0, 1.0, 0.0]]), Wake.NONE)
+    swarm = Swarm(("cf1",), vehicle, np.array([[0.0, 0.0, 1.0, 0.0]]), WakeLaw.NONE)
     gains = parameters(vehicle, stabilizer__controller=controller, **values).gains()[None]
     rows = Controllers(
         np.tile(wanted_row(setpoint, Power()), (1, 2, 1)), gains, fresh_memory(1),

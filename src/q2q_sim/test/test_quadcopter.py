@@ -10,16 +10,16 @@ from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, VEHICLES, Vehicle
+from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
-from q2q_sim.plant.wake import Wake
 
 H = 1.0 / PHYSICS_RATE
 VEHICLE = pytest.mark.parametrize("vehicle", VEHICLES.values(), ids=list(VEHICLES))
 
 
 def _one(vehicle: Vehicle, height: float = 100.0) -> Swarm:
-    return Swarm(("cf1",), vehicle, np.array([[0.0, 0.0, height, 0.0]]), Wake.NONE)
+    return Swarm(("cf1",), vehicle, np.array([[0.0, 0.0, height, 0.0]]), WakeLaw.NONE)
 
 
 def _fly(swarm: Swarm, command: tuple[float, float, float, float], seconds: float) -> None:
@@ -133,7 +133,7 @@ def test_halving_the_step_halves_the_drift_of_angular_momentum() -> None:
         state[0, ROTORS], state[0, RATE] = 0.0, [3.0, -2.0, 4.0]
         inertia = np.array(vehicle.inertia)
         before = rotate(state[0, QUAT], inertia * state[0, RATE])
-        air = still_air(state, Wake.NONE, body)
+        air = still_air(state, WakeLaw.NONE, body)
         commands = np.zeros((round(1.0 / step), 1, 4))
         run(state, (0, air.ring, air.rows), commands, np.array([[0.0] * 3 + [1.0] * 4]), body)
         drifts.append(np.linalg.norm(rotate(state[0, QUAT], inertia * state[0, RATE]) - before))

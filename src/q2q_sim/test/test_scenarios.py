@@ -7,8 +7,8 @@ import pytest
 
 from q2q_model.tunable import tunable_of
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import assembly
-from q2q_sim.plant.wake import wake_by_name
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import BLOCKS, scenario_from_document
 

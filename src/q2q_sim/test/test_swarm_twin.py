@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
+from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.quadcopter import ETA
 from q2q_sim.plant.swarm import Swarm, still_air
 from q2q_sim.plant.swarm_numpy import run_numpy
-from q2q_sim.plant.wake import Wake
 
 
-def _busy_swarm(vehicle: Vehicle, wake: Wake, seed: int) -> tuple[Swarm, np.ndarray, np.ndarray]:
+def _busy_swarm(vehicle: Vehicle, wake: WakeLaw, seed: int) -> tuple[Swarm, np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     n, steps = 7, 150
     start = np.column_stack([rng.uniform(0.0, 0.6, (n, 2)), rng.uniform(0.02, 2.0, n), rng.uniform(-3, 3, n)])
@@ -25,9 +25,9 @@ def _busy_swarm(vehicle: Vehicle, wake: Wake, seed: int) -> tuple[Swarm, np.ndar
     return swarm, commands, drive
 
 
-@pytest.mark.parametrize("wake", list(Wake))
+@pytest.mark.parametrize("wake", list(WakeLaw))
 @pytest.mark.parametrize("vehicle", [CRAZYFLIE_2_0, TEXTBOOK_065], ids=lambda vehicle: vehicle.name)
-def test_compiled_and_plain_swarm_move_alike(vehicle: Vehicle, wake: Wake) -> None:
+def test_compiled_and_plain_swarm_move_alike(vehicle: Vehicle, wake: WakeLaw) -> None:
     swarm, commands, drive = _busy_swarm(vehicle, wake, seed=3)
     state = swarm.state.copy()
     air = still_air(state, wake, swarm.body)
@@ -36,7 +36,7 @@ def test_compiled_and_plain_swarm_move_alike(vehicle: Vehicle, wake: Wake) -> No
     swarm.step(commands, drive)
     run_numpy(state, air, commands, drive, swarm.body)
     assert np.abs(state - start).max() > 1.0
-    if wake != Wake.NONE:
+    if wake != WakeLaw.NONE:
         assert np.abs(state[:, ETA]).max() > 0.1
     # rounding of 2e-16 a step of values up to 100, which a stable attitude loop does not let grow
     np.testing.assert_allclose(swarm.state, state, rtol=1e-12, atol=1e-12)

@@ -46,7 +46,7 @@ class AirSetup:
     step: float
     """Physics step [s]."""
     seed: int
-    """Seed of the flight; a wake that draws uses q2q_sim.plant.random_streams."""
+    """Seed of the flight; a wake that draws uses q2q_sim.random_streams."""
 
 
 class Wake(Protocol):

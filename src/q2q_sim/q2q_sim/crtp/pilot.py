@@ -11,12 +11,12 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
+from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.vehicle import LOCAL
 from q2q_sim.firmware.commander.setpoint import Setpoint
 from q2q_sim.firmware.firmware import Build, Firmware
 from q2q_sim.plant.swarm import Swarm
-from q2q_sim.plant.wake import Wake
 
 STILL = (0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
 """Still air and rotors of gain 1."""
@@ -79,7 +79,7 @@ class Pilot:
         self,
         start: Array,
         vehicle: Vehicle = CRAZYFLIE_2_0,
-        wake: Wake = Wake.NONE,
+        wake: WakeLaw = WakeLaw.NONE,
         build: Build | None = None,
     ) -> None:
         """Place vehicles cf1, cf2, ... at rest at `start` (n, 4): x, y, z [m], yaw [rad]."""

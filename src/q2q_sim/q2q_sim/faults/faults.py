@@ -29,7 +29,7 @@ from math import isfinite
 import numpy as np
 
 from q2q_model.signals.values import Names
-from q2q_sim.plant.random_streams import stream
+from q2q_sim.random_streams import stream
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ from q2q_model.signals.values import Array, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.link.packets import deliver, put
-from q2q_sim.plant.random_streams import stream
+from q2q_sim.random_streams import stream
 from q2q_sim.sensors.episodes import Mask
 
 PWM_MIN = 1000

@@ -24,12 +24,12 @@ from q2q_model.signals.values import (
     SwarmState,
     index_of,
 )
+from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.link.radio import Radio, RadioParams, Rows
 from q2q_sim.plant.disturbance import Disturbance
 from q2q_sim.plant.quadcopter import ACC
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
-from q2q_sim.plant.wake import wake_by_name
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.sensors.imu import Imu
 from q2q_sim.sensors.vicon import Flags, Vicon

@@ -22,7 +22,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.plant.random_streams import stream
+from q2q_sim.random_streams import stream
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, WakeLaw, delay, max_delay, pair_eta, reach
 from q2q_sim.plant.quadcopter import (
     ETA,
     F1,
@@ -37,7 +38,6 @@ from q2q_sim.plant.quadcopter import (
     body_of,
     state_at_rest,
 )
-from q2q_sim.plant.wake import MEASURED, NONE, PAPER, Wake, delay, max_delay, pair_eta, reach
 
 PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""
@@ -52,7 +52,7 @@ class Air(NamedTuple):
     """Past states of the sources, for delayed downwash."""
 
     kind: int
-    """Wake."""
+    """WakeLaw."""
     ring: Array
     """x, y, z [m] and T / (m g) at each past step, (slots, n, 4)."""
     rows: Rows
@@ -161,7 +161,7 @@ run = compiled(_run, nogil=True)
 """Advance by steps: (state, air, commands, drive, body); releases the GIL."""
 
 
-def still_air(state: Array, kind: Wake, body: Body) -> Air:
+def still_air(state: Array, kind: WakeLaw, body: Body) -> Air:
     """Return the air around vehicles that have always hovered at their present positions."""
     slots = math.ceil(max_delay(kind) / body.step) + 2
     now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (body.mass * GRAVITY)])  # (n, 4)
@@ -172,7 +172,7 @@ def still_air(state: Array, kind: Wake, body: Body) -> Air:
 class Swarm:
     """Vehicles of a room and their states."""
 
-    def __init__(self, names: Names, vehicle: Vehicle, start: Array, wake: Wake) -> None:
+    def __init__(self, names: Names, vehicle: Vehicle, start: Array, wake: WakeLaw) -> None:
         """Place vehicles at rest at `start` (n, 4): x, y, z [m], yaw [rad]."""
         self.names = names
         self.body = body_of(vehicle, AttitudeParams(), 1.0 / PHYSICS_RATE)

@@ -2,7 +2,7 @@
 
 Written apart from the compiled loop: all vehicles at once, all pairs dense, rotations by
 q2q_model.geometry.rotations, rotors by q2q_control.attitude.allocation, the downwash from the equations of
-q2q_sim.plant.wake.
+q2q_sim.air.wake_laws.
 """
 
 import numpy as np
@@ -13,10 +13,10 @@ from q2q_control.attitude.attitude_law import attitude_torques
 from q2q_model.geometry.rotations import euler_from_quat, integrate_quat, normalised, quat_from_euler, rotate
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.plant import wake as law
+from q2q_sim.air import wake_laws as law
+from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.quadcopter import ACC, ETA, INERTIA, POS, QUAT, RATE, ROTORS, VEL, VZ, Body, Z
 from q2q_sim.plant.swarm import Air
-from q2q_sim.plant.wake import Wake
 
 
 def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
@@ -40,26 +40,26 @@ def downwash_numpy(state: Array, air: Air, h: float) -> Array:
     """Return eta_z [m/s^2], (n,), from all pairs; `h` is the physics step [s]."""
     n = len(state)
     eta = np.zeros(n)
-    if air.kind == Wake.NONE or n < 2:
+    if air.kind == WakeLaw.NONE or n < 2:
         return eta
     i, j = (rows[~np.eye(n, dtype=bool)] for rows in np.indices((n, n)))  # every i != j
     rel = state[j, POS] - state[i, POS]  # (pairs, 3)
-    near = np.hypot(rel[:, 0], rel[:, 1]) <= _reach(Wake(air.kind), np.abs(rel[:, 2]))
+    near = np.hypot(rel[:, 0], rel[:, 1]) <= _reach(WakeLaw(air.kind), np.abs(rel[:, 2]))
     share = np.ones(len(rel))
-    if air.kind == Wake.MEASURED:
+    if air.kind == WakeLaw.MEASURED:
         source = _seen(air, j, _delay(rel[:, 2]) / h)  # (pairs, 4)
         rel, share = source[:, :3] - state[i, POS], source[:, 3]
-    np.add.at(eta, i, np.where(near, share * _eta_z(Wake(air.kind), rel), 0.0))
+    np.add.at(eta, i, np.where(near, share * _eta_z(WakeLaw(air.kind), rel), 0.0))
     return eta
 
 
-def _reach(kind: Wake, gap: Array) -> Array:
-    travel = law.FASTEST * _delay(gap) if kind == Wake.MEASURED else 0.0
+def _reach(kind: WakeLaw, gap: Array) -> Array:
+    travel = law.FASTEST * _delay(gap) if kind == WakeLaw.MEASURED else 0.0
     return law.EDGE * _width(kind, gap) + travel
 
 
-def _width(kind: Wake, gap: Array) -> Array:
-    if kind == Wake.PAPER:
+def _width(kind: WakeLaw, gap: Array) -> Array:
+    if kind == WakeLaw.PAPER:
         return law.PAPER_S0 + law.PAPER_KS * gap
     return np.maximum(law.MEASURED_S + law.MEASURED_KS * (gap - law.MEASURED_DZ), law.NARROWEST)
 
@@ -68,15 +68,15 @@ def _delay(dz: Array) -> Array:
     return np.clip(dz / law.MEASURED_SPEED, 0.0, law.MAX_DELAY)
 
 
-def _eta_z(kind: Wake, rel: Array) -> Array:
+def _eta_z(kind: WakeLaw, rel: Array) -> Array:
     gap, squared = np.abs(rel[:, 2]), rel[:, 0] ** 2 + rel[:, 1] ** 2
     width = _width(kind, gap)
     profile = np.where(squared > (law.EDGE * width) ** 2, 0.0, np.exp(-squared / (2.0 * width * width)))
-    if kind == Wake.PAPER:
+    if kind == WakeLaw.PAPER:
         axial = law.PAPER_A * ((law.PAPER_Z0 + law.PAPER_DZ) / (law.PAPER_Z0 + gap)) ** 2
     else:
         axial = law.MEASURED_A * np.exp(-law.MEASURED_BETA * (gap - law.MEASURED_DZ))
-    upper = law.PAPER_UPPER if kind == Wake.PAPER else law.MEASURED_UPPER
+    upper = law.PAPER_UPPER if kind == WakeLaw.PAPER else law.MEASURED_UPPER
     along = np.clip(0.5 * (rel[:, 2] / law.BLEND + 1.0), 0.0, 1.0)
     lower_share = along**2 * (3.0 - 2.0 * along)
     return np.asarray(axial * profile * ((1.0 - lower_share) * upper - lower_share))

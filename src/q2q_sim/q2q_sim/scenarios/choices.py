@@ -5,7 +5,7 @@ CONTROLLERS = ("pid", "mpc")
 REPLANNERS = ("none", "paper", "safe")
 """Online replanners (q2q_sim.loop.assembly)."""
 WAKES = ("none", "paper", "measured")
-"""True wakes of the simulator (q2q_sim.plant.wake)."""
+"""True wakes of the simulator (q2q_sim.air.wake_laws)."""
 ENGINES = ("local", "dask")
 """Engines that run a campaign in parallel (q2q_sim.experiments.campaign.engine)."""
 TABLE_ONLY = "--table-only"

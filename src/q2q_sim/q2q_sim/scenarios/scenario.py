@@ -36,10 +36,10 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, swarm_f
 from q2q_planner.online.potential_field import PotentialFieldParams
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.faults.faults import Fault, check_vehicles, fault_from_document
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
-from q2q_sim.plant.wake import wake_by_name
 from q2q_sim.scenarios.settings import Overrides, setting_by_name
 from q2q_sim.sensors.imu import ImuParams
 from q2q_sim.sensors.vicon import ViconParams

@@ -15,7 +15,7 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, SwarmImu, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.plant.random_streams import stream
+from q2q_sim.random_streams import stream
 
 
 @dataclass(frozen=True, slots=True)

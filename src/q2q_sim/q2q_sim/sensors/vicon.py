@@ -28,7 +28,7 @@ from q2q_model.compiled import compiled
 from q2q_model.geometry.rotations import quat_multiply
 from q2q_model.signals.values import Array, MocapFrame, SwarmState
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.plant.random_streams import stream
+from q2q_sim.random_streams import stream
 from q2q_sim.sensors.episodes import Episodes, Frequency, Mask
 
 

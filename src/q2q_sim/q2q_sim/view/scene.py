@@ -29,7 +29,7 @@ from q2q_model.signals.values import (
 )
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.plant.wake import MEASURED_SPEED
+from q2q_sim.air.wake_laws import MEASURED_SPEED
 from q2q_sim.view.shapes import Colour, Point, Scene, Shape, ShapeKind
 from q2q_sim.view.trails import AirTrail, Span, Trail, point_of
 

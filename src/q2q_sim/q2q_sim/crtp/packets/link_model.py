@@ -27,7 +27,7 @@ import numpy as np
 
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.packets.packet import Port
-from q2q_sim.plant.random_streams import stream
+from q2q_sim.random_streams import stream
 
 T = TypeVar("T")
 

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 
 from q2q_sim.faults.faults import Fault, random_faults
 from q2q_sim.loop.assembly import Options
-from q2q_sim.plant.random_streams import stream
+from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
 

@@ -35,7 +35,7 @@ from enum import IntEnum
 from q2q_model.compiled import compiled
 
 
-class Wake(IntEnum):
+class WakeLaw(IntEnum):
     """Kinds of true downwash."""
 
     NONE = 0
@@ -43,7 +43,7 @@ class Wake(IntEnum):
     MEASURED = 2
 
 
-NONE, PAPER, MEASURED = int(Wake.NONE), int(Wake.PAPER), int(Wake.MEASURED)
+NONE, PAPER, MEASURED = int(WakeLaw.NONE), int(WakeLaw.PAPER), int(WakeLaw.MEASURED)
 """Kinds in compiled code."""
 
 
@@ -69,17 +69,17 @@ FASTEST = 3.0
 """Largest speed of a source whose past position is searched [m/s]."""
 
 
-def wake_by_name(name: str) -> Wake:
+def wake_by_name(name: str) -> WakeLaw:
     """Return the named wake; raise ValueError with the known names."""
-    known = {wake.name.lower(): wake for wake in Wake}
+    known = {wake.name.lower(): wake for wake in WakeLaw}
     if name not in known:
         raise ValueError(f"unknown wake {name!r}; known are {', '.join(known)}")
     return known[name]
 
 
-def max_delay(kind: Wake) -> float:
+def max_delay(kind: WakeLaw) -> float:
     """Return the longest delay of the downwash [s]."""
-    return MAX_DELAY if kind == Wake.MEASURED else 0.0
+    return MAX_DELAY if kind == WakeLaw.MEASURED else 0.0
 
 
 def _width(kind: int, gap: float) -> float:
