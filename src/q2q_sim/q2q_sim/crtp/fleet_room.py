@@ -70,3 +70,9 @@ def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
         start[:, :2] = apart(start[:, :2])
         room.swarm.state[:] = state_at_rest(start, scenario.vehicle.mass)
     return Fleet(room.swarm, scenario.vehicle, params.build)
+
+
+def rehearse_firmware(scenario: Scenario) -> None:
+    """Fly a temporary room by its own firmware for a tick, so that the first real tick is not slow."""
+    room = Room(scenario, seed=0)
+    room.fly(fleet_in(room, scenario, CrtpRoomParams()).fly)

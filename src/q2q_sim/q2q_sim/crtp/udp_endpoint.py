@@ -17,6 +17,7 @@ from q2q_model.signals.values import Array, Names
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
+from q2q_sim.crtp.vehicle import CrtpVehicle
 
 LOOPBACK = "127.0.0.1"
 BURST = 32
@@ -83,6 +84,14 @@ class CrtpEndpoint:
     def uris(self) -> tuple[str, ...]:
         """Return the URI of every vehicle for clients."""
         return tuple(f"udp://{LOOPBACK}:{one.getsockname()[1]}" for one in self._sockets)
+
+    def diagnostics(self) -> dict[str, str]:
+        """Return the packet counts, and each vehicle's clients and refusals, as text."""
+        passed = self.traffic
+        packets = f"{passed.received} in, {passed.sent} out, {passed.dropped} dropped"
+        return {"crtp_packets": packets} | {
+            f"crtp_{one.name}": _clients_of(one) for one in self._fleet.vehicles
+        }
 
     def __enter__(self) -> Self:
         """Return the endpoint."""
@@ -174,6 +183,11 @@ class CrtpEndpoint:
             self.traffic.sent += 1
         except OSError:  # the client's buffer is full, or the client is gone
             self.traffic.dropped += 1
+
+
+def _clients_of(vehicle: CrtpVehicle) -> str:
+    counts = f"{len(vehicle.clients)} clients, {vehicle.refusals.count} refused"
+    return f"{counts}: {vehicle.refusals.last}" if vehicle.refusals.last else counts
 
 
 def _open_all(names: Names, base_port: int) -> list[socket.socket]:

@@ -1,0 +1,182 @@
+"""Flight of a room through nodes: what to publish after the start, a command and each timer event.
+
+In lockstep the command of a tick starts the next one; without it, the time-outs of `Patience` apply. In live
+flight, and with the vehicles' own firmware, ticks follow every 10 ms.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from q2q_model.node.health import Health
+from q2q_model.signals.cdr import SignalReader, header_stamp_ns
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
+from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
+from q2q_sim.loop.lockstep import CommandGate, Patience
+from q2q_sim.loop.room import TICK_S, Room, Tick
+from q2q_sim.loop.simulator_params import SimulatorParams
+from q2q_sim.scenarios.scenario import Scenario
+
+STALL_CHECK_S = 0.05
+"""Period of the check for stalled ticks in lockstep [s]."""
+OUTPUTS: dict[str, type[Signal]] = {
+    "mocap": MocapFrame,
+    "truth": SwarmState,
+    "truth_interference": Interference,
+    "imu": SwarmImu,
+}
+"""Published topics and their signals."""
+
+
+class StampedSignal(NamedTuple):
+    """Signal to publish."""
+
+    topic: str
+    signal: Signal
+    stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """What to publish after an event."""
+
+    signals: tuple[StampedSignal, ...] = ()
+    """In the order of publication."""
+    clock_ns: int | None = None
+    """Time of a new tick [ns]."""
+    timing: FlightTiming | None = None
+    """Timing of the flight, once it is over."""
+    refusal: str = ""
+    """Why a command was refused."""
+
+
+NOTHING = Output()
+
+
+class RoomFlight:
+    """Room, the pace of its ticks, and the timing of the flight."""
+
+    def __init__(
+        self,
+        room: Room,
+        params: SimulatorParams,
+        duration: float,
+        wall_clock: Callable[[], float],
+        firmware: Callable[[Array], None] | None = None,
+    ) -> None:
+        """Take a room before its first tick.
+
+        Args:
+            room: vehicles, air, cameras and radio.
+            params: pace and time-outs.
+            duration: simulated length of the flight [s].
+            wall_clock: returns the wall time [s].
+            firmware: moves the vehicles by one tick instead of commands (CRTP).
+        """
+        self._room = room
+        self._duration = duration
+        self._wall_clock = wall_clock
+        self._firmware = firmware
+        self._lockstep = params.pace == "lockstep" and firmware is None
+        self._gate = CommandGate(room.names, exact=self._lockstep)
+        self._patience = Patience(params.again_s, params.give_up_s)
+        self._reader = SignalReader(SwarmCommand)
+        self._command: SwarmCommand | None = None
+        self._tick: Tick | None = None
+        self.clock = FlightClock()
+        self.health = Health()
+
+    @property
+    def is_flying(self) -> bool:
+        """Return whether the flight has started and is not over."""
+        return self._tick is not None
+
+    @property
+    def period_s(self) -> float:
+        """Return the period of timer events [s]."""
+        return STALL_CHECK_S if self._lockstep else TICK_S
+
+    def start(self) -> Output:
+        """Return the first tick; nothing if already flying."""
+        if self.is_flying:
+            return NOTHING
+        self.clock.start(self._wall_clock())
+        return self._next_tick()
+
+    def receive(self, data: bytes) -> Output:
+        """Take a serialised command; return the next tick if it was complete and the pace is lockstep."""
+        try:
+            command = self._gate.offer(header_stamp_ns(data), self._reader.read(data))
+        except ValueError as refusal:
+            return self._refused(refusal)
+        if command is None or not self.is_flying or self._command is not None:
+            return NOTHING
+        self.clock.command_in(self._wall_clock())
+        self._patience.answered()
+        self._command = command
+        return self._advance() if self._lockstep else NOTHING
+
+    def on_timer(self) -> Output:
+        """Return the next tick; in lockstep, only once the tick is given up, else its frame if it is due."""
+        if self._tick is None:
+            return NOTHING
+        now = self._wall_clock()
+        if not self._lockstep or self._patience.gives_up(now):
+            return self._advance()
+        return Output((_frame(self._tick),)) if self._patience.asks_again(now) else NOTHING
+
+    def _advance(self) -> Output:
+        self.health.ticks += 1
+        if self._firmware is not None:
+            self._room.fly(self._firmware)
+            return self._next_tick()
+        if self._command is None:
+            self.clock.missed()
+            self.health.missed += 1
+        refused = self._fly_command()
+        self._command = None
+        flown = self._room.tick * TICK_S
+        if flown < self._duration:
+            return self._next_tick(refused.refusal)
+        self._tick = None
+        return Output(timing=self.clock.timing(self._wall_clock(), flown), refusal=refused.refusal)
+
+    def _fly_command(self) -> Output:
+        """Advance the room; without the command if it is not finite: vehicles keep their last setpoint."""
+        try:
+            self._room.advance(self._command)
+        except ValueError as refusal:
+            self._room.advance(None)
+            return self._refused(refusal)
+        return NOTHING
+
+    def _refused(self, refusal: ValueError) -> Output:
+        self.health.refuse(f"command: {refusal}")
+        return Output(refusal=str(refusal))
+
+    def _next_tick(self, refusal: str = "") -> Output:
+        self._tick = tick = self._room.capture()
+        self._gate.expect(tick.frame_stamp_ns)
+        now = self._wall_clock()
+        self._patience.begin(now)
+        self.clock.frame_out(now)
+        truths = (
+            StampedSignal("truth", tick.truth, tick.stamp_ns),
+            StampedSignal("truth_interference", tick.truth_interference, tick.stamp_ns),
+            StampedSignal("imu", tick.imu, tick.stamp_ns),
+        )
+        return Output((_frame(tick), *truths), clock_ns=tick.stamp_ns, refusal=refusal)
+
+
+def _frame(tick: Tick) -> StampedSignal:
+    return StampedSignal("mocap", tick.frame, tick.frame_stamp_ns)
+
+
+def rehearsed_room(scenario: Scenario, seed: int) -> Room:
+    """Return a new room, after two ticks of a temporary one: the first real tick is not slow."""
+    temporary = Room(scenario, seed=0)
+    for _ in range(2):
+        temporary.capture()
+        temporary.advance(None)
+    return Room(scenario, seed)

@@ -1,0 +1,54 @@
+"""Parameters of the node `simulator`, and the scenario that they choose."""
+
+from dataclasses import dataclass
+
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import VEHICLES
+from q2q_model.vehicle.thrust_map import FIRMWARES
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.choices import WAKES
+from q2q_sim.scenarios.scenario import Scenario, with_choices, with_firmware
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatorParams:
+    """Parameters of the node."""
+
+    scenario: str = tunable("table6", "scenario name or file", read_only=True)
+    vehicle: str = tunable(
+        "", "vehicle constants; empty is the scenario's", choices=("", *VEHICLES), read_only=True
+    )
+    wake: str = tunable("", "true wake; empty is the scenario's", choices=("", *WAKES), read_only=True)
+    firmware: str = tunable(
+        "", "thrust per PWM; empty is the scenario's", choices=("", *FIRMWARES), read_only=True
+    )
+    seed: int = tunable(0, "random seed", low=0, read_only=True)
+    pace: str = tunable("lockstep", "source of time", choices=("lockstep", "live"), read_only=True)
+    autostart: bool = tunable(True, "fly at once; else wait for ~/start", read_only=True)  # noqa: FBT003
+    crtp: bool = tunable(False, "let CRTP clients fly the vehicles instead of commands", read_only=True)  # noqa: FBT003
+    again_s: float = tunable(
+        5.0,
+        "lockstep: publish an unanswered frame again after",
+        unit="s",
+        low=0.01,
+        high=60.0,
+        read_only=True,
+    )
+    give_up_s: float = tunable(
+        10.0, "lockstep: fly on without a command after", unit="s", low=0.01, high=3600.0, read_only=True
+    )
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+
+def chosen_scenario(params: SimulatorParams) -> Scenario:
+    """Return the scenario with the parameters' vehicle, wake and firmware.
+
+    Raises:
+        ValueError: no such scenario, or a wrong file.
+    """
+    return with_firmware(
+        with_choices(library.load(params.scenario), params.vehicle, params.wake), params.firmware
+    )

@@ -1,0 +1,118 @@
+"""Flight of a room: which signals leave after the start, after commands and after timer events."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.values import MocapFrame, SwarmCommand
+from q2q_sim.loop.room import TICK_NS, Room
+from q2q_sim.loop.room_flight import NOTHING, Output, RoomFlight
+from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
+
+PARAMS = SimulatorParams(again_s=1.0, give_up_s=3.0)
+SCENARIO = chosen_scenario(PARAMS)
+
+
+class Wall:
+    """Wall clock that tests advance."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def __call__(self) -> float:
+        """Return the time [s]."""
+        return self.now
+
+
+def flight(wall: Wall, params: SimulatorParams = PARAMS, duration: float = 1.0) -> RoomFlight:
+    return RoomFlight(Room(SCENARIO, seed=1), params, duration, wall)
+
+
+def command(thrust: float) -> SwarmCommand:
+    n = len(SCENARIO.names)
+    level = np.zeros(n)
+    return SwarmCommand(0.0, SCENARIO.names, np.full(n, thrust), level, level, level, np.zeros(n, np.uint8))
+
+
+def topics(output: Output) -> list[str]:
+    return [signal.topic for signal in output.signals]
+
+
+def frame(output: Output) -> MocapFrame:
+    assert isinstance(output.signals[0].signal, MocapFrame)
+    return output.signals[0].signal
+
+
+def test_in_lockstep_each_command_advances_the_room_by_one_tick() -> None:
+    flown, room = flight(Wall()), Room(SCENARIO, seed=1)
+    output = flown.start()
+    for tick in range(5):
+        assert topics(output) == ["mocap", "truth", "truth_interference", "imu"]
+        assert output.clock_ns == output.signals[1].stamp_ns == tick * TICK_NS
+        np.testing.assert_array_equal(frame(output).pos, room.capture().frame.pos)
+        room.advance(command(0.3))
+        output = flown.receive(encode(command(0.3), tick * TICK_NS))
+    assert flown.health.ticks == 5
+
+
+def test_a_flight_starts_once_and_ends_with_its_timing_after_its_duration() -> None:
+    wall = Wall()
+    flown = flight(wall, duration=0.02)
+    assert flown.receive(encode(command(0.3), 0)) == NOTHING
+    flown.start()
+    assert flown.start() == NOTHING
+    flown.receive(encode(command(0.3), 0))
+    wall.now = 0.01
+    output = flown.receive(encode(command(0.3), TICK_NS))
+    assert output.signals == ()
+    assert output.timing is not None
+    assert (output.timing.ticks, output.timing.real_time_factor) == (2, pytest.approx(2.0))
+    assert not flown.is_flying
+    assert flown.on_timer() == NOTHING
+
+
+def test_in_lockstep_an_unanswered_frame_is_published_again_and_the_tick_is_missed_at_last() -> None:
+    wall = Wall()
+    flown = flight(wall)
+    first = flown.start()
+    wall.now = 0.5
+    assert flown.on_timer() == NOTHING
+    wall.now = 1.5
+    again = flown.on_timer()
+    assert again.signals == first.signals[:1]
+    assert again.clock_ns is None
+    wall.now = 3.0
+    assert flown.on_timer().clock_ns == TICK_NS
+    assert flown.health.missed == 1
+
+
+def test_live_the_timer_advances_the_room_with_the_command_that_arrived() -> None:
+    flown = flight(Wall(), replace(PARAMS, pace="live"))
+    flown.start()
+    assert flown.receive(encode(command(0.3), 0)) == NOTHING
+    assert flown.on_timer().clock_ns == TICK_NS
+    assert flown.health.missed == 0
+    assert flown.on_timer().clock_ns == 2 * TICK_NS
+    assert flown.health.missed == 1
+
+
+def test_a_command_that_is_not_finite_is_refused_and_the_flight_goes_on() -> None:
+    flown = flight(Wall())
+    flown.start()
+    output = flown.receive(encode(command(float("nan")), 0))
+    assert output.clock_ns == TICK_NS
+    assert "not finite" in output.refusal
+    assert flown.health.refused == 1
+    stranger = replace(command(0.3), names=tuple(f"x{name}" for name in SCENARIO.names))
+    assert "unknown vehicle" in flown.receive(encode(stranger, TICK_NS)).refusal
+
+
+def test_with_crtp_the_timer_advances_the_vehicles_by_their_own_firmware() -> None:
+    moved: list[tuple[int, ...]] = []
+    room = Room(SCENARIO, seed=1)
+    flown = RoomFlight(room, PARAMS, 1.0, Wall(), lambda drive: moved.append(drive.shape))
+    flown.start()
+    assert flown.on_timer().clock_ns == TICK_NS
+    assert moved == [(len(SCENARIO.names), 7)]
