@@ -1,6 +1,7 @@
 """Any value may be asked for any parameter: it is taken or refused with a reason, and the node flies on."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -18,7 +19,10 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter as Given
 
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.pid.pid import PidParams
 from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
@@ -161,6 +165,16 @@ def test_what_a_node_does_not_heed_in_flight_is_refused(
         taken, reason = node.ask(one, before.get_parameter_value())
         assert (taken, "read-only" in reason) == (False, True), one
         assert node.node.get_parameter_or(one).value == before.value
+
+
+def test_parameters_of_others_neither_configure_a_block_nor_are_refused_by_it() -> None:
+    node, taken = Node("two_blocks"), list[PidParams]()
+    params = declare(node, PidParams(), in_flight=True)
+    on_change(node, params, taken.append)
+    declare(node, FallbackParams())
+    (answer,) = node.set_parameters([Given("k_p_z", value=7.0)])
+    assert answer.successful
+    assert taken == [replace(params, k_p_z=7.0)]
 
 
 @pytest.mark.parametrize("name", NODES)

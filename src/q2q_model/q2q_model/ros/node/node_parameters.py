@@ -57,6 +57,8 @@ def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "
 
     def changed(updates: list[Parameter]) -> SetParametersResult:
         overrides = {known[one.name]: _plain(one.value) for one in updates if one.name in known}
+        if not overrides:  # rclpy calls it for every parameter of the node, also when one is declared
+            return SetParametersResult(successful=True)
         try:
             current[0] = with_overrides(current[0], overrides)
             apply(current[0])
