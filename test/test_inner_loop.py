@@ -1,7 +1,7 @@
 """The way from a change to a verdict: what a change touches, what fits into a minute, what was too slow."""
 
 import pytest
-from budgets import TABLE, budget_of, budgets, overruns
+from budgets import TABLE, budget_of, budgets, dealt, file_of, overruns
 from changed import ROOT, fitting, module_of, touched
 from fresh_checkout import Checkout
 
@@ -55,6 +55,16 @@ def test_a_minute_holds_the_nearest_and_the_first_in_any_case():
 
 def test_every_file_that_has_a_budget_exists():
     assert [file for file in budgets()[1] if not (ROOT / file).exists()] == []
+
+
+def test_each_worker_gets_dear_files_first_and_none_in_pieces():
+    dear = sorted(budgets()[1], key=budget_of, reverse=True)[:2]
+    files = ["test/no_such_0.py", dear[1], "test/no_such_1.py", dear[0]]
+    tests = [f"{file}::test_{k}" for file in files for k in range(3)]
+    order = dealt(tests, 2)
+    assert sorted(order) == sorted(tests)
+    assert [file_of(test) for test in order[::3]] == [dear[0], files[0], dear[1], files[2]]
+    assert [file_of(test) for test in order[1::3]] == [file_of(test) for test in order[2::3]]
 
 
 def test_a_file_whose_tests_together_take_longer_than_its_budget_is_named():
