@@ -99,7 +99,7 @@ def idle() -> list[str]:
 
 
 class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
-    """Index of a function's compiled code; empty if it refers to types of modules that have since moved."""
+    """Index of a function's compiled code, without code that refers to modules that have since moved."""
 
     def _load_index(self) -> dict[tuple[object, ...], str]:
         try:
@@ -107,6 +107,13 @@ class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
         except (ImportError, AttributeError):
             return {}
         return found
+
+    def load(self, key: tuple[object, ...]) -> object:
+        """Return the code of a key; None if there is none, or a called kernel's module has moved."""
+        try:
+            return super().load(key)
+        except (ImportError, AttributeError):
+            return None
 
 
 class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types

@@ -110,3 +110,20 @@ print(compiled(lambda pair: 2.0 * pair.a)(Pair(1.5)), len(COMPILED))
     assert _printed(tmp_path, script.format(module="pair")) == "3.0 0"
     (tmp_path / "pair.py").rename(tmp_path / "couple.py")
     assert _printed(tmp_path, script.format(module="couple")) == "3.0 1"
+
+
+def test_code_that_calls_a_kernel_whose_module_has_moved_is_compiled_anew(tmp_path: Path) -> None:
+    (tmp_path / "callee.py").write_text(
+        "from q2q_model.compiled import compiled\n@compiled\ndef half(x):\n    return 0.5 * x\n"
+    )
+    script = """
+from exported import half
+from q2q_model.compiled import COMPILED, compiled
+print(compiled(lambda x: half(x) + 1.0)(3.0), len(COMPILED) > 0)
+"""
+    (tmp_path / "exported.py").write_text("from callee import half")
+    assert _printed(tmp_path, script) == "2.5 True"
+    assert _printed(tmp_path, script) == "2.5 False"
+    (tmp_path / "callee.py").rename(tmp_path / "moved.py")
+    (tmp_path / "exported.py").write_text("from moved import half")
+    assert _printed(tmp_path, script) == "2.5 True"
