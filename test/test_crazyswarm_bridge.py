@@ -13,9 +13,9 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from geometry_msgs.msg import Point
 
-from q2q_control.crazyswarm.crazyflies import crazyflies_from_document
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.message_conversion import NamedPose, frame_of, legacy_twists, poses_of
+from q2q_control.radio.crazyflies import crazyflies_from_document
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.crazyswarm_bridge import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types

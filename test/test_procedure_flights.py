@@ -24,6 +24,7 @@ from rcl_interfaces.srv import GetParameters
 from q2q_control.crazyswarm.message_conversion import NamedPose
 from q2q_control.flight_procedure.steps import Call, Step
 from q2q_control.flight_procedure.supervisor_info import READY
+from q2q_control.radio import radio_vehicles
 from q2q_control.radio.cflib_link import OnboardPose
 from q2q_control.radio.firmware_params import difference
 from q2q_control.radio.link import CflibSender, LinkHealth
@@ -122,7 +123,7 @@ def by_radio(monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, **g
         parts = Commander(wire), HighLevelCommander(wire), Localization(wire), Supervisor(wire)
         return flown.links.setdefault(name, _Link(*parts, firmware, params))
 
-    monkeypatch.setattr(radio_wiring, "CflibLink", link)
+    monkeypatch.setattr(radio_vehicles, "CflibLink", link)
     monkeypatch.setattr(radio_topics.RadioTopics, "other_radios", lambda _: "")
     monkeypatch.setattr(radio_topics.RadioTopics, "publish", lambda *_: None)
     room.clock(radio_wiring, procedure_services)

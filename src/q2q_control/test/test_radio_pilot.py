@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from q2q_control.crazyswarm.crazyflies import crazyflies_from_document
 from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
+from q2q_control.radio.crazyflies import crazyflies_from_document
 from q2q_control.radio.link import LinkHealth
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_executor import RadioExecutor

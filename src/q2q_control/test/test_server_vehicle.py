@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from q2q_control.crazyswarm.crazyflies import params_set
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.supervisor_info import READY
+from q2q_control.radio.crazyflies import params_set
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_model.vehicle.hover_thrust import OwnHover, hover_ratio
 

@@ -1,7 +1,7 @@
 """One vehicle as reported by Crazyswarm2's server.
 
 The server reports parameters as read when it connected, before it set those of crazyflies.yaml: the file's
-values override them. A report older than TOLD_S is stale.
+values override them. A report older than STALE_S is stale.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from q2q_control.radio.firmware_params import difference
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover, hover_ratio
 
-TOLD_S = 3.0
+STALE_S = 3.0
 """Age at which a report is stale [s]: the server logs a status once a second."""
 UNKNOWN = (nan, nan, nan)
 
@@ -23,18 +23,18 @@ class ServerVehicle:
     """Newest report of one vehicle."""
 
     def __init__(
-        self, name: str, vehicle: Vehicle, wanted: Mapping[str, float], file: Mapping[str, float]
+        self, name: str, vehicle: Vehicle, required: Mapping[str, float], file: Mapping[str, float]
     ) -> None:
         """Start without a report.
 
         Args:
             name: name of the vehicle.
             vehicle: constants that convert newtons to PWM.
-            wanted: parameters that it must hold.
+            required: parameters that it must hold.
             file: parameters that crazyflies.yaml sets.
         """
         self.name = name
-        self._vehicle, self._wanted, self._file = vehicle, wanted, file
+        self._vehicle, self._required, self._file = vehicle, required, file
         self._volt, self._info, self._status_at = nan, 0, -inf
         self._pos, self._pos_at = UNKNOWN, -inf
         self._held = dict(file)
@@ -42,7 +42,7 @@ class ServerVehicle:
     @property
     def read(self) -> tuple[str, ...]:
         """Return the names of the parameters to read from the server."""
-        return (*self._wanted, *OWN_PARAMETERS)
+        return (*self._required, *OWN_PARAMETERS)
 
     def take_status(self, volt: float, info: int, t: float) -> None:
         """Store battery [V] and `supervisor.info`, received at time t [s]."""
@@ -65,14 +65,15 @@ class ServerVehicle:
 
     def report(self, t: float, *, connected: bool) -> VehicleReport:
         """Return the report at time t [s]."""
+        complete = self._held.keys() >= self._required.keys()
         silent = VehicleReport(
             self.name,
             connected=connected,
-            wrong=difference(self._wanted, self._held) if self._held.keys() >= self._wanted.keys() else None,
+            wrong=difference(self._required, self._held) if complete else None,
             onboard=self._onboard(t),
             hover_ratio=self._hover_ratio(),
         )
-        if t - self._status_at > TOLD_S:
+        if t - self._status_at > STALE_S:
             return silent
         return replace(
             silent,
@@ -85,7 +86,7 @@ class ServerVehicle:
         """Return the onboard estimate [m]; NaN if it is stale, None if there never was one."""
         if self._pos_at == -inf:
             return None
-        return self._pos if t - self._pos_at <= TOLD_S else UNKNOWN
+        return self._pos if t - self._pos_at <= STALE_S else UNKNOWN
 
     def _hover_ratio(self) -> float:
         if self._held.keys() >= set(OWN_PARAMETERS):

@@ -1,21 +1,17 @@
 """Bridge between q2q and Crazyswarm2: poses in and out, setpoints out, services as clients."""
 
 from collections.abc import Callable
-from pathlib import Path
 
-import yaml
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from q2q_control.crazyswarm.crazyflies import crazyflies_from_document, params_set
+from q2q_control.crazyswarm.configured_vehicles import server_vehicles, vehicle_names
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.message_conversion import frame_of, poses_of
-from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
-from q2q_control.radio.firmware_params import firmware_params
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
 from q2q_control.ros.crazyswarm_executor import CrazyswarmExecutor
@@ -24,13 +20,13 @@ from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
-from q2q_model.ros.topics.listening import listener
+from q2q_model.ros.topics.listening import subscribe_signals
 from q2q_model.ros.topics.messages import MESSAGES, header_at
 from q2q_model.ros.topics.qos import OUTSIDE, TICK
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts
-from q2q_model.signals.values import MocapFrame, Names, SwarmState
+from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_model.vehicle.constants import vehicle_by_name
 
 POSES_OUT = QoSProfile(
@@ -51,7 +47,7 @@ class Crazyswarm:
         """
         self._node = node
         self._settings = declare(node, CrazyswarmParams())
-        self._names = _names(self._settings)
+        self._names = vehicle_names(self._settings)
         self._health = Health()
         self._ticks = FlownTicks(self._settings.mode, self._health, aware=self._settings.aware)
         self._poses: PoseTypes | None = None
@@ -90,11 +86,10 @@ class Crazyswarm:
             (scale, self._settings.backend),
             full_state=self._settings.mode == "setpoint",
         )
-        for topic, signal in self._ticks.topics.items():
-            self._listen(topic, signal)
+        subscribe_signals(self._node, self._ticks.topics, self._take, self._health)
 
     def _wire_procedure(self) -> None:
-        executor = CrazyswarmExecutor(self._node, _vehicles(self._settings))
+        executor = CrazyswarmExecutor(self._node, server_vehicles(self._settings))
         self._ticks.procedure = services = ProcedureServices(self._node, self._names, executor, self._params)
         for name, act in (
             ("arm", Act.ARM),
@@ -102,13 +97,6 @@ class Crazyswarm:
             ("notify_setpoints_stop", Act.STOP_STREAM),
         ):
             services.offer(name, act)
-
-    def _listen(self, topic: str, signal: type[Signal]) -> None:
-        def take(stamp_ns: int, value: Signal) -> None:
-            self._take(topic, stamp_ns, value)
-
-        receive = listener(topic, signal, take, self._health)
-        self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
         if isinstance(value, SwarmState) and self._settings.poses_out:
@@ -132,30 +120,3 @@ class Crazyswarm:
     def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:
         if self._poses is not None:
             self._out.publish(self._poses.write(header_at(stamp_ns), poses_of(state)))
-
-
-def _names(params: CrazyswarmParams) -> Names:
-    if not params.crazyflies:
-        if not params.vehicles:
-            raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles")
-        return params.vehicles
-    return tuple(one.name for one in crazyflies_from_document(_document(params)))
-
-
-def _vehicles(params: CrazyswarmParams) -> tuple[ServerVehicle, ...]:
-    vehicle, wanted = vehicle_by_name(params.vehicle, params.firmware), firmware_params((), params.mode)
-    by_type = params.backend == "cpp"
-    document = _document(params)
-    return tuple(
-        ServerVehicle(
-            name, vehicle, wanted, {} if document is None else params_set(document, name, by_type=by_type)
-        )
-        for name in _names(params)
-    )
-
-
-def _document(params: CrazyswarmParams) -> object:
-    """Return the content of crazyflies.yaml; None without one."""
-    if not params.crazyflies:
-        return None
-    return yaml.safe_load(Path(params.crazyflies).read_text(encoding="utf-8"))

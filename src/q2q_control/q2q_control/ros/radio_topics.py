@@ -13,6 +13,7 @@ from std_msgs.msg import Float32, Header
 
 from q2q_control.radio.cflib_link import OnboardPose
 from q2q_control.radio.link import LinkHealth
+from q2q_control.radio.radio_vehicles import other_publishers
 from q2q_model.signals.decimation import Decimation
 from q2q_model.signals.values import Names
 
@@ -49,15 +50,8 @@ class RadioTopics:
 
     def other_radios(self) -> str:
         """Return the names of other nodes that publish these vehicles' batteries; empty if there are none."""
-        mine = self._node.get_name()
-        found = {
-            one.node_name
-            for name in self._batteries
-            for one in self._node.get_publishers_info_by_topic(f"{name}/battery")
-        }
-        counts = [self._node.count_publishers(f"{name}/battery") for name in self._batteries]
-        twins = {mine} if max(counts, default=0) > 1 and found <= {mine} else set()
-        return ", ".join(sorted((found - {mine}) | twins))
+        found = [self._node.get_publishers_info_by_topic(f"{name}/battery") for name in self._batteries]
+        return other_publishers(self._node.get_name(), [[one.node_name for one in some] for some in found])
 
 
 def _pose(pose: OnboardPose) -> Pose:

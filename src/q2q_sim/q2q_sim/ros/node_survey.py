@@ -111,7 +111,7 @@ class _SilentLink:
     def keep_open(self) -> None:
         """Do nothing."""
 
-    def said(self) -> tuple[str, ...]:
+    def log_lines(self) -> tuple[str, ...]:
         """Return no lines."""
         return ()
 
@@ -119,7 +119,7 @@ class _SilentLink:
         """Do nothing."""
 
 
-HARDWARE = {"radio": ("q2q_control.ros.radio_wiring", "CflibLink", _SilentLink)}
+HARDWARE = {"radio": ("q2q_control.radio.radio_vehicles", "CflibLink", _SilentLink)}
 """Module and name of a node's class that reaches hardware, and its replacement."""
 
 

@@ -1,9 +1,14 @@
-"""Raw subscription callback that decodes signals and counts invalid messages."""
+"""Raw subscriptions that decode signals and count invalid messages."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TypeVar
 
+from rclpy.node import Node
+
 from q2q_model.node.health import Health
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import TICK
 from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
 
@@ -23,3 +28,12 @@ def listener(topic: str, signal: type[S], take: Take[S], health: Health) -> Call
             health.refuse(f"{topic}: {refusal}")
 
     return receive
+
+
+def subscribe_signals(
+    node: Node, topics: Mapping[str, type[Signal]], take: Callable[[str, int, Signal], None], health: Health
+) -> None:
+    """Subscribe to signals; `take` is called with topic, stamp [ns] and signal, and may raise ValueError."""
+    for topic, signal in topics.items():
+        receive = listener(topic, signal, partial(take, topic), health)
+        node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)

@@ -10,6 +10,9 @@ its own or its type's, is skipped: it is tracked by motion capture but not flown
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
+from pathlib import Path
+
+import yaml
 
 from q2q_model.signals.values import Names
 
@@ -33,6 +36,21 @@ def crazyflies_at(names: Names, uris: Sequence[str]) -> tuple[Crazyflie, ...]:
     if not names:
         raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles and uris")
     return tuple(Crazyflie(name, uri, (0.0, 0.0, 0.0)) for name, uri in zip(names, uris, strict=True))
+
+
+def crazyflies_from_file(path: str) -> tuple[Crazyflie, ...]:
+    """Return the enabled vehicles of a `crazyflies.yaml`, in its order.
+
+    Raises:
+        ValueError: as crazyflies_from_document.
+        OSError: the file cannot be read.
+    """
+    return crazyflies_from_document(document_of(path))
+
+
+def document_of(path: str) -> object:
+    """Return the parsed content of a YAML file."""
+    return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
 
 
 def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:

@@ -1,0 +1,36 @@
+"""Vehicles of the node `crazyswarm`, from its parameters or a `crazyflies.yaml`."""
+
+from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
+from q2q_control.crazyswarm.server_vehicle import ServerVehicle
+from q2q_control.radio.crazyflies import crazyflies_from_file, document_of, params_set
+from q2q_control.radio.firmware_params import firmware_params
+from q2q_model.signals.values import Names
+from q2q_model.vehicle.constants import vehicle_by_name
+
+
+def vehicle_names(params: CrazyswarmParams) -> Names:
+    """Return the names of the vehicles.
+
+    Raises:
+        ValueError: there are none, or the file is wrong.
+        OSError: the file cannot be read.
+    """
+    if params.crazyflies:
+        return tuple(one.name for one in crazyflies_from_file(params.crazyflies))
+    if not params.vehicles:
+        raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles")
+    return params.vehicles
+
+
+def server_vehicles(params: CrazyswarmParams) -> tuple[ServerVehicle, ...]:
+    """Return the vehicles without a report, with the firmware parameters that they must have."""
+    vehicle, required = vehicle_by_name(params.vehicle, params.firmware), firmware_params((), params.mode)
+    document = document_of(params.crazyflies) if params.crazyflies else None
+    return tuple(
+        ServerVehicle(name, vehicle, required, _params_of_file(document, name, params.backend))
+        for name in vehicle_names(params)
+    )
+
+
+def _params_of_file(document: object, name: str, backend: str) -> dict[str, float]:
+    return {} if document is None else params_set(document, name, by_type=backend == "cpp")

@@ -1,0 +1,111 @@
+"""Vehicles of the node `radio`: their links, the pilot, and what each tick sends."""
+
+from collections.abc import Sequence
+
+from q2q_control.flight_procedure.flown_ticks import FlownTick, FlownTicks
+from q2q_control.flight_procedure.procedure_params import LandingParams
+from q2q_control.radio.cflib_link import CflibLink
+from q2q_control.radio.crazyflies import Crazyflie, crazyflies_at, crazyflies_from_file
+from q2q_control.radio.firmware_params import firmware_params
+from q2q_control.radio.node_params import RadioNodeParams
+from q2q_control.radio.pilot_params import RadioPilotParams
+from q2q_control.radio.radio_executor import RadioExecutor
+from q2q_control.radio.radio_pilot import RadioPilot
+from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.setpoints import full_states, level_rpyt, names_cut, rpyt_setpoints
+from q2q_model.node.health import Health
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Names, SwarmState
+from q2q_model.vehicle.constants import vehicle_by_name
+
+WATCH_S = 0.02
+"""Period of checking links and batteries [s]."""
+SETTLE_S = 0.5
+"""Time from the end of a landing's polynomial to rest on the ground [s]."""
+
+
+class RadioVehicles:
+    """Links to vehicles and the pilot that flies them."""
+
+    def __init__(
+        self, params: RadioNodeParams, limits: RadioPilotParams, landing: LandingParams, health: Health
+    ) -> None:
+        """Open the links; `health` counts ticks.
+
+        Raises:
+            ValueError: no vehicles, a wrong file or parameter, cflib is missing.
+            OSError: a file cannot be read.
+        """
+        self._sends_poses = params.places
+        vehicle = vehicle_by_name(params.vehicle, params.firmware)
+        self._scale = LegacyScale(vehicle.full_pwm_thrust)
+        self.links = _open_links(params)
+        hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None
+        self.pilot = RadioPilot(self.links, limits, hover, landing)
+        self.executor = RadioExecutor(self.pilot, self.links, vehicle)
+        self.ticks = FlownTicks(params.mode, health, aware=params.aware)
+
+    @property
+    def names(self) -> Names:
+        """Return the names of the vehicles."""
+        return tuple(self.links)
+
+    def take(self, topic: str, stamp_ns: int, value: Signal, now: float) -> None:
+        """Take a signal at time now [s]; send its pose, or the tick that it completes."""
+        tick = self.ticks.take(topic, stamp_ns, value)
+        if isinstance(value, SwarmState):
+            self.pilot.update_state(value, now, send=self._sends_poses)
+        if tick is not None:
+            self._send(tick, now)
+
+    def watch(self, now: float) -> list[str]:
+        """Check links and batteries at time now [s]; return lines for the log."""
+        self.pilot.watch(now)
+        for link in self.links.values():
+            link.keep_open()
+        from_links = [f"{name}: {line}" for name, link in self.links.items() for line in link.log_lines()]
+        return [*from_links, *self.pilot.log_lines()]
+
+    def phases(self) -> dict[str, str]:
+        """Return the phase of every vehicle for diagnostics."""
+        return {f"phase_{name}": phase.value for name, phase in self.pilot.phases.items()}
+
+    def land(self, now: float) -> float:
+        """Land flying vehicles from time now [s]; return how long that takes [s], 0 if none flies."""
+        return self.pilot.landing_s + SETTLE_S if self.pilot.land(now) else 0.0
+
+    def close(self) -> None:
+        """Close the links: cflib's last packet stops the motors."""
+        for link in self.links.values():
+            link.close()
+
+    def _send(self, tick: FlownTick, now: float) -> None:
+        if tick.command is not None:
+            self.pilot.cut(names_cut(tick.command), now)
+            if tick.flown:
+                self.pilot.fly_rpyt(tick.command.names, rpyt_setpoints(tick.command, self._scale), now)
+        elif tick.setpoint is not None and tick.flown:
+            self.pilot.fly_full_states(tick.setpoint.names, full_states(tick.setpoint, tick.downwash), now)
+
+
+def other_publishers(node: str, publishers: Sequence[Sequence[str]]) -> str:
+    """Return the names of other nodes that publish the same topics; empty if there are none.
+
+    Args:
+        node: name of this node, which publishes each topic once.
+        publishers: the publishing nodes of each topic.
+    """
+    found = {name for names in publishers for name in names}
+    namesakes = {node} if max(map(len, publishers), default=0) > 1 and found <= {node} else set()
+    return ", ".join(sorted((found - {node}) | namesakes))
+
+
+def _open_links(params: RadioNodeParams) -> dict[str, CflibLink]:
+    firmware = firmware_params(params.firmware_params, params.mode)
+    return {one.name: CflibLink(one.name, one.uri, firmware, params.toc_cache) for one in _crazyflies(params)}
+
+
+def _crazyflies(params: RadioNodeParams) -> tuple[Crazyflie, ...]:
+    if params.crazyflies:
+        return crazyflies_from_file(params.crazyflies)
+    return crazyflies_at(params.vehicles, params.uris)

@@ -1,0 +1,20 @@
+"""Whether another node publishes the topics of a radio node's vehicles."""
+
+import pytest
+
+from q2q_control.radio.radio_vehicles import other_publishers
+
+
+@pytest.mark.parametrize(
+    ("publishers", "others"),
+    [
+        ([], ""),
+        ([["radio"], ["radio"]], ""),
+        ([["radio"], ["radio", "b", "a"]], "a, b"),
+        ([["radio", "radio"], ["radio"]], "radio"),
+    ],
+)
+def test_other_nodes_and_namesakes_are_named_and_the_node_itself_is_not(
+    publishers: list[list[str]], others: str
+) -> None:
+    assert other_publishers("radio", publishers) == others
