@@ -135,7 +135,7 @@ def test_halving_the_step_halves_the_drift_of_angular_momentum() -> None:
         before = rotate(state[0, QUAT], inertia * state[0, RATE])
         air = still_air(state, WakeLaw.NONE, body)
         commands = np.zeros((round(1.0 / step), 1, 4))
-        run(state, (0, air.ring, air.rows), commands, np.array([[0.0] * 3 + [1.0] * 4]), body)
+        run(state, air, commands, np.array([[0.0] * 3 + [1.0] * 4]), body)
         drifts.append(np.linalg.norm(rotate(state[0, QUAT], inertia * state[0, RATE]) - before))
     assert drifts[0] / drifts[1] == pytest.approx(2.0, rel=0.1)  # first order, higher orders 10 %
     assert drifts[1] / drifts[2] == pytest.approx(2.0, rel=0.1)

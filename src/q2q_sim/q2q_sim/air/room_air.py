@@ -1,24 +1,46 @@
 """Air of a room, as learned from its recorded flights: one dataclass for each term.
 
-    eta_i   = - sum_j (1 - c_ij) T_j / (m g) P(dz_ij, r_ij)      downwash of the sources j above i
-    e_i     = sigma(|eta_i|) n_i(t),  sigma = floor + slope |eta|  residual, an Ornstein-Uhlenbeck process n
-    tau_i   = edge torque about the horizontal axis across the line from the jet's axis to the vehicle
-    k_g     = 1 + b (R / z)^2                                       thrust over that away from the ground
-    a_wind  = mean + gust                                           wind
-    a_0     constant offset of each vehicle, drawn for each flight
+    eta_i   = - sum_j K_ij T_j / (m g) P(dz_ij, r_ij)             downwash of the sources j above i
+    K_ij    = prod_k (1 - c_kj)                                   left by the vehicles k between j and i
+    c_kj    = max(share exp(-r_kj^2 / 2 w^2), P(dz_kj, r_kj) / g)
+    e_i     = sigma n_i(t),  sigma = floor min(|eta_i| / e_0, 1) + slope |eta_i|           residual
+    tau_i   = sum_j K_ij T_j / (m g) peak (r / r_0) exp((1 - r^2 / r_0^2) / 2)     edge torque
+    k_g     = 1 + b (R / max(z, R))^2                             thrust over that away from the ground
+    a_wind  = mean + gust                                         wind
+    a_0     = offset_mean + offset_std n                          of each vehicle, drawn for each flight
 
-(dz, r) are measured from where the source was when its air left it, carried and tilted by the source's
-motion. c_ij is the share of j's jet that vehicles between j and i absorb. P is a table, smoothed by splines:
-it has neither form nor parameters of a model that controllers may know (q2q_model.downwash).
+(dz, r) are measured from the axis of the jet at the vehicle's height. Its air left the source at t - tau,
+tau = dz / travel_speed, and has moved since:
 
-A term that is None is switched off. `intervals` holds the 95 % interval of each fitted value by its path,
-such as "residual.time_s".
+    axis = pos_j + carried vel_j tau + (bend + meander m_j(t) - slope s_j) dz,   s_j: slope of body z
+
+with position, velocity and slope of the source at t - tau. n, m and the gusts are Ornstein-Uhlenbeck
+processes of unit variance. The edge torque acts about the horizontal axis across the line from the jet's axis
+to the vehicle; a positive one tips the vehicle towards the axis, as the push on its inner rotors does.
+
+Momentum: a vehicle that hovers in a jet carries its weight and the push m P; the jet has lost at least that
+much, c >= P / g, so that below a stack of three no more than 2 m g arrives, whatever was fitted.
+
+P is a table: it has neither form nor parameters of a model that controllers may know (q2q_model.downwash). It
+is bilinear between its nodes, zero beyond its last radius, and constant above its first gap; below the last
+gap g the jet is self-similar, P(dz, r) = (g / dz)^2 P(g, r g / dz). Where two vehicles change roles,
+|dz| < 0.1 m, both parts are blended by a cubic as in q2q_sim.air.wake_laws.
+
+A term that is None is switched off; the residual and the edge torque act under a jet, and are zero without
+one. `intervals` holds the 95 % interval of each fitted value by its path, such as "residual.time_s".
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+
+import numpy as np
 
 from q2q_model.signals.values import Array
+
+SHORTEST = 300
+"""Fewest samples of a recorded residual: 3 s."""
+INSIDE = 0.05
+"""e_0 [m/s^2]: |eta| from which on a vehicle is inside a wake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +61,18 @@ class JetTerm:
     """Share of the source's horizontal velocity that the air keeps on its way [-]."""
     slope: float
     """Share of the source's tilt in the direction of the jet [-]."""
+    bend: tuple[float, float] = (0.0, 0.0)
+    """Slope of the axis by crosswind, world x and y [m/m]."""
+
+    def __post_init__(self) -> None:
+        """Check the table."""
+        _check_knots("gaps_m", self.gaps_m)
+        _check_knots("radii_m", self.radii_m)
+        shape = (len(self.gaps_m), len(self.radii_m))
+        if self.push_mps2.shape != shape:
+            raise ValueError(f"push_mps2 has the shape {self.push_mps2.shape}: gaps and radii need {shape}")
+        if not self.travel_speed_mps > 0.0:
+            raise ValueError(f"travel_speed_mps = {self.travel_speed_mps}: above 0 is allowed")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +86,16 @@ class AbsorptionTerm:
 
 
 @dataclass(frozen=True, slots=True)
+class MeanderTerm:
+    """Wandering of the axis of each jet."""
+
+    std: float
+    """Standard deviation of the axis's slope on x and on y [m/m]."""
+    time_s: float
+    """Correlation time [s]."""
+
+
+@dataclass(frozen=True, slots=True)
 class ResidualTerm:
     """Vertical turbulence under a wake."""
 
@@ -61,6 +105,13 @@ class ResidualTerm:
     """Growth of the standard deviation with |eta| [-]."""
     time_s: float
     """Correlation time [s]."""
+    recording: Array | None = None
+    """n as recorded at 100 Hz, played back in pieces in place of the process, (k,)."""
+
+    def __post_init__(self) -> None:
+        """Check the recording."""
+        if self.recording is not None and len(self.recording) < SHORTEST:
+            raise ValueError(f"recording has {len(self.recording)} samples: {SHORTEST} or more are needed")
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +119,7 @@ class EdgeTorqueTerm:
     """Roll and pitch torque at the edge of a wake."""
 
     peak_nm: float
-    """Largest torque under a source whose thrust carries its weight [N m]."""
+    """Largest torque under a source whose thrust carries its weight, positive towards the axis [N m]."""
     radius_m: float
     """Distance from the axis at which it is largest [m]."""
 
@@ -119,6 +170,7 @@ class RoomAir:
 
     jet: JetTerm | None = None
     absorption: AbsorptionTerm | None = None
+    meander: MeanderTerm | None = None
     residual: ResidualTerm | None = None
     edge_torque: EdgeTorqueTerm | None = None
     ground: GroundTerm | None = None
@@ -130,5 +182,23 @@ class RoomAir:
     """95 % interval of each fitted value, by its path, e.g. "residual.time_s"."""
 
 
-TERMS = ("jet", "absorption", "residual", "edge_torque", "ground", "wind", "vehicle")
+TERMS = tuple(entry.name for entry in fields(RoomAir) if entry.name not in ("flights", "intervals"))
 """Fields of RoomAir that can be switched off."""
+
+
+def without(air: RoomAir, terms: tuple[str, ...]) -> RoomAir:
+    """Return the air with some terms switched off.
+
+    Raises:
+        ValueError: an unknown term.
+    """
+    for term in terms:
+        if term not in TERMS:
+            raise ValueError(f"unknown term {term!r} of an air: terms are {', '.join(TERMS)}")
+    kept = {name: None if name in terms else getattr(air, name) for name in TERMS}
+    return RoomAir(**kept, flights=air.flights, intervals=air.intervals)
+
+
+def _check_knots(name: str, knots: Array) -> None:
+    if knots.ndim != 1 or len(knots) < 2 or not (np.diff(knots) > 0.0).all() or knots[0] < 0.0:
+        raise ValueError(f"{name} = {knots}: two or more rising values, 0 or above, are needed")

@@ -12,6 +12,10 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 
 
+class AirError(ValueError):
+    """Error for an air that does not exist, is not valid, or gives no valid push."""
+
+
 class Sources(NamedTuple):
     """Vehicles at one instant; each is a source of downwash and feels that of the others."""
 

@@ -6,6 +6,7 @@ rotor commands differs: here the firmware's controller and mixer, there q2q's at
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from q2q_sim.firmware.controllers.columns import CONTROLLER
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
 from q2q_sim.plant.quadcopter import Body, move
-from q2q_sim.plant.swarm import Air, Swarm, downwash, remember
+from q2q_sim.plant.swarm import Air, Swarm, air_push, remember
 
 STEPS = 5
 """Steps of 2 ms a tick."""
@@ -53,21 +54,29 @@ def _think(row: Array, brain: Brain, i: int, k: int, forces: Array) -> None:
         drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate drifts with its own velocity error
 
 
-def _fly_tick(state: Array, air: Air, brain: Brain, drive: Array, body: Body) -> None:
-    kind, ring, rows = air
-    n = state.shape[0]
+class PlantInputs(NamedTuple):
+    """Air and drive of a tick."""
+
+    air: Air
+    drive: Array
+    """Acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7)."""
+    body: Body
+
+
+def _fly_steps(state: Array, around: PlantInputs, brain: Brain, first: int, end: int) -> None:
+    air, drive, body = around
     forces = np.empty(4)
-    for k in range(STEPS):
-        downwash(state, ring, rows, kind, body.step)
-        for i in range(n):
+    for k in range(first, end):
+        air_push(state, air, body)
+        for i in range(state.shape[0]):
             think(state[i], brain, i, k, forces)
             move(state[i], forces, drive[i], body)
-        rows[n] += 1
-        remember(state, ring, rows[n] % ring.shape[0], body.mass * GRAVITY)
+        remember(state, air, body.mass * GRAVITY)
 
 
 think = compiled(_think)
-_fly_tick_compiled = compiled(_fly_tick, nogil=True)
+fly_steps = compiled(_fly_steps, nogil=True)
+"""Advance by some steps of a tick: (state, PlantInputs, brain, first step, step after the last)."""
 
 
 def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:
@@ -80,4 +89,9 @@ def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:
     """
     one = controllers
     brain = (one.wanted, one.gains, one.memory, one.frame, one.drift)
-    _fly_tick_compiled(swarm.state, swarm.air, brain, drive, swarm.body)
+    around = PlantInputs(swarm.air, drive, swarm.body)
+    done = 0
+    while done < STEPS:
+        end = min(done + swarm.prepare(), STEPS)
+        fly_steps(swarm.state, around, brain, done, end)
+        done = end

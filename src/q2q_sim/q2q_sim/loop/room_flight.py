@@ -12,6 +12,7 @@ from q2q_model.node.health import Health
 from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
+from q2q_sim.air.wake import AirError
 from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
 from q2q_sim.loop.lockstep import CommandGate, Patience
 from q2q_sim.loop.room import TICK_S, Room, Tick
@@ -146,6 +147,8 @@ class RoomFlight:
         """Advance the room; without the command if it is not finite: vehicles keep their last setpoint."""
         try:
             self._room.advance(self._command)
+        except AirError:
+            raise  # without air, no vehicle can fly on
         except ValueError as refusal:
             self._room.advance(None)
             return self._refused(refusal)

@@ -3,9 +3,9 @@
 The equations are (1)-(9) in quaternion form, without small angles:
 
     v'  = -g e_z + T / m R(q) e_z + eta + a_air        T = f1 + f2 + f3 + f4
-    I w' = tau - w x (I w)                             tau from the rotors (q2q_control.attitude.allocation)
+    I w' = tau + tau_air - w x (I w)                   tau from the rotors (q2q_control.attitude.allocation)
     q'  = q (w, 0) / 2
-    f'  = (k f_c - f) / T_lag                          f_c: attitude law, then allocation, every step
+    f'  = (min(k f_c, f_max) - f) / T_lag              f_c: attitude law, then allocation, every step
 
 One step of h: the rotor lag is exact for a constant command; v uses T of the new rotors and R of the old
 attitude; position advances by the mean of old and new velocity, which is exact for constant acceleration;
@@ -15,9 +15,11 @@ level, with its yaw kept. A commanded thrust of zero stops the motors, as in the
 | symbol | name | meaning [unit] |
 |---|---|---|
 | f | rotors | thrust of each rotor [N] |
+| f_max | ceiling | largest thrust of a rotor [N] |
 | k | gain | thrust over commanded thrust of a rotor: battery, wear [-] |
 | T_lag | thrust_lag | [s]; decay = exp(-h / T_lag) |
-| eta + a_air | push | acceleration by downwash and by moving air [m/s^2], world |
+| eta + a_air | push | acceleration by the air (downwash, ground) and by moving air [m/s^2], world |
+| tau_air | | torque of the air [N m], body |
 | h | step | [s] |
 
 The compiled loops hold one row of numbers for each vehicle, with the columns below.
@@ -50,10 +52,17 @@ F1, F2, F3, F4 = 13, 14, 15, 16
 AX, AY, AZ = 17, 18, 19
 """Acceleration during the last step [m/s^2], world."""
 ETA = 20
-"""Vertical downwash [m/s^2]."""
-STATE_WIDTH = 21
+"""Vertical push of the air [m/s^2]."""
+ETA_X, ETA_Y = 21, 22
+"""Its horizontal push [m/s^2], world."""
+TX, TY, TZ = 23, 24, 25
+"""Its torque [N m], body."""
+CEILING = 26
+"""Largest thrust of a rotor [N]."""
+STATE_WIDTH = 27
 POS, VEL, QUAT = slice(X, VX), slice(VX, QX), slice(QX, P)
 RATE, ROTORS, ACC = slice(P, F1), slice(F1, AX), slice(AX, ETA)
+TORQUE = slice(TX, CEILING)
 
 GAIN1 = 3
 """Column of the first rotor's gain in a drive row, after the acceleration by moving air [m/s^2]."""
@@ -89,7 +98,7 @@ def body_of(vehicle: Vehicle, attitude: AttitudeParams, step: float) -> Body:
 
 
 def state_at_rest(start: Array, mass: float) -> Array:
-    """Return states (n, 21) at rest at `start` (n, 4): x, y, z [m], yaw [rad].
+    """Return states (n, STATE_WIDTH) at rest at `start` (n, 4): x, y, z [m], yaw [rad].
 
     Above the ground the vehicles hover, on it their motors are off.
     """
@@ -98,6 +107,7 @@ def state_at_rest(start: Array, mass: float) -> Array:
     state[:, POS] = start[:, :3]
     state[:, QUAT] = quat_from_euler(level, level, start[:, 3])
     state[start[:, 2] > 0.0, ROTORS] = 0.25 * mass * GRAVITY
+    state[:, CEILING] = np.inf
     return state
 
 
@@ -158,6 +168,7 @@ def _turn(row: Array, body: Body) -> None:
     ix, iy, iz = body.gains[INERTIA, 0], body.gains[INERTIA, 1], body.gains[INERTIA, 2]
     h = body.step
     p, q, r = row[P], row[Q], row[R]
+    tx, ty, tz = tx + row[TX], ty + row[TY], tz + row[TZ]
     wx = p + h * (tx + (iy - iz) * q * r) / ix
     wy = q + h * (ty + (iz - ix) * p * r) / iy
     wz = r + h * (tz + (ix - iy) * p * q) / iz
@@ -190,9 +201,9 @@ def _stand(row: Array, body: Body) -> None:
 def _move(row: Array, wanted: Array, drive: Array, body: Body) -> None:
     """Advance rotors and rigid body by one step towards the rotor thrusts `wanted` [N]."""
     for k in range(4):
-        target = drive[GAIN1 + k] * wanted[k]
+        target = min(drive[GAIN1 + k] * wanted[k], row[CEILING])
         row[F1 + k] = target + (row[F1 + k] - target) * body.decay
-    push(row, (drive[X], drive[Y], drive[Z] + row[ETA]), body)
+    push(row, (drive[X] + row[ETA_X], drive[Y] + row[ETA_Y], drive[Z] + row[ETA]), body)
     turn(row, body)
     if row[Z] < 0.0:
         stand(row, body)
@@ -207,5 +218,5 @@ part = partial(compiled, inline="always")
 half_turn, torque, tilt, onboard = part(_half_turn), part(_torque), part(_tilt), part(_wanted)
 push, turn, stand, move = part(_push), part(_turn), compiled(_stand), part(_move)
 advance = compiled(_advance)
-"""Move one vehicle by a step: state row (21,), command (thrust, roll, pitch, yaw rate), drive (7,), Body,
-room for wanted rotor thrusts (4,)."""
+"""Move one vehicle by a step: state row (STATE_WIDTH,), command (thrust, roll, pitch, yaw rate), drive (7,),
+Body, room for wanted rotor thrusts (4,)."""

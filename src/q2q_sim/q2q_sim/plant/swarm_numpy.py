@@ -22,7 +22,7 @@ from q2q_sim.plant.swarm import Air
 def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
     """Advance by one physics step for each row of commands, changing state and air in place.
 
-    Arguments as of Swarm.step; state (n, 21) and body as of q2q_sim.plant.quadcopter.
+    Arguments as of Swarm.step; state (n, STATE_WIDTH) and body as of q2q_sim.plant.quadcopter.
     """
     mass, decay, h = body.mass, body.decay, body.step
     for command in commands:  # (n, 4)

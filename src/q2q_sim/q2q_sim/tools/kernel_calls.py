@@ -25,9 +25,11 @@ from q2q_model.node.rehearsal import rehearse
 from q2q_model.signals.values import Interference, MocapFrame, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
+from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 
 Call = Callable[[], object]
@@ -40,7 +42,7 @@ CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
 
 def calls() -> tuple[Sequence[Call], Sequence[Call]]:
     """Return the functions that call every kernel, in two lists of about equal time."""
-    flights = (_estimators, _room, _replanned, _many, _firmware)
+    flights = (_estimators, _room, _in_a_rooms_air, _replanned, _many, _firmware)
     solvers = (_mpc, _explicit, _identification)
     return flights, solvers
 
@@ -61,6 +63,18 @@ def _estimators() -> None:
 def _room() -> None:
     _flown("table6_room")
     _flown("stack3", replan="paper")
+
+
+def _in_a_rooms_air() -> None:
+    push = np.array([[2.0, 0.0], [1.0, 0.0]])
+    jet = JetTerm(np.array([0.1, 1.0]), np.array([0.0, 0.2]), push, 0.02, 7.5, 0.5, 0.5)
+    air = RoomAir(jet=jet, residual=ResidualTerm(0.3, 0.1, 0.08))
+    scenario = library.load("stack3")
+    start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])
+    swarm = Swarm(scenario.names, scenario.vehicle, start, air)
+    n = len(start)
+    drive = np.hstack([np.zeros((n, 3)), np.ones((n, 4))])
+    swarm.step(np.zeros((1, n, 4)), drive)
 
 
 def _replanned() -> None:

@@ -1,0 +1,114 @@
+"""Random processes of unit variance in a room's air: the residual of each vehicle, the wander of each jet.
+
+A process is drawn in blocks of one second, ahead of the physics. Each has a random stream of its own, so that
+switching one off leaves the others unchanged. An Ornstein-Uhlenbeck process of correlation time T is exact
+for any step h and stationary from the first step on:
+
+    n(t + h) = n(t) e^(-h/T) + sqrt(1 - e^(-2 h/T)) w,    w ~ N(0, 1)
+
+A recording at 100 Hz is cut and pasted: every block is a random piece of it, interpolated between samples;
+during its first 0.1 s the previous piece fades out. Both pieces are weighted by sine and cosine, so that the
+variance stays one.
+"""
+
+import math
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_sim.air.room_air import RoomAir
+from q2q_sim.random_streams import stream
+
+RESIDUAL, WANDER_X, WANDER_Y = 0, 1, 2
+"""Columns of a block."""
+WIDTH = 3
+BLOCK_S = 1.0
+"""Length of a block [s]."""
+RECORDED_HZ = 100.0
+"""Rate of a recorded residual [1/s]."""
+FADE_S = 0.1
+"""Overlap of two pieces [s]."""
+
+
+def _follow(noise: Array, last: Array, keep: float, fresh: float) -> None:
+    for k in range(noise.shape[0]):
+        for i in range(noise.shape[1]):
+            last[i] = keep * last[i] + fresh * noise[k, i]
+            noise[k, i] = last[i]
+
+
+follow = compiled(_follow)
+"""Turn white noise (steps, n) into an Ornstein-Uhlenbeck process that goes on from `last` (n,), in place:
+(noise, last, e^(-h/T), sqrt(1 - e^(-2 h/T)))."""
+
+
+class OrnsteinUhlenbeck:
+    """Independent Ornstein-Uhlenbeck processes of unit variance."""
+
+    def __init__(self, rng: np.random.Generator, count: int, step: float, time: float) -> None:
+        """Draw the first values; `step` and the correlation time `time` are in [s]."""
+        self._rng = rng
+        self._last = rng.standard_normal(count)
+        self._keep = math.exp(-step / time)
+        self._fresh = math.sqrt(-math.expm1(-2.0 * step / time))
+
+    def block(self, steps: int) -> Array:
+        """Return the next `steps` values, (steps, count)."""
+        values = self._rng.standard_normal((steps, len(self._last)))
+        follow(values, self._last, self._keep, self._fresh)
+        return values
+
+
+class PlayedBack:
+    """Random pieces of a recording, one series for each vehicle."""
+
+    def __init__(self, rng: np.random.Generator, count: int, step: float, recording: Array) -> None:
+        """Cut the first pieces; `step` is in [s]."""
+        self._rng, self._count, self._recording = rng, count, recording
+        self._each = step * RECORDED_HZ
+        self._fade = round(FADE_S / step)
+        self._tail = np.zeros((0, count))
+
+    def block(self, steps: int) -> Array:
+        """Return the next `steps` values, (steps, count)."""
+        fade = min(self._fade, steps)
+        last = len(self._recording) - 1 - (steps + fade) * self._each
+        begin = self._rng.uniform(0.0, last, self._count)
+        at = begin + self._each * np.arange(steps + fade)[:, None]  # (steps + fade, count)
+        piece = np.interp(at, np.arange(len(self._recording)), self._recording)
+        if len(self._tail):
+            angle = 0.5 * math.pi * (np.arange(fade)[:, None] + 0.5) / fade
+            piece[:fade] = np.sin(angle) * piece[:fade] + np.cos(angle) * self._tail
+        self._tail = piece[steps:].copy()
+        return np.asarray(piece[:steps])
+
+
+def block_steps(step: float) -> int:
+    """Return the number of steps of `step` [s] in a block."""
+    return round(BLOCK_S / step)
+
+
+class UnitProcesses:
+    """Processes of a flight in a room's air."""
+
+    def __init__(self, air: RoomAir, count: int, step: float, seed: int) -> None:
+        """Prepare the processes of `count` vehicles; `step` is in [s]."""
+        self._residual: OrnsteinUhlenbeck | PlayedBack | None = None
+        self._wander: OrnsteinUhlenbeck | None = None
+        if air.residual is not None:
+            rng = stream(seed, "air residual")
+            if air.residual.recording is None:
+                self._residual = OrnsteinUhlenbeck(rng, count, step, air.residual.time_s)
+            else:
+                self._residual = PlayedBack(rng, count, step, air.residual.recording)
+        if air.meander is not None:
+            rng = stream(seed, "air meander")
+            self._wander = OrnsteinUhlenbeck(rng, 2 * count, step, air.meander.time_s)
+
+    def fill(self, block: Array) -> None:
+        """Write the next block (steps, n, WIDTH)."""
+        if self._residual is not None:
+            block[..., RESIDUAL] = self._residual.block(len(block))
+        if self._wander is not None:
+            block[..., WANDER_X:] = self._wander.block(len(block)).reshape(*block.shape[:2], 2)

@@ -1,0 +1,74 @@
+"""Downwash of a wake law between all vehicles, compiled (q2q_sim.air.wake_laws).
+
+Visits pairs only while x_j - x_i is within the widest reach of the wake over the swarm's height range.
+"""
+
+import math
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, delay, pair_eta, reach
+from q2q_sim.plant.order_by_x import Rows, sort_by_x
+from q2q_sim.plant.quadcopter import ETA, Four, X, Y, Z
+
+SHARE = 3
+"""Column of T / (m g) in a slot of the ring, after x, y, z [m]."""
+
+
+def _seen(ring: Array, steps: int, vehicle: int, late: float) -> Four:
+    """Return x, y, z, T / (m g) of a vehicle `late` steps ago."""
+    slots = ring.shape[0]
+    whole = math.floor(late)
+    share = late - whole
+    a, b = (steps - whole) % slots, (steps - whole - 1) % slots
+    keep = 1.0 - share
+    return (
+        keep * ring[a, vehicle, X] + share * ring[b, vehicle, X],
+        keep * ring[a, vehicle, Y] + share * ring[b, vehicle, Y],
+        keep * ring[a, vehicle, Z] + share * ring[b, vehicle, Z],
+        keep * ring[a, vehicle, SHARE] + share * ring[b, vehicle, SHARE],
+    )
+
+
+def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int], step: float) -> float:
+    """Return the measured downwash eta_z [m/s^2] of vehicle j on vehicle i, `pair` = (i, j)."""
+    i, j = pair
+    late = delay(MEASURED, state[j, Z] - state[i, Z]) / step
+    x, y, z, share = seen(ring, steps, j, late)
+    dx, dy = x - state[i, X], y - state[i, Y]
+    return float(share * pair_eta(MEASURED, dx * dx + dy * dy, z - state[i, Z])[0])
+
+
+def _law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
+    """Write eta_z of every vehicle into its state."""
+    n = state.shape[0]
+    lowest, highest = state[0, Z], state[0, Z]
+    for i in range(n):
+        state[i, ETA] = 0.0
+        lowest, highest = min(lowest, state[i, Z]), max(highest, state[i, Z])
+    if kind == NONE or n < 2:
+        return
+    sort_by_x(state, rows)
+    bound = reach(kind, highest - lowest)
+    for a in range(n):
+        i = rows[a]
+        for b in range(a + 1, n):
+            j = rows[b]
+            dx, dy = state[j, X] - state[i, X], state[j, Y] - state[i, Y]
+            if dx > bound:
+                break
+            dz = state[j, Z] - state[i, Z]
+            if dx * dx + dy * dy > reach(kind, abs(dz)) ** 2:
+                continue
+            if kind == PAPER:
+                on_i, on_j = pair_eta(kind, dx * dx + dy * dy, dz)
+                state[i, ETA] += on_i
+                state[j, ETA] += on_j
+            else:
+                state[i, ETA] += late_downwash(state, ring, int(rows[n]), (i, j), step)
+                state[j, ETA] += late_downwash(state, ring, int(rows[n]), (j, i), step)
+
+
+seen, late_downwash = compiled(_seen), compiled(_late_downwash)
+law_push = compiled(_law_push)
+"""Write eta_z of every vehicle: (state, ring, rows, kind, step [s])."""
