@@ -1,7 +1,8 @@
 """scripts/setup on a sourced ROS 2 Jazzy, played by the environment that runs these tests.
 
 That environment imports rclpy and holds every pinned package, so nothing is downloaded; src/ holds one Python
-package, so the build takes seconds. All decisions are the real ones.
+package, so the build takes seconds, and a stand-in compiles the kernels, which take minutes. All decisions
+are the real ones.
 """
 
 import os
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fresh_checkout import Checkout
+from fresh_checkout import ROOT, Checkout
 
 rclpy = pytest.importorskip("rclpy", reason="plays the sourced ROS: run by scripts/test")
 SITE_PACKAGES = sysconfig.get_path("purelib")
@@ -37,6 +38,11 @@ def main(): print(sys.prefix, rclpy.__file__, numpy.__version__, sep="|")
 """
 
 
+COMPILE_KERNELS_PY = """import os, pathlib
+with pathlib.Path(os.environ["NUMBA_CACHE_DIR"], "kernels").open("a") as cache: cache.write("compiled")
+"""
+
+
 def add_toy_package(root: Path) -> None:
     """Write an ament_python package whose executable says where Python, rclpy and numpy come from."""
     files = {
@@ -53,15 +59,25 @@ def add_toy_package(root: Path) -> None:
         path.write_text(text)
 
 
+def add_kernel_compiler(folder: Path) -> None:
+    """Write a module that leaves a word in the cache in the place of every kernel's code."""
+    module = folder / "q2q_sim/tools/compile_kernels.py"
+    module.parent.mkdir(parents=True)
+    module.write_text(COMPILE_KERNELS_PY)
+
+
 def sourced_environment() -> dict[str, str]:
     """Return what `source /opt/ros/jazzy/setup.bash` sets, with this environment as /opt/ros/jazzy."""
     prefix = sys.prefix if "jazzy" not in os.environ.get("AMENT_PREFIX_PATH", "") else "/opt/ros/jazzy"
+    paths = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     return {
         "ROS_DISTRO": "jazzy",
         "ROS_VERSION": "2",
         "AMENT_PREFIX_PATH": prefix,
         "CMAKE_PREFIX_PATH": prefix,
-        "PYTHONPATH": os.pathsep.join([SITE_PACKAGES, os.environ.get("PYTHONPATH", "")]),
+        "PYTHONPATH": os.pathsep.join(
+            [SITE_PACKAGES, *(one for one in paths if not Path(one).is_relative_to(ROOT))]
+        ),
         "LD_LIBRARY_PATH": os.environ.get("LD_LIBRARY_PATH", ""),
     }
 
@@ -70,7 +86,10 @@ def sourced_environment() -> dict[str, str]:
 def sourced(checkout: Checkout) -> Checkout:
     """Return a checkout with one small package, in a shell with a sourced ROS and no package index."""
     add_toy_package(checkout.root)
+    compiler = checkout.root.parent / "compiler"
+    add_kernel_compiler(compiler)
     checkout.env.update(sourced_environment(), PIP_NO_INDEX="1")
+    checkout.env["PYTHONPATH"] += os.pathsep + str(compiler)
     return checkout
 
 
@@ -86,6 +105,7 @@ def test_a_sourced_ros_is_used_with_its_own_rclpy_and_numpy(sourced: Checkout):
 
     again = sourced.setup()
     assert (again.returncode, again.stderr) == (0, "")
+    assert (sourced.root / "build/numba/kernels").read_text() == "compiled"
 
     bare = {name: value for name, value in sourced.env.items() if not name.startswith(("ROS_", "AMENT"))}
     sourced.env.clear()
