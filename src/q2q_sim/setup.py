@@ -39,6 +39,7 @@ setup(
             "fly = q2q_sim.commands.fly:main",
             "policies = q2q_sim.commands.policies:main",
             "report = q2q_sim.commands.report:main",
+            "validate = q2q_sim.commands.validate:main",
         ],
     },
 )

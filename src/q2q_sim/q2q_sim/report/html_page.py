@@ -11,11 +11,13 @@ body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 1120px; }
 body { margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
 table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
+table { display: block; overflow-x: auto; }
 th, td { padding: .3rem .7rem; border-bottom: 1px solid #ddd; text-align: right; }
 th { background: #f4f5f7; font-weight: 600; } td:first-child, th:first-child { text-align: left; }
 td:nth-child(2), th:nth-child(2), .words { text-align: left !important; }
 td:not(.words) { white-space: nowrap; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(460px, 1fr)); gap: 1rem; }
+.pictures { display: grid; gap: 1rem; }
+.pictures { grid-template-columns: repeat(auto-fit, minmax(min(460px, 100%), 1fr)); }
 figure { margin: 0; } img { width: 100%; } figcaption { color: #666; font-size: .9rem; }
 """
 

@@ -83,7 +83,7 @@ def force_samples(record: ForceRecord) -> list[ForceSamples]:
     """Return the samples of every vehicle with enough free rows."""
     found = []
     for i in range(len(record.names)):
-        rows = _rows(record, i)
+        rows = scored_rows(record, i)
         if rows.free.sum() >= FEWEST_FREE:
             y = record.push[:, i] - np.median(record.push[rows.free, i])
             found.append(
@@ -127,14 +127,17 @@ def pooled(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[ForceS
 
 
 @dataclass(frozen=True, slots=True)
-class _Rows:
+class ScoredRows:
+    """Rows of one vehicle by the rules of the scoring, (T,)."""
+
     usable: Mask
     free: Mask
     exposed: Mask
     upper: Mask
 
 
-def _rows(record: ForceRecord, i: int) -> _Rows:
+def scored_rows(record: ForceRecord, i: int) -> ScoredRows:
+    """Return the rows of vehicle i."""
     others = [j for j in range(len(record.names)) if j != i]
     pos = record.motion.pos
     rel = pos[:, others] - pos[:, i : i + 1]
@@ -142,7 +145,7 @@ def _rows(record: ForceRecord, i: int) -> _Rows:
     usable = record.whole.all(axis=1) & (pos[:, i, 2] > FLOOR) & ~record.saturated[:, i]
     above = (across < 0.3) & (dz > 0.0)
     under = (across < 0.1) & (dz > -0.8) & (dz < -0.15)
-    return _Rows(
+    return ScoredRows(
         usable=usable,
         free=usable & ((across > 0.3) | (dz < 0.05)).all(axis=1),
         exposed=usable & ((across < 0.15) & (dz > 0.1) & (dz < 1.2)).any(axis=1),

@@ -98,8 +98,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     vel = np.where(np.isfinite(flight.vel), flight.vel, np.gradient(repaired, flight.t, axis=0))
     t = np.arange(flight.t[rows][0], flight.t[rows][-1] + 1e-9, dt := float(np.median(np.diff(flight.t))))
     axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle)
-    resampled = (_resample(flight.t, values, t) for values in (pos, vel, axis, ref))
-    pos, vel, axis, ref = resampled
+    pos, vel, axis, ref = (resampled(flight.t, values, t) for values in (pos, vel, axis, ref))
     nearest = np.clip(np.searchsorted(flight.t, t - 0.5 * dt), 0, flight.t.size - 1)
     return AltitudeRecord(
         name=flight.name,
@@ -148,7 +147,7 @@ def _commanded_acc(flight: Flight, vehicle: Vehicle) -> Array:
     return np.asarray(flight.thrust / vehicle.mass * _attitude(flight)[..., 2] - GRAVITY)
 
 
-def _resample(t: Array, values: Array, at: Array) -> Array:
+def resampled(t: Array, values: Array, at: Array) -> Array:
     """Return `values` (T, ...) interpolated between finite rows at times `at`."""
     columns = values.reshape(t.size, -1)
     out = np.empty((at.size, columns.shape[1]))

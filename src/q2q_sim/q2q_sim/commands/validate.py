@@ -1,0 +1,54 @@
+"""Fly recorded flights again in a simulated air and compare their height errors with the recorded ones.
+
+Each flight is flown along its recorded references by its own control law, which is read from its thrust
+commands. Give flights that the air was not learned from. The JSON has the same numbers as the page, under a
+wake and in clear air, for each flight and pooled.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.vehicle.constants import VEHICLES
+
+EXAMPLE = "  ros2 run q2q_sim validate --air room.air flight3 flight4 --json v.json --out page/"
+FEWEST, MOST = 3, 200
+"""Draws of a flight: a band needs three, and 200 take ten times as long as the default."""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Validate the air of the command line; return the exit status."""
+    return run_command(parser(), _prepare, words)
+
+
+def _prepare(asked: Namespace) -> Work:
+    if not FEWEST <= asked.draws <= MOST:
+        raise ValueError(f"--draws is {asked.draws}: {FEWEST} to {MOST} are allowed")
+    require_existing("flight", *asked.flights)
+    require_existing("topic map", *([asked.topics] if asked.topics else []))
+    from q2q_sim.tools.validate_air import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("validate", __doc__, EXAMPLE)
+    made.add_argument("flights", nargs="+", type=Path, metavar="FLIGHT", help="recorded flights (bags)")
+    made.add_argument(
+        "--air", required=True, metavar="AIR", help="a shipped name, a .air file or module:Class"
+    )
+    made.add_argument("--draws", type=int, default=20, metavar="N", help="draws of each flight")
+    made.add_argument("--json", type=Path, metavar="FILE", help="file to write the numbers to")
+    made.add_argument("--out", type=Path, metavar="FOLDER", help="folder for the page and its pictures")
+    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software")
+    made.add_argument(
+        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
+    )
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,10 @@
+"""Validation of an air: recorded flights flown again in the simulator and compared with themselves.
+
+| module | content |
+|---|---|
+| tracked_flight | references, states and commands of a recorded flight on an even grid, with its rows |
+| onboard_law | the vehicles' own control law, read from their commands |
+| redrawn_flight | the flight flown again under that law, many draws of the air at once |
+| error_spectrum | spectra of the height error in bands |
+| comparison | numbers that compare simulated with recorded height errors |
+"""

@@ -1,0 +1,97 @@
+"""A recorded flight flown again by its own law in simulated air, many draws side by side.
+
+Each draw starts from the recorded first state and follows the recorded references at the recorded rate. The
+controller reads the true state with the noise of the recorded estimate, without delay. That noise is white,
+as strong as the recorded signal above 15 Hz, where vehicles hardly move. The offsets of the vehicles are
+those of the recording: an air's own must be off.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import welch
+
+from q2q_model.geometry.rotations import rotate, yaw_from_quat
+from q2q_model.identification.gains.altitude_record import UP
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.flatness import flat_state
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.experiments.validation.onboard_law import ReadFlight, feedback
+from q2q_sim.plant.quadcopter import POS, QUAT, VEL, body_of
+from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
+from q2q_sim.random_streams import stream
+
+NOISE_FROM = 15.0
+"""Frequency above which a recorded position or velocity counts as noise [Hz]."""
+NOISE_ROWS = 256
+"""Rows of a segment of its spectrum."""
+
+MakeSwarm = Callable[[int, Array], Swarm]
+"""Swarm of a draw, of its seed and of the starts x, y, z [m], yaw [rad], (n, 4)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Draws:
+    """Flights of all draws, as their controllers saw and commanded them."""
+
+    pos: Array
+    """Measured position [m], world, (draws, T, n, 3)."""
+    vel: Array
+    """Measured velocity [m/s], world, (draws, T, n, 3)."""
+    quat: Array
+    """Body to world, (draws, T, n, 4)."""
+    thrust: Array
+    """Commanded collective thrust [N], (draws, T, n)."""
+
+
+def redrawn(read: ReadFlight, vehicle: Vehicle, make: MakeSwarm, seeds: Sequence[int]) -> Draws:
+    """Return the flight flown again once for each seed."""
+    flight, law = read.flight, read.law
+    ticks, n = flight.thrust.shape
+    yaw = yaw_from_quat(flight.quat[0])
+    swarms = [make(seed, np.column_stack([flight.pos[0], yaw])) for seed in seeds]
+    for swarm in swarms:
+        swarm.state[:, VEL] = flight.vel[0]
+        swarm.body = body_of(vehicle, law.attitude, 1.0 / PHYSICS_RATE)
+    noise = _noise(read, seeds)
+    ahead = flight.ref_acc + law.offset - flight.compensated[..., None] * UP
+    drive = np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], (n, 1))
+    steps = round(PHYSICS_RATE * flight.dt)
+    integral = np.zeros((len(swarms), n, 3))
+    seen = Draws(*(np.empty((len(swarms), ticks, n, *width)) for width in ((3,), (3,), (4,), ())))
+    for k in range(ticks):
+        state = np.stack([swarm.state for swarm in swarms])  # (draws, n, columns)
+        pos, vel, quat = state[..., POS] + noise[0][:, k], state[..., VEL] + noise[1][:, k], state[..., QUAT]
+        error = flight.ref_pos[k] - pos
+        integral += flight.dt * error
+        acc = ahead[k] + feedback(law, error, flight.ref_vel[k] - vel, integral)
+        command = _command(acc, quat, yaw, vehicle.mass)
+        for swarm, one in zip(swarms, command, strict=True):
+            swarm.step(np.tile(one, (steps, 1, 1)), drive)
+        seen.pos[:, k], seen.vel[:, k], seen.quat[:, k] = pos, vel, quat
+        seen.thrust[:, k] = command[..., 0]
+    return seen
+
+
+def noise_std(values: Array, dt: float) -> Array:
+    """Return the standard deviation of white noise as strong as `values` (T, n, 3) above 15 Hz, (n, 3)."""
+    frequency, density = welch(values, 1.0 / dt, nperseg=min(NOISE_ROWS, len(values)), axis=0)
+    return np.asarray(np.sqrt(density[frequency >= NOISE_FROM].mean(axis=0) * 0.5 / dt))
+
+
+def _noise(read: ReadFlight, seeds: Sequence[int]) -> tuple[Array, Array]:
+    """Return the noise of position [m] and velocity [m/s] of each draw, (draws, T, n, 3)."""
+    flight = read.flight
+    std = np.stack([noise_std(values, flight.dt) for values in (flight.pos, flight.vel)])
+    drawn = np.stack(
+        [stream(seed, "estimate noise").standard_normal((2, *flight.pos.shape)) for seed in seeds]
+    )
+    return drawn[:, 0] * std[0], drawn[:, 1] * std[1]
+
+
+def _command(acc: Array, quat: Array, yaw: Array, mass: float) -> Array:
+    """Return thrust [N], roll, pitch [rad] and yaw rate [rad/s], (draws, n, 4), for accelerations."""
+    attitude = flat_state(acc, np.broadcast_to(yaw, acc.shape[:-1]))
+    thrust = mass * ((acc + GRAVITY * UP) * rotate(quat, UP)).sum(axis=-1)
+    return np.stack([np.maximum(thrust, 0.0), attitude.roll, attitude.pitch, np.zeros_like(thrust)], axis=-1)

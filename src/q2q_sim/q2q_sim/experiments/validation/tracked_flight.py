@@ -1,0 +1,123 @@
+"""References, states and commands of a recorded flight, on an even grid from take-off to landing.
+
+The rows under a wake and in clear air are those of the scoring rule of downwash force
+(q2q_model.identification.force.downwash_force).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight_log import FlightLog
+from q2q_model.geometry.rotations import normalised
+from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, Mask, scored_rows
+from q2q_model.identification.gains.altitude_record import resampled
+from q2q_model.identification.identification import Recording, force_record
+from q2q_model.signals.values import Array, Names
+from q2q_model.vehicle.constants import Vehicle
+
+SHORTEST = 5.0
+"""Shortest flight that is compared [s]: one period of the slowest frequency, 0.2 Hz."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrackedFlight:
+    """Recorded flight that the simulator can fly again."""
+
+    name: str
+    names: Names
+    dt: float
+    """Time between rows [s]."""
+    pos: Array
+    """Estimate of the controller [m], world, (T, n, 3)."""
+    vel: Array
+    """[m/s], world, (T, n, 3)."""
+    quat: Array
+    """Body to world, (T, n, 4)."""
+    ref_pos: Array
+    """[m], world, (T, n, 3)."""
+    ref_vel: Array
+    """[m/s], world, (T, n, 3)."""
+    ref_acc: Array
+    """[m/s^2], world, (T, n, 3)."""
+    thrust: Array
+    """Commanded collective thrust [N], (T, n)."""
+    compensated: Array
+    """Downwash that the controller expects [m/s^2], along z, (T, n); 0 where it knows none."""
+    usable: Mask
+    """Rows that were measured, above the ground and without a saturated motor, (T, n)."""
+    exposed: Mask
+    """Rows under another vehicle, (T, n)."""
+    free: Mask
+    """Rows in clear air, (T, n)."""
+    scored: Mask
+    """Vehicles with enough rows in clear air to be compared, (n,)."""
+
+    @property
+    def t(self) -> Array:
+        """Return the time since the first row [s], (T,)."""
+        return np.asarray(self.dt * np.arange(len(self.pos)), dtype=np.float64)
+
+    @property
+    def error(self) -> Array:
+        """Return z - z_ref [m], (T, n)."""
+        return np.asarray(self.pos[..., 2] - self.ref_pos[..., 2])
+
+
+def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
+    """Return the flight of a recording from the take-off of the last vehicle to the first landing.
+
+    Raises:
+        ValueError: the recording lacks references or commands, or no 5 s with all vehicles in the air.
+    """
+    flight = recording.flight
+    force = force_record(recording, vehicle, vehicle.thrust_lag)
+    if force is None or not np.isfinite(flight.ref_pos).any() or not np.isfinite(flight.thrust).any():
+        raise ValueError(
+            f"flight {flight.name} cannot be flown again: references, states and thrust commands are needed"
+        )
+    rows = [scored_rows(force, i) for i in range(len(flight.names))]
+    usable, exposed, free = (
+        np.stack(masks, axis=1)
+        for masks in zip(*((row.usable, row.exposed, row.free) for row in rows), strict=True)
+    )
+    grid = _grid(flight)
+    nearest = np.searchsorted(flight.t, grid - 0.5 * (grid[1] - grid[0])).clip(0, flight.t.size - 1)
+    return TrackedFlight(
+        name=flight.name,
+        names=flight.names,
+        dt=float(grid[1] - grid[0]),
+        pos=resampled(flight.t, flight.pos, grid),
+        vel=resampled(flight.t, flight.vel, grid),
+        quat=normalised(resampled(flight.t, flight.quat, grid)),
+        ref_pos=resampled(flight.t, flight.ref_pos, grid),
+        ref_vel=resampled(flight.t, flight.ref_vel, grid),
+        ref_acc=resampled(flight.t, flight.ref_acc, grid),
+        thrust=resampled(flight.t, flight.thrust, grid),
+        compensated=resampled(flight.t, _compensated(flight, recording.log, vehicle.mass), grid),
+        usable=usable[nearest],
+        exposed=exposed[nearest],
+        free=free[nearest],
+        scored=np.asarray(free.sum(axis=0) >= FEWEST_FREE),
+    )
+
+
+def _compensated(flight: Flight, log: FlightLog | None, mass: float) -> Array:
+    """Return the feed-forward [m/s^2], (T, n): the log's onboard estimate, else the predicted downwash."""
+    if log is not None and "fa_ff" in log.columns:
+        return np.nan_to_num(log.column("fa_ff") / mass)
+    return np.nan_to_num(flight.eta[..., 2])
+
+
+def _grid(flight: Flight) -> Array:
+    """Return the even times [s] between the first and the last row with all vehicles in the air."""
+    height = flight.pos[..., 2]
+    flying = np.nonzero((height > FLOOR).all(axis=1) & np.isfinite(flight.ref_pos).all(axis=(1, 2)))[0]
+    if flying.size == 0 or flight.t[flying[-1]] - flight.t[flying[0]] < SHORTEST:
+        raise ValueError(
+            f"flight {flight.name} cannot be flown again: its vehicles are never all above {FLOOR} m "
+            f"for {SHORTEST:.0f} s"
+        )
+    dt = float(np.median(np.diff(flight.t)))
+    return np.arange(flight.t[flying[0]], flight.t[flying[-1]] + 1e-9, dt)

@@ -1,0 +1,118 @@
+"""Comparison of recorded flights with their own draws in an air, flight by flight and pooled."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from q2q_model.identification.force.downwash_force import Mask
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.experiments.validation.comparison import (
+    Comparison,
+    ErrorSums,
+    comparison,
+    error_sums,
+    flight_intervals,
+)
+from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE, EXPOSED_SHARE
+from q2q_sim.experiments.validation.onboard_law import OnboardLaw, read_law
+from q2q_sim.experiments.validation.redrawn_flight import MakeSwarm, redrawn
+from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+
+DRAWS = 20
+"""Draws of a flight."""
+RMS_RATIO = (0.8, 1.25)
+"""Allowed z_rms_ratio: a quarter either way."""
+COVERAGE = (0.90, 0.98)
+"""Allowed coverage95."""
+SPECTRUM_DB = 3.0
+"""Largest allowed spectrum_db [dB]: a factor of 2 in power."""
+
+
+@dataclass(frozen=True, slots=True)
+class ValidatedFlight:
+    """Recorded flight, its law and its draws."""
+
+    flight: TrackedFlight
+    law: OnboardLaw
+    drawn: Array
+    """z - z_ref of each draw [m], (draws, T, n)."""
+    under: tuple[ErrorSums, ...]
+    """Rows under a wake, one entry a vehicle."""
+    clear: tuple[ErrorSums, ...]
+    """Rows in clear air."""
+
+    @property
+    def has_wake(self) -> bool:
+        """Return whether any row under a wake is compared."""
+        return any(part.n for part in self.under)
+
+
+def validated(
+    flight: TrackedFlight, vehicle: Vehicle, make: MakeSwarm, seeds: Sequence[int] = range(DRAWS)
+) -> ValidatedFlight:
+    """Return a flight with its draws; ValueError if its law cannot be read."""
+    read = read_law(flight, vehicle)
+    drawn = redrawn(read, vehicle, make, seeds).pos[..., 2] - flight.ref_pos[..., 2]
+    under = _sums(flight, drawn, flight.exposed, EXPOSED_SHARE)
+    clear = _sums(flight, drawn, flight.free, CLEAR_SHARE)
+    return ValidatedFlight(read.flight, read.law, drawn, under, clear)
+
+
+def pooled(flights: Sequence[ValidatedFlight]) -> Comparison:
+    """Return the comparison over the rows under a wake of all flights."""
+    return comparison([part for one in flights for part in one.under])
+
+
+def verdict(numbers: Comparison) -> str:
+    """Return the verdict on an air in one sentence."""
+    if numbers.n == 0:
+        return "No flight has a vehicle under another: the air's wakes were not compared."
+    misses = [text for ok, text in _judged(numbers) if not ok]
+    if not misses:
+        return "Under a wake, these recorded flights cannot be told from flights in this air."
+    return f"This air is not that of the recorded flights: {'; '.join(misses)}."
+
+
+def as_json(flights: Sequence[ValidatedFlight]) -> dict[str, object]:
+    """Return the numbers of all flights and pooled ones; None where nothing was compared."""
+    return {
+        "flights": {one.flight.name: _flight_json(one) for one in flights},
+        "pooled": asdict(pooled(flights)),
+        "pooled_clear": asdict(comparison([part for one in flights for part in one.clear])),
+        "intervals": {
+            "pooled": flight_intervals([one.under for one in flights]),
+            "pooled_clear": flight_intervals([one.clear for one in flights]),
+        },
+        "verdict": verdict(pooled(flights)),
+    }
+
+
+def _sums(flight: TrackedFlight, drawn: Array, rows: Mask, share: float) -> tuple[ErrorSums, ...]:
+    return tuple(
+        error_sums(flight.error[:, i], drawn[..., i], rows[:, i] & flight.scored[i], flight.dt, share)
+        for i in range(len(flight.names))
+    )
+
+
+def _flight_json(one: ValidatedFlight) -> dict[str, object]:
+    law = one.law
+    gains = {name: [float(x) for x in np.round(getattr(law, name), 4)] for name in ("k_p", "k_d", "k_i")}
+    return {
+        **asdict(comparison(one.under)),
+        "clear": asdict(comparison(one.clear)),
+        "loop": {**gains, "attitude_frequency": law.attitude.frequency, "residual_mps2": law.rms},
+    }
+
+
+def _judged(numbers: Comparison) -> list[tuple[bool, str]]:
+    """Return whether each target is met, and what is said if not."""
+    found = [
+        (numbers.z_rms_ratio, RMS_RATIO, "its height errors are {:.2f} times the recorded"),
+        (numbers.coverage95, COVERAGE, "its 95 % band holds {:.0%} of the recorded samples"),
+        (numbers.spectrum_db, (0.0, SPECTRUM_DB), "its spectrum differs by up to {:.1f} dB"),
+    ]
+    return [
+        (low <= value <= high, text.format(value)) for value, (low, high), text in found if value is not None
+    ]

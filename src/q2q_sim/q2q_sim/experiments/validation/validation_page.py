@@ -1,0 +1,90 @@
+"""Page of a validation: verdict, numbers, and recorded and simulated errors over each other."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_sim.experiments.validation.comparison import Comparison, comparison, flight_intervals
+from q2q_sim.experiments.validation.error_figures import error_figure, spectrum_figure
+from q2q_sim.experiments.validation.validation import (
+    COVERAGE,
+    RMS_RATIO,
+    SPECTRUM_DB,
+    ValidatedFlight,
+    pooled,
+    verdict,
+)
+from q2q_sim.report.figures import save
+from q2q_sim.report.html_page import Grid, Picture, page
+
+HEAD = (
+    "flight",
+    "rows",
+    "recorded rms [cm]",
+    "rms ratio",
+    "correlation",
+    "spectrum [dB]",
+    "in band",
+    "worst",
+)
+NOTES = (
+    "Each recorded flight is flown again by its own control law, read from its thrust commands, along its "
+    "recorded references. The height error is altitude minus its reference. Ratios are simulated over "
+    "recorded; the spectrum is the largest difference of power in an octave band from 0.2 to 10 Hz; the band "
+    "is the one that holds 95 % of a further draw."
+)
+
+
+def write_page(flights: Sequence[ValidatedFlight], air: str, out: Path) -> Path:
+    """Draw the pictures into a folder and write the page there; return its path."""
+    out.mkdir(parents=True, exist_ok=True)
+    under = [part for one in flights for part in one.under]
+    clear = [part for one in flights for part in one.clear]
+    targets = (
+        f"Targets under a wake: rms ratio {RMS_RATIO[0]} to {RMS_RATIO[1]}, spectrum within "
+        f"{SPECTRUM_DB:.0f} dB, {COVERAGE[0]:.0%} to {COVERAGE[1]:.0%} of the recorded samples in the band."
+    )
+    spectra = [
+        Picture(save(spectrum_figure(parts, title), out / f"spectrum_{name}.png"), f"All flights, {title}")
+        for name, title, parts in (("wake", "under a wake", under), ("clear", "in clear air", clear))
+        if any(part.power.any() for part in parts)
+    ]
+    curves = [
+        Picture(save(error_figure(one), out / f"{one.flight.name.replace('/', '_')}.png"), one.flight.name)
+        for one in flights
+        if any(part.n for part in (*one.under, *one.clear))
+    ]
+    parts: list[Grid | Sequence[Picture] | str] = [
+        targets,
+        "Under a wake",
+        Grid(HEAD, _rows([(one.flight.name, comparison(one.under)) for one in flights], pooled(flights))),
+        _interval_text(flight_intervals([one.under for one in flights])),
+        "In clear air",
+        Grid(HEAD, _rows([(one.flight.name, comparison(one.clear)) for one in flights], comparison(clear))),
+        *([spectra] if spectra else []),
+        curves,
+        NOTES,
+    ]
+    file = out / "index.html"
+    file.write_text(page(f"Validation of {air}", verdict(pooled(flights)), parts), encoding="utf-8")
+    return file
+
+
+def _rows(flights: Sequence[tuple[str, Comparison]], whole: Comparison) -> list[tuple[str, ...]]:
+    """Return the cells of the compared flights, then of all together."""
+    return [_row(name, one) for name, one in (*flights, ("all", whole)) if one.n]
+
+
+def _row(name: str, one: Comparison) -> tuple[str, ...]:
+    recorded = None if one.z_rms_recorded_m is None else 100.0 * one.z_rms_recorded_m
+    numbers = (recorded, one.z_rms_ratio, one.correlation, one.spectrum_db)
+    cells = ("-" if value is None else f"{value:.2f}" for value in numbers)
+    inside = "-" if one.coverage95 is None else f"{one.coverage95:.1%}"
+    worst = "-" if one.worst_ratio is None else f"{one.worst_ratio:.2f}"
+    return (name, str(one.n), *cells, inside, worst)
+
+
+def _interval_text(intervals: dict[str, tuple[float, float]]) -> str:
+    if not intervals:
+        return "Fewer than three flights have a wake: no intervals."
+    words = [f"{name} {low:.2f} to {high:.2f}" for name, (low, high) in intervals.items()]
+    return f"95 % intervals of all together, by a bootstrap over flights: {', '.join(words)}."

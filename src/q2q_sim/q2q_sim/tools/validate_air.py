@@ -1,0 +1,79 @@
+"""Validation of an air on recorded flights: reading, flying, page and JSON."""
+
+import json
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+
+from q2q_model.identification.identification import Recording
+from q2q_model.tools.bag_vehicle import common_vehicle
+from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
+from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.wake_laws import wake_by_name
+from q2q_sim.experiments.validation.comparison import Comparison, comparison
+from q2q_sim.experiments.validation.redrawn_flight import MakeSwarm
+from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
+from q2q_sim.experiments.validation.validation import ValidatedFlight, as_json, pooled, validated, verdict
+from q2q_sim.experiments.validation.validation_page import write_page
+from q2q_sim.plant.swarm import Swarm
+
+
+def run(asked: Namespace) -> int:
+    """Validate an air, print, draw and write the numbers; return the exit status."""
+    air = wake_by_name(asked.air)
+    bags, left_out = bags_among(asked.flights)
+    recordings, repairs = read_recordings(bags, topic_map(asked.topics))
+    flown = common_vehicle(bags, asked.vehicle)
+    for note in [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]:
+        _say(note)
+    flights = _tracked(recordings, flown.vehicle)
+
+    def make(names: tuple[str, ...]) -> MakeSwarm:
+        return lambda _, start: Swarm(names, flown.vehicle, start, air)
+
+    done = [_flown(one, flown.vehicle, make(one.names), asked.draws) for one in flights]
+    if asked.json:
+        asked.json.write_text(json.dumps(as_json(done), indent=1) + "\n")
+    if asked.out:
+        print(f"page: {write_page(done, asked.air, asked.out)}")
+    print(_line("all, under a wake", pooled(done)))
+    print(verdict(pooled(done)))
+    return 0
+
+
+def _tracked(recordings: Sequence[Recording], vehicle: Vehicle) -> list[TrackedFlight]:
+    """Return the flights that can be flown again, and say why others cannot; ValueError if none can."""
+    found = []
+    for one in recordings:
+        try:
+            found.append(tracked_flight(one, vehicle))
+        except ValueError as refusal:
+            if len(recordings) == 1:
+                raise
+            _say(f"left out: {refusal}")
+    if not found:
+        raise ValueError(f"none of the {len(recordings)} flights can be flown again")
+    return found
+
+
+def _flown(flight: TrackedFlight, vehicle: Vehicle, make: MakeSwarm, draws: int) -> ValidatedFlight:
+    one = validated(flight, vehicle, make, range(draws))
+    if not one.has_wake:
+        _say(f"{flight.name} has no row under another vehicle: only its clear air is compared")
+    print(_line(flight.name, comparison(one.under if one.has_wake else one.clear)))
+    return one
+
+
+def _line(name: str, one: Comparison) -> str:
+    if one.z_rms_ratio is None:
+        return f"{name:32} nothing to compare"
+    spectrum = "-" if one.spectrum_db is None else f"{one.spectrum_db:.1f} dB"
+    correlation = "-" if one.correlation is None else f"{one.correlation:.2f}"
+    return (
+        f"{name:32} rms ratio {one.z_rms_ratio:.2f}, correlation {correlation}, spectrum {spectrum}, "
+        f"in band {one.coverage95:.0%}, worst {one.worst_ratio:.2f}, n {one.n}"
+    )
+
+
+def _say(note: str) -> None:
+    print(f"validate: {note}", file=sys.stderr)

@@ -1,0 +1,245 @@
+"""A recorded flight is flown again by its own law, and its air is told from another one."""
+
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+
+from q2q_control.attitude.attitude_law import AttitudeParams
+from q2q_model.geometry.rotations import identity_quat, rotate
+from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.force.downwash_force import ForceRecord, scored_rows
+from q2q_model.identification.gains.altitude_record import UP
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.air.wake_laws import WakeLaw
+from q2q_sim.experiments.validation.comparison import comparison, error_sums, flight_intervals
+from q2q_sim.experiments.validation.error_figures import error_figure
+from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
+from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, read_law
+from q2q_sim.experiments.validation.redrawn_flight import MakeSwarm, noise_std, redrawn
+from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.validation import (
+    COVERAGE,
+    RMS_RATIO,
+    ValidatedFlight,
+    as_json,
+    pooled,
+    validated,
+    verdict,
+)
+from q2q_sim.plant.swarm import Swarm
+
+DT = 0.01
+NAMES = ("cf1", "cf2")
+LAW = OnboardLaw(
+    k_p=np.array([20.0, 20.0, 10.0]),
+    k_d=np.array([10.0, 10.0, 5.0]),
+    k_i=np.array([0.6, 0.6, 0.6]),
+    offset=np.zeros((2, 3)),
+    rms=0.0,
+    attitude=AttitudeParams(frequency=60.0, damping=1.0),
+)
+TURBULENCE, MEMORY = 0.15, 0.9
+"""Standard deviation of the turbulence [m/s^2], and what is left of it after 10 ms: 0.1 s."""
+
+
+class Turbulent(Swarm):
+    """Swarm in `strength` times the measured downwash, with turbulence."""
+
+    def __init__(self, start: Array, strength: float, seed: int) -> None:
+        super().__init__(NAMES, CRAZYFLIE_2_0, start, WakeLaw.MEASURED)
+        self._strength, self._rng, self._now = strength, np.random.default_rng(seed), np.zeros(2)
+
+    def step(self, commands: Array, drive: Array) -> None:
+        """Advance with the rest of the downwash and the turbulence as moving air."""
+        fresh = TURBULENCE * np.sqrt(1.0 - MEMORY**2) * self._rng.standard_normal(2)
+        self._now = MEMORY * self._now + fresh
+        air = drive.copy()
+        air[:, 2] += self._now + (self._strength - 1.0) * self.downwash()[:, 2]
+        super().step(commands, air)
+
+
+def air(strength: float, first: int = 0) -> MakeSwarm:
+    """Return what makes swarms in an air of this strength, their seeds counted from `first`."""
+    return lambda seed, start: Turbulent(start, strength, first + seed)
+
+
+def passes(seconds: float, period: float = 8.0) -> TrackedFlight:
+    """Return a plan: cf1 swings along x below cf2, which stays 0.4 m above; both bob."""
+    t = DT * np.arange(round(seconds / DT))
+    bob, still = 0.05 * np.sin(2.1 * t), np.zeros_like(t)
+    lower = np.stack([0.4 * np.cos(2.0 * np.pi * t / period), still, 0.6 + bob], axis=-1)
+    upper = np.stack([0.1 * np.sin(t), 0.1 * np.cos(0.7 * t), 1.0 + bob], axis=-1)
+    ref = np.stack([lower, upper], axis=1)
+    vel = np.gradient(ref, DT, axis=0)
+    rng = np.random.default_rng(1)
+    none = np.zeros((len(t), 2), dtype=bool)
+    return TrackedFlight(
+        name="passes",
+        names=NAMES,
+        dt=DT,
+        pos=ref + 2e-4 * rng.standard_normal(ref.shape),
+        vel=vel + 1e-3 * rng.standard_normal(ref.shape),
+        quat=identity_quat((len(t), 2)),
+        ref_pos=ref,
+        ref_vel=vel,
+        ref_acc=np.gradient(vel, DT, axis=0),
+        thrust=np.zeros((len(t), 2)),
+        compensated=np.zeros((len(t), 2)),
+        usable=~none,
+        exposed=none,
+        free=none,
+        scored=np.ones(2, dtype=bool),
+    )
+
+
+def recorded(plan: TrackedFlight, make: MakeSwarm) -> TrackedFlight:
+    """Return a plan as flown under LAW by the first draw of an air."""
+    flown = redrawn(ReadFlight(plan, LAW), CRAZYFLIE_2_0, make, [0])
+    pos, vel, quat = flown.pos[0], flown.vel[0], flown.quat[0]
+    everywhere = np.ones(pos.shape[:2], dtype=bool)
+    motion = Motion(plan.t, pos, vel, rotate(quat, UP))
+    force = ForceRecord("passes", NAMES, motion, np.zeros(pos.shape[:2]), everywhere, ~everywhere)
+    rows = [scored_rows(force, i) for i in range(2)]
+    exposed, free = (np.stack([getattr(row, what) for row in rows], axis=1) for what in ("exposed", "free"))
+    thrust = flown.thrust[0]
+    return replace(plan, pos=pos, vel=vel, quat=quat, thrust=thrust, exposed=exposed, free=free)
+
+
+@pytest.fixture(scope="module")
+def flight() -> TrackedFlight:
+    """Return a flight in the air of strength 1."""
+    return recorded(passes(24.0), air(1.0, first=100))
+
+
+@pytest.fixture(scope="module")
+def own(flight: TrackedFlight) -> ValidatedFlight:
+    """Return the flight flown again in its own air."""
+    return validated(flight, CRAZYFLIE_2_0, air(1.0))
+
+
+def test_the_law_is_read_from_the_commands(flight: TrackedFlight):
+    law = read_law(flight, CRAZYFLIE_2_0).law
+    np.testing.assert_allclose(law.k_p, LAW.k_p, rtol=0.02)
+    np.testing.assert_allclose(law.k_d, LAW.k_d, rtol=0.02)
+    assert law.k_i[2] == pytest.approx(0.6, rel=0.1)
+    np.testing.assert_allclose(law.offset, 0.0, atol=0.05)
+    assert law.attitude.frequency == pytest.approx(60.0, abs=20.0)
+
+
+def test_the_offset_of_a_vehicle_balances_its_clear_air(flight: TrackedFlight):
+    heavy = replace(flight, thrust=flight.thrust + 0.01, vel=flight.vel)
+    assert read_law(heavy, CRAZYFLIE_2_0).law.k_p[2] == pytest.approx(10.0, rel=0.02)
+    biased = replace(flight, ref_acc=flight.ref_acc - np.array([0.0, 0.0, 0.2]))
+    np.testing.assert_allclose(read_law(biased, CRAZYFLIE_2_0).law.offset[:, 2], 0.2, atol=0.05)
+
+
+def test_a_limited_velocity_setpoint_gives_its_acceleration_by_the_command(flight: TrackedFlight):
+    limit = 0.6 * np.abs(flight.ref_vel[:, 0, 2]).max()
+    clipped = np.clip(flight.ref_vel, -limit, limit)
+    shown = replace(flight, ref_vel=clipped, ref_acc=np.gradient(clipped, DT, axis=0))
+    feedback_too = LAW.k_d * (flight.ref_vel - clipped)  # what the limit hides from the law
+    whole = read_law(shown, CRAZYFLIE_2_0).flight.ref_acc
+    rows = np.abs(clipped[:, 0, 2]) >= limit
+    miss = (whole - flight.ref_acc - feedback_too)[rows, 0, 2]
+    assert rows.mean() > 0.3
+    assert np.sqrt((miss**2).mean()) < 0.05
+
+
+def test_a_flight_validates_in_its_own_air(own: ValidatedFlight):
+    found = pooled([own])
+    assert found.n > 200
+    assert found.z_rms_ratio == pytest.approx(1.0, abs=0.15)
+    assert found.correlation == pytest.approx(1.0, abs=0.1)
+    assert found.coverage95 == pytest.approx(0.95, abs=0.05)
+    assert comparison(own.clear).coverage95 == pytest.approx(0.95, abs=0.05)
+
+
+def test_a_flight_does_not_validate_in_an_air_twice_as_strong(flight: TrackedFlight):
+    found = pooled([validated(flight, CRAZYFLIE_2_0, air(2.0))])
+    assert found.z_rms_ratio is not None
+    assert found.coverage95 is not None
+    assert found.z_rms_ratio > RMS_RATIO[1]
+    assert found.coverage95 < COVERAGE[0]
+    assert "times the recorded" in verdict(found)
+
+
+def test_a_flight_without_a_wake_has_clear_air_only(own: ValidatedFlight):
+    alone = replace(own, under=tuple(replace(part, n=0) for part in own.under))
+    text = as_json([alone])
+    assert text["pooled"] == {
+        "z_rms_ratio": None,
+        "correlation": None,
+        "spectrum_db": None,
+        "coverage95": None,
+        "worst_ratio": None,
+        "n": 0,
+        "z_rms_recorded_m": None,
+    }
+    assert "not compared" in str(text["verdict"])
+
+
+def test_a_flight_without_commands_is_refused(flight: TrackedFlight):
+    with pytest.raises(ValueError, match="0 rows with thrust commands, 200 needed"):
+        read_law(replace(flight, thrust=np.full_like(flight.thrust, np.nan)), CRAZYFLIE_2_0)
+
+
+def test_a_sine_has_half_its_squared_amplitude_in_its_band():
+    t = DT * np.arange(2048)
+    power = band_power(0.03 * np.sin(2.0 * np.pi * 1.1 * t), DT)
+    band = int(np.searchsorted(EDGES, 1.1)) - 1
+    np.testing.assert_allclose(power[:, band], 0.03**2 / 2.0, rtol=0.01)
+    assert np.delete(power, band, axis=1).max() < 1e-2 * power[:, band].min()
+
+
+def test_white_noise_fills_the_bands_by_their_width():
+    noise = np.random.default_rng(0).standard_normal(200_000)
+    power = band_power(noise, DT).mean(axis=0)
+    np.testing.assert_allclose(power[2:], np.diff(EDGES)[2:] * 2.0 * DT, rtol=0.05)
+
+
+def test_the_share_of_a_segment_is_that_of_its_rows():
+    rows = np.zeros(1024, dtype=bool)
+    rows[:256] = True
+    np.testing.assert_allclose(segment_share(rows, DT), [0.5, 0.0, 0.0])
+
+
+def test_noise_is_read_above_the_motion():
+    t = DT * np.arange(8192)[:, None, None]
+    noise = 3e-4 * np.random.default_rng(0).standard_normal((8192, 1, 3))
+    np.testing.assert_allclose(noise_std(np.sin(t) + noise, DT), 3e-4, rtol=0.05)
+
+
+def test_draws_of_one_process_hold_a_further_one_at_95_percent():
+    rng = np.random.default_rng(0)
+    drawn, rows = rng.standard_normal((20, 4000)), np.ones(4000, dtype=bool)
+    found = comparison([error_sums(rng.standard_normal(4000), drawn, rows, DT, 0.5)])
+    assert found.coverage95 == pytest.approx(0.95, abs=0.01)
+    assert found.z_rms_ratio == pytest.approx(1.0, abs=0.03)
+    assert found.spectrum_db == pytest.approx(0.0, abs=1.5)
+
+
+def test_pooled_numbers_are_those_of_the_joined_rows():
+    rng = np.random.default_rng(2)
+    whole, drawn = rng.standard_normal(2000), rng.standard_normal((5, 2000))
+    first = np.arange(2000) < 700
+    split = [error_sums(whole, drawn, rows, DT, 2.0) for rows in (first, ~first)]
+    together = error_sums(whole, drawn, np.ones(2000, dtype=bool), DT, 2.0)
+    assert asdict(comparison(split)) == pytest.approx(asdict(comparison([together])))
+
+
+def test_intervals_over_equal_flights_have_no_width():
+    rng = np.random.default_rng(3)
+    one = error_sums(
+        rng.standard_normal(900), rng.standard_normal((5, 900)), np.ones(900, dtype=bool), DT, 0.5
+    )
+    low, high = flight_intervals([[one]] * 4)["z_rms_ratio"]
+    assert low == pytest.approx(high)
+    assert flight_intervals([[one]] * 2) == {}
+
+
+def test_the_figure_of_a_flight_has_no_empty_panel(own: ValidatedFlight):
+    panels = error_figure(own).axes
+    assert len(panels) == 1  # cf2 is never under another vehicle
+    assert [len(line.get_ydata()) for line in panels[0].lines] == [len(own.flight.t)] * 2
