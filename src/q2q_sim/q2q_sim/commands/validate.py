@@ -28,9 +28,20 @@ def _prepare(asked: Namespace) -> Work:
         raise ValueError(f"--draws is {asked.draws}: {FEWEST} to {MOST} are allowed")
     require_existing("flight", *asked.flights)
     require_existing("topic map", *([asked.topics] if asked.topics else []))
-    from q2q_sim.tools.validate_air import run
+    return _run
 
-    return run
+
+def _run(asked: Namespace) -> int:
+    from q2q_model.tools.bag_vehicle import common_vehicle
+    from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
+    from q2q_sim.experiments.validation.validate_flights import validate
+
+    bags, left_out = bags_among(asked.flights)
+    recordings, repairs = read_recordings(bags, topic_map(asked.topics))
+    flown = common_vehicle(bags, asked.vehicle)
+    for note in [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]:
+        print(f"validate: {note}", file=sys.stderr)
+    return validate(recordings, flown.vehicle, asked)
 
 
 def parser() -> CommandLine:

@@ -1,4 +1,4 @@
-"""Validation of an air on recorded flights: reading, flying, page and JSON."""
+"""Validation of an air by recorded flights: what is flown, told, drawn and written."""
 
 import json
 import sys
@@ -6,8 +6,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_model.identification.identification import Recording
-from q2q_model.tools.bag_vehicle import common_vehicle
-from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
+from q2q_model.signals.values import Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.experiments.validation.comparison import Comparison, comparison
@@ -18,20 +17,15 @@ from q2q_sim.experiments.validation.validation_page import write_page
 from q2q_sim.plant.swarm import Swarm
 
 
-def run(asked: Namespace) -> int:
-    """Validate an air, print, draw and write the numbers; return the exit status."""
+def validate(recordings: Sequence[Recording], vehicle: Vehicle, asked: Namespace) -> int:
+    """Fly the recordings again, print, draw and write the numbers; return the exit status."""
     air = wake_by_name(asked.air)
-    bags, left_out = bags_among(asked.flights)
-    recordings, repairs = read_recordings(bags, topic_map(asked.topics))
-    flown = common_vehicle(bags, asked.vehicle)
-    for note in [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]:
-        _say(note)
-    flights = _tracked(recordings, flown.vehicle)
+    flights = _tracked(recordings, vehicle)
 
-    def make(names: tuple[str, ...]) -> MakeSwarm:
-        return lambda _, start: Swarm(names, flown.vehicle, start, air)
+    def make(names: Names) -> MakeSwarm:
+        return lambda seed, start: Swarm(names, vehicle, start, air, seed)
 
-    done = [_flown(one, flown.vehicle, make(one.names), asked.draws) for one in flights]
+    done = [_flown(one, vehicle, make(one.names), asked.draws) for one in flights]
     if asked.json:
         asked.json.write_text(json.dumps(as_json(done), indent=1) + "\n")
     if asked.out:
