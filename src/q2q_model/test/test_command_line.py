@@ -1,8 +1,10 @@
 """A wrong word is answered with the nearest right one, and help shows an example."""
 
+import warnings
+
 import pytest
 
-from q2q_model.commands.command_line import CommandLine, nearest, without_ros
+from q2q_model.commands.command_line import CommandLine, nearest, run_command, without_ros
 
 
 def made() -> CommandLine:
@@ -49,3 +51,17 @@ def test_what_is_meant_for_ros_is_left_to_ros():
 
 def test_nothing_is_near_to_a_word_unlike_all():
     assert nearest(["--qqqqqq"], ["--seed", "--controller"]) == ""
+
+
+@pytest.mark.filterwarnings("always")
+def test_a_warning_is_one_line_of_the_program_and_changes_nothing_beyond_it(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def work(_: object) -> int:
+        warnings.warn("a topic is missing", stacklevel=1)
+        return 0
+
+    before = warnings.showwarning, warnings.formatwarning
+    assert run_command(CommandLine("identify", None, "identify"), lambda _: work, []) == 0
+    assert capsys.readouterr().err == "identify: warning: a topic is missing\n"
+    assert (warnings.showwarning, warnings.formatwarning) == before

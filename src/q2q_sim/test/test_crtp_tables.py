@@ -15,7 +15,7 @@ from q2q_sim.crtp.tables import log_table
 from q2q_sim.crtp.tables.contents import Contents, Entry
 from q2q_sim.crtp.tables.log_table import VARIABLES
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
-from q2q_sim.firmware.controllers.columns import ATTITUDE_WANTED
+from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.plant.quadcopter import QUAT
@@ -290,7 +290,7 @@ def test_feed_forward_of_the_velocity_tilts_by_itself() -> None:
         pilot.firmware().parameters.set("velCtlPid.vxKFF", feed)
         pilot.fly(1.0)  # arms
         pilot.fly(0.01, pilot.hold(ahead))
-        pitch.append(pilot.firmware().rows.memory[ATTITUDE_WANTED + 1])
+        pitch.append(pilot.firmware().rows.memory[ATTITUDE_SETPOINT + 1])
     assert pitch[1] - pitch[0] == pytest.approx(-10.0 * 0.2)
 
 

@@ -28,7 +28,7 @@ from q2q_sim.firmware.controllers.columns import (
     Power,
     frame_row,
     fresh_memory,
-    wanted_row,
+    setpoint_row,
 )
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
@@ -107,7 +107,7 @@ def test_mellinger_is_the_matrix_law_where_it_has_no_memory(
         attitude_deg=(0.0, 0.0, yaw), rate_deg=(5.0, -4.0, 3.0),
     )  # fmt: skip
     row, memory = row_at(pos, vel, angles, (0.1, -0.2, 0.3)), np.zeros(MEMORY_WIDTH)
-    mellinger(row, NO_DRIFT, wanted_row(setpoint, Power()), gains.gains(), memory)
+    mellinger(row, NO_DRIFT, setpoint_row(setpoint, Power()), gains.gains(), memory)
     thrust, moment = vee_of_mellinger(row, setpoint, gains)
     assert memory[CONTROL + 3] == pytest.approx(thrust, rel=1e-9)
     expected = [moment[0], -moment[1], -moment[2]] if thrust > 0.0 else [0.0, 0.0, 0.0]
@@ -118,7 +118,7 @@ def test_mellinger_is_the_matrix_law_where_it_has_no_memory(
 
 def torque_for(setpoint: Setpoint, row: Array, gains: Parameters) -> Array:
     """Return thrust [N] and torques [N m] that the motors are asked for."""
-    memory, wanted, forces = np.zeros(MEMORY_WIDTH), wanted_row(setpoint, Power()), np.zeros(4)
+    memory, wanted, forces = np.zeros(MEMORY_WIDTH), setpoint_row(setpoint, Power()), np.zeros(4)
     if gains["stabilizer.controller"] == MELLINGER:
         mellinger(row, NO_DRIFT, wanted, gains.gains(), memory)
     else:
@@ -161,11 +161,13 @@ def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
     assert thrust == pytest.approx(30000.0 / 65535.0 * 0.48, rel=1e-4)  # a duty is a whole number of 65535ths
     memory, forces = np.zeros(MEMORY_WIDTH), np.zeros(4)
     memory[CONTROL : CONTROL + 4] = 30000.0, -30000.0, 30000.0, 30000.0  # asks for 30000, 0, 90000, 0
-    drive_motors(wanted_row(hover, Power(supply=3.0)), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
+    drive_motors(
+        setpoint_row(hover, Power(supply=3.0)), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces
+    )
     assert memory[MOTOR : MOTOR + 4].max() == 65535.0
     assert memory[MOTOR : MOTOR + 4].min() == 0.0
     drive_motors(
-        wanted_row(hover, Power(motors_on=False)), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces
+        setpoint_row(hover, Power(motors_on=False)), memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces
     )
     np.testing.assert_array_equal(forces, 0.0)
 
@@ -188,7 +190,7 @@ def test_duties_are_lowered_alike_after_compensation_and_lifted_to_the_idle_thru
     memory[CONTROL : CONTROL + 4] = 0.0, 60000.0, 0.0, 35535.0  # asks for 65535, 5535, 5535, 65535
     low = Power(supply=3.0, battery=3.0, idle_pwm=300.0)
     frame = frame_row(airframe_of(CRAZYFLIE_2_0))
-    drive_motors(wanted_row(Setpoint(), low), memory, frame, forces)
+    drive_motors(setpoint_row(Setpoint(), low), memory, frame, forces)
     np.testing.assert_array_equal(memory[MOTOR : MOTOR + 4], [65535.0, 300.0, 300.0, 65535.0])
     full = compensated(65535.0, 3.0)
     assert full == pytest.approx(
@@ -197,12 +199,12 @@ def test_duties_are_lowered_alike_after_compensation_and_lifted_to_the_idle_thru
     assert forces[0] / frame[NEWTON_PER_PWM] == pytest.approx(thrust_pwm(65535.0, 3.0))
     assert forces[0] / frame[NEWTON_PER_PWM] < 65535.0
     np.testing.assert_array_equal(forces[1:3], 0.0)
-    drive_motors(wanted_row(Setpoint(), Power()), memory, frame, forces)
+    drive_motors(setpoint_row(Setpoint(), Power()), memory, frame, forces)
     assert memory[MOTOR] < 65535.0
     memory[CONTROL + 3] = (
         60000.0  # asks for 90000, 30000, 30000, 90000: a full battery could, its load would not
     )
-    drive_motors(wanted_row(Setpoint(), Power()), memory, frame, forces)
+    drive_motors(setpoint_row(Setpoint(), Power()), memory, frame, forces)
     assert forces.max() == pytest.approx(CRAZYFLIE_2_0.thrust_max / 4)
 
 
@@ -253,7 +255,7 @@ def flown(
     swarm = Swarm(("cf1",), vehicle, np.array([[0.0, 0.0, 1.0, 0.0]]), WakeLaw.NONE)
     gains = parameters(vehicle, stabilizer__controller=controller, **values).gains()[None]
     rows = Controllers(
-        np.tile(wanted_row(setpoint, Power()), (1, 2, 1)), gains, fresh_memory(1),
+        np.tile(setpoint_row(setpoint, Power()), (1, 2, 1)), gains, fresh_memory(1),
         frame_row(airframe_of(vehicle))[None], np.zeros((1, 6)),
     )  # fmt: skip
     for _ in range(round(100 * seconds)):

@@ -6,9 +6,9 @@ from argparse import Namespace
 from q2q_control.ros.procedure_call import ask
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Make the call; return the exit status."""
-    service = f"{asked.node}/{asked.call}"
+    service = f"{args.node}/{args.call}"
     reply = ask(service)
     print(f"{service}: {reply.reason}", file=sys.stdout if reply.granted else sys.stderr)
     return 0 if reply.granted else 1

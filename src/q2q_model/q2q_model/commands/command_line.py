@@ -10,7 +10,8 @@ import re
 import sys
 import warnings
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 from typing import NoReturn
@@ -81,11 +82,11 @@ def run_command(
     """
     own = without_ros(words)
     args = line.parse_args(own, Namespace(words=own))
-    warnings.formatwarning = lambda message, *_, **__: f"{line.prog}: warning: {message}\n"
     try:
-        with ending_at_once(INTERRUPTED), lean_imports():
-            work = prepare(args)
-        return work(args)
+        with warnings_in_one_line(line.prog):
+            with ending_at_once(INTERRUPTED), lean_imports():
+                work = prepare(args)
+            return work(args)
     except KeyboardInterrupt:
         print(f"{line.prog}: {interrupted}", file=sys.stderr)
         return INTERRUPTED
@@ -94,6 +95,18 @@ def run_command(
     except (ValueError, OSError) as refusal:
         print(f"{line.prog}: {refusal}", file=sys.stderr)
         return refused
+
+
+@contextmanager
+def warnings_in_one_line(program: str) -> Iterator[None]:
+    """Print warnings as one line of a program, until the block ends."""
+
+    def show(message: Warning | str, *_: object, **__: object) -> None:
+        print(f"{program}: warning: {message}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show  # the documented hook; restored at the end
+        yield
 
 
 def require_existing(what: str, *paths: Path) -> None:

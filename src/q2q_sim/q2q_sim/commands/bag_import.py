@@ -17,11 +17,11 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words)
 
 
-def _prepare(asked: Namespace) -> Work:
-    for path in asked.flight:
+def _prepare(args: Namespace) -> Work:
+    for path in args.flight:
         require_existing("flight", path)
-    if asked.columns:
-        require_existing("column map", asked.columns)
+    if args.columns:
+        require_existing("column map", args.columns)
     from q2q_sim.tools.import_table import run
 
     return run

@@ -25,9 +25,9 @@ def main(words: Sequence[str] | None = None) -> int:
     )
 
 
-def _prepare(asked: Namespace) -> Work:
-    if asked.through_nodes > asked.runs:
-        raise ValueError(f"--through-nodes {asked.through_nodes}: at most the {asked.runs} --runs")
+def _prepare(args: Namespace) -> Work:
+    if args.through_nodes > args.runs:
+        raise ValueError(f"--through-nodes {args.through_nodes}: at most the {args.runs} --runs")
     from q2q_sim.experiments.campaign.resume import run
 
     return run

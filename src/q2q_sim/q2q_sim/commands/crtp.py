@@ -17,8 +17,8 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words)
 
 
-def _prepare(asked: Namespace) -> Work:
-    scenario_files.check(asked.scenario)
+def _prepare(args: Namespace) -> Work:
+    scenario_files.check(args.scenario)
     from q2q_sim.tools.fly_crtp_room import run
 
     return run

@@ -23,8 +23,8 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words, refused=2)
 
 
-def _prepare(asked: Namespace) -> Work:
-    require_existing("table", *(asked.folder / f"{name}.csv" for name in TABLES))
+def _prepare(args: Namespace) -> Work:
+    require_existing("table", *(args.folder / f"{name}.csv" for name in TABLES))
     from q2q_sim.tools.check_firmware import run
 
     return run

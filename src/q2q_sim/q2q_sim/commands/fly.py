@@ -24,17 +24,17 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
 
 
-def _prepare(asked: Namespace) -> Work:
-    if not (asked.list or asked.real or asked.scenario):
+def _prepare(args: Namespace) -> Work:
+    if not (args.list or args.real or args.scenario):
         raise ValueError("give a scenario: `scripts/fly --list` names them")
-    if asked.scenario:
-        scenario_files.check(asked.scenario)
-    if asked.model:
-        check_model(asked.model)
-    if not asked.list:
+    if args.scenario:
+        scenario_files.check(args.scenario)
+    if args.model:
+        check_model(args.model)
+    if not args.list:
         from q2q_sim.processes.warm_start import begin
 
-        print(f"fly: {asked.real or asked.scenario}: starting", file=sys.stderr, flush=True)
+        print(f"fly: {args.real or args.scenario}: starting", file=sys.stderr, flush=True)
         begin()  # it imports in parallel
     from q2q_sim.tools.fly_scenario import run
 

@@ -21,11 +21,11 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words, interrupted=what)
 
 
-def _prepare(asked: Namespace) -> Work:
-    if asked.only:
+def _prepare(args: Namespace) -> Work:
+    if args.only:
         from q2q_sim.experiments.paper.paper_numbers import chosen, paper_numbers
 
-        chosen(paper_numbers(), asked.only)
+        chosen(paper_numbers(), args.only)
     from q2q_sim.experiments.paper.remake import run
 
     return run

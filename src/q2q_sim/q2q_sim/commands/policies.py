@@ -18,12 +18,12 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words, refused=2)
 
 
-def _prepare(asked: Namespace) -> Work:
-    require_existing("bag", *asked.bags)
-    if asked.scenario:
-        scenario_files.check(asked.scenario)
-    elif asked.vehicle:
-        vehicle_by_name(asked.vehicle)
+def _prepare(args: Namespace) -> Work:
+    require_existing("bag", *args.bags)
+    if args.scenario:
+        scenario_files.check(args.scenario)
+    elif args.vehicle:
+        vehicle_by_name(args.vehicle)
     from q2q_sim.tools.judge_bags import run
 
     return run

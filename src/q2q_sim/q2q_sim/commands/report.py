@@ -17,11 +17,11 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words)
 
 
-def _prepare(asked: Namespace) -> Work:
-    if asked.vehicle:
-        vehicle_by_name(asked.vehicle)
-    require_existing("bag", asked.bag, *asked.compare)
-    require_existing("topic map", *([asked.topics] if asked.topics else []))
+def _prepare(args: Namespace) -> Work:
+    if args.vehicle:
+        vehicle_by_name(args.vehicle)
+    require_existing("bag", args.bag, *args.compare)
+    require_existing("topic map", *([args.topics] if args.topics else []))
     from q2q_sim.tools.report_bags import run
 
     return run

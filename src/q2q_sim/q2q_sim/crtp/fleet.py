@@ -15,7 +15,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.crtp.vehicle import CrtpVehicle
-from q2q_sim.firmware.controllers.columns import IDLE, MOTOR, WANTED_WIDTH, frame_row, fresh_memory
+from q2q_sim.firmware.controllers.columns import IDLE, MOTOR, SETPOINT_WIDTH, frame_row, fresh_memory
 from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
 from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
 from q2q_sim.firmware.motors.airframe import airframe_of
@@ -40,7 +40,7 @@ class Fleet:
         n, airframe = len(swarm.names), airframe_of(vehicle)
         self._swarm = swarm
         self._rows = Controllers(
-            wanted=np.zeros((n, 2, WANTED_WIDTH)),
+            setpoints=np.zeros((n, 2, SETPOINT_WIDTH)),
             gains=np.zeros((n, 0)),
             memory=fresh_memory(n),
             frame=np.tile(frame_row(airframe), (n, 1)),
@@ -62,7 +62,7 @@ class Fleet:
             drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
         """
         for i, vehicle in enumerate(self.vehicles):
-            self._rows.wanted[i] = vehicle.firmware.tick()
+            self._rows.setpoints[i] = vehicle.firmware.tick()
         self._refresh_gains()
         fly_tick(self._swarm, self._rows, drive)
         self._hold()
@@ -80,10 +80,10 @@ class Fleet:
         if changes != self._changes:
             self._changes = changes
             gains = np.stack([vehicle.firmware.parameters.gains() for vehicle in self.vehicles])
-            self._rows = replace(self._rows, gains=gains)
+            self._rows = self._rows._replace(gains=gains)
 
     def _hold(self) -> None:
         """Reset vehicles that are held in the air and have not been flown yet."""
-        idle = self._rows.wanted[:, 1, IDLE, None]
+        idle = self._rows.setpoints[:, 1, IDLE, None]
         self._held &= ~(self._rows.memory[:, MOTOR : MOTOR + 4] > idle).any(axis=1)
         self._swarm.state[self._held] = self._start[self._held]

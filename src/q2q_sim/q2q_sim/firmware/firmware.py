@@ -19,7 +19,7 @@ from q2q_sim.firmware.commander.polynomial import Goal
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
 from q2q_sim.firmware.controllers.attitude_of import DEG, legacy_degrees
 from q2q_sim.firmware.controllers.choice import FirmwareController, chosen, refusal_of, start_controller
-from q2q_sim.firmware.controllers.columns import MOTOR, WANTED_WIDTH, Power, wanted_row
+from q2q_sim.firmware.controllers.columns import MOTOR, SETPOINT_WIDTH, Power, setpoint_row
 from q2q_sim.firmware.estimator import DT, Estimator
 from q2q_sim.firmware.motors.airframe import Airframe
 from q2q_sim.firmware.motors.battery import VOLT_FULL, Battery
@@ -180,7 +180,7 @@ class Firmware:
         self.commander.relax()
 
     def tick(self) -> Array:
-        """Run one tick; return the setpoint rows of its first step and of the others, (2, WANTED_WIDTH).
+        """Run one tick; return the setpoint rows of its first step and of the others, (2, SETPOINT_WIDTH).
 
         They differ when the supervisor permits flight or stops it: the setpoint of the first step was taken
         before its update.
@@ -194,10 +194,10 @@ class Firmware:
         first, self.flown = (self.supervisor.overridden(one) for one in (first, self._setpoint))
         power = self._power()
         self.now_ms += TICK_MS
-        rows = np.empty((2, WANTED_WIDTH))
-        rows[:] = wanted_row(self.flown, power)
+        rows = np.empty((2, SETPOINT_WIDTH))
+        rows[:] = setpoint_row(self.flown, power)
         if first is not self.flown:
-            rows[0] = wanted_row(first, power)
+            rows[0] = setpoint_row(first, power)
         return rows
 
     @property

@@ -5,7 +5,6 @@ the position PID in the first step of a tick, 100 Hz), rotor lag, rigid body, gr
 rotor commands differs: here the firmware's controller and mixer, there q2q's attitude loop.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -25,31 +24,28 @@ STEPS = 5
 MELLINGER = 2
 """stabilizer.controller; any other value is the cascaded PID."""
 
-Brain = tuple[Array, Array, Array, Array, Array]
-"""wanted, gains, memory, frame, drift: columns.py, one row a vehicle."""
 
-
-@dataclass(frozen=True, slots=True)
-class Controllers:
+class Controllers(NamedTuple):
     """Rows of all vehicles (columns.py)."""
 
-    wanted: Array
-    """Setpoints of the first step of a tick, and of the others, (n, 2, WANTED_WIDTH)."""
+    setpoints: Array
+    """Setpoints of the first step of a tick, and of the others, (n, 2, SETPOINT_WIDTH)."""
     gains: Array
     memory: Array
     frame: Array
     drift: Array
 
 
-def _think(row: Array, brain: Brain, i: int, k: int, forces: Array) -> None:
+@compiled
+def control_motors(row: Array, controllers: Controllers, i: int, k: int, forces: Array) -> None:
     """Compute the motor commands of vehicle i in step k."""
-    rows, gains, memory, frame, drift = brain
-    wanted = rows[i, min(k, 1)]
+    _, gains, memory, frame, drift = controllers
+    setpoint = controllers.setpoints[i, min(k, 1)]
     if gains[i, CONTROLLER] == MELLINGER:
-        mellinger(row, drift[i], wanted, gains[i], memory[i])
+        mellinger(row, drift[i], setpoint, gains[i], memory[i])
     else:
-        cascade((row, drift[i], wanted), gains[i], memory[i], k == 0)
-    drive_motors(wanted, memory[i], frame[i], forces)
+        cascade((row, drift[i], setpoint), gains[i], memory[i], k == 0)
+    drive_motors(setpoint, memory[i], frame[i], forces)
     for axis in range(3):
         drift[i, axis] += drift[i, 3 + axis] * 0.002  # the estimate drifts with its own velocity error
 
@@ -63,20 +59,17 @@ class PlantInputs(NamedTuple):
     body: Body
 
 
-def _fly_steps(state: Array, around: PlantInputs, brain: Brain, first: int, end: int) -> None:
+@compiled(nogil=True)
+def fly_steps(state: Array, around: PlantInputs, controllers: Controllers, first: int, end: int) -> None:
+    """Advance from step `first` of a tick to the step before `end`."""
     air, drive, body = around
     forces = np.empty(4)
     for k in range(first, end):
         air_push(state, air, body)
         for i in range(state.shape[0]):
-            think(state[i], brain, i, k, forces)
+            control_motors(state[i], controllers, i, k, forces)
             move(state[i], forces, drive[i], body)
         remember(state, air, body.mass * GRAVITY)
-
-
-think = compiled(_think)
-fly_steps = compiled(_fly_steps, nogil=True)
-"""Advance by some steps of a tick: (state, PlantInputs, brain, first step, step after the last)."""
 
 
 def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:
@@ -87,11 +80,9 @@ def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:
         controllers: setpoints and memory; memory and drift change.
         drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
     """
-    one = controllers
-    brain = (one.wanted, one.gains, one.memory, one.frame, one.drift)
     around = PlantInputs(swarm.air, drive, swarm.body)
     done = 0
     while done < STEPS:
         end = min(done + swarm.prepare(), STEPS)
-        fly_steps(swarm.state, around, brain, done, end)
+        fly_steps(swarm.state, around, controllers, done, end)
         done = end

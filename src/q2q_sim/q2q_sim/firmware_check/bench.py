@@ -7,7 +7,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.crtp.vehicle import CrtpVehicle
 from q2q_sim.firmware.controllers.columns import frame_row, fresh_memory
 from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
-from q2q_sim.firmware.firmware_tick import STEPS, think
+from q2q_sim.firmware.firmware_tick import STEPS, Controllers, control_motors
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.plant.quadcopter import ACC, state_at_rest
 
@@ -28,7 +28,7 @@ class Bench:
         self._drift[:] = 0.0  # it knows where it is
         self._vehicle = CrtpVehicle("bench", self.firmware)
 
-    def hear(self, datagram: bytes) -> list[bytes]:
+    def handle(self, datagram: bytes) -> list[bytes]:
         """Return the answers to a datagram."""
         return self._vehicle.handle(datagram)
 
@@ -38,7 +38,8 @@ class Bench:
 
     def tick(self) -> None:
         """Advance by 10 ms."""
-        wanted, gains = self.firmware.tick()[None], self.firmware.parameters.gains()[None]
+        setpoints, gains = self.firmware.tick()[None], self.firmware.parameters.gains()[None]
+        controllers = Controllers(setpoints, gains, self._memory, self._frame, self._drift)
         forces = np.empty(4)
         for k in range(STEPS):
-            think(self._state, (wanted, gains, self._memory, self._frame, self._drift), 0, k, forces)
+            control_motors(self._state, controllers, 0, k, forces)

@@ -9,11 +9,11 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.firmware.controllers.attitude_pid import cascade
 from q2q_sim.firmware.controllers.choice import FirmwareController
 from q2q_sim.firmware.controllers.columns import (
-    ASKED,
     CONTROL,
     MEMORY_WIDTH,
+    MOTOR_COMMAND,
     SET_BODY,
-    WANTED_WIDTH,
+    SETPOINT_WIDTH,
     frame_row,
 )
 from q2q_sim.firmware.controllers.mellinger import mellinger
@@ -30,7 +30,7 @@ SETPOINT = (
     "s_aroll", "s_apitch", "s_ayaw", "s_rroll", "s_rpitch", "s_ryaw",
     "s_q0", "s_q1", "s_q2", "s_q3", "s_thrust", "s_body",
 )  # fmt: skip
-"""In the order of columns.wanted_row."""
+"""In the order of columns.setpoint_row."""
 POSITION_STEPS = 5
 NO_DRIFT = np.zeros(6)
 
@@ -66,7 +66,7 @@ def _worst(rows: list[Row], gains: Array) -> tuple[float, float]:
     for row in rows:
         _step(row, gains, memory)
         mix(memory, frame)
-        duties = memory[ASKED : ASKED + 4].copy()
+        duties = memory[MOTOR_COMMAND : MOTOR_COMMAND + 4].copy()
         cap(duties, 0.0)
         control = memory[CONTROL : CONTROL + 4] - numbers(row, ("roll", "pitch", "yaw", "thrust"))
         motors = duties - numbers(row, ("m1", "m2", "m3", "m4"))
@@ -75,11 +75,11 @@ def _worst(rows: list[Row], gains: Array) -> tuple[float, float]:
 
 
 def _step(row: Row, gains: Array, memory: Array) -> None:
-    state, wanted = np.zeros(STATE_WIDTH), np.zeros(WANTED_WIDTH)
+    state, setpoint = np.zeros(STATE_WIDTH), np.zeros(SETPOINT_WIDTH)
     state[POS], state[VEL] = numbers(row, ("px", "py", "pz")), numbers(row, ("vx", "vy", "vz"))
     state[QUAT], state[RATE] = numbers(row, ("qx", "qy", "qz", "qw")), numbers(row, ("p", "q", "r"))
-    wanted[: SET_BODY + 1] = numbers(row, SETPOINT)
+    setpoint[: SET_BODY + 1] = numbers(row, SETPOINT)
     if int(row["controller"]) == FirmwareController.MELLINGER:
-        mellinger(state, NO_DRIFT, wanted, gains, memory)
+        mellinger(state, NO_DRIFT, setpoint, gains, memory)
     else:
-        cascade((state, NO_DRIFT, wanted), gains, memory, int(row["step"]) % POSITION_STEPS == 0)
+        cascade((state, NO_DRIFT, setpoint), gains, memory, int(row["step"]) % POSITION_STEPS == 0)

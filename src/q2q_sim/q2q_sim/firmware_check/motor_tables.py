@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.firmware.controllers.columns import ASKED, CONTROL, MEMORY_WIDTH, frame_row
+from q2q_sim.firmware.controllers.columns import CONTROL, MEMORY_WIDTH, MOTOR_COMMAND, frame_row
 from q2q_sim.firmware.controllers.mixer import cap, mix
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensated
@@ -32,7 +32,7 @@ def compare_mixer(table: Table) -> MixerDifference:
     for row in table:
         memory[CONTROL : CONTROL + 4] = numbers(row, ("roll", "pitch", "yaw", "thrust"))
         mix(memory, frame)
-        duties = memory[ASKED : ASKED + 4].copy()
+        duties = memory[MOTOR_COMMAND : MOTOR_COMMAND + 4].copy()
         cap(duties, 0.0)
         worst = max(worst, float(np.abs(duties - numbers(row, ("m1", "m2", "m3", "m4"))).max()))
     return MixerDifference(worst)

@@ -52,7 +52,7 @@ def _compare(rows: list[Row]) -> tuple[list[float], int]:
         for _ in range(now, int(row["tick"])):
             bench.firmware.tick()
         if row["packet"]:
-            answers = bench.hear(bytes.fromhex(row["packet"]))
+            answers = bench.handle(bytes.fromhex(row["packet"]))
             wrong += [answer[4] for answer in answers] != [int(row["answer"])]
         bench.firmware.tick()
         now = int(row["tick"]) + 1

@@ -36,7 +36,7 @@ def _compare(rows: list[Row]) -> tuple[int, int]:
             bench.tick()
         bench.feel(numbers(row, ACC))
         for packet in filter(None, row["packets"].split("|")):
-            bench.hear(bytes.fromhex(packet))
+            bench.handle(bytes.fromhex(packet))
         bench.tick()
         now_ms = int(row["time_ms"]) + TICK_MS
         states += bench.firmware.supervisor.state != int(row["state"])

@@ -5,7 +5,7 @@
 | when | arrival [ns] and vehicle of each packet in the air, in the order they were sent, (capacity, 2) |
 | what | thrust [N], roll, pitch [rad], yaw rate [rad/s] of each, (capacity, 4) |
 | next_ns | when each vehicle may be sent the next packet [ns], (n,) |
-| heard_ns | when each vehicle received the last one [ns], (n,) |
+| received_ns | when each vehicle received the last one [ns], (n,) |
 | locked | vehicles whose thrust is locked, (n,) |
 | obeyed | setpoint of each vehicle, columns as `what`, (n, 4) |
 """
@@ -29,14 +29,24 @@ Flying = tuple[Nanoseconds, Array]
 Sent = tuple[Rows, Nanoseconds, Flags, Nanoseconds]
 """Vehicle of each command; next_ns; lost packets, (n,); delay beyond the latency [ns], (n,)."""
 Onboard = tuple[Nanoseconds, Flags, Array]
-"""heard_ns, locked, obeyed."""
+"""received_ns, locked, obeyed."""
 
 
-def _put(
-    flying: Flying, count: int, asked: tuple[Array, float], sent: Sent, clock: tuple[int, int, int]
+@compiled
+def put(
+    flying: Flying, count: int, commands: tuple[Array, float], sent: Sent, clock: tuple[int, int, int]
 ) -> int:
+    """Send packets; return how many are in the air then.
+
+    Args:
+        flying: packets in the air.
+        count: number of them.
+        commands: values (4, k), and the largest thrust [N].
+        sent: state of the transmitter.
+        clock: now, gap between packets of a vehicle, latency [ns].
+    """
     when, what = flying
-    values, thrust_max = asked
+    values, thrust_max = commands
     rows, next_ns, lost, late_ns = sent
     now_ns, gap_ns, latency_ns = clock
     for k in range(rows.size):
@@ -54,11 +64,12 @@ def _put(
     return count
 
 
-def _watch(onboard: Onboard, now_ns: int) -> None:
+@compiled
+def watch(onboard: Onboard, now_ns: int) -> None:
     """Level vehicles that have received nothing for 0.5 s and cut their motors after 2 s."""
-    heard_ns, locked, obeyed = onboard
-    for i in range(heard_ns.size):
-        silent_ns = now_ns - heard_ns[i]
+    received_ns, locked, obeyed = onboard
+    for i in range(received_ns.size):
+        silent_ns = now_ns - received_ns[i]
         if silent_ns > LEVEL_AFTER_NS:
             obeyed[i, 1:] = 0.0
         if silent_ns > CUT_AFTER_NS:
@@ -66,9 +77,19 @@ def _watch(onboard: Onboard, now_ns: int) -> None:
             locked[i] = True
 
 
-def _deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int], out: Array) -> int:
+@compiled
+def deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int], out: Array) -> int:
+    """Write each vehicle's setpoint in each physics step of a tick; return how many packets stay in the air.
+
+    Args:
+        flying: packets in the air.
+        count: number of them.
+        onboard: state of the receivers.
+        clock: now, length of a step [ns].
+        out: setpoints, (steps, n, 4).
+    """
     when, what = flying
-    heard_ns, locked, obeyed = onboard
+    received_ns, locked, obeyed = onboard
     now_ns, step_ns = clock
     watch(onboard, now_ns)
     steps, left = out.shape[0], 0
@@ -81,19 +102,10 @@ def _deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int
             left += 1
             continue
         locked[row] = locked[row] and what[k, 0] > 0.0
-        heard_ns[row] = max(arrival_ns, now_ns)
+        received_ns[row] = max(arrival_ns, now_ns)
         for s in range(max(-((now_ns - arrival_ns) // step_ns), 0), steps):  # from arrival on
             out[s, row] = what[k]
             if locked[row]:
                 out[s, row, 0] = 0.0
     obeyed[:] = out[steps - 1]
     return left
-
-
-watch = compiled(_watch)
-put = compiled(_put)
-"""Send packets, values (4, k): (flying, packets in the air, (values, largest thrust [N]), sent,
-(now, gap, latency) [ns]); return how many are in the air then."""
-deliver = compiled(_deliver)
-"""Write the setpoint of each vehicle in each physics step of the tick into `out` (steps, n, 4):
-(flying, packets in the air, onboard, (now, step) [ns], out); return how many packets are still in the air."""

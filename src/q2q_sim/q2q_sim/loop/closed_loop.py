@@ -52,7 +52,11 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
         ValueError: an unknown mode or controller, or a seed below 0.
     """
     choice = Options(options.mode, options.controller, options.replan)
-    blocks = blocks_of(scenario, choice, options.model, options.plan)
+    return fly_blocks(scenario, blocks_of(scenario, choice, options.model, options.plan), options)
+
+
+def fly_blocks(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Flight:
+    """Fly given blocks and return the recording; of the options, mode, seed and hear apply."""
     room = Room(scenario, options.seed)
     recording = FlightRecording(scenario.names, ticks_of(scenario))
     while room.tick * TICK_S < scenario.duration:

@@ -43,17 +43,27 @@ class Episodes:
         """Advance one tick; return which rows are in an episode and which start one, (rows,) each."""
         n = len(self._left)
         draws, acting, begins = self._rng.random((2, n)), np.empty(n, np.bool_), np.empty(n, np.bool_)
-        move_on(self._left, draws, self._numbers, acting, begins)
+        advance_episodes(self._left, draws, self._numbers, acting, begins)
         return acting, begins
 
 
-def _move_on(
+@compiled
+def advance_episodes(
     left: NDArray[np.int64],
     draws: Array,
     numbers: tuple[float, float, float, float],
     acting: Mask,
     begins: Mask,
 ) -> None:
+    """Count down active episodes and start new ones.
+
+    Args:
+        left: remaining ticks, (n,).
+        draws: uniform deviates, (2, n).
+        numbers: probability of an onset, shortest duration, longest minus shortest, tick [s].
+        acting: written: which rows are in an episode.
+        begins: written: which start one.
+    """
     chance, shortest, spread, tick = numbers
     for i in range(left.size):
         if left[i] > 0:
@@ -62,8 +72,3 @@ def _move_on(
         if begins[i]:
             left[i] = max(round((shortest + spread * draws[1, i]) / tick), 1)
         acting[i] = left[i] > 0
-
-
-move_on = compiled(_move_on)
-"""Count down `left` [ticks] (n,) and start episodes, writing which rows are in one and which start one, (n,):
-(left, draws (2, n), (chance a tick, shortest, longest minus shortest, tick [s]), acting, begins)."""

@@ -32,7 +32,9 @@ class ImuParams:
         check_bounds(self)
 
 
-def _readings(motion: tuple[Array, Array, Array], bias: Array, out: tuple[Array, Array]) -> None:
+@compiled
+def readings(motion: tuple[Array, Array, Array], bias: Array, out: tuple[Array, Array]) -> None:
+    """Write specific force and rate (n, 3) of `motion`: quat, ang_vel_body, acc; `bias` (2, n, 3)."""
     quat, ang_vel, acc = motion
     force, rate = out
     for i in range(quat.shape[0]):
@@ -44,10 +46,6 @@ def _readings(motion: tuple[Array, Array, Array], bias: Array, out: tuple[Array,
         force[i, 2] = az + w * tz + (x * ty - y * tx) + bias[0, i, 2]
         for k in range(3):
             rate[i, k] = ang_vel[i, k] + bias[1, i, k]
-
-
-readings = compiled(_readings)
-"""Write specific force and rate (n, 3): ((quat, ang_vel_body, acc), bias (2, n, 3), (force, rate))."""
 
 
 class Imu:

@@ -183,9 +183,19 @@ class Vicon:
         return ~absent
 
 
-def _blur(
+@compiled
+def blur(
     truth: tuple[Array, Array], noise: Array, sizes: tuple[float, float], pos: Array, quat: Array
 ) -> None:
+    """Write noisy poses; the attitude is turned by exp of a rotation vector (q2q_model.geometry.rotations).
+
+    Args:
+        truth: pos, quat.
+        noise: standard normal deviates, (2, n, 3).
+        sizes: standard deviations [m], [rad].
+        pos: written, (n, 3).
+        quat: written, (n, 4).
+    """
     true_pos, true_quat = truth
     for i in range(true_pos.shape[0]):
         squared = 0.0
@@ -205,11 +215,6 @@ def _blur(
         quat[i, 1] = w * b + y * d + z * a - x * c
         quat[i, 2] = w * c + z * d + x * b - y * a
         quat[i, 3] = w * d - x * a - y * b - z * c
-
-
-blur = compiled(_blur)
-"""Write noisy poses: ((pos, quat), normal deviates (2, n, 3), standard deviations [m], [rad], pos, quat);
-the attitude is turned by exp of a rotation vector, as in q2q_model.geometry.rotations."""
 
 
 def _frequencies(params: ViconParams) -> dict[str, Frequency]:

@@ -10,13 +10,13 @@ from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, 
 from q2q_sim.scenarios.choices import STDOUT
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Compare with the tables of the folder; return 1 if a figure is out of its tolerance."""
-    verdict = compare(tables_in(asked.folder))
+    verdict = compare(tables_in(args.folder))
     words = json.dumps({name: part._asdict() for name, part in verdict._asdict().items()}, indent=1)
-    if asked.json not in {None, STDOUT}:
-        Path(asked.json).write_text(words + "\n")
-    print(words if asked.json == STDOUT else report(verdict))
+    if args.json not in {None, STDOUT}:
+        Path(args.json).write_text(words + "\n")
+    print(words if args.json == STDOUT else report(verdict))
     return int(not all(one.within for one in figures(verdict)))
 
 

@@ -24,9 +24,9 @@ LEAD = (
 )
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Fly the demonstration; return the exit status."""
-    return conclude(show(asked.out, asked.json))
+    return conclude(show(args.out, args.json))
 
 
 def show(out: Path, json_file: Path | None) -> Sequence[FlightRun]:

@@ -17,25 +17,23 @@ LATE_S = 0.5
 """Delay behind the wall clock at which its schedule restarts [s]."""
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Open the room and fly it until SIGINT or SIGTERM; return the exit status."""
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _interrupt)
     with suppress(KeyboardInterrupt):
-        _open(asked)
+        _open(args)
     return 0
 
 
-def _open(asked: Namespace) -> None:
-    scenario = with_firmware(library.load(asked.scenario), asked.firmware)
-    room = Room(scenario, asked.seed)
-    waiting = CrtpRoomParams(
-        start=asked.start, positioning=asked.positioning, zero_expires=asked.zero_expires
-    )
+def _open(args: Namespace) -> None:
+    scenario = with_firmware(library.load(args.scenario), args.firmware)
+    room = Room(scenario, args.seed)
+    waiting = CrtpRoomParams(start=args.start, positioning=args.positioning, zero_expires=args.zero_expires)
     fleet = fleet_in(room, scenario, waiting)
-    link = LinkParams(latency=asked.latency, loss=asked.loss, rate=asked.rate)
+    link = LinkParams(latency=args.latency, loss=args.loss, rate=args.rate)
     room.fly(fleet.fly)  # compiles
-    with CrtpEndpoint(fleet, scenario.names, asked.port, link) as endpoint:
+    with CrtpEndpoint(fleet, scenario.names, args.port, link) as endpoint:
         for name, uri in zip(scenario.names, endpoint.uris, strict=True):
             print(f"{name} {uri}", flush=True)
         print("ready", flush=True)

@@ -16,21 +16,21 @@ from q2q_sim.report.run_table import run_notes, run_table, run_verdicts
 from q2q_sim.scenarios import library
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Fly, print and write the results; return the exit status."""
-    if asked.list:
+    if args.list:
         for name in library.names():
             print(f"{name:14} {library.describe(name)}")
         return 0
-    if asked.real:
+    if args.real:
         from q2q_sim.tools.real import fly_real
 
-        return fly_real(asked.real, asked.model, asked.json)
-    flown = _fly(asked)
+        return fly_real(args.real, args.model, args.json)
+    flown = _fly(args)
     show([flown])
-    if asked.json:
-        asked.json.parent.mkdir(parents=True, exist_ok=True)
-        asked.json.write_text(json.dumps(runs_json([flown]), indent=1) + "\n")
+    if args.json:
+        args.json.parent.mkdir(parents=True, exist_ok=True)
+        args.json.write_text(json.dumps(runs_json([flown]), indent=1) + "\n")
     return conclude([flown])
 
 
@@ -48,30 +48,30 @@ def show(runs: Sequence[FlightRun]) -> None:
         console.print(note, highlight=False)
 
 
-def request_of(asked: Namespace) -> FlightRequest:
+def request_of(args: Namespace) -> FlightRequest:
     """Return the requested flight."""
-    mode = "ignoring" if not asked.aware else "aware" if asked.limit else "aware_unlimited"
+    mode = "ignoring" if not args.aware else "aware" if args.limit else "aware_unlimited"
     return FlightRequest(
-        scenario=asked.scenario,
+        scenario=args.scenario,
         mode=mode,
-        controller=asked.controller,
-        replan=asked.replan,
-        plan=asked.plan,
-        live=asked.live,
-        stack=not asked.live if asked.stack is None else asked.stack,
-        seed=asked.seed,
-        model=asked.model,
-        vehicle=asked.vehicle,
-        wake=asked.wake,
-        record=tuple(asked.record) or (() if asked.bag else MEASURED),
+        controller=args.controller,
+        replan=args.replan,
+        plan=args.plan,
+        live=args.live,
+        stack=not args.live if args.stack is None else args.stack,
+        seed=args.seed,
+        model=args.model,
+        vehicle=args.vehicle,
+        wake=args.wake,
+        record=tuple(args.record) or (() if args.bag else MEASURED),
     )
 
 
-def _fly(asked: Namespace) -> FlightRun:
-    request = request_of(asked)
+def _fly(args: Namespace) -> FlightRun:
+    request = request_of(args)
     interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
-        bag = asked.bag or Path(scratch) / "bag"
+        bag = args.bag or Path(scratch) / "bag"
         return fly_with_progress(request, Path(scratch) / "nodes", bag, interruption)
 
 

@@ -15,13 +15,13 @@ from q2q_model.flights.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.signals.values import Array
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Convert the flight; print what is in the bag; return the exit status."""
-    chosen = load_column_map(asked.columns) if asked.columns else None
-    columns, notes = _columns(asked.flight, asked.names, chosen)
+    chosen = load_column_map(args.columns) if args.columns else None
+    columns, notes = _columns(args.flight, args.names, chosen)
     table = flight_table(columns)
-    counts = write_bag(table, asked.out)
-    print(f"{asked.out}: {len(table.t)} ticks of {', '.join(table.names)}")
+    counts = write_bag(table, args.out)
+    print(f"{args.out}: {len(table.t)} ticks of {', '.join(table.names)}")
     for topic, count in counts.items():
         print(f"  {topic}: {count} messages")
     print(f"  {int(table.gap.sum())} samples lie in gaps of the source: not in /mocap")

@@ -23,13 +23,13 @@ from q2q_sim.monitors.policies import (
 from q2q_sim.scenarios import library
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Check the named bags; return 1 if a policy is violated."""
     found = {
-        str(bag): judge(evidence_in(bag), circumstances_of(bag, asked.scenario, asked.vehicle))
-        for bag in asked.bags
+        str(bag): judge(evidence_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
+        for bag in args.bags
     }
-    if asked.json:
+    if args.json:
         print(json.dumps({bag: as_json(violations) for bag, violations in found.items()}, indent=1))
     else:
         for bag, violations in found.items():

@@ -16,17 +16,17 @@ from q2q_sim.tools.docs_images import write_images
 MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then run it again. -->"
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Write or check the pages; return the exit status."""
     wanted = pages(survey())
-    stale = out_of_date(wanted, asked.out)
-    if asked.check:
+    stale = out_of_date(wanted, args.out)
+    if args.check:
         for name in stale:
-            print(f"docs: {asked.out / name} is out of date: run scripts/docs", file=sys.stderr)
+            print(f"docs: {args.out / name} is out of date: run scripts/docs", file=sys.stderr)
         return 1 if stale else 0
-    write(wanted, asked.out)
-    print(f"docs: {len(wanted)} pages in {asked.out}, {len(stale)} new or changed")
-    if asked.images:
+    write(wanted, args.out)
+    print(f"docs: {len(wanted)} pages in {args.out}, {len(stale)} new or changed")
+    if args.images:
         print(*(f"docs: {path}" for path in write_images()), sep="\n")
     return 0
 

@@ -45,16 +45,16 @@ class Reported:
     """Assumed vehicle, if the bag does not name it."""
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Write the requested report; return the exit status."""
-    topics, bags = topic_map(asked.topics), [asked.bag, *asked.compare]
-    flights = [reported(bag, flown_vehicle(bag, asked.vehicle), topics) for bag in bags]
-    write(flights, asked.out)
-    if asked.json:
-        asked.json.write_text(json.dumps(as_json(flights), indent=1) + "\n")
+    topics, bags = topic_map(args.topics), [args.bag, *args.compare]
+    flights = [reported(bag, flown_vehicle(bag, args.vehicle), topics) for bag in bags]
+    write(flights, args.out)
+    if args.json:
+        args.json.write_text(json.dumps(as_json(flights), indent=1) + "\n")
     for note in notes(flights):
         print(f"report: {note}", file=sys.stderr)
-    print(f"page: {asked.out / 'index.html'}")
+    print(f"page: {args.out / 'index.html'}")
     print(verdicts(flights))
     return 0
 

@@ -21,15 +21,15 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.crtp.tables.contents import Contents, Entry
 from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.firmware.controllers.columns import (
-    ATTITUDE_WANTED,
+    ATTITUDE_SETPOINT,
     CONTROL,
     I_POS,
     MOTOR,
     POS_TARGET,
-    RATE_WANTED,
-    THRUST_WANTED,
+    RATE_SETPOINT,
+    THRUST_SETPOINT,
     VEL_TARGET,
-    Z_WANTED,
+    Z_AXIS_SETPOINT,
 )
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.plant.quadcopter import ACC, QUAT, RATE
@@ -123,7 +123,7 @@ _CONTROL = (
     _one("ctrltarget.yaw", "float", lambda one: one.flown.rate_deg[2]),
     _one("ctrltarget.thrust", "float", lambda one: one.flown.thrust_pwm),
     _vector("ctrlMel: cmd_roll cmd_pitch cmd_yaw cmd_thrust", "float", _memory(CONTROL)),
-    _vector("ctrlMel: zdx zdy zdz", "float", _memory(Z_WANTED)),
+    _vector("ctrlMel: zdx zdy zdz", "float", _memory(Z_AXIS_SETPOINT)),
     _vector("ctrlMel: i_err_x i_err_y i_err_z", "float", _memory(I_POS)),
     _vector("motor: m1 m2 m3 m4", "uint16", _memory(MOTOR)),
 )
@@ -132,9 +132,9 @@ _CASCADE = (
     _vector("controller: cmd_roll cmd_pitch cmd_yaw", "float", _memory(CONTROL)),
     _vector("controller: r_roll r_pitch r_yaw", "float", _legacy_rates),
     _one("controller.accelz", "float", lambda one: one.specific_force_g[2]),
-    _one("controller.actuatorThrust", "float", lambda one: one.rows.memory[THRUST_WANTED]),
-    _vector("controller: roll pitch yaw", "float", _memory(ATTITUDE_WANTED)),
-    _vector("controller: rollRate pitchRate yawRate", "float", _memory(RATE_WANTED)),
+    _one("controller.actuatorThrust", "float", lambda one: one.rows.memory[THRUST_SETPOINT]),
+    _vector("controller: roll pitch yaw", "float", _memory(ATTITUDE_SETPOINT)),
+    _vector("controller: rollRate pitchRate yawRate", "float", _memory(RATE_SETPOINT)),
     _one("controller.ctr_yaw", "int16", lambda one: one.rows.memory[CONTROL + 2]),
     _vector("posCtl: targetVX targetVY targetVZ", "float", _memory(VEL_TARGET)),
     _vector("posCtl: targetX targetY targetZ", "float", _memory(POS_TARGET)),

@@ -1,6 +1,6 @@
 """Flight of one contender in one case, with the metrics of every replica.
 
-The blocks are those of closed_loop with the contender as controller. Errors are true minus planned positions.
+The closed loop is q2q_sim.loop's, with the contender as controller. Errors are true minus planned positions.
 
 | column | meaning |
 |---|---|
@@ -17,14 +17,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.inputs.controller import Controller
 from q2q_model.signals.values import Array
-from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_sim.experiments.ablation.ablation_cases import Case, is_random, scenario_of, side_by_side
 from q2q_sim.experiments.ablation.contenders import BLIND, built
 from q2q_sim.experiments.ablation.learned_model import Learned
 from q2q_sim.loop.assembly import TICK_S, Blocks, Options, blocks_of, plan_of
-from q2q_sim.loop.room import Room
+from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.scenarios.scenario import Scenario
 
 COLUMNS = ("flight", "lower", "under", "worst", "clear", "energy")
@@ -64,21 +62,10 @@ def trial(case: Case, contender: str, learned: Learned, count: int) -> Array:
     return measured(trace, len(one.names), one.vehicle.hover_thrust)
 
 
-def flown(scenario: Scenario, blocks: Blocks, *, aware: bool, seed: int = 0) -> Trace:
-    """Return a flight of the blocks, without replanner."""
-    room, pos, error, thrust = Room(scenario, seed), [], [], []
-    controller: Controller = blocks.controller
-    while room.tick * TICK_S < scenario.duration:
-        tick = room.capture()
-        state = blocks.mocap_filter.update(tick.frame)
-        downwash = blocks.predictor.update(state) if aware else None
-        setpoint = setpoint_at(blocks.plan, tick.frame.t)
-        command = controller.update(state, setpoint, downwash)
-        pos.append(tick.truth.pos)
-        error.append(tick.truth.pos[:, 2] - setpoint.pos[:, 2])
-        thrust.append(command.thrust)
-        room.advance(command)
-    return Trace(np.array(pos), np.array(error), np.array(thrust))
+def flown(scenario: Scenario, blocks: Blocks, *, aware: bool) -> Trace:
+    """Return a flight of the blocks."""
+    flight = fly_blocks(scenario, blocks, FlightOptions("aware" if aware else "ignoring"))
+    return Trace(flight.true_pos, flight.true_pos[..., 2] - flight.ref_pos[..., 2], flight.thrust)
 
 
 def measured(trace: Trace, each: int, weight: float) -> Array:

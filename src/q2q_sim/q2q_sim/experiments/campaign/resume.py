@@ -14,21 +14,21 @@ from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, fr
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Fly the requested campaign; return 1 if a policy is violated."""
-    flown, seconds = _fly(asked)
+    flown, seconds = _fly(args)
     show(flown, seconds)
-    if asked.json:
-        asked.json.parent.mkdir(parents=True, exist_ok=True)
-        asked.json.write_text(json.dumps(summary(flown, seconds), indent=1) + "\n")
+    if args.json:
+        args.json.parent.mkdir(parents=True, exist_ok=True)
+        args.json.write_text(json.dumps(summary(flown, seconds), indent=1) + "\n")
     return int(any(one.violations for one in flown))
 
 
-def _fly(asked: Namespace) -> tuple[list[RunOutcome], float]:
-    asked.out.mkdir(parents=True, exist_ok=True)
-    log, kept = asked.out / "runs.jsonl", asked.out / "violations"
-    seeds = range(asked.seed, asked.seed + asked.runs)
-    by_nodes = set(seeds[: asked.through_nodes])
+def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
+    args.out.mkdir(parents=True, exist_ok=True)
+    log, kept = args.out / "runs.jsonl", args.out / "violations"
+    seeds = range(args.seed, args.seed + args.runs)
+    by_nodes = set(seeds[: args.through_nodes])
     done = {
         one.seed: one
         for one in read(log)
@@ -39,7 +39,7 @@ def _fly(asked: Namespace) -> tuple[list[RunOutcome], float]:
     mend(log)
     with log.open("a", encoding="utf-8") as file, _bar() as bar:
         task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
-        for one in _all(asked, pure, nodes, kept):
+        for one in _all(args, pure, nodes, kept):
             file.write(json.dumps(as_document(one)) + "\n")
             file.flush()
             done[one.seed] = one
@@ -49,11 +49,11 @@ def _fly(asked: Namespace) -> tuple[list[RunOutcome], float]:
     return flown, sum(one.seconds for one in flown)
 
 
-def _all(asked: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path) -> Iterable[RunOutcome]:
+def _all(args: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path) -> Iterable[RunOutcome]:
     if pure:
-        yield from outcomes(asked.engine, pure, asked.jobs, kept)
+        yield from outcomes(args.engine, pure, args.jobs, kept)
     if nodes:
-        with NodeFlights(asked.out / "nodes", kept) as flights:
+        with NodeFlights(args.out / "nodes", kept) as flights:
             yield from map(flights.fly_and_judge, nodes)
 
 

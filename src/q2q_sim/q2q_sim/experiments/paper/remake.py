@@ -34,9 +34,9 @@ EXPERIMENTS = (
 """In the order of execution: quick ones first."""
 
 
-def run(asked: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Reproduce the requested tables and figures; return the exit status."""
-    return _remake(chosen(paper_numbers(), asked.only), asked.out, asked.json, again=asked.again)
+    return _remake(chosen(paper_numbers(), args.only), args.out, args.json, again=args.again)
 
 
 def needed(numbers: Sequence[PaperNumber]) -> list[Experiment]:

@@ -11,7 +11,8 @@ Nine = tuple[float, float, float, float, float, float, float, float, float]
 DEG = 180.0 / math.pi
 
 
-def _axes(row: Array) -> Nine:
+@compiled
+def axes(row: Array) -> Nine:
     """Return body x, y, z in the world of a state row (quadcopter.QUAT): the columns of R."""
     x, y, z, w = row[6], row[7], row[8], row[9]
     return (
@@ -21,7 +22,8 @@ def _axes(row: Array) -> Nine:
     )  # fmt: skip
 
 
-def _legacy_degrees(row: Array) -> Three:
+@compiled
+def legacy_degrees(row: Array) -> Three:
     """Return roll, legacy pitch (nose up), yaw [deg] of a state row."""
     x, y, z, w = row[6], row[7], row[8], row[9]
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
@@ -29,11 +31,7 @@ def _legacy_degrees(row: Array) -> Three:
     return DEG * roll, -DEG * pitch, DEG * yaw_of(x, y, z, w)
 
 
-def _yaw_of(x: float, y: float, z: float, w: float) -> float:
+@compiled
+def yaw_of(x: float, y: float, z: float, w: float) -> float:
     """Return yaw [rad] of a quaternion."""
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-
-
-yaw_of = compiled(_yaw_of)
-axes = compiled(_axes)
-legacy_degrees = compiled(_legacy_degrees)

@@ -15,7 +15,7 @@ from q2q_sim.firmware.commander.setpoint import Three
 from q2q_sim.firmware.controllers.attitude_of import DEG, legacy_degrees, yaw_of
 from q2q_sim.firmware.controllers.columns import (
     ATTITUDE_GAINS,
-    ATTITUDE_WANTED,
+    ATTITUDE_SETPOINT,
     CONTROL,
     LAST_MODES,
     MODE_PITCH,
@@ -30,16 +30,16 @@ from q2q_sim.firmware.controllers.columns import (
     PID_WIDTH,
     PIDS,
     RATE_GAINS,
-    RATE_WANTED,
+    RATE_SETPOINT,
     SET_ATTITUDE,
     SET_QUAT,
     SET_RATE,
     SET_THRUST,
-    THRUST_WANTED,
+    THRUST_SETPOINT,
 )
 from q2q_sim.firmware.controllers.pid_step import pid, pid_reset, slope_of
 from q2q_sim.firmware.controllers.position_pid import position_pid
-from q2q_sim.firmware.controllers.truncation import INT16_MAX, whole
+from q2q_sim.firmware.controllers.truncation import INT16_MAX, truncated
 
 DT = 1.0 / 500.0
 """ATTITUDE_RATE of the firmware [s]."""
@@ -49,54 +49,63 @@ RATE_INTEGRAL, YAW_RATE_INTEGRAL = 33.3, 166.7
 """PID_ROLL_RATE_INTEGRATION_LIMIT, PID_YAW_RATE_INTEGRATION_LIMIT, the same."""
 
 
-def _wrapped(angle: float) -> float:
+@compiled
+def wrapped(angle: float) -> float:
     """Return an angle within +-180 deg, both ends included."""
     return angle if abs(angle) <= 180.0 else (angle + 180.0) % 360.0 - 180.0
 
 
-def _restart(row: Array, drift: Array, memory: Array, attitude: Three) -> None:
+@compiled
+def restart(row: Array, drift: Array, memory: Array, attitude: Three) -> None:
+    """Reset all PIDs at the present measurements."""
     for k in range(12):
         pid_reset(memory, PIDS + PID_WIDTH * k, 0.0)
     for k in range(3):
         memory[PIDS + PID_WIDTH * k + 1] = row[k] + drift[k]
         memory[PIDS + PID_WIDTH * (PID_ROLL + k) + 1] = attitude[k]
-    memory[ATTITUDE_WANTED], memory[ATTITUDE_WANTED + 1] = attitude[0], attitude[1]
+    memory[ATTITUDE_SETPOINT], memory[ATTITUDE_SETPOINT + 1] = attitude[0], attitude[1]
 
 
-def _mode_changed(wanted: Array, memory: Array) -> bool:
+@compiled
+def mode_changed(setpoint: Array, memory: Array) -> bool:
+    """Return whether a mode differs from the last step's, and store the modes."""
     changed = False
     for k in range(7):
-        changed = changed or wanted[k] != memory[LAST_MODES + k]
-        memory[LAST_MODES + k] = wanted[k]
+        changed = changed or setpoint[k] != memory[LAST_MODES + k]
+        memory[LAST_MODES + k] = setpoint[k]
     return changed
 
 
-def _move_yaw(wanted: Array, memory: Array) -> None:
-    yaw = memory[ATTITUDE_WANTED + 2]
-    if wanted[MODE_YAW] == 2.0:
-        yaw += wanted[SET_RATE + 2] * DT
-    elif wanted[MODE_YAW] == 1.0:
-        yaw = wanted[SET_ATTITUDE + 2]
-    elif wanted[MODE_QUAT] == 1.0:
+@compiled
+def move_yaw(setpoint: Array, memory: Array) -> None:
+    """Write the yaw setpoint: integrated, absolute, or of a quaternion."""
+    yaw = memory[ATTITUDE_SETPOINT + 2]
+    if setpoint[MODE_YAW] == 2.0:
+        yaw += setpoint[SET_RATE + 2] * DT
+    elif setpoint[MODE_YAW] == 1.0:
+        yaw = setpoint[SET_ATTITUDE + 2]
+    elif setpoint[MODE_QUAT] == 1.0:
         q = SET_QUAT
-        yaw = DEG * yaw_of(wanted[q], wanted[q + 1], wanted[q + 2], wanted[q + 3])
-    memory[ATTITUDE_WANTED + 2] = wrapped(yaw)
+        yaw = DEG * yaw_of(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3])
+    memory[ATTITUDE_SETPOINT + 2] = wrapped(yaw)
 
 
-def _attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
+@compiled
+def attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
     """Write the rate setpoints."""
     for k in range(3):
         at = PIDS + PID_WIDTH * (PID_ROLL + k)
-        error, limit = memory[ATTITUDE_WANTED + k] - attitude[k], ANGLE_INTEGRAL
+        error, limit = memory[ATTITUDE_SETPOINT + k] - attitude[k], ANGLE_INTEGRAL
         rise = slope_of(memory, at, attitude[k], DT)
         if k == 2:
             error, limit, rise = wrapped(error), YAW_INTEGRAL, wrapped(rise * DT) / DT
-        memory[RATE_WANTED + k] = pid(
+        memory[RATE_SETPOINT + k] = pid(
             error, rise, memory, gains, (at, ATTITUDE_GAINS + 3 * k, DT, limit, 0.0)
         )
 
 
-def _rate_loop(row: Array, memory: Array, gains: Array) -> None:
+@compiled
+def rate_loop(row: Array, memory: Array, gains: Array) -> None:
     """Write the control outputs [PWM]."""
     rates = (DEG * row[10], -DEG * row[11], DEG * row[12])
     for k in range(3):
@@ -104,40 +113,37 @@ def _rate_loop(row: Array, memory: Array, gains: Array) -> None:
         limit = YAW_RATE_INTEGRAL if k == 2 else RATE_INTEGRAL
         rise = slope_of(memory, at, rates[k], DT)
         how = (at, RATE_GAINS + 3 * k, DT, limit, 0.0)
-        memory[CONTROL + k] = whole(
-            pid(memory[RATE_WANTED + k] - rates[k], rise, memory, gains, how), INT16_MAX
+        memory[CONTROL + k] = truncated(
+            pid(memory[RATE_SETPOINT + k] - rates[k], rise, memory, gains, how), INT16_MAX
         )
     memory[CONTROL + 2] = -memory[CONTROL + 2]
 
 
-def _cascade(tick: tuple[Array, Array, Array], gains: Array, memory: Array, position_due: bool) -> None:
-    row, drift, wanted = tick
+@compiled
+def cascade(tick: tuple[Array, Array, Array], gains: Array, memory: Array, position_due: bool) -> None:
+    """Write the control outputs of one vehicle for one step; `tick` is its state row, drift and setpoint."""
+    row, drift, setpoint = tick
     attitude = legacy_degrees(row)
-    if mode_changed(wanted, memory):
+    if mode_changed(setpoint, memory):
         restart(row, drift, memory, attitude)
-    move_yaw(wanted, memory)
+    move_yaw(setpoint, memory)
     if position_due:
-        position_pid(row, drift, wanted, gains, memory)
-    if wanted[MODE_Z] == 0.0:
-        memory[THRUST_WANTED] = wanted[SET_THRUST]
-    if wanted[MODE_X] == 0.0 or wanted[MODE_Y] == 0.0:
-        memory[ATTITUDE_WANTED], memory[ATTITUDE_WANTED + 1] = wanted[SET_ATTITUDE], wanted[SET_ATTITUDE + 1]
+        position_pid(row, drift, setpoint, gains, memory)
+    if setpoint[MODE_Z] == 0.0:
+        memory[THRUST_SETPOINT] = setpoint[SET_THRUST]
+    if setpoint[MODE_X] == 0.0 or setpoint[MODE_Y] == 0.0:
+        memory[ATTITUDE_SETPOINT], memory[ATTITUDE_SETPOINT + 1] = (
+            setpoint[SET_ATTITUDE],
+            setpoint[SET_ATTITUDE + 1],
+        )
     attitude_loop(attitude, memory, gains)
-    if wanted[MODE_ROLL] == 2.0:
-        memory[RATE_WANTED] = wanted[SET_RATE]
-    if wanted[MODE_PITCH] == 2.0:
-        memory[RATE_WANTED + 1] = wanted[SET_RATE + 1]
+    if setpoint[MODE_ROLL] == 2.0:
+        memory[RATE_SETPOINT] = setpoint[SET_RATE]
+    if setpoint[MODE_PITCH] == 2.0:
+        memory[RATE_SETPOINT + 1] = setpoint[SET_RATE + 1]
     rate_loop(row, memory, gains)
-    memory[CONTROL + 3] = memory[THRUST_WANTED]
+    memory[CONTROL + 3] = memory[THRUST_SETPOINT]
     if memory[CONTROL + 3] == 0.0:
         memory[CONTROL : CONTROL + 3] = 0.0
         restart(row, drift, memory, attitude)
-        memory[ATTITUDE_WANTED + 2] = attitude[2]
-
-
-wrapped, restart = compiled(_wrapped), compiled(_restart)
-mode_changed, move_yaw = compiled(_mode_changed), compiled(_move_yaw)
-attitude_loop, rate_loop = compiled(_attitude_loop), compiled(_rate_loop)
-cascade = compiled(_cascade)
-"""Control one vehicle for one step: ((state row, drift, wanted), gains, memory, whether the position loop is
-due); writes the outputs in memory."""
+        memory[ATTITUDE_SETPOINT + 2] = attitude[2]

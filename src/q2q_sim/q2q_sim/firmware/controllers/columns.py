@@ -2,7 +2,7 @@
 
 | row | width | content |
 |---|---|---|
-| wanted | WANTED_WIDTH | Setpoint and Power |
+| setpoint | SETPOINT_WIDTH | Setpoint and Power |
 | gains | GAIN_WIDTH | parameter_table.GAINS, then stabilizer.controller |
 | memory | MEMORY_WIDTH | integrals, last measurements, outputs for logs |
 | frame | FRAME_WIDTH | Airframe |
@@ -23,7 +23,7 @@ MODE_X, MODE_Y, MODE_Z, MODE_ROLL, MODE_PITCH, MODE_YAW, MODE_QUAT = range(7)
 SET_POS, SET_VEL, SET_ACC, SET_ATTITUDE, SET_RATE, SET_QUAT = 7, 10, 13, 16, 19, 22
 SET_THRUST, SET_BODY = 26, 27
 MOTORS_ON, IDLE, SUPPLY, BATTERY = 28, 29, 30, 31
-WANTED_WIDTH = 32
+SETPOINT_WIDTH = 32
 
 KP_XY, KD_XY, KI_XY, I_RANGE_XY, KP_Z, KD_Z, KI_Z, I_RANGE_Z, MASS, MASS_THRUST = (
     GAINS.index(f"ctrlMel.{name}")
@@ -59,22 +59,22 @@ ATTITUDE_GAINS, RATE_GAINS = GAINS.index("pid_attitude.roll_kp"), GAINS.index("p
 CONTROLLER = len(GAINS)
 GAIN_WIDTH = CONTROLLER + 1
 
-I_POS, I_MOMENT, LAST_RATE, LAST_SET_RATE, Z_WANTED = 0, 3, 6, 8, 10
+I_POS, I_MOMENT, LAST_RATE, LAST_SET_RATE, Z_AXIS_SETPOINT = 0, 3, 6, 8, 10
 PIDS, PID_WIDTH = 13, 4
 """Twelve PIDs of 4 columns: integral, last measurement, two of its filter."""
 PID_X, PID_VX, PID_ROLL, PID_ROLL_RATE = 0, 3, 6, 9
 """Number of the first PID of three axes."""
-ATTITUDE_WANTED = PIDS + 12 * PID_WIDTH
-THRUST_WANTED = ATTITUDE_WANTED + 3
-LAST_MODES = THRUST_WANTED + 1
+ATTITUDE_SETPOINT = PIDS + 12 * PID_WIDTH
+THRUST_SETPOINT = ATTITUDE_SETPOINT + 3
+LAST_MODES = THRUST_SETPOINT + 1
 CONTROL = LAST_MODES + 7
 """Output: roll, legacy pitch, yaw, thrust [PWM]."""
-ASKED = CONTROL + 4
+MOTOR_COMMAND = CONTROL + 4
 """Commands of the four motors [PWM]."""
-MOTOR = ASKED + 4
+MOTOR = MOTOR_COMMAND + 4
 """Duty of the four motors; 65535 is 100 %."""
-RATE_WANTED = MOTOR + 4
-POS_TARGET, VEL_TARGET = RATE_WANTED + 3, RATE_WANTED + 6
+RATE_SETPOINT = MOTOR + 4
+POS_TARGET, VEL_TARGET = RATE_SETPOINT + 3, RATE_SETPOINT + 6
 """Setpoints of the position PIDs, in the frame rotated by the yaw [m], [m/s]."""
 MEMORY_WIDTH = VEL_TARGET + 3
 
@@ -95,8 +95,8 @@ class Power:
     """True voltage [V]."""
 
 
-def wanted_row(setpoint: Setpoint, power: Power) -> Array:
-    """Return the row of a setpoint, (WANTED_WIDTH,)."""
+def setpoint_row(setpoint: Setpoint, power: Power) -> Array:
+    """Return the row of a setpoint, (SETPOINT_WIDTH,)."""
     one = setpoint
     modes = (one.x, one.y, one.z, one.roll, one.pitch, one.yaw, one.quat)
     numbers = (*one.pos, *one.vel, *one.acc, *one.attitude_deg, *one.rate_deg, *one.attitude_quat)

@@ -66,9 +66,9 @@ from q2q_sim.firmware.controllers.columns import (
     SET_RATE,
     SET_THRUST,
     SET_VEL,
-    Z_WANTED,
+    Z_AXIS_SETPOINT,
 )
-from q2q_sim.firmware.controllers.truncation import whole
+from q2q_sim.firmware.controllers.truncation import truncated
 
 DT = 1.0 / 500.0
 """ATTITUDE_RATE of the firmware [s]."""
@@ -77,53 +77,58 @@ MOMENT_MAX = 32000.0
 RAD = math.pi / 180.0
 
 
-def _clamp(value: float, limit: float) -> float:
+@compiled
+def clamp(value: float, limit: float) -> float:
+    """Return a value within +-limit."""
     return min(max(value, -limit), limit)
 
 
-def _force(row: Array, drift: Array, wanted: Array, gains: Array, memory: Array) -> Three:
+@compiled
+def force_of(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> Three:
     """Return F [N], world, and update the integrals."""
-    ex = wanted[SET_POS] - row[0] - drift[0]
-    ey = wanted[SET_POS + 1] - row[1] - drift[1]
-    ez = wanted[SET_POS + 2] - row[2] - drift[2]
+    ex = setpoint[SET_POS] - row[0] - drift[0]
+    ey = setpoint[SET_POS + 1] - row[1] - drift[1]
+    ez = setpoint[SET_POS + 2] - row[2] - drift[2]
     memory[I_POS] = clamp(memory[I_POS] + ex * DT, gains[I_RANGE_XY])
     memory[I_POS + 1] = clamp(memory[I_POS + 1] + ey * DT, gains[I_RANGE_XY])
     memory[I_POS + 2] = clamp(memory[I_POS + 2] + ez * DT, gains[I_RANGE_Z])
     fz = (
         gains[KP_Z] * ez
-        + gains[KD_Z] * (wanted[SET_VEL + 2] - row[5] - drift[5])
+        + gains[KD_Z] * (setpoint[SET_VEL + 2] - row[5] - drift[5])
         + gains[KI_Z] * memory[I_POS + 2]
     )
-    if wanted[MODE_X] != 1.0:
+    if setpoint[MODE_X] != 1.0:
         return 0.0, 0.0, gains[MASS] * GRAVITY + fz
     fx = (
         gains[KP_XY] * ex
-        + gains[KD_XY] * (wanted[SET_VEL] - row[3] - drift[3])
+        + gains[KD_XY] * (setpoint[SET_VEL] - row[3] - drift[3])
         + gains[KI_XY] * memory[I_POS]
     )
-    fy = gains[KP_XY] * ey + gains[KD_XY] * (wanted[SET_VEL + 1] - row[4] - drift[4])
+    fy = gains[KP_XY] * ey + gains[KD_XY] * (setpoint[SET_VEL + 1] - row[4] - drift[4])
     fy += gains[KI_XY] * memory[I_POS + 1]
     mass = gains[MASS]
     return (
-        mass * wanted[SET_ACC] + fx,
-        mass * wanted[SET_ACC + 1] + fy,
-        mass * (wanted[SET_ACC + 2] + GRAVITY) + fz,
+        mass * setpoint[SET_ACC] + fx,
+        mass * setpoint[SET_ACC + 1] + fy,
+        mass * (setpoint[SET_ACC + 2] + GRAVITY) + fz,
     )
 
 
-def _wanted_yaw(row: Array, wanted: Array) -> float:
+@compiled
+def yaw_setpoint(row: Array, setpoint: Array) -> float:
     """Return psi [rad]."""
-    if wanted[MODE_YAW] == 2.0:
-        return float(legacy_degrees(row)[2] * RAD + wanted[SET_RATE + 2] * RAD * DT)
-    if wanted[MODE_YAW] == 1.0:
-        return float(wanted[SET_ATTITUDE + 2] * RAD)
-    if wanted[MODE_QUAT] == 1.0:
+    if setpoint[MODE_YAW] == 2.0:
+        return float(legacy_degrees(row)[2] * RAD + setpoint[SET_RATE + 2] * RAD * DT)
+    if setpoint[MODE_YAW] == 1.0:
+        return float(setpoint[SET_ATTITUDE + 2] * RAD)
+    if setpoint[MODE_QUAT] == 1.0:
         q = SET_QUAT
-        return float(yaw_of(wanted[q], wanted[q + 1], wanted[q + 2], wanted[q + 3]))
+        return float(yaw_of(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3]))
     return 0.0
 
 
-def _frame_along(z: Three, yaw: float) -> Nine:
+@compiled
+def frame_along(z: Three, yaw: float) -> Nine:
     """Return x_d, y_d, z_d for a z axis and a yaw."""
     zx, zy, zz = z
     cx, cy = math.cos(yaw), math.sin(yaw)
@@ -135,7 +140,8 @@ def _frame_along(z: Three, yaw: float) -> Nine:
     return yy * zz - yz * zy, yz * zx - yx * zz, yx * zy - yy * zx, yx, yy, yz, zx, zy, zz
 
 
-def _frame_of_angles(roll: float, pitch: float, yaw: float) -> Nine:
+@compiled
+def frame_of_angles(roll: float, pitch: float, yaw: float) -> Nine:
     """Return the body axes at Euler angles [rad], Z-Y-X."""
     cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
     cy, sy = math.cos(yaw), math.sin(yaw)
@@ -146,22 +152,25 @@ def _frame_of_angles(roll: float, pitch: float, yaw: float) -> Nine:
     )  # fmt: skip
 
 
-def _dot(frame: Nine, i: int, body: Nine, j: int) -> float:
+@compiled
+def dot(frame: Nine, i: int, body: Nine, j: int) -> float:
+    """Return the scalar product of axis i of one frame and axis j of another."""
     return (
         frame[3 * i] * body[3 * j] + frame[3 * i + 1] * body[3 * j + 1] + frame[3 * i + 2] * body[3 * j + 2]
     )
 
 
-def _moments(row: Array, wanted: Array, gains: Array, memory: Array, frame: Nine) -> Three:
+@compiled
+def moments(row: Array, setpoint: Array, gains: Array, memory: Array, frame: Nine) -> Three:
     """Return M [PWM]: roll right, nose up, yaw left."""
     body = axes(row)
     ex = dot(frame, 2, body, 1) - dot(frame, 1, body, 2)
     ey = -(dot(frame, 0, body, 2) - dot(frame, 2, body, 0))  # nose up
     ez = dot(frame, 1, body, 0) - dot(frame, 0, body, 1)
     set_roll, set_up, set_yaw = (
-        wanted[SET_RATE] * RAD,
-        -wanted[SET_RATE + 1] * RAD,
-        wanted[SET_RATE + 2] * RAD,
+        setpoint[SET_RATE] * RAD,
+        -setpoint[SET_RATE + 1] * RAD,
+        setpoint[SET_RATE + 2] * RAD,
     )
     roll_rate, up_rate, yaw_rate = row[10], -row[11], row[12]
     jerk_x = ((set_roll - memory[LAST_SET_RATE]) - (roll_rate - memory[LAST_RATE])) / DT
@@ -177,37 +186,35 @@ def _moments(row: Array, wanted: Array, gains: Array, memory: Array, frame: Nine
     return mx + gains[KD_OMEGA] * jerk_x, my + gains[KD_OMEGA] * jerk_y, mz
 
 
-def _mellinger(row: Array, drift: Array, wanted: Array, gains: Array, memory: Array) -> None:
-    force = force_of(row, drift, wanted, gains, memory)
-    yaw = wanted_yaw(row, wanted)
+@compiled
+def mellinger(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> None:
+    """Write the control outputs of one vehicle for one step."""
+    force = force_of(row, drift, setpoint, gains, memory)
+    yaw = yaw_setpoint(row, setpoint)
     length = max(math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2), 1e-9)
     along = (force[0] / length, force[1] / length, force[2] / length)
-    attitude_only = wanted[MODE_X] != 1.0 and wanted[MODE_ROLL] == 1.0 and wanted[MODE_PITCH] == 1.0
-    if attitude_only and wanted[MODE_Z] == 0.0:
+    attitude_only = setpoint[MODE_X] != 1.0 and setpoint[MODE_ROLL] == 1.0 and setpoint[MODE_PITCH] == 1.0
+    if attitude_only and setpoint[MODE_Z] == 0.0:
         a = SET_ATTITUDE
-        frame = frame_of_angles(wanted[a] * RAD, -wanted[a + 1] * RAD, yaw)
-    elif wanted[MODE_X] != 1.0:
+        frame = frame_of_angles(setpoint[a] * RAD, -setpoint[a + 1] * RAD, yaw)
+    elif setpoint[MODE_X] != 1.0:
         frame = frame_along(along, legacy_degrees(row)[2] * RAD)
     else:
         frame = frame_along(along, yaw)
-    mx, my, mz = moments(row, wanted, gains, memory, frame)
+    mx, my, mz = moments(row, setpoint, gains, memory, frame)
     body = axes(row)
     thrust = gains[MASS_THRUST] * (force[0] * body[6] + force[1] * body[7] + force[2] * body[8])
-    if wanted[MODE_Z] == 0.0:
-        thrust = wanted[SET_THRUST]
-    memory[Z_WANTED], memory[Z_WANTED + 1], memory[Z_WANTED + 2] = frame[6], frame[7], frame[8]
+    if setpoint[MODE_Z] == 0.0:
+        thrust = setpoint[SET_THRUST]
+    memory[Z_AXIS_SETPOINT], memory[Z_AXIS_SETPOINT + 1], memory[Z_AXIS_SETPOINT + 2] = (
+        frame[6],
+        frame[7],
+        frame[8],
+    )
     memory[CONTROL + 3] = thrust
     if thrust > 0.0:
-        memory[CONTROL], memory[CONTROL + 1] = whole(mx, MOMENT_MAX), whole(my, MOMENT_MAX)
-        memory[CONTROL + 2] = whole(-mz, MOMENT_MAX)
+        memory[CONTROL], memory[CONTROL + 1] = truncated(mx, MOMENT_MAX), truncated(my, MOMENT_MAX)
+        memory[CONTROL + 2] = truncated(-mz, MOMENT_MAX)
         return
     memory[CONTROL : CONTROL + 3] = 0.0
     memory[I_POS : I_MOMENT + 3] = 0.0
-
-
-clamp, dot = compiled(_clamp), compiled(_dot)
-force_of, wanted_yaw = compiled(_force), compiled(_wanted_yaw)
-frame_along, frame_of_angles = compiled(_frame_along), compiled(_frame_of_angles)
-moments = compiled(_moments)
-mellinger = compiled(_mellinger)
-"""Control one vehicle for one step: (state row, drift, wanted, gains, memory); writes memory's outputs."""

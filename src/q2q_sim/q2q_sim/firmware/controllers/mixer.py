@@ -15,51 +15,51 @@ limit.
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_sim.firmware.controllers.columns import (
-    ASKED,
     BATTERY,
     CONTROL,
     FORCE_MAX,
     IDLE,
     MOTOR,
+    MOTOR_COMMAND,
     MOTORS_ON,
     NEWTON_PER_PWM,
     SHARE_TILT,
     SHARE_YAW,
     SUPPLY,
 )
-from q2q_sim.firmware.controllers.truncation import INT32_MAX, whole
+from q2q_sim.firmware.controllers.truncation import INT32_MAX, truncated
 from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensated, thrust_pwm
 
 
-def _mix(memory: Array, frame: Array) -> None:
+@compiled
+def mix(memory: Array, frame: Array) -> None:
     """Write the motor commands [PWM]."""
-    r = frame[SHARE_TILT] * whole(0.5 * memory[CONTROL], INT32_MAX)
-    p = frame[SHARE_TILT] * whole(0.5 * memory[CONTROL + 1], INT32_MAX)
+    r = frame[SHARE_TILT] * truncated(0.5 * memory[CONTROL], INT32_MAX)
+    p = frame[SHARE_TILT] * truncated(0.5 * memory[CONTROL + 1], INT32_MAX)
     y, thrust = frame[SHARE_YAW] * memory[CONTROL + 2], memory[CONTROL + 3]
-    memory[ASKED] = whole(thrust - r + p + y, INT32_MAX)
-    memory[ASKED + 1] = whole(thrust - r - p - y, INT32_MAX)
-    memory[ASKED + 2] = whole(thrust + r - p + y, INT32_MAX)
-    memory[ASKED + 3] = whole(thrust + r + p - y, INT32_MAX)
+    memory[MOTOR_COMMAND] = truncated(thrust - r + p + y, INT32_MAX)
+    memory[MOTOR_COMMAND + 1] = truncated(thrust - r - p - y, INT32_MAX)
+    memory[MOTOR_COMMAND + 2] = truncated(thrust + r - p + y, INT32_MAX)
+    memory[MOTOR_COMMAND + 3] = truncated(thrust + r + p - y, INT32_MAX)
 
 
-def _cap(duties: Array, idle: float) -> None:
+@compiled
+def cap(duties: Array, idle: float) -> None:
     """Lower all duties equally until none is above 65535, then raise each to the idle thrust."""
     excess = max(max(duties[0], duties[1], duties[2], duties[3]) - PWM_TOP, 0.0)
     for k in range(4):
         duties[k] = max(duties[k] - excess, idle)
 
 
-def _drive_motors(wanted: Array, memory: Array, frame: Array, forces: Array) -> None:
+@compiled
+def drive_motors(setpoint: Array, memory: Array, frame: Array, forces: Array) -> None:
     """Write the motors' duties into memory, and their commanded forces [N]."""
     duties = memory[MOTOR : MOTOR + 4]
     duties[:] = 0.0
     mix(memory, frame)
-    if wanted[MOTORS_ON] != 0.0:
+    if setpoint[MOTORS_ON] != 0.0:
         for k in range(4):
-            duties[k] = whole(compensated(memory[ASKED + k], wanted[SUPPLY]), INT32_MAX)
-        cap(duties, wanted[IDLE])
+            duties[k] = truncated(compensated(memory[MOTOR_COMMAND + k], setpoint[SUPPLY]), INT32_MAX)
+        cap(duties, setpoint[IDLE])
     for k in range(4):
-        forces[k] = min(frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], wanted[BATTERY]), frame[FORCE_MAX])
-
-
-mix, cap, drive_motors = compiled(_mix), compiled(_cap), compiled(_drive_motors)
+        forces[k] = min(frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], setpoint[BATTERY]), frame[FORCE_MAX])

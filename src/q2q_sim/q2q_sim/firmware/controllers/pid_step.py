@@ -2,7 +2,7 @@
 
 Source: firmware: utils/src/pid.c, utils/src/filter.c (lpf2p, second order Butterworth).
 
-    e = wanted - measured,  u = k_p e + k_i int(e) + k_d d(-measured)/dt,  |int(e)| <= limit,  |u| <= u_max
+    e = setpoint - measured,  u = k_p e + k_i int(e) + k_d d(-measured)/dt,  |int(e)| <= limit,  |u| <= u_max
 
 The derivative acts on the measurement, which avoids setpoint kick, and is filtered as in the firmware: for
 position and velocity (20 Hz), not for attitude and rates. A u_max of 0 means no limit.
@@ -25,14 +25,16 @@ How = tuple[int, int, float, float, float]
 """First column of the PID in memory, of its gains, dt [s], limit of the integral, u_max."""
 
 
-def _slope(memory: Array, at: int, measured: float, dt: float) -> float:
+@compiled
+def slope_of(memory: Array, at: int, measured: float, dt: float) -> float:
     """Return d(-measured)/dt and store the measurement."""
     rise = memory[at + 1] - measured
     memory[at + 1] = measured
     return float(rise / dt)
 
 
-def _filtered(memory: Array, at: int, sample: float) -> float:
+@compiled
+def filtered(memory: Array, at: int, sample: float) -> float:
     """Return the low-passed sample of the PID at column `at`."""
     first, second = memory[at + 2], memory[at + 3]
     newest = sample - first * _A1 - second * _A2
@@ -40,7 +42,8 @@ def _filtered(memory: Array, at: int, sample: float) -> float:
     return float(_B0 * (newest + 2.0 * first + second))
 
 
-def _pid(error: float, slope: float, memory: Array, gains: Array, how: How) -> float:
+@compiled
+def pid(error: float, slope: float, memory: Array, gains: Array, how: How) -> float:
     """Return the output of one step."""
     at, gain, dt, integral_max, output_max = how
     memory[at] = min(max(memory[at] + error * dt, -integral_max), integral_max)
@@ -48,10 +51,8 @@ def _pid(error: float, slope: float, memory: Array, gains: Array, how: How) -> f
     return float(min(max(out, -output_max), output_max) if output_max > 0.0 else out)
 
 
-def _pid_reset(memory: Array, at: int, measured: float) -> None:
+@compiled
+def pid_reset(memory: Array, at: int, measured: float) -> None:
+    """Reset a PID at a measurement."""
     memory[at], memory[at + 1] = 0.0, measured
     memory[at + 2], memory[at + 3] = 0.0, 0.0
-
-
-slope_of, filtered = compiled(_slope), compiled(_filtered)
-pid, pid_reset = compiled(_pid), compiled(_pid_reset)

@@ -18,7 +18,7 @@ from q2q_model.vehicle.thrust_map import PWM_FULL
 from q2q_sim.firmware.commander.setpoint import Three
 from q2q_sim.firmware.controllers.attitude_of import yaw_of
 from q2q_sim.firmware.controllers.columns import (
-    ATTITUDE_WANTED,
+    ATTITUDE_SETPOINT,
     MODE_X,
     MODE_Y,
     MODE_Z,
@@ -35,7 +35,7 @@ from q2q_sim.firmware.controllers.columns import (
     SET_VEL,
     THRUST_BASE,
     THRUST_MIN,
-    THRUST_WANTED,
+    THRUST_SETPOINT,
     VEL_FEED,
     VEL_GAINS,
     VEL_MAX,
@@ -56,7 +56,8 @@ Which = tuple[int, int, float, float]
 """Number of a PID, first column of its gains, largest output, feed-forward."""
 
 
-def _axis(error: float, measured: float, memory: Array, gains: Array, which: Which) -> float:
+@compiled
+def axis(error: float, measured: float, memory: Array, gains: Array, which: Which) -> float:
     """Run one filtered PID."""
     number, gain, output_max, feed = which
     at = PIDS + PID_WIDTH * number
@@ -65,50 +66,48 @@ def _axis(error: float, measured: float, memory: Array, gains: Array, which: Whi
     return float(min(max(out, -output_max), output_max) if output_max > 0.0 else out)
 
 
-def _wanted_velocity(
-    where: Three, wanted: Array, gains: Array, memory: Array, turn: tuple[float, float]
+@compiled
+def velocity_setpoint(
+    where: Three, setpoint: Array, gains: Array, memory: Array, turn: tuple[float, float]
 ) -> Three:
     """Return v_d forward, left, up [m/s]; `where` is the estimated position, `turn` cos, sin of the yaw."""
     c, s = turn
     p, v = SET_POS, SET_VEL
     ahead, left = where[0] * c + where[1] * s, where[1] * c - where[0] * s
-    vx, vy, vz = wanted[v], wanted[v + 1], wanted[v + 2]
-    if wanted[SET_BODY] == 0.0:
-        vx, vy = wanted[v] * c + wanted[v + 1] * s, wanted[v + 1] * c - wanted[v] * s
-    if wanted[MODE_X] == 1.0:
-        memory[POS_TARGET] = wanted[p] * c + wanted[p + 1] * s
+    vx, vy, vz = setpoint[v], setpoint[v + 1], setpoint[v + 2]
+    if setpoint[SET_BODY] == 0.0:
+        vx, vy = setpoint[v] * c + setpoint[v + 1] * s, setpoint[v + 1] * c - setpoint[v] * s
+    if setpoint[MODE_X] == 1.0:
+        memory[POS_TARGET] = setpoint[p] * c + setpoint[p + 1] * s
         error = memory[POS_TARGET] - ahead
         vx = axis(error, ahead, memory, gains, (PID_X, POS_GAINS, OVERHEAD * gains[VEL_MAX], 0.0))
-    if wanted[MODE_Y] == 1.0:
-        memory[POS_TARGET + 1] = wanted[p + 1] * c - wanted[p] * s
+    if setpoint[MODE_Y] == 1.0:
+        memory[POS_TARGET + 1] = setpoint[p + 1] * c - setpoint[p] * s
         error = memory[POS_TARGET + 1] - left
         vy = axis(error, left, memory, gains, (PID_X + 1, POS_GAINS + 3, OVERHEAD * gains[VEL_MAX + 1], 0.0))
-    if wanted[MODE_Z] == 1.0:
-        memory[POS_TARGET + 2] = wanted[p + 2]
-        error, top = wanted[p + 2] - where[2], OVERHEAD * max(gains[VEL_MAX + 2], 0.5)
+    if setpoint[MODE_Z] == 1.0:
+        memory[POS_TARGET + 2] = setpoint[p + 2]
+        error, top = setpoint[p + 2] - where[2], OVERHEAD * max(gains[VEL_MAX + 2], 0.5)
         vz = axis(error, where[2], memory, gains, (PID_X + 2, POS_GAINS + 6, top, 0.0))
     return vx, vy, vz
 
 
-def _position_pid(row: Array, drift: Array, wanted: Array, gains: Array, memory: Array) -> None:
+@compiled
+def position_pid(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> None:
+    """Write the setpoints of attitude and thrust."""
     yaw = yaw_of(row[6], row[7], row[8], row[9])
     c, s = math.cos(yaw), math.sin(yaw)
     where = (row[0] + drift[0], row[1] + drift[1], row[2] + drift[2])
     vel_x, vel_y, vel_z = row[3] + drift[3], row[4] + drift[4], row[5] + drift[5]
     ahead, left = vel_x * c + vel_y * s, vel_y * c - vel_x * s
-    vx, vy, vz = wanted_velocity(where, wanted, gains, memory, (c, s))
+    vx, vy, vz = velocity_setpoint(where, setpoint, gains, memory, (c, s))
     memory[VEL_TARGET], memory[VEL_TARGET + 1], memory[VEL_TARGET + 2] = vx, vy, vz
     feed = gains[VEL_FEED] * vx, gains[VEL_FEED + 1] * vy, gains[VEL_FEED + 2] * vz
     pitch_max, roll_max = gains[PITCH_LIMIT], gains[ROLL_LIMIT]
     pitch = -axis(vx - ahead, ahead, memory, gains, (PID_VX, VEL_GAINS, OVERHEAD * pitch_max, feed[0]))
     roll = -axis(vy - left, left, memory, gains, (PID_VX + 1, VEL_GAINS + 3, OVERHEAD * roll_max, feed[1]))
     lift = axis(vz - vel_z, vel_z, memory, gains, (PID_VX + 2, VEL_GAINS + 6, LIFT_MAX, feed[2]))
-    memory[ATTITUDE_WANTED] = min(max(roll, -roll_max), roll_max)
-    memory[ATTITUDE_WANTED + 1] = min(max(pitch, -pitch_max), pitch_max)
+    memory[ATTITUDE_SETPOINT] = min(max(roll, -roll_max), roll_max)
+    memory[ATTITUDE_SETPOINT + 1] = min(max(pitch, -pitch_max), pitch_max)
     thrust = max(THRUST_SCALE * lift + gains[THRUST_BASE], gains[THRUST_MIN])
-    memory[THRUST_WANTED] = min(thrust, PWM_TOP)
-
-
-axis, wanted_velocity = compiled(_axis), compiled(_wanted_velocity)
-position_pid = compiled(_position_pid)
-"""Write the attitude and thrust setpoints into memory: (state row, drift, wanted, gains, memory)."""
+    memory[THRUST_SETPOINT] = min(thrust, PWM_TOP)

@@ -11,11 +11,9 @@ from q2q_model.compiled import compiled
 INT16_MAX, INT32_MAX = 32767.0, 2147483647.0
 
 
-def _whole(number: float, limit: float) -> float:
+@compiled
+def truncated(number: float, limit: float) -> float:
     """Return a number rounded towards zero, within a limit; 0 for NaN."""
     if math.isnan(number):
         return 0.0
     return float(math.trunc(min(max(number, -limit), limit)))
-
-
-whole = compiled(_whole)

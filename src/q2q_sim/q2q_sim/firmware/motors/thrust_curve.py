@@ -32,7 +32,8 @@ _CONSTANT = _SHIFT**3 + CURVE[2] * CURVE[1] / (6.0 * CURVE[3] ** 2) - CURVE[0] /
 _PER_PWM = BRUSHED_MOTOR / PWM_TOP / (2.0 * CURVE[3])
 
 
-def _compensated(pwm: float, supply: float) -> float:
+@compiled
+def compensated(pwm: float, supply: float) -> float:
     """Return the duty (65535 is 100 %) for the thrust command `pwm` at a supply [V]."""
     if pwm < PWM_STANDSTILL or not supply >= SUPPLY_MIN:
         return 0.0
@@ -43,11 +44,9 @@ def _compensated(pwm: float, supply: float) -> float:
     return PWM_TOP * (volt + _SHIFT) / supply
 
 
-def _thrust_pwm(duty: float, volt: float) -> float:
+@compiled
+def thrust_pwm(duty: float, volt: float) -> float:
     """Return the thrust of a motor at a duty and a battery voltage [V], in PWM of thrust command."""
     u = volt * duty / PWM_TOP
     thrust = CURVE[0] + u * (CURVE[1] + u * (CURVE[2] + u * CURVE[3]))
     return max(thrust, 0.0) * PWM_TOP / BRUSHED_MOTOR
-
-
-compensated, thrust_pwm = compiled(_compensated), compiled(_thrust_pwm)
