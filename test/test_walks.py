@@ -1,0 +1,135 @@
+"""The two walks of docs/architecture.md name the files that run, in the order in which they run."""
+
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from inspect import CO_OPTIMIZED
+from pathlib import Path
+from types import FrameType
+
+import pytest
+from fresh_checkout import ROOT
+
+from q2q_model.commands import identify
+from q2q_model.compiled import KERNELS
+from q2q_model.files.find_model import find_model
+from q2q_model.signals.layout import Signal
+from q2q_model.tools import identify_flights
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
+
+PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+STEP = re.compile(r"^\d+\. `(q2q_\w+/[\w/]+\.py)`", re.MULTILINE)
+SERVICES = {
+    "q2q_model/commands/command_line.py",
+    "q2q_model/commands/quiet_end.py",
+    "q2q_model/compiled.py",
+    "q2q_model/node/lean_imports.py",
+    "q2q_model/signals/repeated_stamp.py",
+    "q2q_model/signals/stamps.py",
+    "q2q_model/signals/values.py",
+    "q2q_model/tunable.py",
+}
+"""Services that every block or command uses: parsing, parameters, compilation, stamps, rows by name."""
+BESIDE_IDENTIFICATION = {
+    "q2q_model/bag/flight_facts.py",
+    "q2q_model/bag/storage/fault.py",
+    "q2q_model/downwash/interaction_model.py",
+    "q2q_model/files/plain_values.py",
+    "q2q_model/geometry/rotations.py",
+    "q2q_model/identification/filtered_states.py",
+    "q2q_model/tools/bag_vehicle.py",
+    "q2q_model/tools/identify_report.py",
+    "q2q_model/vehicle/constants.py",
+    "q2q_model/vehicle/thrust_map.py",
+}
+"""Vehicle of the bag, repairs, rotation of vectors, report: no steps of the walk."""
+
+
+@dataclass
+class Trace:
+    """Files of the packages that run while the trace is on, in the order of their first call."""
+
+    files: list[str] = field(default_factory=list)
+
+    def start(self) -> None:
+        """Record every call."""
+        sys.setprofile(self._watch)
+
+    def stop(self) -> None:
+        """Stop recording."""
+        sys.setprofile(None)
+
+    def _watch(self, frame: FrameType, event: str, _: object) -> None:
+        found = re.search(r"/(q2q_\w+/(?!q2q_)[\w/]+\.py)$", frame.f_code.co_filename)
+        is_function = frame.f_code.co_flags & CO_OPTIMIZED  # neither a module nor the body of a class
+        if event == "call" and is_function and found and found[1] not in self.files:
+            self.files.append(found[1])
+
+
+def walk(heading: str) -> list[str]:
+    """Return the numbered files of a section of the page."""
+    section = PAGE.partition(f"## {heading}\n")[2].partition("\n## ")[0]
+    return STEP.findall(section)
+
+
+def check(steps: list[str], ran: list[str], aside: set[str]) -> None:
+    """Compare a walk with the files that ran; calls of a kernel by another kernel leave no trace."""
+    compiled = {kernel.name.rpartition(".")[0].replace(".", "/") + ".py" for kernel in KERNELS}
+    assert sorted(set(ran) - set(steps) - aside) == [], "these run, and are no step"
+    assert sorted(set(steps) - set(ran) - compiled) == [], "these are steps, and do not run"
+    traced = set(ran) & set(steps) - compiled
+    assert [one for one in steps if one in traced] == [one for one in ran if one in traced], "another order"
+
+
+@pytest.mark.parametrize(
+    ("heading", "most"), [("From a mocap frame to a command", 25), ("From a bag to a model", 30)]
+)
+def test_a_walk_is_short_and_names_files_that_exist(heading: str, most: int) -> None:
+    steps = walk(heading)
+    assert 10 < len(steps) <= most
+    assert len(set(steps)) == len(steps)
+    assert [one for one in steps if not (ROOT / "src" / one.partition("/")[0] / one).is_file()] == []
+
+
+def test_a_frame_of_an_ordinary_tick_passes_the_documented_files_to_its_command(tmp_path: Path) -> None:
+    shown = (ROOT / "test" / "scenarios" / "short_room.yaml").read_text()
+    ideal = tmp_path / "ideal.yaml"
+    ideal.write_text(shown.replace("room: real", "room: ideal"))
+    scenario = library.load(str(ideal))
+    trace, ticks = Trace(), 0
+
+    def hear(topic: str, _: int, __: Signal) -> None:
+        nonlocal ticks
+        ticks += topic == "truth"
+        if topic == "truth" and 130 < ticks <= 150:  # the passage
+            trace.start()
+        if topic == "mocap":  # the first signal of a tick after its command is computed
+            trace.stop()
+
+    known = find_model(scenario.model).interaction
+    fly(scenario, FlightOptions(model=known, hear=hear))
+    blocks = [one for one in trace.files if not one.startswith("q2q_sim/")]
+    check(walk("From a mocap frame to a command"), blocks, SERVICES)
+
+
+def test_bags_pass_the_documented_files_to_a_model(tmp_path: Path) -> None:
+    bags = [str(ROOT / "bags" / name) for name in ("table2_1", "table2_5")]
+    assert identify_flights  # imported before: what modules call when they are imported is no step
+    trace = Trace()
+    run_traced(
+        trace,
+        lambda: identify.main([*bags, "--out", str(tmp_path / "m.q2q"), "--no-plots", "--model-type", "jet"]),
+    )
+    check(walk("From a bag to a model"), trace.files, SERVICES | BESIDE_IDENTIFICATION)
+
+
+def run_traced(trace: Trace, act: Callable[[], int]) -> None:
+    """Run a command under a trace; it must succeed."""
+    trace.start()
+    try:
+        status = act()
+    finally:
+        trace.stop()
+    assert status == 0
