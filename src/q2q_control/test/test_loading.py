@@ -1,11 +1,14 @@
 """A source that carries downwash of its own throws more air: the horizon may count that."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from q2q_control.inputs.alignment import align
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.prediction.surroundings import Future, Surroundings
+from q2q_model.downwash.interaction_model import at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import GRAVITY
@@ -43,3 +46,17 @@ def test_hovering_sources_have_the_downwashs_of_the_law_whatever_the_loading():
     rule = SlopeRule((2,), 100.0)
     paper, loaded = (predict_downwash(PAPER_LAW, tracks_of(share, 0.0), rule) for share in (0.0, 1.0))
     assert np.allclose(loaded.eta, paper.eta, rtol=1e-12)
+
+
+def test_the_horizons_lowest_vehicle_meets_what_the_middle_one_leaves_of_the_top_ones_jet():
+    pos = np.repeat(np.array([[[0.0, 0.0, 1.0], [0.0, 0.0, 1.5], [0.0, 0.0, 2.1]]]), STAGES + 1, axis=0)
+    level, weight = np.tile([0.0, 0.0, 1.0], (3, STAGES, 1)), np.ones((3, STAGES))
+    tracks = Tracks(0.05 * np.arange(STAGES + 1), pos, level, weight, first=0)
+    rule, taking = SlopeRule((2,), 100.0), replace(PAPER_LAW, absorption=1.5)
+    paper, left = (predict_downwash(law, tracks, rule) for law in (PAPER_LAW, taking))
+    rel_pos = pos[0, 2] - pos[0, :2]
+    on_low, on_middle = PAPER_LAW.acceleration(rel_pos, at_rest(rel_pos))[:, 2]  # by the top one alone
+    taken = 1.5 * on_middle / GRAVITY * on_low
+    assert taken > 0.005
+    assert np.allclose(left.eta[0, :, 2], paper.eta[0, :, 2] + taken, rtol=1e-12)
+    assert np.allclose(left.eta[2], paper.eta[2], rtol=1e-12)

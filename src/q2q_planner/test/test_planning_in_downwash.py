@@ -1,5 +1,7 @@
 """Planning around learned downwash, and replanning online, take the downwash off section 4.1's crossing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,16 @@ def test_the_downwash_response_of_a_constant_push_is_the_static_error() -> None:
     assert altitude_errors(hover, STEP, Push(), PAPER_LOOP)[-1] == pytest.approx(
         0.1 / PAPER_LOOP.k_p, rel=1e-3
     )
+
+
+def test_the_lowest_of_a_stack_sinks_less_where_the_middle_one_absorbs() -> None:
+    stack = np.tile([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5], [0.0, 0.0, 2.1]], (200, 1, 1))
+    plain, absorbed = (
+        altitude_errors(stack, STEP, law, PAPER_LOOP)[-1, 0]
+        for law in (PAPER_LAW, replace(PAPER_LAW, absorption=2.0))
+    )
+    assert plain < absorbed - 1e-4  # little, for the vehicles sink out of each other's jets
+    assert absorbed < 0.0
 
 
 def test_planning_around_the_learned_downwash_cuts_the_height_error_by_85_percent() -> None:

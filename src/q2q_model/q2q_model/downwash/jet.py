@@ -6,14 +6,15 @@
           = exp(-beta (gap - gap_ref))           "exponential": best fit to real flights
     tau = gap / travel_speed                     transport delay
 
-    r = |rel_xy + c (v_j,xy tau - gap b_xy / b_z)|  distance to the jet's axis at the vehicle's height
+    r = |rel_xy + c (k v_j,xy tau - gap b_xy / b_z)|  distance to the jet's axis at the vehicle's height
 
 rel_pos is r_j(t - tau) - r_i(t). The air leaves along -b, the source's negative body z. It keeps the source's
 velocity v_j and the slope of the jet on its way down (c = 1), or falls straight down (c = 0), as in the
 paper. A vehicle climbing at v_i,z meets air that descends at travel_speed with the sum of both speeds.
 
 Real flights support c = 1: fitted freely, the share of slope kept is 0.997 (family dc21) and 1.13 (dc19), and
-explains more than a third of the residual of a straight fall.
+explains more than a third of the residual of a straight fall. Of the source's velocity, the still air leaves
+k = 0.6 on average on the way down (fitted to dc21; dc19 0.77).
 
 eta acts along z only. `PAPER_LAW` is the synthetic downwash that reproduces the paper's Table 6;
 `MEASURED_LAW` is the three-parameter law with delay fitted to two Crazyflie 2.1 (flights recorded for
@@ -28,6 +29,9 @@ Neural-Swarm2, T-RO 2021) that flew without feed-forward.
 | beta | decay_rate | [1/m] |
 | s0, ks | width, spread | radial standard deviation at the source [m] and its growth [m/m] |
 | c | carried | share of the source's velocity and slope that the air keeps [-]; 0 ignores motion |
+| k | velocity_share | share of the kept velocity that the still air leaves on the way [-] |
+
+`loading` and `absorption` act between several sources (q2q_model.downwash.source_strength).
 """
 
 import math
@@ -79,6 +83,15 @@ class Jet:
         0.0, "standard deviation outside the downwash; both 0: unknown", unit="m/s^2", low=0, high=10
     )
     range: float = tunable(3.0, "largest gap with downwash", unit="m", low=0.1, high=10)
+    velocity_share: float = tunable(
+        1.0, "share of the kept velocity that the still air leaves", low=0, high=1
+    )
+    loading: float = tunable(
+        0.0, "share of a source's thrust beyond its weight that strengthens its downwash", low=0, high=2
+    )
+    absorption: float = tunable(
+        0.0, "share of a jet that a vehicle takes, over its acceleration by it in g", low=0, high=4
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -147,6 +160,7 @@ class _Law(NamedTuple):
     upper_ratio: float
     travel_speed: float
     carried: float
+    velocity_share: float
     range: float
 
 
@@ -163,7 +177,7 @@ class _Pairs(NamedTuple):
 def _law_of(jet: Jet) -> _Law:
     shape = jet.strength, jet.reference_gap, jet.decay == "power", jet.virtual_origin, jet.decay_rate
     width = jet.width, jet.spread, jet.upper_ratio
-    return _Law(*shape, *width, jet.travel_speed, jet.carried, jet.range)
+    return _Law(*shape, *width, jet.travel_speed, jet.carried, jet.velocity_share, jet.range)
 
 
 @compiled
@@ -175,6 +189,7 @@ def _drift(dz: float, vel: Array, axis: Array, law: _Law) -> tuple[float, float]
     fall, tau = max(dz, 0.0), 0.0
     if law.travel_speed > 0.0:
         tau = min(fall, law.range) / law.travel_speed
+    tau *= law.velocity_share
     return law.carried * (vel[0] * tau - fall * sx / cut), law.carried * (vel[1] * tau - fall * sy / cut)
 
 

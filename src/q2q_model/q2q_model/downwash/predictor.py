@@ -1,10 +1,11 @@
 """Online prediction of every vehicle's downwash from an interaction model and the swarm's states.
 
-    eta_i(t) = sum over j in reach of law(r_j(t - tau_ij) - r_i(t), v_j(t - tau_ij), b_j(t - tau_ij), v_i(t))
+    eta_i(t) = sum over j in reach of s_ij law(r_j(t - tau) - r_i(t), v_j(t - tau), b_j(t - tau), v_i(t))
 
-The accelerations of several sources add up, and so do the variances of their predictions. A law with delay
-needs past states of the sources: a history as long as the law's largest delay holds them. A source observed
-for less than its delay counts with its first observed state.
+tau is that of the pair. s is 1, or the strength of q2q_model.downwash.source_strength if the model has its
+terms. The accelerations of several sources add up, and so do the variances of their predictions. A law with
+delay needs past states of the sources: a history as long as the law's largest delay holds them. A source
+observed for less than its delay counts with its first observed state.
 
 | input | output |
 |---|---|
@@ -22,6 +23,14 @@ from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
 from q2q_model.downwash.pairs import InteractionSums, PairInteractions, add_up, lay_out, look_back, meet
+from q2q_model.downwash.source_strength import (
+    HALF_SPAN_S,
+    PAIRS_ALONE,
+    SourceTerms,
+    source_terms,
+    strengths,
+    thrust_ratio,
+)
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Interference, Names, SwarmState, index_of
@@ -44,7 +53,7 @@ class InteractionPredictor:
 
     def exchange(self, model: InteractionModel) -> None:
         """Use another model from the next stamp on; a history shorter than its delay is cleared."""
-        if model.max_delay > self.model.max_delay:
+        if _span(model) > _span(self.model):
             self.reset()
         self.model = model
 
@@ -70,7 +79,7 @@ class InteractionPredictor:
         if state.t < self._history.oldest:
             self.reset()
         if state.names != self._names:
-            fresh = StateHistory(len(state.names), self.model.max_delay)
+            fresh = StateHistory(len(state.names), _span(self.model))
             rows = index_of(state.names, self._names)
             self._history = self._history.reordered(rows) if self._names else fresh
             self._names = state.names
@@ -86,4 +95,26 @@ class InteractionPredictor:
             look_back(now, keys, self._history.at(left, keys % len(now)), pairs, stale)
         rel_pos, motion = pairs[0], PairMotion(pairs[1], pairs[2], pairs[3])
         eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
+        terms = source_terms(self.model)
+        if terms != PAIRS_ALONE:
+            thrust = self._thrust_ratio(t, now, keys, terms)
+            share = strengths(*np.divmod(keys, len(now)), eta[:, 2:].copy(), thrust, terms)
+            eta, deviation = share * eta, share * deviation
         return PairInteractions(eta, deviation, stale)
+
+    def _thrust_ratio(self, t: float, now: Array, keys: NDArray[np.intp], terms: SourceTerms) -> Array:
+        """Return thrust over weight of each pair's source when its air left it, (p, 1); 1 where unknown."""
+        if terms.loading == 0.0:
+            return np.ones((keys.size, 1))
+        i, j = np.divmod(keys, len(now))
+        left = t - self.model.delay(now[j, :3] - now[i, :3])
+        before, after = left - HALF_SPAN_S, np.minimum(left + HALF_SPAN_S, t)
+        vel = [self._history.at(when, j)[:, 3:6] for when in (before, after)]
+        seen = np.minimum(after, self._history.newest) - np.maximum(before, self._history.oldest)
+        ratio = thrust_ratio(vel[0], vel[1], seen)
+        return np.where(np.isfinite(ratio) & (seen > 0.5 * HALF_SPAN_S), ratio, 1.0)[:, None]
+
+
+def _span(model: InteractionModel) -> float:
+    """Return the length of the history that a model needs [s]."""
+    return model.max_delay + (HALF_SPAN_S if source_terms(model).loading > 0.0 else 0.0)

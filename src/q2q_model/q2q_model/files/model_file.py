@@ -3,7 +3,7 @@
 A `.q2q` file is JSON and holds data only: its `type` entries choose among the classes named here, and nothing
 in it is executed. A SHA-256 checksum over the other entries detects a truncated, edited or damaged file.
 
-    {"format": "q2q-model", "version": 2, "checksum": "...",
+    {"format": "q2q-model", "version": 3, "checksum": "...",
      "model": {"type": "jet", "parameters": {...}},
      "zone": {"type": "cylinder", "parameters": {"eps": 0.1, "d": 1.1}},
      "gains": {"k_p": ..., "k_d": ..., ...} | null,
@@ -27,9 +27,9 @@ from q2q_model.files.plain_values import Plain, PlainValueError, from_plain, to_
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
-FORMAT, VERSION = "q2q-model", 2
-READABLE = (1, VERSION)
-"""Version 1 lacks a jet's std_floor, which is then 0."""
+FORMAT, VERSION = "q2q-model", 3
+READABLE = (1, 2, VERSION)
+"""Version 1 lacks a jet's std_floor, version 2 its velocity_share, loading and absorption: their defaults."""
 
 MODELS: Mapping[str, type[NoInteraction | Jet | EnvelopeNetwork]] = {
     "none": NoInteraction,

@@ -81,7 +81,7 @@ class Identification:
     spread: tuple[tuple[str, Interval], ...]
     """Intervals of the model's parameters; empty unless it is a jet."""
     loading: Interval | None
-    """None if no vehicle flew under one that was itself under another."""
+    """The model's own if that has one; None if no vehicle flew under one that was itself under another."""
     zone: LevelSet | None
     file: ModelFile
     remarks: tuple[str, ...]
@@ -115,6 +115,8 @@ def identify(
     model = with_deviation(best.candidate, model, evidence)
     zone, zone_remarks = _learned_zone(model, params.threshold)
     train = score_on(model, evidence, loop)
+    spread = parameter_intervals(best.candidate, model, evidence, loop)
+    pushed = [one for flight in evidence for one in flight.pushes]
     return Identification(
         evidence=tuple(evidence),
         gains=gains,
@@ -123,8 +125,8 @@ def identify(
         chosen=best.candidate,
         train=train,
         held_out=best.held_out,
-        spread=parameter_intervals(best.candidate, model, evidence, loop),
-        loading=loading_of(model, [one for flight in evidence for one in flight.pushes]),
+        spread=spread,
+        loading=dict(spread).get("loading") or loading_of(model, pushed),
         zone=zone,
         file=ModelFile(
             interaction=model, zone=zone or Cylinder(), gains=loop, fit=_fit(best, train, evidence)

@@ -1,6 +1,6 @@
 """Predicted height errors along a plan: altitude loop (13) under learned downwash (14).
 
-    e_i'' = -K_d e_i' - K_p e_i + sum_j eta(r_j - r_i),    z_i = z_i,ref + e_i
+    e_i'' = -K_d e_i' - K_p e_i + sum_j s_ij eta(r_j - r_i),    z_i = z_i,ref + e_i
 
 Horizontally, vehicles follow their references; heights are the disturbed ones, so the downwash of a vehicle
 includes the effect of the downwash on it. Semi-implicit Euler at the sampling of the references. Plans are
@@ -10,6 +10,7 @@ judged as in section 4 of the paper (Figs 11 and 13); delays and the motion of s
 import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.source_strength import PAIRS_ALONE, source_terms, strengths
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP, AltitudeLoop
 
@@ -27,12 +28,15 @@ def altitude_errors(pos: Array, step: float, model: InteractionModel, loop: Alti
     """
     ticks, n, _ = pos.shape
     i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
-    error, rate = np.zeros(n), np.zeros(n)
+    error, rate, terms = np.zeros(n), np.zeros(n), source_terms(model)
     errors = np.zeros((ticks, n))
     for tick in range(ticks):
         there = pos[tick] + np.stack([np.zeros(n), np.zeros(n), error], -1)
         rel_pos = there[j] - there[i]
-        eta = np.bincount(i, model.acceleration(rel_pos, at_rest(rel_pos))[:, 2], minlength=n)
+        law = model.acceleration(rel_pos, at_rest(rel_pos))[:, 2]
+        if terms != PAIRS_ALONE:
+            law = law * strengths(i, j, law[:, None], np.ones((i.size, 1)), terms)[:, 0]
+        eta = np.bincount(i, law, minlength=n)
         rate += step * (eta - loop.k_d * rate - loop.k_p * error)
         error = error + step * rate
         errors[tick] = error

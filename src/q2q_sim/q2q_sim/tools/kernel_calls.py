@@ -17,6 +17,7 @@ from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.downwash.source_strength import SourceTerms, strengths
 from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.files.find_model import find_model
 from q2q_model.identification.force.recorded_force import lagged
@@ -58,6 +59,8 @@ def _estimators() -> None:
     rehearse(block.update, block.reset, (MocapFrame,), MANY[:2])
     predictor = InteractionPredictor(find_model("measured_law").interaction)
     rehearse(predictor.update, predictor.reset, (SwarmState,))
+    two = np.array([[0], [1]])
+    strengths(two[:, 0], two[::-1, 0], np.zeros((2, 1)), np.ones((2, 1)), SourceTerms(1.0, 1.0))
 
 
 def _room() -> None:

@@ -7,7 +7,8 @@ predicted path. The source's position is that of a delay tau earlier: in the pas
     eta_i,k = sum_j s_j,k law(rel_k),  G_ij,k = s_j,k d law / d rel at rel_k
 
 The jet of a source points against its predicted thrust and is s_j,k times as strong as when hovering: a
-source that is itself pushed down carries its weight and its downwash. G is found by central differences and
+source that is itself pushed down carries its weight and its downwash. Vehicles in between absorb part of it
+if the model says so (q2q_model.downwash.source_strength). G is found by central differences and
 neglects the delay of the source's displacement. The delay is exact in eta itself, so nothing is lost as long
 as the path is the predicted one.
 
@@ -39,6 +40,7 @@ from q2q_control.mpc.prediction.downwash_stages import (
 )
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, Reach
 from q2q_model.downwash.pairs_in_reach import pairs_in_reach
+from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_terms, strengths
 from q2q_model.signals.values import Array
 
 ALL_PAIRS = 4
@@ -65,6 +67,10 @@ def predict_downwash(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -
     moves = np.array(rule.moves)
     law = _law_at_places(model, tracks, (i, j), moves)
     downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
+    terms = SourceTerms(absorption=source_terms(model).absorption)  # loading is in the tracks' weight
+    if terms != PAIRS_ALONE:
+        vertical = np.ascontiguousarray(law[0, ..., 2])
+        law *= strengths(i, j, vertical, np.ones_like(vertical), terms)[..., None]
     strong = sum_downwash(law, tracks.weight, moves, rule.slope_max, downwash)
     if strong.all():
         return downwash

@@ -12,6 +12,7 @@ from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.prediction.plan_memory import Plan, PlanMemory
 from q2q_control.mpc.prediction.surroundings import Future, Surroundings
 from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.source_strength import source_terms
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -43,7 +44,7 @@ class Forecaster:
         """Predict downwash by `model`."""
         self._params, self._model, self._slopes = params, model, slopes
         self._plans = PlanMemory(params.steps, params.step)
-        self._surroundings = Surroundings(model.max_delay, params.loading)
+        self._surroundings = Surroundings(model.max_delay, source_terms(model).loading or params.loading)
         self._ahead = params.step * np.arange(params.steps + 1)
 
     def stages(self, t: float) -> Array:

@@ -1,7 +1,8 @@
 """Least-squares fit of the jet to measured downwash (downwash_force) or to altitudes (14).
 
-Fitted are strength, decay, width, spread, upper ratio, and slowness 1 / travel_speed; the form of the decay
-and the share of velocity and slope that the air keeps are given. The residuals are
+Fitted are strength, decay, width, spread, upper ratio, and slowness 1 / travel_speed; of a loaded form also
+the share of velocity left by the still air, loading and absorption. The form of the decay and the share of
+velocity and slope that the air keeps are given. The residuals are
 
     pushes:     y - eta                        on exposed and upper rows
     altitudes:  z - z_free - (h * eta)         every tenth tick, as the loop is much slower
@@ -55,6 +56,8 @@ class JetForm:
     carried: float = 1.0
     delayed: bool = True
     spreading: bool = True
+    loaded: bool = False
+    """Whether velocity share, loading and, from flights of three or more, absorption are fitted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +92,8 @@ def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | 
             for flight, one, rows in chosen
         ]
 
-    fit = _fit(residuals, form, solved, "soft_l1")
+    stacked = any(one.motion.pos.shape[1] > 2 for one in samples)  # one vehicle may be between two
+    fit = _fit(residuals, form, solved, "soft_l1", stacked=stacked)
     floor, share = _affine(*_magnitudes(fit.jet, samples))
     return replace(fit, jet=replace(fit.jet, std_floor=floor, relative_std=share))
 
@@ -112,8 +116,10 @@ def fit_to_altitudes(
     return _fit(residuals, form, solved)
 
 
-def _fit(residuals: Residuals, form: JetForm, solved: Jet | None, loss: str = "linear") -> JetFit:
-    names, start = _free_parameters(form)
+def _fit(
+    residuals: Residuals, form: JetForm, solved: Jet | None, loss: str = "linear", *, stacked: bool = False
+) -> JetFit:
+    names, start = _free_parameters(form, stacked=stacked)
     low, high = (np.array([_BOUNDS[name][side] for name in names]) for side in (0, 1))
     if solved is not None:
         start = np.clip(_values(solved, names), low, high)
@@ -151,6 +157,9 @@ _BOUNDS = {
     "spread": (0.0, 0.4),
     "upper_ratio": (-0.8, 0.8),
     "slowness": (0.0, 0.8),
+    "velocity_share": (0.0, 1.0),
+    "loading": (0.0, 2.0),
+    "absorption": (0.0, 4.0),
 }
 _SCALES = {
     "strength": 1.0,
@@ -160,14 +169,19 @@ _SCALES = {
     "spread": 0.1,
     "upper_ratio": 0.2,
     "slowness": 0.2,
+    "velocity_share": 0.3,
+    "loading": 0.5,
+    "absorption": 1.0,
 }
 
 
-def _free_parameters(form: JetForm) -> tuple[list[str], Array]:
+def _free_parameters(form: JetForm, *, stacked: bool) -> tuple[list[str], Array]:
     start = {"strength": 1.5, "width": 0.07, "upper_ratio": 0.02}
     start |= {"decay_rate": 1.0} if form.decay == "exponential" else {"virtual_origin": 0.5}
     start |= {"spread": 0.05} if form.spreading else {}
     start |= {"slowness": 0.15} if form.delayed else {}
+    start |= {"velocity_share": 0.8, "loading": 0.3} if form.loaded else {}
+    start |= {"absorption": 0.5} if form.loaded and stacked else {}
     return list(start), np.array(list(start.values()))
 
 

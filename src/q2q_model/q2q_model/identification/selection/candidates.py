@@ -59,6 +59,7 @@ FORMS = {
     "jet, straight down, exponential": JetForm("exponential", carried=0.0, delayed=False),
     "jet, late": JetForm("exponential", carried=0.0, delayed=True),
     "jet, late and moving with its source": JetForm("exponential", carried=1.0, delayed=True),
+    "jet, late, moving and loaded": JetForm("exponential", carried=1.0, delayed=True, loaded=True),
 }
 
 
@@ -174,12 +175,13 @@ def parameter_intervals(
 
 
 def _jets(flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
-    del flights
-    return [Candidate(name, "jet", _freedom(form), _jet_fitter(loop, form)) for name, form in FORMS.items()]
+    measured = any(one.exposed.any() for flight in flights for one in flight.pushes)
+    forms = {name: form for name, form in FORMS.items() if measured or not form.loaded}
+    return [Candidate(name, "jet", _freedom(form), _jet_fitter(loop, form)) for name, form in forms.items()]
 
 
 def _freedom(form: JetForm) -> int:
-    return 4 + form.delayed + form.spreading
+    return 4 + form.delayed + form.spreading + 3 * form.loaded
 
 
 def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
