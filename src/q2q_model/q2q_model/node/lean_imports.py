@@ -1,29 +1,35 @@
-"""Import without garbage collection and without numba's import of `coverage`: a third of the import time.
+"""Import without garbage collection and without what numba and rosidl look for in vain: a third of the time.
 
 Imported modules are never freed, so collection finds nothing. numba imports `coverage` if it is installed
-(colcon depends on it) to report compiled lines; None in sys.modules means "not found" (Python Language
-Reference 5.3.1).
+(colcon depends on it) to report compiled lines, and `cffi` to call C from kernels; rosidl_generator_py
+imports its generator of message code. None in sys.modules means "not found" (Python Language Reference,
+section 5.3.1).
 """
 
 import gc
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 
-UNUSED = "coverage"
+UNUSED = ("coverage", "cffi", "rosidl_generator_py.generate_py_impl")
+LOOKED_FOR_LATER = {"numba": "numba.core.typing.cffi_utils", "rclpy": "rosidl_generator_py"}
+"""Modules that a package imports on first use, and that then look for UNUSED ones."""
 
 
 @contextmanager
 def lean_imports() -> Iterator[None]:
-    """Disable garbage collection, and hide `coverage` unless it measures this process."""
-    collects, hidden = gc.isenabled(), UNUSED not in sys.modules
+    """Disable garbage collection, and hide UNUSED modules but those that are imported already."""
+    collects, hidden = gc.isenabled(), [name for name in UNUSED if name not in sys.modules]
     gc.disable()
-    if hidden:
-        sys.modules[UNUSED] = None  # type: ignore[assignment]  # typeshed knows modules only
+    sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]  # typeshed knows modules only
     try:
         yield
+        for package, module in LOOKED_FOR_LATER.items():
+            if package in sys.modules:
+                import_module(module)
     finally:
-        if hidden:
-            del sys.modules[UNUSED]
+        for name in hidden:
+            del sys.modules[name]
         if collects:
             gc.enable()
