@@ -22,8 +22,6 @@ from q2q_sim.processes.processes import NodeDiedError, NodeSpec, sections
 
 RECYCLE = 50
 """Flights after which the process is replaced."""
-PATIENCE_S = 300.0
-"""Time-out of one flight [s]: minutes of simulated time on a busy machine."""
 
 
 class ResidentNodes:
@@ -88,4 +86,4 @@ def _fly(parameters: Path) -> FlightTiming:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # injected clock jumps are corrected with a warning
-        return fly_here(parameters, PATIENCE_S)
+        return fly_here(parameters)

@@ -1,4 +1,7 @@
-"""Director of a flight through node processes: wait for connections, start, follow, read the summary."""
+"""Director of a flight through nodes: wait for connections, start, follow, read the summary, drain.
+
+The nodes run in processes of their own, or in this process on one executor.
+"""
 
 import json
 from collections.abc import Callable, Iterable, Mapping
@@ -8,6 +11,7 @@ from typing import Self
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.client import Client
+from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
@@ -36,11 +40,18 @@ SOURCES = ("/simulator", "/bag_play")
 class FlightDirector:
     """Node that starts and follows a flight; a context manager."""
 
-    def __init__(self, check: Callable[[], None]) -> None:
-        """Take a check that is called while waiting; it raises if a process has died."""
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # the tool handles signals
+    def __init__(self, check: Callable[[], None], executor: Executor | None = None) -> None:
+        """Join the graph.
+
+        Args:
+            check: called while waiting; raises if a process has died.
+            executor: executor of the flight's nodes in this process; None starts ROS with a new one.
+        """
+        self._started_ros = executor is None
+        if self._started_ros:
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # the tool handles signals
         self._node = Node("flight_director")
-        self._executor = make_executor()
+        self._executor = executor or make_executor()
         self._executor.add_node(self._node)
         self._check = check
         self._summary: dict[str, float | None] | None = None
@@ -58,8 +69,11 @@ class FlightDirector:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave the graph."""
-        rclpy.try_shutdown()
+        """Leave the graph; end ROS if the director started it."""
+        self._executor.remove_node(self._node)
+        self._node.destroy_node()
+        if self._started_ros:
+            rclpy.try_shutdown()
 
     def follow_clock(self) -> None:
         """Count the ticks of a flight by /clock; diagnostics report them only once a second."""
