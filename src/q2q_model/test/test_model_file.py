@@ -70,12 +70,12 @@ def test_an_edited_number_is_found_by_the_checksum():
 
 def _resealed(change: dict[str, object]) -> str:
     """Return a file with top entries changed and the right checksum for them."""
-    from q2q_model.files import model_file
+    from q2q_model.files.sealed_json import checksum
 
     body = json.loads(encode(ModelFile(PAPER_LAW))) | change
     body.pop("checksum")
     body = {name: value for name, value in body.items() if value is not ...}
-    return json.dumps(body | {"checksum": model_file._checksum(body)})
+    return json.dumps(body | {"checksum": checksum(body)})
 
 
 NEW_IN = {1: ("std_floor", "velocity_share", "loading", "absorption"),

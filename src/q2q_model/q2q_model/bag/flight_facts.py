@@ -30,6 +30,8 @@ class FlightFacts:
     """Interaction model of the controller."""
     wake: str = ""
     """Downwash law of the simulator."""
+    air: str = ""
+    """Air of the simulator in place of that law."""
     seed: str = ""
 
     @property

@@ -10,8 +10,6 @@ in it is executed. A SHA-256 checksum over the other entries detects a truncated
      "fit": {...} | null}
 """
 
-import hashlib
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,11 +22,11 @@ from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.files.plain_values import Plain, PlainValueError, from_plain, to_plain
+from q2q_model.files.sealed_json import FileFormat, sealed, unsealed
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
-FORMAT, VERSION = "q2q-model", 3
-READABLE = (1, 2, VERSION)
+FORMAT = FileFormat(name="q2q-model", noun="q2q model", version=3, maker="identify")
 """Version 1 lacks a jet's std_floor, version 2 its velocity_share, loading and absorption: their defaults."""
 
 MODELS: Mapping[str, type[NoInteraction | Jet | EnvelopeNetwork]] = {
@@ -103,8 +101,6 @@ def encode(content: ModelFile) -> str:
     """Return the file's text."""
     try:
         body: dict[str, Plain] = {
-            "format": FORMAT,
-            "version": VERSION,
             "model": _tag(content.interaction, MODELS, "model"),
             "zone": _plain_zone(content.zone),
             "gains": to_plain(content.gains, "gains"),
@@ -112,13 +108,13 @@ def encode(content: ModelFile) -> str:
         }
     except PlainValueError as error:
         raise ModelFileError(str(error)) from error
-    return json.dumps(body | {"checksum": _checksum(body)}, indent=1) + "\n"
+    return sealed(body, FORMAT)
 
 
 def decode(text: str) -> ModelFile:
     """Return the contents of a file's text; raise ModelFileError if it is not valid."""
-    body = _checked_body(text)
     try:
+        body = unsealed(text, FORMAT)
         model = from_plain(*_tagged(body["model"], MODELS, "model"))
         return ModelFile(
             interaction=model,
@@ -130,29 +126,6 @@ def decode(text: str) -> ModelFile:
         raise ModelFileError(f"entry {error} is missing") from error
     except ValueError as error:
         raise ModelFileError(str(error)) from error
-
-
-def _checked_body(text: str) -> dict[str, Plain]:
-    """Return the entries without the checksum, after checking format, version and checksum."""
-    try:
-        body = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ModelFileError(f"not complete JSON ({error}); create it again with identify") from error
-    if not isinstance(body, dict) or body.get("format") != FORMAT:
-        raise ModelFileError(f'not a q2q model: entry "format" should be "{FORMAT}"')
-    if body.get("version") not in READABLE:
-        raise ModelFileError(
-            f"version {body.get('version')!r} is unknown: this program reads versions 1 to {VERSION}"
-        )
-    found = body.pop("checksum", None)
-    if found != _checksum(body):
-        raise ModelFileError("the checksum does not match: the file was edited or damaged; create it again")
-    return body
-
-
-def _checksum(body: Mapping[str, Plain]) -> str:
-    canonical = json.dumps(body, sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(canonical.encode()).hexdigest()
 
 
 def _tag(value: object, known: Mapping[str, type], path: str) -> Plain:

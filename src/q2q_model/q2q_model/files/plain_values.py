@@ -1,7 +1,7 @@
 """Conversion of frozen dataclasses to plain JSON values and back, with every value checked.
 
-A field may be a bool, int, float, str, NumPy array, a tuple of these, another dataclass, or one of them or
-None; a mapping can be written but not read. NaN and infinity are rejected, because JSON has neither.
+A field may be a bool, int, float, str, NumPy array, a tuple of these, another dataclass, a mapping from names
+to one of them, or one of them or None. NaN and infinity are rejected, because JSON has neither.
 """
 
 import math
@@ -71,6 +71,8 @@ def _read(hint: object, plain: Plain, path: str) -> object:
     if get_origin(hint) is UnionType:
         options = [option for option in get_args(hint) if option is not NoneType]
         return None if plain is None else _read(options[0], plain, path)
+    if get_origin(hint) is Mapping:
+        return _mapping(get_args(hint)[1], plain, path)
     if get_origin(hint) is tuple:
         return _tuple(get_args(hint), plain, path)
     if isinstance(hint, type) and is_dataclass(hint):
@@ -108,6 +110,12 @@ def _list(plain: Plain, path: str) -> list[Plain]:
     if not isinstance(plain, list):
         raise PlainValueError(f"{path} is {_show(plain)}: expected a list")
     return plain
+
+
+def _mapping(hint: object, plain: Plain, path: str) -> dict[str, object]:
+    if not isinstance(plain, dict):
+        raise PlainValueError(f"{path} is {_show(plain)}: expected an object with named entries")
+    return {name: _read(hint, item, f"{path}.{name}") for name, item in plain.items()}
 
 
 def _tuple(hints: tuple[object, ...], plain: Plain, path: str) -> tuple[object, ...]:

@@ -36,6 +36,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_names import AirError
 
 SHORTEST = 300
 """Fewest samples of a recorded residual: 3 s."""
@@ -190,11 +191,11 @@ def without(air: RoomAir, terms: tuple[str, ...]) -> RoomAir:
     """Return the air with some terms switched off.
 
     Raises:
-        ValueError: an unknown term.
+        AirError: an unknown term.
     """
     for term in terms:
         if term not in TERMS:
-            raise ValueError(f"unknown term {term!r} of an air: terms are {', '.join(TERMS)}")
+            raise AirError(f"unknown term {term!r} of an air: terms are {', '.join(TERMS)}")
     kept = {name: None if name in terms else getattr(air, name) for name in TERMS}
     return RoomAir(**kept, flights=air.flights, intervals=air.intervals)
 

@@ -6,14 +6,10 @@ each physics step (2 ms), so a wake that needs the past keeps it. Arrays that it
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-
-
-class AirError(ValueError):
-    """Error for an air that does not exist, is not valid, or gives no valid push."""
 
 
 class Sources(NamedTuple):
@@ -53,6 +49,7 @@ class AirSetup:
     """Seed of the flight; a wake that draws uses q2q_sim.random_streams."""
 
 
+@runtime_checkable
 class Wake(Protocol):
     """Air of a flight."""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
+from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios import scenario_files
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS, WAKES
 
@@ -16,6 +17,7 @@ EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
   scripts/fly table6_room --ignoring --seed 3 --bag out/room_3
   scripts/fly plan.json --vehicle crazyflie_2_1 --wake measured --model measured_law
+  scripts/fly table6_room --air meandering
   scripts/fly --real dc19_swap_ss_02"""
 
 
@@ -29,6 +31,10 @@ def _prepare(args: Namespace) -> Work:
         raise ValueError("give a scenario: `scripts/fly --list` names them")
     if args.scenario:
         scenario_files.check(args.scenario)
+    if args.air:
+        check_air(args.air)
+        if args.wake:
+            raise ValueError(f"--wake {args.wake} and --air {args.air}: give one of them")
     if args.model:
         check_model(args.model)
     if not args.list:
@@ -110,6 +116,14 @@ def _add_physics(made: CommandLine) -> None:
         default="",
         choices=WAKES,
         help="true wake, in place of the file's (a file that names none: none)",
+    )
+    made.add_argument(
+        "--air",
+        default="",
+        help="air in place of the file's wake and disturbance: a shipped name, a .air file, or module:Class",
+    )
+    made.add_argument(
+        "--air-without", nargs="+", default=[], metavar="TERM", help="terms of the air that are switched off"
     )
 
 

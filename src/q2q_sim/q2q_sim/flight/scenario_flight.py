@@ -18,12 +18,13 @@ from q2q_model.vehicle.constants import firmware_of
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
 from q2q_sim.loop import assembly
 from q2q_sim.loop.flight_clock import FlightTiming, timing_of
+from q2q_sim.loop.scenario_air import air_of, air_words
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario, with_choices
+from q2q_sim.scenarios.scenario import Scenario, with_air, with_choices
 
 MEASURED = ("mocap", "truth", "reference", "reference_safe", "command")
 """Topics that metrics and verdict need; a temporary bag has no others."""
@@ -53,6 +54,10 @@ class FlightRequest:
     """Vehicle in place of the scenario's; empty keeps that."""
     wake: str = ""
     """Wake in place of the scenario's; empty keeps that."""
+    air: str = ""
+    """Air in place of the scenario's wake and disturbance; empty keeps its own."""
+    air_without: tuple[str, ...] = ()
+    """Terms of the air that are switched off."""
 
     @property
     def options(self) -> assembly.Options:
@@ -73,12 +78,14 @@ class FlightRun:
 
 
 def load_scenario(request: FlightRequest) -> Scenario:
-    """Return the scenario with the requested vehicle, wake and model; refuse what cannot be flown."""
+    """Return the scenario with the requested vehicle, wake, air and model; refuse what cannot be flown."""
     scenario = with_choices(library.load(request.scenario), request.vehicle, request.wake)
+    scenario = with_air(scenario, request.air, request.air_without)
     if request.plan == "avoid" and scenario.plan is not None:
         raise ValueError(f"{request.scenario} is flown by its own plan: leave out --plan avoid")
     flown = replace(scenario, model=request.model) if request.model else scenario
     find_model(flown.model)
+    air_of(flown)
     return flown
 
 
@@ -155,6 +162,8 @@ def _simulator(request: FlightRequest) -> NodeSpec:
         "scenario": request.scenario,
         "vehicle": request.vehicle,
         "wake": request.wake,
+        "air": request.air,
+        "air_without": request.air_without,
         "seed": request.seed,
         "pace": "live" if request.live else "lockstep",
         "autostart": False,
@@ -171,7 +180,8 @@ def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
         mode=request.mode,
         controller=request.controller,
         model=scenario.model,
-        wake=scenario.wake,
+        wake="" if scenario.air else scenario.wake,
+        air=air_words(scenario),
         seed=str(request.seed),
     )
 

@@ -14,6 +14,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
+from q2q_sim.air.find_air import FlownAir
 from q2q_sim.loop.assembly import TICK_S, Blocks, Mode, Options, blocks_of
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.loop.room import TICK_NS, Room, Tick
@@ -39,6 +40,8 @@ class FlightOptions:
     model: InteractionModel = field(default_factory=NoInteraction)
     """Interaction model of the predictor; the scenario's own is find_model(scenario.model).interaction
     (q2q_model.files.find_model)."""
+    air: FlownAir | None = None
+    """Air in place of the scenario's air, or wake and disturbance."""
     plan: SwarmPlan | None = None
     """Plan in place of the scenario's own."""
     hear: Listener = ignore_signals
@@ -49,15 +52,15 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
     """Fly a scenario and return its recording.
 
     Raises:
-        ValueError: an unknown mode or controller, or a seed below 0.
+        ValueError: an unknown mode or controller, a seed below 0, or an air that cannot be flown in.
     """
     choice = Options(options.mode, options.controller, options.replan)
     return fly_blocks(scenario, blocks_of(scenario, choice, options.model, options.plan), options)
 
 
 def fly_blocks(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Flight:
-    """Fly given blocks and return the recording; of the options, mode, seed and hear apply."""
-    room = Room(scenario, options.seed)
+    """Fly given blocks and return the recording; of the options, mode, seed, air and hear apply."""
+    room = Room(scenario, options.seed, options.air)
     recording = FlightRecording(scenario.names, ticks_of(scenario))
     while room.tick * TICK_S < scenario.duration:
         number, tick = room.tick, room.capture()

@@ -24,10 +24,10 @@ from q2q_model.signals.values import (
     SwarmState,
     index_of,
 )
-from q2q_sim.air.wake_laws import wake_by_name
+from q2q_sim.air.find_air import FlownAir
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.link.radio import Radio, RadioParams, Rows
-from q2q_sim.plant.disturbance import Disturbance
+from q2q_sim.loop.scenario_air import air_of, weather_of
 from q2q_sim.plant.quadcopter import ACC
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 from q2q_sim.scenarios.scenario import Scenario
@@ -58,17 +58,23 @@ class Tick:
 class Room:
     """Vehicles, air, cameras and radio of one flight."""
 
-    def __init__(self, scenario: Scenario, seed: int) -> None:
-        """Place the vehicles at their first waypoints."""
+    def __init__(self, scenario: Scenario, seed: int, air: FlownAir | None = None) -> None:
+        """Place the vehicles at their first waypoints; `air` replaces the scenario's wake and disturbance.
+
+        Raises:
+            ValueError: a negative seed, or an air that cannot be flown in.
+        """
         if seed < 0:
             raise ValueError(f"seed = {seed}: 0 or above is allowed")
         self.names: Names = scenario.names
         start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
         n, vehicle = len(start), scenario.vehicle
-        self._swarm = Swarm(scenario.names, vehicle, start, wake_by_name(scenario.wake))
+        flown = air_of(scenario) if air is None else air
+        self._swarm = Swarm(scenario.names, vehicle, start, flown, seed)
         self._vicon = Vicon(scenario.vicon, n, TICK_S, seed)
         self._imu = Imu(scenario.imu, n, seed)
-        self._disturbance = Disturbance(scenario.disturbance, n, TICK_S, seed)
+        replaced = scenario.air or air is not None
+        self._weather = weather_of(scenario, flown if replaced else None, TICK_S, seed)
         self._faults = FaultInjection(scenario.faults, scenario.names, TICK_NS, seed)
         hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
         self._radio = Radio(_with_camera_latency(scenario), hover, vehicle, seed)
@@ -118,7 +124,7 @@ class Room:
         if command is not None:
             self._radio.send(now_ns, self._rows_of(command), command, self._faults.jammed(now_ns))
         obeyed = self._radio.obeyed(now_ns, TICK_NS // STEPS, STEPS)
-        self._swarm.step(obeyed, self._faults.weakened(self._disturbance.step(), now_ns))
+        self._swarm.step(obeyed, self._faults.weakened(self._weather.drive(), now_ns))
         self._tick += 1
         self._seen = None
 
@@ -130,7 +136,7 @@ class Room:
     def fly(self, move: Callable[[Array], None]) -> None:
         """Advance by one tick in which `move` steps the swarm with the disturbance's drive (n, 7)."""
         self.capture()
-        move(self._disturbance.step())
+        move(self._weather.drive())
         self._tick += 1
         self._seen = None
 
@@ -157,9 +163,8 @@ class Room:
             raise ValueError(f"command for {who} is not finite: {values[bad][0]}; send finite numbers")
 
     def _true_downwash(self, truth: SwarmState) -> Interference:
-        return Interference(
-            t=truth.t, names=truth.names, acc=self._swarm.downwash(), std=self._exact, status=self._valid
-        )
+        push = self._weather.push(self._swarm.downwash())
+        return Interference(t=truth.t, names=truth.names, acc=push, std=self._exact, status=self._valid)
 
 
 def _with_camera_latency(scenario: Scenario) -> RadioParams:

@@ -12,7 +12,7 @@ from q2q_model.node.health import Health
 from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
-from q2q_sim.air.wake import AirError
+from q2q_sim.air.air_names import AirError
 from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
 from q2q_sim.loop.lockstep import CommandGate, Patience
 from q2q_sim.loop.room import TICK_S, Room, Tick

@@ -7,7 +7,7 @@ from q2q_model.vehicle.constants import VEHICLES
 from q2q_model.vehicle.thrust_map import FIRMWARES
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import WAKES
-from q2q_sim.scenarios.scenario import Scenario, with_choices, with_firmware
+from q2q_sim.scenarios.scenario import Scenario, with_air, with_choices, with_firmware
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +19,13 @@ class SimulatorParams:
         "", "vehicle constants; empty is the scenario's", choices=("", *VEHICLES), read_only=True
     )
     wake: str = tunable("", "true wake; empty is the scenario's", choices=("", *WAKES), read_only=True)
+    air: str = tunable(
+        "",
+        "air in place of wake and disturbance: a shipped name, a .air file or module:Class; "
+        "empty is the scenario's",
+        read_only=True,
+    )
+    air_without: tuple[str, ...] = tunable((), "terms of the air that are switched off", read_only=True)
     firmware: str = tunable(
         "", "thrust per PWM; empty is the scenario's", choices=("", *FIRMWARES), read_only=True
     )
@@ -44,11 +51,10 @@ class SimulatorParams:
 
 
 def chosen_scenario(params: SimulatorParams) -> Scenario:
-    """Return the scenario with the parameters' vehicle, wake and firmware.
+    """Return the scenario with the parameters' vehicle, wake, air and firmware.
 
     Raises:
         ValueError: no such scenario, or a wrong file.
     """
-    return with_firmware(
-        with_choices(library.load(params.scenario), params.vehicle, params.wake), params.firmware
-    )
+    chosen = with_choices(library.load(params.scenario), params.vehicle, params.wake)
+    return with_firmware(with_air(chosen, params.air, params.air_without), params.firmware)

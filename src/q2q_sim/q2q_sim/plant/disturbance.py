@@ -24,6 +24,9 @@ from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.random_streams import stream
 
+Three = tuple[float, float, float]
+STILL = (0.0, 0.0, 0.0)
+
 
 @dataclass(frozen=True, slots=True)
 class DisturbanceParams:
@@ -51,10 +54,21 @@ class DisturbanceParams:
 class Disturbance:
     """Wind and rotor gains of the vehicles of a flight."""
 
-    def __init__(self, params: DisturbanceParams, vehicles: int, tick: float, seed: int) -> None:
-        """Draw the rotor gains of `vehicles` vehicles; `tick` is the sample time [s]."""
+    def __init__(
+        self, params: DisturbanceParams, vehicles: int, tick: float, seed: int, mean: Three = STILL
+    ) -> None:
+        """Draw the rotor gains of `vehicles` vehicles.
+
+        Args:
+            params: size of the disturbances.
+            vehicles: their number.
+            tick: sample time [s].
+            seed: seed of the flight.
+            mean: acceleration by steady wind [m/s^2], world.
+        """
         self._rng = stream(seed, "air")
         self._std = params.air_std
+        self._mean = np.array(mean)
         self._keep = math.exp(-tick / params.air_time)
         self._fresh = params.air_std * math.sqrt(-math.expm1(-2.0 * tick / params.air_time))
         gain = stream(seed, "thrust gain").uniform(
@@ -62,11 +76,18 @@ class Disturbance:
         )
         air = self._std * self._rng.standard_normal((vehicles, 3))
         self.drive = np.hstack([air, np.repeat(gain, 4, axis=1)])
-        """Acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7)."""
+        """Acceleration by gusts [m/s^2], world, then the gain of each rotor, (n, 7)."""
+
+    @property
+    def wind(self) -> Array:
+        """Return the acceleration by moving air now [m/s^2], world, (n, 3)."""
+        return np.asarray(self.drive[:, :3] + self._mean)
 
     def step(self) -> Array:
         """Return the drive of this tick, (n, 7), and advance the air by one tick."""
         now = self.drive.copy()
+        if self._mean.any():
+            now[:, :3] += self._mean
         if self._std > 0.0:
             fresh = self._rng.standard_normal((len(now), 3))
             self.drive[:, :3] = self._keep * now[:, :3] + self._fresh * fresh

@@ -18,9 +18,10 @@ from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
-from q2q_sim.air.wake import AirSetup, Wake
+from q2q_sim.air.wake import AirSetup
 from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
 from q2q_sim.plant.law_push import SHARE, law_push
 from q2q_sim.plant.order_by_x import Rows
@@ -69,9 +70,6 @@ PHYSICS_RATE = 500
 
 ROOM, OWN = 3, 4
 """Kinds of air beside those of WakeLaw: a RoomAir, and a Wake outside the compiled loop."""
-
-FlownAir = WakeLaw | RoomAir | Wake
-"""Air that a swarm can fly in."""
 
 
 class Air(NamedTuple):

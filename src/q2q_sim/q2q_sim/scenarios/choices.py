@@ -1,10 +1,12 @@
 """Choices of the command lines, apart from the code behind them, which imports more."""
 
+from q2q_sim.air.air_names import LAWS
+
 CONTROLLERS = ("pid", "mpc")
 """Controllers (q2q_sim.loop.assembly)."""
 REPLANNERS = ("none", "paper", "safe")
 """Online replanners (q2q_sim.loop.assembly)."""
-WAKES = ("none", "paper", "measured")
+WAKES = LAWS
 """True wakes of the simulator (q2q_sim.air.wake_laws)."""
 ENGINES = ("local", "dask")
 """Engines that run a campaign in parallel (q2q_sim.experiments.campaign.engine)."""

@@ -7,6 +7,8 @@ A document (parsed YAML) is checked and converted to a Scenario here; `q2q_sim.s
     vehicle: textbook_065     # q2q_model.vehicle.constants
     firmware: stock           # its thrust per PWM: q2q_model.vehicle.thrust_map
     wake: paper               # the true downwash: none, paper, measured
+    air: room.air             # in place of wake and disturbance: a shipped name, a .air file, module:Class
+    air_without: [residual]   # terms of that air that are switched off
     model: paper_law          # of the controllers: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.scenarios.settings; vicon, radio, imu, disturbance below override
     single values reading: stop_and_go      # of eq. (17): stop_and_go or free
@@ -36,6 +38,7 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, swarm_f
 from q2q_planner.online.potential_field import PotentialFieldParams
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_sim.air.air_names import check_air
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.faults.faults import Fault, check_vehicles, fault_from_document
 from q2q_sim.link.radio import RadioParams
@@ -58,8 +61,8 @@ LONGEST = 3600.0
 """Longest flight [s]."""
 READINGS: dict[str, Reading] = {"stop_and_go": "stop_and_go", "free": "free"}
 KEYS = (
-    "description", "duration", "vehicle", "firmware", "wake", "model", "room", "reading", "vehicles", "plan",
-    "overrides", "vicon", "radio", "imu", "disturbance", "faults",
+    "description", "duration", "vehicle", "firmware", "wake", "air", "air_without", "model", "room",
+    "reading", "vehicles", "plan", "overrides", "vicon", "radio", "imu", "disturbance", "faults",
 )  # fmt: skip
 
 
@@ -78,6 +81,10 @@ class Scenario:
     """Flown unchanged; None to plan through the waypoints."""
     reading: Reading = "stop_and_go"
     wake: str = "none"
+    air: str = ""
+    """Air in place of wake and disturbance; empty keeps them."""
+    air_without: tuple[str, ...] = ()
+    """Terms of the air that are switched off."""
     model: str = "none"
     """Interaction model of the controllers."""
     vicon: ViconParams = field(default_factory=ViconParams)
@@ -93,6 +100,10 @@ class Scenario:
         if not (isfinite(self.duration) and 0.0 < self.duration <= LONGEST):
             raise ValueError(f"{self.name}: duration = {self.duration}: above 0 to {LONGEST} s is allowed")
         wake_by_name(self.wake)
+        if self.air:
+            check_air(self.air)
+        elif self.air_without:
+            raise ValueError(f"{self.name}: air_without = {', '.join(self.air_without)}: name an air too")
         for vehicle in self.waypoints:
             height = vehicle.waypoints[0].pos[2]
             if height < 0.0:
@@ -135,6 +146,8 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
         plan=plan,
         reading=reading,
         wake=str(entries.get("wake", "none")),
+        air=str(entries.get("air", "")),
+        air_without=_words(entries.get("air_without", []), "air_without"),
         model=str(entries.get("model", "none")),
         vicon=overridden(room.vicon, entries.get("vicon", {}), "vicon"),
         radio=overridden(room.radio, entries.get("radio", {}), "radio"),
@@ -156,15 +169,30 @@ def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
     return replace(scenario, vehicle=on_firmware(scenario.vehicle, firmware))
 
 
+def with_air(scenario: Scenario, air: str, off: tuple[str, ...]) -> Scenario:
+    """Return the scenario in another air, and with terms of its air switched off; empty keeps its own.
+
+    Raises:
+        ValueError: an unknown air, or terms without an air.
+    """
+    if not air and not off:
+        return scenario
+    return replace(scenario, air=air or scenario.air, air_without=off or scenario.air_without)
+
+
 def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
     """Return the scenario with another vehicle, on its firmware, and another wake; empty names keep its own.
+
+    A wake replaces the scenario's air too.
 
     Raises:
         ValueError: an unknown vehicle or wake, or a firmware that the vehicle does not have.
     """
     firmware = firmware_of(scenario.vehicle) or STOCK
     chosen = vehicle_by_name(vehicle, firmware) if vehicle else scenario.vehicle
-    return replace(scenario, vehicle=chosen, wake=wake or scenario.wake)
+    if not wake:
+        return replace(scenario, vehicle=chosen)
+    return replace(scenario, vehicle=chosen, wake=wake, air="", air_without=())
 
 
 def _waypoints(
@@ -232,6 +260,12 @@ def _reading(value: object) -> Reading:
     if not isinstance(value, str) or value not in READINGS:
         raise ValueError(f"reading = {value!r}: choose one of {', '.join(READINGS)}")
     return READINGS[value]
+
+
+def _words(value: object, where: str) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
+        raise ValueError(f"{where} = {value!r}: a list of names is expected")
+    return tuple(value)
 
 
 def _number(value: object, where: str) -> float:

@@ -63,6 +63,8 @@ def request_of(args: Namespace) -> FlightRequest:
         model=args.model,
         vehicle=args.vehicle,
         wake=args.wake,
+        air=args.air,
+        air_without=tuple(args.air_without),
         record=tuple(args.record) or (() if args.bag else MEASURED),
     )
 

@@ -16,6 +16,7 @@ from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.loop.assembly import MODES
 from q2q_sim.loop.closed_loop import FlightOptions, Listener, fly
+from q2q_sim.loop.scenario_air import air_words
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal, Violation, evidence_of, judge
 
 NS = 1_000_000_000
@@ -124,7 +125,8 @@ def _facts(run: Run) -> FlightFacts:
         mode=run.options.mode,
         controller=run.options.controller,
         model=run.scenario.model,
-        wake=run.scenario.wake,
+        wake="" if run.scenario.air else run.scenario.wake,
+        air=air_words(run.scenario),
         seed=str(run.seed),
     )
 

@@ -1,0 +1,62 @@
+"""JSON files of data with format, version and a SHA-256 checksum over the other entries.
+
+The checksum detects a truncated, edited or damaged file. Nothing in such a file is executed.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from q2q_model.files.plain_values import Plain
+
+
+class SealedFileError(ValueError):
+    """Error for a file of another format, of an unknown version, or damaged."""
+
+
+@dataclass(frozen=True, slots=True)
+class FileFormat:
+    """Kind of a file."""
+
+    name: str
+    """Entry "format" of the file."""
+    noun: str
+    """Contents, in messages."""
+    version: int
+    """Version that is written; those from 1 on are read."""
+    maker: str
+    """Command that creates such files, in messages."""
+
+
+def sealed(body: Mapping[str, Plain], form: FileFormat) -> str:
+    """Return the text of a file with these entries."""
+    whole = {"format": form.name, "version": form.version, **body}
+    return json.dumps(whole | {"checksum": checksum(whole)}, indent=1) + "\n"
+
+
+def unsealed(text: str, form: FileFormat) -> dict[str, Plain]:
+    """Return the entries of a file's text, without the checksum.
+
+    Raises:
+        SealedFileError: not JSON, another format or version, or a wrong checksum.
+    """
+    try:
+        body = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise SealedFileError(f"not complete JSON ({error}); create it again with {form.maker}") from error
+    if not isinstance(body, dict) or body.get("format") != form.name:
+        raise SealedFileError(f'not a {form.noun}: entry "format" should be "{form.name}"')
+    if body.get("version") not in range(1, form.version + 1):
+        versions = "version 1" if form.version == 1 else f"versions 1 to {form.version}"
+        raise SealedFileError(f"version {body.get('version')!r} is unknown: this program reads {versions}")
+    found = body.pop("checksum", None)
+    if found != checksum(body):
+        raise SealedFileError("the checksum does not match: the file was edited or damaged; create it again")
+    return body
+
+
+def checksum(body: Mapping[str, Plain]) -> str:
+    """Return the checksum over entries."""
+    canonical = json.dumps(body, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(canonical.encode()).hexdigest()

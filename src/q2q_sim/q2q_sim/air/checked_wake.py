@@ -1,0 +1,66 @@
+"""Wake given by a user's class, with every answer checked."""
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.air.air_names import AirError
+from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
+
+
+class CheckedWake:
+    """Wake that raises AirError where its class fails or answers with something that cannot be flown in."""
+
+    def __init__(self, wake: Wake) -> None:
+        """Take a wake before its first reset."""
+        self._wake = wake
+        self._name = f"{type(wake).__module__}:{type(wake).__qualname__}"
+        self._count = 0
+
+    def reset(self, setup: AirSetup) -> None:
+        """Reset the wake, once more after a trial with vehicles that hover above each other."""
+        self._count = setup.count
+        self._reset(setup)
+        self.push(_stack(setup))
+        self._reset(setup)
+
+    def push(self, now: Sources) -> Push:
+        """Return the wake's push."""
+        try:
+            push = self._wake.push(now)
+        except Exception as error:
+            raise self._failed("push", error) from error
+        if not isinstance(push, Push):
+            raise AirError(f"air {self._name}: push returned a {type(push).__name__}: return a Push")
+        return Push(*(self._finite(what, part, now.t) for what, part in push._asdict().items()))
+
+    def _reset(self, setup: AirSetup) -> None:
+        try:
+            self._wake.reset(setup)
+        except Exception as error:
+            raise self._failed("reset", error) from error
+
+    def _failed(self, what: str, error: Exception) -> AirError:
+        return AirError(f"air {self._name}: {what} raised {type(error).__name__}: {error}")
+
+    def _finite(self, what: str, values: Array, t: float) -> Array:
+        shape, given = (self._count, 3), np.asarray(values)
+        if given.shape != shape or given.dtype.kind not in "fiu":
+            raise AirError(
+                f"air {self._name}: {what} is {given.dtype} of shape {given.shape}: floats of shape {shape} "
+                "are needed"
+            )
+        if not np.isfinite(given).all():
+            row = int(np.argmin(np.isfinite(given).all(axis=1)))
+            raise AirError(
+                f"air {self._name}: {what} of vehicle {row} at {t:.3f} s is {given[row]}: "
+                "finite numbers are needed"
+            )
+        return given
+
+
+def _stack(setup: AirSetup) -> Sources:
+    """Return vehicles that hover half a metre above each other."""
+    n = setup.count
+    pos = np.column_stack([np.zeros((n, 2)), 1.0 + 0.5 * np.arange(n)])
+    level = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+    return Sources(0.0, pos, np.zeros((n, 3)), level, np.full(n, setup.vehicle.hover_thrust))

@@ -1,0 +1,60 @@
+"""Lookup of the air of a flight: a shipped name, a `.air` file, or a class `module:Class`."""
+
+import sys
+from importlib import import_module
+from pathlib import Path
+
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.air.air_file import load
+from q2q_sim.air.air_names import LAWS, MADE, OWN, AirError, air_path
+from q2q_sim.air.checked_wake import CheckedWake
+from q2q_sim.air.made_airs import made_air
+from q2q_sim.air.room_air import RoomAir, without
+from q2q_sim.air.wake import AirSetup, Wake
+from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
+
+FlownAir = WakeLaw | RoomAir | Wake
+"""Air that vehicles can fly in."""
+TRIAL = AirSetup(vehicle=CRAZYFLIE_2_0, count=3, step=0.002, seed=0)
+"""Flight for which a class is tried before the real one."""
+
+
+def find_air(name: str, off: tuple[str, ...] = ()) -> FlownAir:
+    """Return the named air with the terms `off` switched off.
+
+    Raises:
+        AirError: there is no such air or term, its file is not valid, or its class fails in a trial.
+    """
+    if name in LAWS or OWN.fullmatch(name):
+        if off:
+            raise AirError(f"air {name} has no terms that could be switched off ({', '.join(off)})")
+        return wake_by_name(name) if name in LAWS else _own(name)
+    return without(made_air(name) if name in MADE else load(air_path(name)), off)
+
+
+def _own(name: str) -> Wake:
+    module, _, wanted = name.partition(":")
+    try:
+        found = getattr(_imported(module), wanted, None)
+    except Exception as error:
+        why = f"{type(error).__name__}: {error}"
+        raise AirError(f"air {name}: {module} cannot be imported ({why})") from error
+    if not isinstance(found, type):
+        raise AirError(f"air {name}: {module} has no class {wanted}")
+    try:
+        made = found()
+    except Exception as error:
+        raise AirError(f"air {name}: {wanted}() raised {type(error).__name__}: {error}") from error
+    if not isinstance(made, Wake):
+        raise AirError(f"air {name}: the class needs methods reset(setup) and push(now)")
+    wake = CheckedWake(made)
+    wake.reset(TRIAL)
+    return wake
+
+
+def _imported(module: str) -> object:
+    """Return a module; the working directory is searched too."""
+    here = str(Path.cwd())
+    if here not in sys.path:
+        sys.path.append(here)
+    return import_module(module)

@@ -1,0 +1,68 @@
+"""Air of a scenario's flight: wake or air by name, wind, and offsets of the vehicles."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.air.find_air import FlownAir, find_air
+from q2q_sim.air.room_air import RoomAir
+from q2q_sim.air.wake_laws import wake_by_name
+from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
+from q2q_sim.random_streams import stream
+from q2q_sim.scenarios.scenario import Scenario
+
+
+def air_of(scenario: Scenario) -> FlownAir:
+    """Return the scenario's air, else its wake.
+
+    Raises:
+        AirError: the air does not exist, or is not valid.
+    """
+    if scenario.air:
+        return find_air(scenario.air, scenario.air_without)
+    return wake_by_name(scenario.wake)
+
+
+def air_words(scenario: Scenario) -> str:
+    """Return the air and the terms that are off, for the metadata of a bag; empty if it flies in a wake."""
+    off = "".join(f" without {term}" for term in scenario.air_without)
+    return f"{scenario.air}{off}"
+
+
+@dataclass(frozen=True, slots=True)
+class Weather:
+    """What the vehicles of a flight feel wherever they are."""
+
+    disturbance: Disturbance
+    offset: Array
+    """Vertical acceleration of each vehicle by its own offset [m/s^2], (n,)."""
+    shown: bool
+    """Whether the wind is part of the recorded push of the air."""
+
+    def drive(self) -> Array:
+        """Return the drive of this tick, (n, 7), and advance the wind by one tick."""
+        drive = self.disturbance.step()
+        if self.shown:
+            drive[:, 2] += self.offset
+        return drive
+
+    def push(self, downwash: Array) -> Array:
+        """Return the whole push of the air now [m/s^2], world, (n, 3), given that of downwash and ground."""
+        return downwash + self.disturbance.wind if self.shown else downwash
+
+
+def weather_of(scenario: Scenario, air: FlownAir | None, tick: float, seed: int) -> Weather:
+    """Return the weather in an air, which replaces the scenario's disturbance; None keeps that."""
+    n = len(scenario.names)
+    if air is None:
+        return Weather(Disturbance(scenario.disturbance, n, tick, seed), np.zeros(n), shown=False)
+    own, mean, params = None, (0.0, 0.0, 0.0), DisturbanceParams()
+    if isinstance(air, RoomAir):
+        own = air.vehicle
+        if air.wind is not None:
+            mean = air.wind.mean_mps2
+            params = DisturbanceParams(air_std=air.wind.gust_std_mps2, air_time=air.wind.gust_time_s)
+    spread = stream(seed, "vehicle offset").standard_normal(n)
+    offset = np.zeros(n) if own is None else own.offset_mean_mps2 + own.offset_std_mps2 * spread
+    return Weather(Disturbance(params, n, tick, seed, mean), offset, shown=True)
