@@ -27,7 +27,7 @@ from q2q_model.signals.values import (
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.link.radio import Radio, RadioParams, Rows
-from q2q_sim.loop.scenario_air import air_of, weather_of
+from q2q_sim.loop.scenario_air import air_of, disturbed, weather_of
 from q2q_sim.plant.quadcopter import ACC
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 from q2q_sim.scenarios.scenario import Scenario
@@ -74,7 +74,7 @@ class Room:
         self._vicon = Vicon(scenario.vicon, n, TICK_S, seed)
         self._imu = Imu(scenario.imu, n, seed)
         replaced = scenario.air or air is not None
-        self._weather = weather_of(scenario, flown if replaced else None, TICK_S, seed)
+        self._weather = weather_of(flown, n, TICK_S, seed) if replaced else disturbed(scenario, TICK_S, seed)
         self._faults = FaultInjection(scenario.faults, scenario.names, TICK_NS, seed)
         hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
         self._radio = Radio(_with_camera_latency(scenario), hover, vehicle, seed)

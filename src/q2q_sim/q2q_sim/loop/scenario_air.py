@@ -8,7 +8,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.find_air import FlownAir, find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import wake_by_name
-from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
+from q2q_sim.plant.disturbance import STILL, Disturbance, DisturbanceParams
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -37,32 +37,35 @@ class Weather:
     disturbance: Disturbance
     offset: Array
     """Vertical acceleration of each vehicle by its own offset [m/s^2], (n,)."""
-    shown: bool
+    whole: bool
     """Whether the wind is part of the recorded push of the air."""
 
     def drive(self) -> Array:
         """Return the drive of this tick, (n, 7), and advance the wind by one tick."""
         drive = self.disturbance.step()
-        if self.shown:
+        if self.whole:
             drive[:, 2] += self.offset
         return drive
 
     def push(self, downwash: Array) -> Array:
         """Return the whole push of the air now [m/s^2], world, (n, 3), given that of downwash and ground."""
-        return downwash + self.disturbance.wind if self.shown else downwash
+        return downwash + self.disturbance.wind if self.whole else downwash
 
 
-def weather_of(scenario: Scenario, air: FlownAir | None, tick: float, seed: int) -> Weather:
-    """Return the weather in an air, which replaces the scenario's disturbance; None keeps that."""
-    n = len(scenario.names)
-    if air is None:
-        return Weather(Disturbance(scenario.disturbance, n, tick, seed), np.zeros(n), shown=False)
-    own, mean, params = None, (0.0, 0.0, 0.0), DisturbanceParams()
+def weather_of(air: FlownAir, count: int, tick: float, seed: int) -> Weather:
+    """Return the weather of `count` vehicles in an air; `tick` is the period of its gusts [s]."""
+    own, mean, params = None, STILL, DisturbanceParams()
     if isinstance(air, RoomAir):
         own = air.vehicle
         if air.wind is not None:
             mean = air.wind.mean_mps2
             params = DisturbanceParams(air_std=air.wind.gust_std_mps2, air_time=air.wind.gust_time_s)
-    spread = stream(seed, "vehicle offset").standard_normal(n)
-    offset = np.zeros(n) if own is None else own.offset_mean_mps2 + own.offset_std_mps2 * spread
-    return Weather(Disturbance(params, n, tick, seed, mean), offset, shown=True)
+    drawn = stream(seed, "vehicle offset").standard_normal(count)
+    offset = np.zeros(count) if own is None else own.offset_mean_mps2 + own.offset_std_mps2 * drawn
+    return Weather(Disturbance(params, count, tick, seed, mean), offset, whole=True)
+
+
+def disturbed(scenario: Scenario, tick: float, seed: int) -> Weather:
+    """Return the weather of a scenario's disturbance; it is not part of the recorded push."""
+    n = len(scenario.names)
+    return Weather(Disturbance(scenario.disturbance, n, tick, seed), np.zeros(n), whole=False)
