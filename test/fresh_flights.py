@@ -21,16 +21,19 @@ from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.compiled import COMPILED, idle
+from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.files.find_model import find_model
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
+from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
@@ -61,6 +64,7 @@ def flights() -> None:
     flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
     flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
     flown_by_firmware(library.load("table6"))
+    stacked_in_a_rooms_air()
 
 
 def faults_in_turn(scenario: Scenario) -> list[Fault]:
@@ -124,6 +128,20 @@ def flown_by_firmware(scenario: Scenario) -> None:
     for _ in range(50):
         room.capture()
         room.fly(fleet.fly)
+
+
+def stacked_in_a_rooms_air() -> None:
+    """Fly a stack whose sources feed and absorb each other's jets, in drawn random air."""
+    scenario = replace(library.load("stack3"), duration=4.0)
+    jet = replace(MEASURED_LAW, loading=1.0, absorption=0.5)
+    fly(scenario, FlightOptions(controller="mpc", replan="safe", model=jet))
+    gaps, radii = np.array([0.1, 1.0]), np.array([0.0, 0.2])
+    term = JetTerm(gaps, radii, np.array([[2.0, 0.0], [1.0, 0.0]]), 0.02, 7.5, 0.5, 0.5)
+    start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])
+    air = RoomAir(jet=term, residual=ResidualTerm(0.3, 0.1, 0.08))
+    swarm = Swarm(scenario.names, scenario.vehicle, start, air)
+    drive = np.hstack([np.zeros((len(start), 3)), np.ones((len(start), 4))])
+    swarm.step(np.zeros((1, len(start), 4)), drive)
 
 
 if __name__ == "__main__":
