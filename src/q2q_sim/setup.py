@@ -37,6 +37,7 @@ setup(
             "crtp = q2q_sim.commands.crtp:main",
             "firmware_check = q2q_sim.commands.firmware_check:main",
             "fly = q2q_sim.commands.fly:main",
+            "learn_air = q2q_sim.commands.learn_air:main",
             "policies = q2q_sim.commands.policies:main",
             "report = q2q_sim.commands.report:main",
             "validate = q2q_sim.commands.validate:main",

@@ -1,0 +1,1 @@
+"""Terms of a room's air learned from its recorded flights, one file a term."""

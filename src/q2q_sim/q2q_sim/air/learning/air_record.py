@@ -1,0 +1,151 @@
+"""A recorded flight as the terms of an air need it: motion, measured force, thrust, motors and battery.
+
+The vertical downwash and its rows are those of q2q_model.identification.force.downwash_force. The strength of
+a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map enters.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.geometry.rotations import rotate
+from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.force.downwash_force import (
+    FEWEST_FREE,
+    FLOOR,
+    ForceRecord,
+    ForceSamples,
+    Mask,
+    force_samples,
+)
+from q2q_model.identification.force.recorded_force import MOTORS, lagged
+from q2q_model.identification.force.thrust_lag import thrust_lag
+from q2q_model.identification.identification import Recording, force_record
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import Vehicle
+from q2q_model.vehicle.thrust_map import PWM_FULL
+
+ALONE = 0.3
+"""Horizontal distance to every neighbour in clear air [m]: the scoring rule's."""
+THRUST = "thrust_est"
+"""Log column of the thrust by duty and voltage [N]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motors:
+    """Motors and battery of a flight."""
+
+    duty: Array
+    """Motor duty, 0 to 1, (T, n, 4)."""
+    volts: Array
+    """Battery voltage [V], (T, n)."""
+
+
+@dataclass(frozen=True, slots=True)
+class AirRecord:
+    """Recorded flight with what the terms of an air are learned from."""
+
+    name: str
+    motion: Motion
+    samples: tuple[ForceSamples, ...]
+    """Vertical downwash of each vehicle with enough rows in clear air."""
+    measured: Mask
+    """Rows measured for every vehicle, without a saturated motor of this one, at any height, (T, n)."""
+    clear: Mask
+    """Those above the ground effect with no vehicle near horizontally, (T, n)."""
+    force: Array
+    """Accelerometer in the world frame, (a + g e_z) [m/s^2], (T, n, 3)."""
+    command: Array
+    """Commanded thrust after the thrust lag [N], (T, n)."""
+    thrust: Array
+    """Thrust of the rotors [N], (T, n)."""
+    strength: Array
+    """Thrust over the vehicle's own in clear air [-], (T, n)."""
+    quat: Array
+    """(T, n, 4)"""
+    rate_body: Array
+    """Body rates [rad/s], (T, n, 3)."""
+    lag: float
+    """Time constant of thrust of all flights [s]."""
+    own_lag: float | None
+    """That of this flight alone; None if it does not show."""
+    motors: Motors | None
+    """None if the flight has no log of them."""
+
+    @property
+    def vehicles(self) -> int:
+        """Return the number of vehicles."""
+        return int(self.motion.pos.shape[1])
+
+
+def air_records(recordings: Sequence[Recording], vehicle: Vehicle) -> tuple[list[AirRecord], list[str]]:
+    """Return the records of flights with a measured force, and one note on each other flight."""
+    lag = thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
+    found, notes = [], []
+    for one in recordings:
+        record = _record(one, vehicle, lag)
+        if record is None:
+            notes.append(
+                f"{one.flight.name} has no measured force: record imu and command, or faz_est, gap and pwm1-4"
+            )
+        elif not record.measured.any():
+            notes.append(f"{record.name} has no usable row: every row is a gap or has a saturated motor")
+        else:
+            found.append(record)
+    return found, notes
+
+
+def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
+    forces = force_record(one, vehicle, lag)
+    if forces is None:
+        return None
+    flight, t = one.flight, one.flight.t
+    whole = np.asarray(forces.whole.all(axis=1))
+    measured: Mask = whole[:, None] & ~forces.saturated
+    clear = measured & (forces.motion.pos[..., 2] > FLOOR) & alone(forces.motion.pos, ALONE)
+    command = lagged(flight.thrust, t, lag)
+    thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
+    return AirRecord(
+        name=flight.name,
+        motion=forces.motion,
+        samples=_samples(forces),
+        measured=measured,
+        clear=clear,
+        force=rotate(flight.quat, flight.specific_force_body),
+        command=command,
+        thrust=thrust,
+        strength=_strength(thrust, clear, measured),
+        quat=flight.quat,
+        rate_body=flight.gyro_body,
+        lag=lag,
+        own_lag=thrust_lag([flight], vehicle),
+        motors=_motors(one),
+    )
+
+
+def _samples(forces: ForceRecord) -> tuple[ForceSamples, ...]:
+    return tuple(force_samples(forces))
+
+
+def alone(pos: Array, distance: float) -> Mask:
+    """Return the rows with every neighbour farther than `distance` [m] horizontally, (T, n)."""
+    n = pos.shape[1]
+    across: Array = np.linalg.norm(pos[:, None, :, :2] - pos[:, :, None, :2], axis=-1)  # (T, n, n)
+    across[:, np.arange(n), np.arange(n)] = np.inf
+    return np.asarray((across > distance).all(axis=2))
+
+
+def _strength(thrust: Array, clear: Mask, measured: Mask) -> Array:
+    """Return thrust over its median in clear air, or over all measured rows where too few are clear."""
+    rows = np.where(clear.sum(axis=0) >= FEWEST_FREE, clear, measured)
+    usual = [np.median(thrust[rows[:, i], i]) if rows[:, i].any() else 1.0 for i in range(thrust.shape[1])]
+    return np.asarray(thrust / np.array(usual))
+
+
+def _motors(one: Recording) -> Motors | None:
+    if one.log is None or not {*MOTORS, "vbat"} <= set(one.log.columns):
+        return None
+    duty = np.stack([one.log.column(motor) for motor in MOTORS], axis=-1)
+    full = PWM_FULL if np.nanmax(duty, initial=0.0) > 1.0 else 1.0
+    return Motors(duty / full, one.log.column("vbat"))

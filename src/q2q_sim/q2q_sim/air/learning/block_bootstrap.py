@@ -1,0 +1,78 @@
+"""Intervals by bootstrap over blocks of correlated rows (Künsch, Annals of Statistics 17, 1989).
+
+Blocks are flights if there are enough, else stretches of time, in which the vehicles of a flight stay
+together. An estimate takes the weight of each block: ones for the value, multinomial counts for the draws.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.identification.intervals import LEVEL, MANY
+from q2q_model.signals.values import Array
+
+BLOCK = 2.0
+"""Length of a stretch [s]: twenty correlation times of the residual."""
+DRAWS = 200
+SEED = 0
+
+Blocks = NDArray[np.intp]
+Estimate = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Place of some rows: their flight and times."""
+
+    flight: str
+    t: Array
+
+
+def blocks_of(parts: Sequence[Row]) -> Blocks:
+    """Return the block of every row of `parts`, in their order, numbered from 0."""
+    flights = list(dict.fromkeys(part.flight for part in parts if part.t.size))
+    if len(flights) >= MANY:
+        keys = [(float(flights.index(part.flight)), np.zeros(part.t.size)) for part in parts if part.t.size]
+    else:
+        keys = [(float(flights.index(part.flight)), part.t // BLOCK) for part in parts if part.t.size]
+    if not keys:
+        return np.empty(0, dtype=np.intp)
+    pairs = np.concatenate([np.stack([np.full(one.size, flight), one], axis=1) for flight, one in keys])
+    return np.asarray(np.unique(pairs, axis=0, return_inverse=True)[1].ravel())
+
+
+def block_sums(values: Array, blocks: Blocks) -> Array:
+    """Return the sums of rows (m, ...) over each block, (B, ...)."""
+    return np.asarray(cell_sums(values, blocks, np.zeros_like(blocks), 1)[:, 0])
+
+
+def cell_sums(values: Array, blocks: Blocks, cells: Blocks, count: int) -> Array:
+    """Return the sums of rows (m, ...) over each block and each of `count` cells, (B, count, ...)."""
+    size = int(blocks.max(initial=-1)) + 1
+    sums = np.zeros((size * count, *values.shape[1:]))
+    np.add.at(sums, blocks * count + cells, values)
+    return sums.reshape(size, count, *values.shape[1:])
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Values and their 95 % intervals, (p,); NaN where one block alone gives no interval."""
+
+    value: Array
+    low: Array
+    high: Array
+
+
+def spread(estimate: Estimate, count: int) -> Spread:
+    """Return an estimate from `count` blocks with its interval."""
+    value = estimate(np.ones(count))
+    if count < 2:
+        unknown = np.full_like(value, np.nan)
+        return Spread(value, unknown, unknown)
+    rng = np.random.default_rng(SEED)
+    even = np.full(count, 1.0 / count)
+    draws = [estimate(rng.multinomial(count, even).astype(np.float64)) for _ in range(DRAWS)]
+    low, high = np.nanquantile(draws, (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL), axis=0)
+    return Spread(value, low, high)

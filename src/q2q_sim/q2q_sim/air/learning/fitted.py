@@ -1,0 +1,44 @@
+"""Learned terms with the interval, the rows and the source of each value."""
+
+import math
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from q2q_sim.air.learning.block_bootstrap import Spread
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Fitted:
+    """Learned value."""
+
+    path: str
+    """Its place in a RoomAir, such as "residual.time_s"."""
+    value: float
+    low: float | None
+    """Ends of the 95 % interval; None where the rows give none."""
+    high: float | None
+    rows: int
+    """Rows, or flights of vehicles, that it was learned from."""
+    source: str
+
+    @property
+    def ends(self) -> tuple[float, float] | None:
+        """Return both ends of the interval; None where it is unknown."""
+        return None if self.low is None or self.high is None else (self.low, self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class LearnedTerm(Generic[T]):
+    """Term of an air and its values."""
+
+    term: T
+    values: tuple[Fitted, ...]
+
+
+def fitted(spread: Spread, k: int, path: str, rows: int, source: str) -> Fitted:
+    """Return value k of a bootstrap."""
+    low, high = (float(end[k]) for end in (spread.low, spread.high))
+    known = math.isfinite(low) and math.isfinite(high)
+    return Fitted(path, float(spread.value[k]), low if known else None, high if known else None, rows, source)

@@ -1,0 +1,146 @@
+"""Mean downwash of one source: its table and how its air travels.
+
+Slowness, carried and slope (jet_coordinates) are profiled: the best table (push_table) is solved for each,
+and the simplex of Nelder and Mead minimises what is left. The bootstrap is linearised at the estimate: with
+the Jacobian J = (X, Z) of coefficients above zero and travel, and the misses e,
+
+    (beta, travel)* - (beta, travel) = (sum w_g J_g' J_g + lambda R)^-1 (sum w_g J_g' e_g - lambda R beta)
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import minimize
+
+from q2q_model.signals.values import Array
+from q2q_sim.air.learning import wake_rows
+from q2q_sim.air.learning.air_record import AirRecord
+from q2q_sim.air.learning.block_bootstrap import Blocks, Spread, block_sums, spread
+from q2q_sim.air.learning.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.jet_coordinates import Travel
+from q2q_sim.air.learning.jet_table import GAPS, RADII, pushes
+from q2q_sim.air.learning.push_table import (
+    DEFAULT_PENALTY,
+    RIDGE,
+    ROUGHNESS,
+    chosen_penalty,
+    normal_equations,
+    solve,
+    splines,
+    squared_error,
+)
+from q2q_sim.air.learning.upper_share import upper_share
+from q2q_sim.air.learning.wake_rows import WakeRows, under_one
+from q2q_sim.air.room_air import JetTerm
+
+FEWEST = 300
+"""Fewest exposed rows for a jet: 3 s at 100 Hz."""
+FLOWN = (0.01, 0.99)
+"""Quantiles of the exposed rows' gaps between which the table is measured."""
+START = Travel(slowness=0.25, carried=0.8, slope=1.0)
+BOUNDS = ((0.0, 1.0), (0.0, 1.5), (0.0, 1.5))
+"""Bounds of the travel: no delay to 1 m/s, nothing kept to half more than all."""
+STILL = 1e-3
+"""Slowness below which there is no delay [s/m]: a tenth of a tick over 1 m."""
+REFERENCE = 0.4
+"""Gap at which the push on the axis is reported [m]."""
+STEP = 1e-2
+"""Step of the derivatives by travel."""
+TOLERANCE = 5e-3
+"""Tolerance of the travel: a tenth of its interval on the longest recordings."""
+
+
+def jet_term(records: Sequence[AirRecord]) -> LearnedTerm[JetTerm] | None:
+    """Return the jet; None if fewer than FEWEST rows lie under exactly one vehicle."""
+    parts = under_one(records)
+    exposed = np.concatenate([part.exposed for part in parts]) if parts else np.empty(0, dtype=bool)
+    if exposed.sum() < FEWEST:
+        return None
+    fit = _Fit(parts)
+    low, high = np.quantile(wake_rows.places(parts, fit.travel).gap[exposed], FLOWN)
+    travel, upper = fit.travel, upper_share(records, fit.beta)
+    term = JetTerm(
+        gaps_m=GAPS,
+        radii_m=RADII,
+        push_mps2=pushes(fit.beta, (float(low), float(high))),
+        upper_ratio=upper.value if upper else 0.0,
+        travel_speed_mps=1.0 / max(travel.slowness, STILL),
+        carried=travel.carried,
+        slope=travel.slope,
+    )
+    source = f"rows under one vehicle, {low:.2f} to {high:.2f} m below it"
+    found, rows = fit.spread(), int(exposed.sum())
+    values = [fitted(found, k, path, rows, source) for k, path in enumerate(_PATHS)]
+    return LearnedTerm(term, (*values, upper) if upper else tuple(values))
+
+
+_PATHS = ("jet.push_mps2", "jet.travel_speed_mps", "jet.carried", "jet.slope")
+
+
+class _Fit:
+    """Fitted table and travel of all rows."""
+
+    def __init__(self, parts: Sequence[WakeRows]) -> None:
+        self._parts, self._blocks = parts, wake_rows.blocks(parts)
+        self._y = np.concatenate([part.y for part in parts])
+        self.travel = self._travel()
+        normal = normal_equations(wake_rows.places(parts, self.travel), self._y, self._blocks)
+        self._penalty = chosen_penalty(normal)
+        self.beta = solve(normal, np.ones(normal.power.size), self._penalty)
+
+    def _travel(self) -> Travel:
+        together: Blocks = np.zeros(self._y.size, dtype=np.intp)
+        one = np.ones(1)
+
+        def missed(x: Array) -> float:
+            place = wake_rows.places(self._parts, Travel(*x))
+            normal = normal_equations(place, self._y, together)
+            return squared_error(normal, one, solve(normal, one, DEFAULT_PENALTY))
+
+        found = minimize(
+            missed,
+            np.array(START),
+            method="Nelder-Mead",
+            bounds=BOUNDS,
+            options={"xatol": TOLERANCE, "fatol": 1e-4 * float(self._y @ self._y)},
+        )
+        return Travel(*map(float, found.x))
+
+    def _push(self, travel: Travel) -> Array:
+        place = wake_rows.places(self._parts, travel)
+        return np.asarray(place.strength * (splines(place.gap, place.radius) @ self.beta))
+
+    def spread(self) -> Spread:
+        """Return the push at REFERENCE on the axis, the travel speed, carried and slope, with intervals."""
+        active = np.flatnonzero(self.beta > 0.0)
+        place = wake_rows.places(self._parts, self.travel)
+        along = -place.strength[:, None] * splines(place.gap, place.radius)[:, active]
+        moved = [self._derivative(k) for k in range(len(self.travel))]
+        jacobian = np.column_stack([along, *moved])
+        missed = self._y + self._push(self.travel)
+        rough = np.zeros((jacobian.shape[1], jacobian.shape[1]))
+        rough[: active.size, : active.size] = self._penalty * ROUGHNESS[np.ix_(active, active)]
+        start = np.concatenate([self.beta[active], self.travel])
+        score = block_sums(jacobian * missed[:, None], self._blocks)
+        count = int(self._blocks.max()) + 1
+        squares = np.stack([_square(jacobian[self._blocks == k]) for k in range(count)])
+        axis = splines(np.array([REFERENCE]), np.zeros(1))[0, active]
+
+        def estimate(weight: Array) -> Array:
+            square = np.tensordot(weight, squares, 1) + rough + RIDGE * np.eye(start.size)
+            x = start + np.linalg.solve(square, weight @ score - rough @ start)
+            return np.array([axis @ x[: active.size], 1.0 / max(x[-3], STILL), x[-2], x[-1]])
+
+        return spread(estimate, count)
+
+    def _derivative(self, k: int) -> Array:
+        """Return the derivative of -P with respect to item k of the travel, (m,)."""
+        ahead, behind = (
+            Travel(*(value + sign * STEP * (item == k) for item, value in enumerate(self.travel)))
+            for sign in (1.0, -1.0)
+        )
+        return (self._push(behind) - self._push(ahead)) / (2.0 * STEP)
+
+
+def _square(rows: Array) -> Array:
+    return np.asarray(rows.T @ rows)

@@ -1,0 +1,122 @@
+"""Air of a room learned from its recorded flights, term by term.
+
+flights -> records -> jet -> absorption -> residual, edge torque -> ground, wind, vehicle -> lateral force
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from q2q_model.identification.identification import Recording
+from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
+from q2q_sim.air.learning.air_record import AirRecord, air_records
+from q2q_sim.air.learning.edge_torque_term import edge_torque_term
+from q2q_sim.air.learning.fitted import Fitted, LearnedTerm
+from q2q_sim.air.learning.ground_term import ground_term
+from q2q_sim.air.learning.jet_table import momentum_share
+from q2q_sim.air.learning.jet_term import REFERENCE, jet_term
+from q2q_sim.air.learning.lateral import lateral_force
+from q2q_sim.air.learning.residual_term import residual_term
+from q2q_sim.air.learning.vehicle_term import vehicle_term
+from q2q_sim.air.learning.wind_term import wind_term
+from q2q_sim.air.room_air import (
+    AbsorptionTerm,
+    EdgeTorqueTerm,
+    JetTerm,
+    ResidualTerm,
+    RoomAir,
+)
+
+T = TypeVar("T")
+OnStep = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class LearnedAir:
+    """Air of a room with what it was learned from."""
+
+    air: RoomAir
+    values: tuple[Fitted, ...]
+    checks: tuple[Fitted, ...]
+    """Measured values that no term has."""
+    notes: tuple[str, ...]
+    """One sentence on each flight left out and each absent term."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Wakes:
+    """Terms that act under another vehicle."""
+
+    jet: LearnedTerm[JetTerm] | None = None
+    absorption: LearnedTerm[AbsorptionTerm] | None = None
+    residual: LearnedTerm[ResidualTerm] | None = None
+    edge_torque: LearnedTerm[EdgeTorqueTerm] | None = None
+    checks: tuple[Fitted, ...] = ()
+
+
+def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep) -> LearnedAir:
+    """Return the air of recorded flights; `on_step` is called with the name of each step at its start.
+
+    Raises:
+        ValueError: no flight has a usable row.
+    """
+    on_step("records")
+    records, notes = air_records(recordings, vehicle)
+    if not records:
+        raise ValueError("; ".join(notes))
+    wakes = _wakes(records, vehicle, on_step)
+    on_step("ground, wind and vehicles")
+    ground, wind, vehicles = ground_term(records), wind_term(records), vehicle_term(records, vehicle)
+    learned = (wakes.jet, wakes.absorption, wakes.residual, wakes.edge_torque, ground, wind, vehicles)
+    values = tuple(value for one in learned if one for value in one.values)
+    air = RoomAir(
+        jet=_term(wakes.jet),
+        absorption=_term(wakes.absorption),
+        residual=_term(wakes.residual),
+        edge_torque=_term(wakes.edge_torque),
+        ground=ground.term,
+        wind=_term(wind),
+        vehicle=_term(vehicles),
+        flights=tuple(record.name for record in records),
+        intervals={one.path: ends for one in values if (ends := one.ends)},
+    )
+    return LearnedAir(air, values, wakes.checks, (*notes, *_absent(records, air)))
+
+
+def _wakes(records: Sequence[AirRecord], vehicle: Vehicle, on_step: OnStep) -> _Wakes:
+    on_step("jet")
+    jet = jet_term(records)
+    if jet is None:
+        return _Wakes()
+    on_step("absorption and residual")
+    absorption = absorption_term(records, jet.term)
+    residual = residual_term(records, jet.term, _term(absorption))
+    on_step("edge torque")
+    torque = edge_torque_term(records, jet.term, vehicle)
+    share = momentum_share(jet.term, REFERENCE)
+    momentum = Fitted("momentum of one jet", share, None, None, 0, "1: four rotor disks take all of m g")
+    checks = (momentum, sum_of_two(records, jet.term), lateral_force(records, jet.term))
+    return _Wakes(jet, absorption, residual, torque, tuple(check for check in checks if check))
+
+
+def _term(learned: LearnedTerm[T] | None) -> T | None:
+    return None if learned is None else learned.term
+
+
+def _absent(records: Sequence[AirRecord], air: RoomAir) -> list[str]:
+    """Return one sentence on each term that the flights do not show."""
+    alone = [record.name for record in records if record.vehicles < 2]
+    if air.jet is None:
+        return ["no jet, absorption, residual or edge torque: too few rows lie under another vehicle"]
+    reasons = {
+        "absorption": "too few rows lie under two vehicles",
+        "residual": "too few rows lie under another vehicle",
+        "edge_torque": "no log of motor duties under another vehicle",
+        "wind": "too few rows in clear air",
+        "vehicle": "too few flights with clear air",
+    }
+    notes = [
+        f"no {term.replace('_', ' ')}: {why}" for term, why in reasons.items() if getattr(air, term) is None
+    ]
+    return [f"{', '.join(alone)}: one vehicle, no wake", *notes] if alone else notes

@@ -1,0 +1,129 @@
+"""Vertical turbulence under a wake: an Ornstein-Uhlenbeck process whose size grows with the mean downwash.
+
+    E e(t) e(t + l) = s(t) s(t + l) exp(-l / T) + C(l),   s = floor min(|eta| / e_0, 1) + slope |eta|
+
+e is what jet and absorption leave of y on exposed rows, C its autocovariance in the clear air of the same
+vehicle's flight (of all flights where that has none). Sums of products by lag and |eta| are fitted by least
+squares, each weighted by its rows and by the variance of its level of |eta|.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.signals.values import Array
+from q2q_sim.air.learning.air_record import AirRecord
+from q2q_sim.air.learning.autocovariance import autocovariance, pairs, ticks
+from q2q_sim.air.learning.block_bootstrap import Row, blocks_of, cell_sums, spread
+from q2q_sim.air.learning.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.wake_push import wake_push
+from q2q_sim.air.room_air import AbsorptionTerm, JetTerm, ResidualTerm
+
+INSIDE = 0.05
+LAGS = np.array([0.0, 0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2])
+"""Lags of the autocovariance [s]: from none to twice the correlation time found."""
+LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, np.inf])
+"""Bounds of the levels of |eta| [m/s^2]."""
+FEWEST = 300
+"""Fewest exposed rows: 3 s at 100 Hz."""
+FEWEST_CLEAR = 200
+"""Fewest rows for a flight's own clear air: 2 s at 100 Hz."""
+START = np.array([0.3, 0.1, 0.08])
+"""Floor [m/s^2], slope [-] and time [s] from which the fit starts."""
+LOWEST, LARGEST = np.array([0.0, 0.0, 0.005]), np.array([2.0, 1.0, 1.0])
+PATHS = ("residual.floor_mps2", "residual.slope", "residual.time_s")
+
+
+@dataclass(frozen=True, slots=True)
+class _Wake:
+    """Misses of one vehicle of a flight on its exposed rows."""
+
+    record: AirRecord
+    one: ForceSamples
+    eta: Array
+    """|eta| [m/s^2], (T,); 0 where not exposed."""
+    missed: Array
+    """[m/s^2], (T,)"""
+    clear: Array
+    """Its autocovariance in clear air at each lag, (L,)."""
+
+
+def residual_term(
+    records: Sequence[AirRecord], jet: JetTerm, absorption: AbsorptionTerm | None
+) -> LearnedTerm[ResidualTerm] | None:
+    """Return the residual; None with fewer than FEWEST exposed rows."""
+    wakes = [
+        _wake(record, one, jet, absorption)
+        for record in records
+        for one in record.samples
+        if one.exposed.any()
+    ]
+    rows = sum(int(one.one.exposed.sum()) for one in wakes)
+    if rows < FEWEST:
+        return None
+    sums = _sums(_with_clear_air(wakes))
+    found = spread(lambda weight: _fit(np.tensordot(weight, sums, 1)), len(sums))
+    values = tuple(fitted(found, k, path, rows, "exposed rows") for k, path in enumerate(PATHS))
+    return LearnedTerm(ResidualTerm(*map(float, found.value)), values)
+
+
+def _wake(record: AirRecord, one: ForceSamples, jet: JetTerm, absorption: AbsorptionTerm | None) -> _Wake:
+    rows = np.flatnonzero(one.exposed)
+    eta = np.zeros(one.y.size)
+    eta[rows] = wake_push(record, one.vehicle, rows, jet, absorption)
+    clear = record.clear[:, one.vehicle]
+    own = np.zeros(LAGS.size)
+    if clear.sum() >= FEWEST_CLEAR:
+        own = autocovariance(one.y - one.y[clear].mean(), clear, ticks(record.motion.t, LAGS))
+    return _Wake(record, one, eta, one.y + eta, own)
+
+
+def _with_clear_air(wakes: Sequence[_Wake]) -> list[_Wake]:
+    """Return the wakes with the mean autocovariance of clear air where a flight has none."""
+    known = [one.clear for one in wakes if one.clear.any()]
+    usual = np.mean(known, axis=0) if known else np.zeros(LAGS.size)
+    return [
+        one if one.clear.any() else _Wake(one.record, one.one, one.eta, one.missed, usual) for one in wakes
+    ]
+
+
+def _sums(wakes: Sequence[_Wake]) -> Array:
+    """Return the sums over blocks, levels of |eta| and lags of 1, e e' - C, a a', a b' + a' b and b b'.
+
+    a = min(|eta| / e_0, 1), b = |eta|; (B, K, L, 5).
+    """
+    places, columns, level, lag = [], [], [], []
+    for one in wakes:
+        t = one.record.motion.t
+        inside = np.minimum(one.eta / INSIDE, 1.0)
+        for k, step in enumerate(ticks(t, LAGS)):
+            first, second = pairs(one.one.exposed, int(step))
+            a, b, a2, b2 = inside[first], one.eta[first], inside[second], one.eta[second]
+            product = one.missed[first] * one.missed[second] - one.clear[k]
+            columns.append(np.stack([np.ones(first.size), product, a * a2, a * b2 + a2 * b, b * b2], axis=1))
+            level.append(np.searchsorted(LEVELS, 0.5 * (b + b2), side="right") - 1)
+            lag.append(np.full(first.size, k))
+            places.append(Row(one.record.name, t[first]))
+    cells = np.concatenate(level) * LAGS.size + np.concatenate(lag)
+    sums = cell_sums(np.concatenate(columns), blocks_of(places), cells, (LEVELS.size - 1) * LAGS.size)
+    return np.asarray(sums.reshape(-1, LEVELS.size - 1, LAGS.size, 5))
+
+
+def _fit(sums: Array) -> Array:
+    """Return floor, slope and time of sums (K, L, 5)."""
+    seen = sums[..., 0] > 0.0
+    count = np.maximum(sums[..., 0], 1.0)
+    mean = sums[..., 1:] / count[..., None]
+    level = np.maximum(mean[:, :1, 0], 0.01)  # variance of each level; the least is that of 0.1 m/s^2
+    weight = np.where(seen, np.sqrt(count) / level, 0.0)
+    apart = LAGS[None]
+
+    def missed(x: Array) -> Array:
+        floor, slope, time = x
+        size = floor**2 * mean[..., 1] + floor * slope * mean[..., 2] + slope**2 * mean[..., 3]
+        return np.asarray((weight * (mean[..., 0] - size * np.exp(-apart / time))).ravel())
+
+    return np.asarray(least_squares(missed, START, bounds=(LOWEST, LARGEST), x_scale=START).x)

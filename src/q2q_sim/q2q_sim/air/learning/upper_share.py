@@ -1,0 +1,48 @@
+"""Share of its push that a source feels upwards: y_i = u sum over j of P(z_i - z_j, dxy_ij), j below i."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.air.learning.air_record import AirRecord
+from q2q_sim.air.learning.block_bootstrap import Row, block_sums, blocks_of, spread
+from q2q_sim.air.learning.fitted import Fitted, fitted
+from q2q_sim.air.learning.jet_coordinates import Rows
+from q2q_sim.air.learning.push_table import REACH, splines
+
+FEWEST = 100
+"""Fewest upper rows: 1 s at 100 Hz."""
+
+
+def upper_share(records: Sequence[AirRecord], beta: Array) -> Fitted | None:
+    """Return u for the splines' coefficients of P; None with fewer than FEWEST upper rows."""
+    parts = [(record, one) for record in records for one in record.samples if one.upper.any()]
+    rows = [np.flatnonzero(one.upper) for _, one in parts]
+    if sum(one.size for one in rows) < FEWEST:
+        return None
+    y = np.concatenate([one.y[at] for (_, one), at in zip(parts, rows, strict=True)])
+    push = np.concatenate(
+        [_below(record, one.vehicle, at, beta) for (record, one), at in zip(parts, rows, strict=True)]
+    )
+    blocks = blocks_of([Row(r.name, r.motion.t[at]) for (r, _), at in zip(parts, rows, strict=True)])
+    sums = block_sums(np.stack([push * y, push * push], axis=1), blocks)
+
+    def estimate(weight: Array) -> Array:
+        along, square = weight @ sums
+        return np.array([along / square])
+
+    found = spread(estimate, len(sums))
+    return fitted(found, 0, "jet.upper_ratio", y.size, "rows above one vehicle and below none")
+
+
+def _below(record: AirRecord, i: int, rows: Rows, beta: Array) -> Array:
+    """Return the sum of P of the pairs of i and each vehicle below it [m/s^2], (k,)."""
+    pos = record.motion.pos[rows]
+    total = np.zeros(rows.size)
+    for j in range(record.vehicles):
+        apart = pos[:, i] - pos[:, j]
+        across = np.hypot(apart[:, 0], apart[:, 1])
+        near = (apart[:, 2] > 0.0) & (across < REACH)
+        total[near] += splines(apart[near, 2], across[near]) @ beta
+    return total

@@ -1,0 +1,100 @@
+"""Differences between vehicles and flights: vertical offset, thrust lag, headroom by battery.
+
+    a_0 = median over clear air of (R f)_z - T_c b_z / m      T_c: commanded thrust after the thrust lag
+
+for each vehicle of each flight, with the vehicle's nominal mass m. Lag and motor curve are medians over
+flights; headroom is at the highest voltage flown, its loss by volt the slope from there to the lowest.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.learning.air_record import AirRecord
+from q2q_sim.air.learning.block_bootstrap import spread
+from q2q_sim.air.learning.fitted import Fitted, LearnedTerm, fitted
+from q2q_sim.air.learning.motor_curve import MotorCurve, motor_curves, usual_power
+from q2q_sim.air.room_air import VehicleTerm
+
+FEWEST_CLEAR = 200
+"""Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
+FEWEST = 2
+"""Fewest flights of vehicles for a deviation."""
+OFFSETS = ("vehicle.offset_mean_mps2", "vehicle.offset_std_mps2")
+HEADROOM = ("vehicle.headroom", "vehicle.headroom_per_volt", "vehicle.discharge_v_per_s")
+LAG = "vehicle.thrust_lag_s"
+
+
+def vehicle_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[VehicleTerm] | None:
+    """Return the differences; None with fewer than FEWEST flights of vehicles in clear air."""
+    offsets = _offsets(records, vehicle)
+    if offsets.size < FEWEST:
+        return None
+    values = [
+        *_spread_of_offsets(offsets, vehicle.mass),
+        _lag(records, vehicle),
+        *_headroom(motor_curves(records), vehicle),
+    ]
+    return LearnedTerm(VehicleTerm(*(one.value for one in values)), tuple(values))
+
+
+def _offsets(records: Sequence[AirRecord], vehicle: Vehicle) -> Array:
+    found = []
+    for record in records:
+        for i in range(record.vehicles):
+            rows = record.clear[:, i]
+            if rows.sum() >= FEWEST_CLEAR:
+                lift = record.command[rows, i] * record.motion.axis[rows, i, 2] / vehicle.mass
+                found.append(float(np.median(record.force[rows, i, 2] - lift)))
+    return np.array(found)
+
+
+def _spread_of_offsets(offsets: Array, mass: float) -> list[Fitted]:
+    def estimate(weight: Array) -> Array:
+        mean = float(weight @ offsets / weight.sum())
+        around = float(weight @ (offsets - mean) ** 2)
+        return np.array([mean, np.sqrt(around / max(weight.sum() - 1.0, 1.0))])
+
+    found = spread(estimate, offsets.size)
+    source = f"flights of vehicles, for a mass of {mass * 1e3:.1f} g"
+    return [fitted(found, k, path, offsets.size, source) for k, path in enumerate(OFFSETS)]
+
+
+def _lag(records: Sequence[AirRecord], vehicle: Vehicle) -> Fitted:
+    lags = np.array([record.own_lag for record in records if record.own_lag is not None])
+    if not lags.size:
+        return Fitted(LAG, vehicle.thrust_lag, None, None, 0, f"not learned: that of {vehicle.name}")
+    found = spread(lambda weight: np.array([np.median(_drawn(lags, weight))]), lags.size)
+    return fitted(found, 0, LAG, lags.size, "flights with accelerometer and command")
+
+
+def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
+    if not curves:
+        ratio = vehicle.thrust_max / vehicle.hover_thrust
+        source = f"not learned: that of {vehicle.name}"
+        return [
+            Fitted(path, value, None, None, 0, source)
+            for path, value in zip(HEADROOM, (ratio, 0.0, 0.0), strict=True)
+        ]
+    start = [one.start_volts for one in curves]
+    full, empty = max(start), min(start)
+
+    def estimate(weight: Array) -> Array:
+        drawn = [curves[int(k)] for k in _drawn(np.arange(float(len(curves))), weight)]
+        power = usual_power(drawn)
+        at_full, at_empty = (
+            np.median([one.headroom(volts, power) for one in drawn]) for volts in (full, empty)
+        )
+        per_volt = (at_full - at_empty) / (full - empty) if full > empty else 0.0
+        return np.array([at_full, per_volt, np.median([one.discharge for one in drawn])])
+
+    source = f"flights of vehicles with a motor log, {empty:.2f} to {full:.2f} V at hover"
+    found = spread(estimate, len(curves))
+    return [fitted(found, k, path, len(curves), source) for k, path in enumerate(HEADROOM)]
+
+
+def _drawn(values: Array, weight: Array) -> Array:
+    """Return each value as often as its weight says."""
+    return np.repeat(values, weight.astype(np.intp))

@@ -1,0 +1,55 @@
+"""Learn the air of a room from recorded flights: what the simulator flies in, not what controllers may know.
+
+Each value is printed with its 95 % interval, the rows it was learned from and where they are. A term that the
+flights do not show is left out, and named.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.vehicle.constants import VEHICLES
+
+EXAMPLE = """  ros2 run q2q_sim learn_air flights/ --out room.air
+  ros2 run q2q_sim learn_air bags/table2_* stack.parquet --out room.air --json room.json"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Learn the air; return the exit status."""
+    return run_command(parser(), _prepare, words)
+
+
+def _prepare(args: Namespace) -> Work:
+    require_existing("flight", *args.flights)
+    if args.topics:
+        require_existing("topic map", args.topics)
+    if not args.out.resolve().parent.is_dir():
+        raise ValueError(f"no folder {args.out.resolve().parent} to write {args.out.name} to")
+    from q2q_sim.tools.learn_flights import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("learn_air", __doc__, EXAMPLE)
+    made.add_argument(
+        "flights",
+        nargs="+",
+        type=Path,
+        metavar="FLIGHT",
+        help="bag, table (.parquet, .csv) or folder of them",
+    )
+    made.add_argument("--out", type=Path, required=True, metavar="FILE", help="air to write (.air)")
+    made.add_argument("--json", type=Path, metavar="FILE", help="file of values, intervals and checks")
+    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software")
+    made.add_argument(
+        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
+    )
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,57 @@
+"""Recorded flights for the tools: bags, tables (Parquet, CSV) and folders of them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.bag import TopicMap, is_bag
+from q2q_model.flights.flight import flight_from_signals
+from q2q_model.flights.flight_table import flight_table, log_of, signals_of
+from q2q_model.identification.filtered_states import with_filtered_states
+from q2q_model.identification.identification import Recording
+from q2q_model.tools.recordings import read_recordings
+from q2q_sim.tools.import_table import read_columns
+
+TABLES = (".parquet", ".csv")
+
+
+def read_flights(paths: Sequence[Path], topics: TopicMap | None = None) -> tuple[list[Recording], list[str]]:
+    """Return the flights, bags first, and notes on repairs and on files left out.
+
+    Raises:
+        ValueError: a flight cannot be read, is given twice, or a folder has none.
+    """
+    found, notes = flights_among(paths)
+    tables = [path for path in found if path.suffix in TABLES and path.is_file()]
+    recordings, repairs = read_recordings([path for path in found if path not in tables], topics)
+    recordings += [_of_table(path) for path in tables]
+    names = [one.flight.name for one in recordings]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f"flight {', '.join(twice)} is given twice; give each flight once")
+    return recordings, [*notes, *(f"repaired: {repair}" for repair in repairs)]
+
+
+def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """Return the bags and tables among paths and in folders, and a note on each other file given."""
+    found, notes = [], []
+    for path in paths:
+        if path.is_dir() and not is_bag(path):
+            inside = sorted(one for one in path.iterdir() if one.suffix == ".parquet" or is_bag(one))
+            if not inside:
+                raise ValueError(f"{path} is no bag, and there is neither a bag nor a .parquet in it")
+            found += inside
+        elif path.suffix in TABLES or is_bag(path) or not path.exists():
+            found.append(path)
+        else:
+            notes.append(f"skipped: {path} is neither a bag nor a table (.parquet, .csv)")
+    if not found:
+        raise ValueError("; ".join(notes))
+    return found, notes
+
+
+def _of_table(path: Path) -> Recording:
+    table = flight_table(read_columns(path))
+    signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
+    log = log_of(table)
+    flight = flight_from_signals(path.stem, signals).flight
+    return Recording(with_filtered_states(flight), log if log.columns else None)
