@@ -15,7 +15,7 @@ from q2q_model.files.plain_values import to_plain
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.recordings import topic_map
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
-from q2q_sim.air.learning.fitted import Fitted
+from q2q_sim.air.learning.evidence.fitted import Fitted
 from q2q_sim.air.learning.learned_air import LearnedAir, learn_air
 from q2q_sim.tools.recorded_flights import flights_among, read_flights
 

@@ -11,14 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning import wake_rows
-from q2q_sim.air.learning.air_record import AirRecord
-from q2q_sim.air.learning.block_bootstrap import block_sums, spread
-from q2q_sim.air.learning.fitted import Fitted, LearnedTerm, fitted
-from q2q_sim.air.learning.jet_coordinates import jet_place
-from q2q_sim.air.learning.jet_table import push
-from q2q_sim.air.learning.wake_push import absorbed, travel_of
-from q2q_sim.air.learning.wake_rows import WakeRows, under_two
+from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.evidence.block_bootstrap import block_sums, spread
+from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
+from q2q_sim.air.learning.jet import wake_rows
+from q2q_sim.air.learning.jet.jet_coordinates import jet_place
+from q2q_sim.air.learning.jet.jet_table import push
+from q2q_sim.air.learning.jet.wake_push import absorbed, travel_of
+from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_two
 from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
 
 FEWEST = 200

@@ -18,14 +18,14 @@ from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.learning import wake_rows
-from q2q_sim.air.learning.air_record import AirRecord
-from q2q_sim.air.learning.block_bootstrap import block_sums, spread
-from q2q_sim.air.learning.fitted import LearnedTerm, fitted
-from q2q_sim.air.learning.jet_coordinates import jet_place
-from q2q_sim.air.learning.motor_curve import motor_curves, usual_power
-from q2q_sim.air.learning.wake_push import travel_of
-from q2q_sim.air.learning.wake_rows import WakeRows, under_one
+from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.evidence.block_bootstrap import block_sums, spread
+from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.evidence.motor_curve import motor_curves, usual_power
+from q2q_sim.air.learning.jet import wake_rows
+from q2q_sim.air.learning.jet.jet_coordinates import jet_place
+from q2q_sim.air.learning.jet.wake_push import travel_of
+from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_one
 from q2q_sim.air.room_air import EdgeTorqueTerm, JetTerm
 
 ROLL = np.array([-1.0, -1.0, 1.0, 1.0])

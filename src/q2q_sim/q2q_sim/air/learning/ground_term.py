@@ -13,10 +13,10 @@ import numpy as np
 
 from q2q_model.identification.force.downwash_force import FLOOR, Mask
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.air_record import ALONE, AirRecord, alone
-from q2q_sim.air.learning.block_bootstrap import Row, block_sums, blocks_of, spread
-from q2q_sim.air.learning.fitted import Fitted, LearnedTerm, fitted
-from q2q_sim.air.learning.jet_table import ROTOR_RADIUS
+from q2q_sim.air.learning.evidence.air_record import ALONE, AirRecord, alone
+from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
+from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
+from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS
 from q2q_sim.air.room_air import GroundTerm
 
 NEAR = 0.15

@@ -11,12 +11,12 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.learning import wake_rows
-from q2q_sim.air.learning.air_record import AirRecord
-from q2q_sim.air.learning.block_bootstrap import cell_sums, spread
-from q2q_sim.air.learning.fitted import Fitted, fitted
-from q2q_sim.air.learning.wake_push import travel_of
-from q2q_sim.air.learning.wake_rows import WakeRows, under_one
+from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.evidence.block_bootstrap import cell_sums, spread
+from q2q_sim.air.learning.evidence.fitted import Fitted, fitted
+from q2q_sim.air.learning.jet import wake_rows
+from q2q_sim.air.learning.jet.wake_push import travel_of
+from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_one
 from q2q_sim.air.room_air import JetTerm
 
 RINGS = np.array([0.0, 0.03, 0.06, 0.09, 0.12, 0.15])

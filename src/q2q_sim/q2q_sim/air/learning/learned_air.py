@@ -10,12 +10,12 @@ from typing import TypeVar
 from q2q_model.identification.identification import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
-from q2q_sim.air.learning.air_record import AirRecord, air_records
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term
-from q2q_sim.air.learning.fitted import Fitted, LearnedTerm
+from q2q_sim.air.learning.evidence.air_record import AirRecord, air_records
+from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm
 from q2q_sim.air.learning.ground_term import ground_term
-from q2q_sim.air.learning.jet_table import momentum_share
-from q2q_sim.air.learning.jet_term import REFERENCE, jet_term
+from q2q_sim.air.learning.jet.jet_table import momentum_share
+from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
 from q2q_sim.air.learning.lateral import lateral_force
 from q2q_sim.air.learning.residual_term import residual_term
 from q2q_sim.air.learning.vehicle_term import vehicle_term

@@ -15,14 +15,13 @@ from scipy.optimize import least_squares
 
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.air_record import AirRecord
-from q2q_sim.air.learning.autocovariance import autocovariance, pairs, ticks
-from q2q_sim.air.learning.block_bootstrap import Row, blocks_of, cell_sums, spread
-from q2q_sim.air.learning.fitted import LearnedTerm, fitted
-from q2q_sim.air.learning.wake_push import wake_push
-from q2q_sim.air.room_air import AbsorptionTerm, JetTerm, ResidualTerm
+from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.evidence.autocovariance import autocovariance, pairs, ticks
+from q2q_sim.air.learning.evidence.block_bootstrap import Row, blocks_of, cell_sums, spread
+from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.jet.wake_push import wake_push
+from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, JetTerm, ResidualTerm
 
-INSIDE = 0.05
 LAGS = np.array([0.0, 0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2])
 """Lags of the autocovariance [s]: from none to twice the correlation time found."""
 LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, np.inf])
@@ -67,7 +66,8 @@ def residual_term(
     sums = _sums(_with_clear_air(wakes))
     found = spread(lambda weight: _fit(np.tensordot(weight, sums, 1)), len(sums))
     values = tuple(fitted(found, k, path, rows, "exposed rows") for k, path in enumerate(PATHS))
-    return LearnedTerm(ResidualTerm(*map(float, found.value)), values)
+    floor, slope, time = map(float, found.value)
+    return LearnedTerm(ResidualTerm(floor, slope, time), values)
 
 
 def _wake(record: AirRecord, one: ForceSamples, jet: JetTerm, absorption: AbsorptionTerm | None) -> _Wake:

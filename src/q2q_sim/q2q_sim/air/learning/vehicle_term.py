@@ -12,10 +12,10 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.learning.air_record import AirRecord
-from q2q_sim.air.learning.block_bootstrap import spread
-from q2q_sim.air.learning.fitted import Fitted, LearnedTerm, fitted
-from q2q_sim.air.learning.motor_curve import MotorCurve, motor_curves, usual_power
+from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.evidence.block_bootstrap import spread
+from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
+from q2q_sim.air.learning.evidence.motor_curve import MotorCurve, motor_curves, usual_power
 from q2q_sim.air.room_air import VehicleTerm
 
 FEWEST_CLEAR = 200

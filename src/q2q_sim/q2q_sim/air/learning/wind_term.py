@@ -13,10 +13,10 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.air_record import AirRecord
-from q2q_sim.air.learning.autocovariance import pairs, ticks
-from q2q_sim.air.learning.block_bootstrap import Row, blocks_of, cell_sums, spread
-from q2q_sim.air.learning.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.evidence.autocovariance import pairs, ticks
+from q2q_sim.air.learning.evidence.block_bootstrap import Row, blocks_of, cell_sums, spread
+from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
 from q2q_sim.air.room_air import WindTerm
 
 LAGS = np.array([0.05, 0.08, 0.12, 0.16, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from q2q_model.downwash.jet import STEEPEST
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.air_record import AirRecord
+from q2q_sim.air.learning.evidence.air_record import AirRecord
 
 Rows = NDArray[np.intp]
 

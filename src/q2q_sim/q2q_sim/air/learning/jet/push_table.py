@@ -16,8 +16,8 @@ from scipy.interpolate import BSpline
 from scipy.optimize import nnls
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.block_bootstrap import Blocks, block_sums
-from q2q_sim.air.learning.jet_coordinates import JetPlace
+from q2q_sim.air.learning.evidence.block_bootstrap import Blocks, block_sums
+from q2q_sim.air.learning.jet.jet_coordinates import JetPlace
 
 REACH = 0.3
 """Radius at which a jet ends [m]: nothing is measured beyond 0.15 m, and rows beyond 0.3 m count as clear."""

@@ -21,7 +21,7 @@ import numpy as np
 
 from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.air_record import AirRecord, Motors
+from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
 
 FEWEST = 500
 """Fewest rows of a vehicle in flight: 5 s at 100 Hz."""

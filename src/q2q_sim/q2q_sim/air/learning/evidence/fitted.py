@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from q2q_sim.air.learning.block_bootstrap import Spread
+from q2q_sim.air.learning.evidence.block_bootstrap import Spread
 
 T = TypeVar("T")
 

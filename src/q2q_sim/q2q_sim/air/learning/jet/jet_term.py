@@ -13,13 +13,13 @@ import numpy as np
 from scipy.optimize import minimize
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning import wake_rows
-from q2q_sim.air.learning.air_record import AirRecord
-from q2q_sim.air.learning.block_bootstrap import Blocks, Spread, block_sums, spread
-from q2q_sim.air.learning.fitted import LearnedTerm, fitted
-from q2q_sim.air.learning.jet_coordinates import Travel
-from q2q_sim.air.learning.jet_table import GAPS, RADII, pushes
-from q2q_sim.air.learning.push_table import (
+from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.evidence.block_bootstrap import Blocks, Spread, block_sums, spread
+from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.jet import wake_rows
+from q2q_sim.air.learning.jet.jet_coordinates import Travel
+from q2q_sim.air.learning.jet.jet_table import GAPS, RADII, pushes
+from q2q_sim.air.learning.jet.push_table import (
     DEFAULT_PENALTY,
     RIDGE,
     ROUGHNESS,
@@ -29,8 +29,8 @@ from q2q_sim.air.learning.push_table import (
     splines,
     squared_error,
 )
-from q2q_sim.air.learning.upper_share import upper_share
-from q2q_sim.air.learning.wake_rows import WakeRows, under_one
+from q2q_sim.air.learning.jet.upper_share import upper_share
+from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_one
 from q2q_sim.air.room_air import JetTerm
 
 FEWEST = 300
