@@ -44,12 +44,9 @@ REFUSALS = (
     ("q2q_sim.commands.policies none", 2, "no bag at none"),
     ("q2q_sim.commands.firmware_check none", 2, "no table at none/controllers.csv"),
     ("q2q_sim.commands.bag_import none.csv --out x", 1, "no flight at none.csv"),
-<<<<<<< HEAD
     ("q2q_sim.commands.validate none --air measured", 1, "no flight at none"),
     ("q2q_sim.commands.validate . --air measured --draws 1", 1, "3 to 200 are allowed"),
-=======
     ("q2q_sim.commands.learn_air none --out x", 1, "no flight at none"),
->>>>>>> b76f789 (Learn the air of a room from its recorded flights)
     ("q2q_sim.commands.campaign --runs 1 --through-nodes 2", 2, "at most the 1 --runs"),
     ("q2q_planner.commands.plan none.yaml --out x", 1, "no waypoint file at none.yaml"),
     ("q2q_model.commands.identify none --out x", 1, "no bag at none"),
