@@ -22,8 +22,10 @@ from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.compiled import COMPILED, idle
 from q2q_model.downwash.jet import MEASURED_LAW
+from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.find_model import find_model
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.node.rehearsal import rehearse
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.tools.recordings import read_recordings
@@ -132,9 +134,9 @@ def flown_by_firmware(scenario: Scenario) -> None:
 
 def stacked_in_a_rooms_air() -> None:
     """Fly a stack whose sources feed and absorb each other's jets, in drawn random air."""
-    scenario = replace(library.load("stack3"), duration=4.0)
-    jet = replace(MEASURED_LAW, loading=1.0, absorption=0.5)
-    fly(scenario, FlightOptions(controller="mpc", replan="safe", model=jet))
+    scenario = library.load("stack3")
+    predictor = InteractionPredictor(replace(MEASURED_LAW, loading=1.0, absorption=0.5))
+    rehearse(predictor.update, predictor.reset, (SwarmState,), scenario.names)
     gaps, radii = np.array([0.1, 1.0]), np.array([0.0, 0.2])
     term = JetTerm(gaps, radii, np.array([[2.0, 0.0], [1.0, 0.0]]), 0.02, 7.5, 0.5, 0.5)
     start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])
