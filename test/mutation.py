@@ -72,8 +72,7 @@ ROOMS = (
                 for name in (
                     "reacquisition",
                     "marker_swaps",
-                    "usual_frame",
-                    "partial_frame",
+                    "position_gates",
                     "attitudes",
                     "positions",
                 )
@@ -83,8 +82,8 @@ ROOMS = (
             f"src/q2q_model/test/test_{name}.py"
             for name in (
                 "clock_resets",
-                "partial_frame",
                 "tracking_gates",
+                "position_gates",
                 "position_tracks",
                 "mocap_filter",
                 "mocap_filter_lies",

@@ -1,4 +1,4 @@
-"""Hold the mocap filter to what it promises about good, bad, late, missing and swapped samples."""
+"""The mocap filter on good, bad, late, missing and swapped samples."""
 
 from dataclasses import replace
 
@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.estimation import attitudes, positions
 from q2q_model.estimation.mocap_filter import IDEAL_SENSING, MocapFilter, MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat, quat_from_euler, quat_multiply
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState, TrackStatus
@@ -354,57 +353,6 @@ def test_without_names_vehicles_are_adopted_as_they_appear():
         assert np.allclose(state.vel, expected.vel[: len(rows)], atol=1e-12)  # the same sums in another order
 
 
-def test_the_compiled_usual_tick_is_the_general_one(monkeypatch: pytest.MonkeyPatch):
-    rng = np.random.default_rng(7)
-    frames = []
-    for tick in range(600):
-        turned = quat_from_euler(*rng.normal(0.0, 0.05, (3, 2)))
-        frames.append(_frame(tick, _truth(tick)[0] + rng.normal(0.0, 1e-3, (2, 3)), turned))
-    swift = MocapFilter(MocapFilterParams(), PAIR)
-    quick = [swift.update(frame) for frame in frames]
-    monkeypatch.setattr(positions, "glide_positions", lambda *_: False)
-    monkeypatch.setattr(attitudes, "glide_attitudes", lambda *_: False)
-    slow = MocapFilter(MocapFilterParams(), PAIR)
-    for one, other in zip(quick, (slow.update(frame) for frame in frames), strict=True):
-        assert np.allclose(one.pos, other.pos, rtol=0.0, atol=1e-9)  # gains have settled to 1e-9
-        assert np.allclose(one.vel, other.vel, rtol=0.0, atol=1e-7)  # a gain of 20 1/s on 1 mm
-        assert np.allclose(one.quat, other.quat, rtol=0.0, atol=1e-12)
-        assert np.allclose(one.ang_vel_body, other.ang_vel_body, rtol=0.0, atol=1e-10)  # 1e-16 / 0.01 s
-        assert np.array_equal(one.status, other.status)
-    assert swift.report == slow.report
-
-
-@pytest.mark.parametrize("noise", [0.0, 1e-3])
-@pytest.mark.parametrize("seed", range(5))
-def test_the_compiled_tick_with_absent_vehicles_is_the_general_one(
-    seed: int, noise: float, monkeypatch: pytest.MonkeyPatch
-):
-    rng = np.random.default_rng(seed)
-    frames = []
-    for tick in range(600):
-        turned = quat_from_euler(*rng.normal(0.0, 0.05, (3, 2)))
-        pos = _truth(tick)[0] + rng.normal(0.0, noise, (2, 3))
-        pos[rng.random(2) < 0.05] = np.nan
-        turned[rng.random(2) < 0.05] = np.nan
-        pos[rng.random(2) < 0.01] += 1.0  # a tick for the general road amid the others
-        frames.append(_frame(tick + (tick > 300), pos, turned))
-    params = MocapFilterParams(position_noise=noise)
-    swift = MocapFilter(params, PAIR)
-    quick = [swift.update(frame) for frame in frames]
-    monkeypatch.setattr(positions, "follow_present", lambda *_: False)
-    monkeypatch.setattr(attitudes, "turn_present", lambda *_: False)
-    slow = MocapFilter(params, PAIR)
-    for one, other in zip(quick, (slow.update(frame) for frame in frames), strict=True):
-        assert np.allclose(one.pos, other.pos, rtol=0.0, atol=1e-12)  # the same sums in another order
-        assert np.allclose(one.vel, other.vel, rtol=0.0, atol=1e-9)  # a gain of 100 1/s on rounding
-        assert np.allclose(one.quat, other.quat, rtol=0.0, atol=1e-12)
-        assert np.allclose(one.ang_vel_body, other.ang_vel_body, rtol=0.0, atol=1e-10)  # 1e-16 / 0.01 s
-        assert np.array_equal(one.status, other.status)
-        assert np.array_equal(one.age, other.age)
-    assert swift.report == slow.report
-    assert swift.report.refused > 0
-
-
 def test_body_rate_comes_from_successive_attitudes():
     block = MocapFilter(IDEAL_SENSING, ("cf1",))
     for tick in range(20):
@@ -453,9 +401,8 @@ def test_vehicles_do_not_disturb_each_other():
                 MocapFrame(_time(tick), (PAIR[row],), pos[row : row + 1], identity_quat((1,)))
             )
             assert alone.status[0] == state.status[row]
-            # gains are held once they change by less than 1e-9 a tick: not the same tick alone and together
-            assert np.allclose(alone.pos[0], state.pos[row], atol=1e-8)
-            assert np.allclose(alone.vel[0], state.vel[row], atol=1e-6)
+            assert np.array_equal(alone.pos[0], state.pos[row])
+            assert np.array_equal(alone.vel[0], state.vel[row])
 
 
 def test_gains_of_one_spacing_are_not_used_at_another():

@@ -1,4 +1,4 @@
-"""Tracks of positions, tick by tick: every gate on both sides of its bound, on swift and general roads."""
+"""Tracks of positions, tick by tick: every gate on both sides of its bound."""
 
 from copy import deepcopy
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from q2q_model.estimation import white_jerk
-from q2q_model.estimation.positions import PositionTracks, TrackParams
-from q2q_model.estimation.sample_fate import SampleFates
-from q2q_model.flights.outliers import REPEAT_STEP, OutlierThresholds
+from q2q_model.estimation.positions import PositionTracks, TrackUpdate
+from q2q_model.estimation.track_columns import TrackParams
+from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array
 
 DT = 1.0 / 64.0
@@ -17,82 +17,43 @@ NEAR = 1e-6
 """On this side or that of a bound [m]."""
 PLACES = np.array([[0.0, 0.0, 1.0], [3.0, 0.0, 1.0]])
 NOBODY = np.zeros(2, dtype=bool)
-"""Whose pose is repeated: said at all, it takes the general road."""
+"""Vehicles whose pose is repeated."""
 NONE = np.full(3, np.nan)
 
 
 def tracks(speed_max: float = 2.0, count: int = 2) -> PositionTracks:
-    limits = OutlierThresholds(pos_max=8.0, speed_max=speed_max, jump_max=0.25)
-    return PositionTracks(TrackParams(limits, NOISE, JERK, COAST, REACQUIRE), count)
+    return PositionTracks(TrackParams(8.0, speed_max, 0.25, NOISE, JERK, COAST, REACQUIRE), count)
 
 
 def flown(ticks: int, speed_max: float = 2.0, vel: Array | None = None) -> PositionTracks:
     """Return tracks of two vehicles in uniform motion, with samples at ticks 0 .. ticks - 1."""
     made = tracks(speed_max)
     for k in range(ticks):
-        made.update(k * DT, PLACES + (0.0 if vel is None else k * DT * vel))
+        made.update(k * DT, PLACES + (0.0 if vel is None else k * DT * vel), NOBODY)
     return made
 
 
 def spread(ticks: int) -> float:
     """Return the variance of a predicted position after so many samples [m^2]."""
-    cov = white_jerk.start(PLACES, np.zeros((2, 3)), NOISE**2)[1]
-    moved, noise = white_jerk.transition(np.full(2, DT), JERK**2)
+    track, elapsed = white_jerk.start(PLACES, np.zeros((2, 3)), NOISE**2), np.full(2, DT)
     for _ in range(ticks - 1):
-        cov = moved @ cov @ moved.transpose(0, 2, 1) + noise
-        cov = white_jerk.correct(np.zeros((2, 3, 3)), cov, np.zeros((2, 3)), NOISE**2)[1]
-    return float((moved @ cov @ moved.transpose(0, 2, 1) + noise)[0, 0, 0])
+        ahead = white_jerk.predict(track, elapsed, JERK**2)
+        track = white_jerk.correct(ahead, PLACES, white_jerk.gain(ahead, NOISE**2), NOISE**2)
+    return float(white_jerk.predict(track, elapsed, JERK**2).cov[0, 0, 0])
 
 
-def poses(pos: Array) -> Array:
-    return np.concatenate([pos, np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))], axis=1)
-
-
-@pytest.mark.parametrize(("speed_max", "narrow"), [(2.0, "gate"), (0.1, "reach")])
-@pytest.mark.parametrize("row", [0, 1])
-def test_a_swift_tick_takes_samples_in_the_box_within_gate_and_reach(
-    speed_max: float, narrow: str, row: int
-) -> None:
-    made, still = flown(400, speed_max), poses(PLACES)
-    gate, reach = 0.25 + np.sqrt(spread(400) + NOISE**2), 0.25 + speed_max * DT
-    assert (gate < reach) == (narrow == "gate")
-    for axis in range(3):
-        for beyond, taken in ((-NEAR, True), (NEAR, False)):
-            offered = still.copy()
-            offered[row, axis] += min(gate, reach) / np.sqrt(3.0) + beyond
-            assert deepcopy(made).glide(400 * DT, (offered, still), np.zeros((2, 13))) == taken
-    assert not deepcopy(made).glide(401 * DT, (still, still), np.zeros((2, 13)))  # another spacing
-    far = still.copy()
-    far[row, 2] = 9.0  # out of the room
-    assert not made.glide(400 * DT, (far, still), np.zeros((2, 13)))
-
-
-def test_swift_ticks_count_as_samples_of_their_own() -> None:
-    """Two tracks that were right 150 times take each other's samples as often, and no more."""
-    made, still, swift = tracks(), poses(PLACES), 0
-    for k in range(150):
-        if made.glide(k * DT, (still, still), np.zeros((2, 13))):
-            swift += 1
-        else:
-            made.update(k * DT, PLACES)
-    assert swift > 10
-    lent = [made.update(k * DT, PLACES[::-1].copy()).lent.all() for k in range(150, 301)]
-    assert lent == [True] * 150 + [False]
-
-
-def offered(made: PositionTracks, t: float, first: Array, second: Array | None = None) -> SampleFates:
-    """Return what becomes of a tick on the general road; the second vehicle is where it was."""
+def offered(made: PositionTracks, t: float, first: Array, second: Array | None = None) -> TrackUpdate:
+    """Return what becomes of a tick; the second vehicle is where it was."""
     return made.update(t, np.stack([first, PLACES[1] if second is None else second]), NOBODY)
 
 
-@pytest.mark.parametrize("general", [False, True])
 @pytest.mark.parametrize("speed_max", [2.0, 0.1])
-def test_a_sample_is_taken_within_gate_and_reach_on_every_road(speed_max: float, *, general: bool) -> None:
+def test_a_sample_is_taken_within_gate_and_reach(speed_max: float) -> None:
     made = flown(20, speed_max)
     size = min(0.25 + np.sqrt(spread(20) + NOISE**2), 0.25 + speed_max * DT)
     for beyond, taken in ((-NEAR, True), (NEAR, False)):
         place = PLACES[0] + (size + beyond) * np.array([0.48, 0.6, 0.64])
-        verdict = deepcopy(made).update(20 * DT, np.stack([place, PLACES[1]]), NOBODY if general else None)
+        verdict = deepcopy(made).update(20 * DT, np.stack([place, PLACES[1]]), NOBODY)
         assert verdict.accepted.tolist() == [taken, True]
         assert verdict.trusted.tolist() == [taken, True]
         assert verdict.source.tolist() == [0 if taken else -1, 1]
@@ -106,21 +67,19 @@ def test_a_sample_out_of_the_room_is_none() -> None:
     assert not made.update(3 * DT, edge * (1.0 + NEAR), NOBODY).accepted.any()
 
 
-@pytest.mark.parametrize("general", [False, True])
-def test_a_track_coasts_and_is_then_lost_its_place_held_and_at_rest(*, general: bool) -> None:
+def test_a_track_coasts_and_is_then_lost_its_place_held_and_at_rest() -> None:
     vel = np.array([[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]])
     made, last = flown(120, vel=vel), 119 * DT
-    told = NOBODY if general else None
     for k in range(120, 119 + 16 + 1):  # 0.25 s are 16 ticks
-        verdict = made.update(k * DT, np.stack([NONE, PLACES[1]]), told)
+        verdict = made.update(k * DT, np.stack([NONE, PLACES[1]]), NOBODY)
         assert verdict.accepted.tolist() == [False, True]
         np.testing.assert_allclose(verdict.pos[0], PLACES[0] + [0.5 * k * DT, 0.0, 0.0], atol=1e-6)
         np.testing.assert_allclose(verdict.vel[0], [0.5, 0.0, 0.0], atol=1e-5)
     assert made.age(135 * DT).tolist() == [0.25, 0.0]
-    lost = made.update(136 * DT, np.stack([NONE, PLACES[1]]), told)
+    lost = made.update(136 * DT, np.stack([NONE, PLACES[1]]), NOBODY)
     np.testing.assert_allclose(lost.pos[0], PLACES[0] + [0.5 * (last + COAST), 0.0, 0.0], atol=1e-6)
     assert lost.vel[0].tolist() == [0.0, 0.0, 0.0]
-    back = made.update(137 * DT, np.stack([lost.pos[0], PLACES[1]]), told)  # once lost, none passes at once
+    back = made.update(137 * DT, np.stack([lost.pos[0], PLACES[1]]), NOBODY)  # once lost, none passes at once
     assert back.accepted.tolist() == [False, True]
 
 
@@ -136,7 +95,7 @@ def test_a_track_takes_anothers_samples_as_often_as_it_was_right_and_is_then_con
     """Right 6 times; then swapped for good: lent 6 times, refused until the rival is 0.125 s old."""
     made, seen = flown(6), []
     for k in range(6, 24):
-        verdict = made.update(k * DT, PLACES[::-1].copy())
+        verdict = made.update(k * DT, PLACES[::-1].copy(), NOBODY)
         said = {"lent": verdict.lent, "new": verdict.restarted, "own": verdict.accepted}
         seen.append(next((word for word, whose in said.items() if whose.all()), "none"))
         assert verdict.lent.all() or not verdict.lent.any()
@@ -162,13 +121,13 @@ def test_a_jump_that_lasts_is_believed_with_the_velocity_it_has() -> None:
 def test_a_first_sample_that_the_second_does_not_follow_from_is_forgotten(step: float, vel: float) -> None:
     """Over 0.25 s the gate is 0.4 m wide; what is slower than 2 m/s is taken for its velocity."""
     made = tracks(count=1)
-    first = made.update(0.0, PLACES[:1])
+    first = made.update(0.0, PLACES[:1], NOBODY[:1])
     assert (first.accepted.tolist(), first.trusted.tolist()) == ([True], [False])
-    again = made.update(0.25, PLACES[:1] + np.array([step, 0.0, 0.0]))
+    again = made.update(0.25, PLACES[:1] + np.array([step, 0.0, 0.0]), NOBODY[:1])
     assert (again.accepted.tolist(), again.trusted.tolist()) == ([True], [False])
     np.testing.assert_allclose(again.pos, PLACES[:1] + np.array([step, 0.0, 0.0]), atol=1e-15)
     np.testing.assert_allclose(again.vel, [[vel, 0.0, 0.0]], atol=1e-12)
-    third = made.update(0.25 + DT, PLACES[:1] + np.array([step + vel * DT, 0.0, 0.0]))
+    third = made.update(0.25 + DT, PLACES[:1] + np.array([step + vel * DT, 0.0, 0.0]), NOBODY[:1])
     assert third.trusted.tolist() == [True]
 
 
@@ -176,11 +135,11 @@ def test_vehicles_that_are_added_were_never_seen() -> None:
     made = flown(60)
     made.grow(1)
     assert made.age(60 * DT).tolist() == [DT, DT, np.inf]
-    verdict = made.update(60 * DT, np.concatenate([PLACES, [[5.0, 5.0, 5.0]]]))
+    verdict = made.update(60 * DT, np.concatenate([PLACES, [[5.0, 5.0, 5.0]]]), np.zeros(3, dtype=bool))
     assert verdict.accepted.tolist() == [True] * 3
     assert verdict.trusted.tolist() == [True, True, False]
     np.testing.assert_allclose(verdict.pos, [*PLACES.tolist(), [5.0, 5.0, 5.0]], atol=1e-12)
-    unseen = tracks().update(0.0, np.full((2, 3), np.nan))
+    unseen = tracks().update(0.0, np.full((2, 3), np.nan), NOBODY)
     assert not unseen.accepted.any()
     assert not unseen.pos.any()
     assert not unseen.vel.any()

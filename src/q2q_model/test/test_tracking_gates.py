@@ -1,16 +1,14 @@
 """The mocap filter's gates at their bounds, block by block: rivals, swaps, the compiled tick, attitudes."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from q2q_model.estimation.attitudes import AttitudeGateParams, AttitudeTracks
+from q2q_model.estimation.attitudes import UNIT_TOLERANCE, AttitudeGateParams, AttitudeTracks
 from q2q_model.estimation.marker_swaps import swapped_sources
-from q2q_model.estimation.reacquisition import CONFIRM_SAMPLES, Lacking, Reacquisition
-from q2q_model.estimation.usual_frame import UNIT_TOLERANCE, glide_attitudes, usual_move
-from q2q_model.flights.outliers import REPEAT_STEP, Mask, OutlierThresholds
+from q2q_model.estimation.reacquisition import CONFIRM_SAMPLES, Reacquisition, Unmatched
+from q2q_model.flights.outliers import Mask, OutlierThresholds
 from q2q_model.signals.values import Array
 
 LIMITS = OutlierThresholds(speed_max=2.0, jump_max=0.25)
@@ -67,8 +65,8 @@ def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_may_have_come(
     """The other was last at x = 2, 1/8 s ago, so within 1/2 m; the sample's own vehicle at 0."""
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([4.0, 4.125])
     pos = np.array([[place, 0.0, 0.0], [np.nan] * 3])
-    absent = Lacking(absent=np.array([False, True]), refused=np.array([True, False]))
-    told = Reacquisition(2, LIMITS).doubtful(4.25, pos, (last, when), absent)
+    absent = Unmatched(absent=np.array([False, True]), rejected=np.array([True, False]))
+    told = Reacquisition(2, LIMITS).ambiguous(4.25, pos, (last, when), absent)
     assert told.tolist() == [doubtful, False]
 
 
@@ -78,8 +76,8 @@ def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_another_that_is_refu
 ) -> None:
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.full(2, 4.125)
     pos = np.array([[place, 0.0, 0.0], [9.0, 0.0, 0.0]])
-    refused = Lacking(absent=np.zeros(2, dtype=bool), refused=np.ones(2, dtype=bool))
-    assert Reacquisition(2, LIMITS).doubtful(4.25, pos, (last, when), refused).tolist() == [doubtful, False]
+    refused = Unmatched(absent=np.zeros(2, dtype=bool), rejected=np.ones(2, dtype=bool))
+    assert Reacquisition(2, LIMITS).ambiguous(4.25, pos, (last, when), refused).tolist() == [doubtful, False]
 
 
 def test_a_sample_goes_to_the_nearest_needy_track_within_its_gate_and_never_to_its_own() -> None:
@@ -98,98 +96,18 @@ def test_a_sample_goes_to_the_nearest_needy_track_within_its_gate_and_never_to_i
     assert (at.tolist(), within.tolist()) == ([-1, -1, 0], [-1, -1, -1])
 
 
-def moving(gate: float = 0.5, reach: float = 4.0, room: float = 8.0) -> Array:
-    """Return what the compiled tick needs of a motion over half a second."""
-    return np.array([0.5, 0.125, 0.5, gate, reach, room, 0.0])
-
-
-STATE = np.array([[1.0, 2.0, 3.0], [2.0, 0.0, -2.0], [4.0, 0.0, 0.0]])
-"""p, v, a: after half a second at (2.5, 2, 2)."""
-AHEAD = np.array([2.5, 2.0, 2.0])
-
-
-def usual(place: Array, heard: Array | None = None, **limits: float) -> bool:
-    """Return whether a level sample is a usual move of STATE."""
-    before = np.zeros(7) if heard is None else heard
-    return bool(usual_move(STATE, np.append(place, LEVEL), before, moving(**limits)))
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_a_usual_move_ends_within_the_gate_of_every_axis(axis: int, sign: float) -> None:
-    step = np.zeros(3)
-    step[axis] = sign * 0.5
-    assert usual(AHEAD + step)
-    assert not usual(AHEAD + 1.001 * step)
-    step[axis] = np.nan
-    assert not usual(AHEAD + step)
-
-
-def test_a_usual_move_is_within_reach_of_the_last_place_and_within_the_room() -> None:
-    assert usual(AHEAD, reach=1.5)
-    assert not usual(AHEAD, reach=1.4999)
-    assert usual(AHEAD, room=2.5)
-    assert not usual(AHEAD, room=2.4999)
-
-
-def test_an_old_pose_again_is_no_move_where_the_vehicle_should_have_moved() -> None:
-    again = np.append(AHEAD, LEVEL)
-    assert not usual(AHEAD, again)
-    for column in range(7):  # news in any column
-        other = again.copy()
-        other[column] += 1e-12
-        assert usual(AHEAD, other)
-    unseen = np.append(AHEAD, np.full(4, np.nan))
-    assert not usual_move(STATE, unseen, unseen, moving())
-    assert usual_move(STATE, unseen, again, moving())
-    assert usual_move(STATE, again, unseen, moving())
-    rest = np.zeros((3, 3))
-    still = np.append(np.zeros(3), LEVEL)
-    assert usual_move(rest, still, still, moving())
-    for speed, moved in ((REPEAT_STEP, False), (2.01 * REPEAT_STEP, True)):  # over half a second
-        slow = rest.copy()
-        slow[1, 0] = speed
-        assert usual_move(slow, still, still, moving()) is not moved
-
-
-def turned(angle: float, length: float = 1.0, *, least: float = math.cos(0.25)) -> tuple[bool, Array, Array]:
-    """Return what the compiled tick makes of a turn about z within half a second, rate unfiltered."""
-    pose = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, length * math.sin(angle / 2), length * math.cos(angle / 2)]])
-    quat, rate = LEVEL[None].copy(), np.zeros((1, 3))
-    taken = glide_attitudes(pose, quat, rate, (0.5, least, 1.0), np.empty(4))
-    return bool(taken), quat[0], rate[0]
-
-
-@pytest.mark.parametrize("length", [1.0 - 0.99 * UNIT_TOLERANCE, 1.0 + 0.99 * UNIT_TOLERANCE])
-def test_a_quaternion_a_little_off_its_length_is_taken_as_the_unit_one(length: float) -> None:
-    taken, quat, rate = turned(0.4, length)
-    assert taken
-    np.testing.assert_allclose(quat, [0.0, 0.0, math.sin(0.2), math.cos(0.2)], atol=1e-15)
-    np.testing.assert_allclose(rate, [0.0, 0.0, 0.8], atol=1e-14)
-
-
-@pytest.mark.parametrize(
-    "length", [0.0, 1.0 - 1.01 * UNIT_TOLERANCE, 1.0 + 1.01 * UNIT_TOLERANCE, 2.0, np.nan]
-)
-def test_a_damaged_quaternion_or_too_great_a_turn_is_not_usual(length: float) -> None:
-    assert not turned(0.4, length)[0]
-    assert turned(0.49)[0]
-    assert not turned(0.51)[0]
-    assert not turned(-0.51)[0]
-
-
 PARAMS = AttitudeGateParams(turn_max=0.5, turn_rate_max=2.0, rate_filter_s=0.0, reacquire_s=0.5, coast_s=0.25)
 
 
 def yawed(angle: float, length: float = 1.0) -> Array:
-    """Return a pose turned about z, (1, 7)."""
-    return np.array([[0.0, 0.0, 0.0, 0.0, 0.0, length * math.sin(angle / 2), length * math.cos(angle / 2)]])
+    """Return a quaternion turned about z, (1, 4)."""
+    return np.array([[0.0, 0.0, length * math.sin(angle / 2), length * math.cos(angle / 2)]])
 
 
 def test_the_first_attitude_is_taken_and_made_a_unit_one() -> None:
     tracks = AttitudeTracks(PARAMS, 1)
     assert tracks.update(4.0, yawed(1.0, 1.04)) == 0
-    np.testing.assert_allclose(tracks.quat[0], yawed(1.0)[0, 3:], atol=1e-15)
+    np.testing.assert_allclose(tracks.quat[0], yawed(1.0)[0], atol=1e-15)
 
 
 @pytest.mark.parametrize(("angle", "taken"), [(0.74, True), (0.76, False), (-0.74, True), (-0.76, False)])
@@ -199,7 +117,7 @@ def test_a_turn_is_believed_up_to_its_bound(angle: float, taken: bool) -> None:
     tracks.update(4.0, yawed(0.0))
     assert tracks.update(4.0 + gap, yawed(angle)) == int(not taken)  # 0.5 + 2 * 0.125 rad
     after = angle if taken else 0.0
-    np.testing.assert_allclose(tracks.quat[0], yawed(after)[0, 3:], atol=1e-15)
+    np.testing.assert_allclose(tracks.quat[0], yawed(after)[0], atol=1e-15)
     rate = angle / gap if taken else 0.0
     np.testing.assert_allclose(tracks.ang_vel_body[0], [0.0, 0.0, rate], atol=1e-12)
 
@@ -209,7 +127,7 @@ def test_a_refused_attitude_that_lasts_is_believed_just_then_and_its_rate_unknow
     tracks.update(4.0, yawed(0.0))
     refused = [tracks.update(4.125 + k * 0.125, yawed(3.0)) for k in range(5)]
     assert refused == [1, 1, 1, 1, 0]
-    np.testing.assert_allclose(tracks.quat[0], yawed(3.0)[0, 3:], atol=1e-15)
+    np.testing.assert_allclose(tracks.quat[0], yawed(3.0)[0], atol=1e-15)
     assert tracks.ang_vel_body[0].tolist() == [0.0, 0.0, 0.0]
 
 
@@ -227,19 +145,27 @@ def test_what_is_no_unit_quaternion_is_a_missing_one(wrong: float) -> None:
     tracks.update(4.0, yawed(0.2))
     with np.errstate(all="ignore"):
         assert tracks.update(4.125, wrong * yawed(0.4)) == 0
-    np.testing.assert_allclose(tracks.quat[0], yawed(0.2)[0, 3:], atol=1e-15)
+    np.testing.assert_allclose(tracks.quat[0], yawed(0.2)[0], atol=1e-15)
     assert tracks.ang_vel_body[0].tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_quaternion_is_taken_up_to_the_tolerance_of_its_length(side: float) -> None:
+    for share, taken in ((0.99, True), (1.01, False)):
+        tracks = AttitudeTracks(PARAMS, 1)
+        tracks.update(4.0, yawed(0.2, 1.0 + side * share * UNIT_TOLERANCE))
+        np.testing.assert_allclose(tracks.quat[0], yawed(0.2 if taken else 0.0)[0], atol=1e-15)
 
 
 def test_the_nearer_of_two_attitudes_is_the_one_with_less_turn() -> None:
     tracks = AttitudeTracks(PARAMS, 1)
     tracks.update(4.0, yawed(0.0))
-    near, far, none = yawed(0.2)[:, 3:], yawed(0.4)[:, 3:], np.full((1, 4), np.nan)
+    near, far, none = yawed(0.2), yawed(0.4), np.full((1, 4), np.nan)
     for one, other in ((near, far), (far, near), (near, none), (none, near), (-near, far)):
         assert abs(tracks.nearest(one, other)[0, 2]) == pytest.approx(math.sin(0.1))
 
 
-@pytest.mark.parametrize("column", [3, 4, 5, 6])
+@pytest.mark.parametrize("column", range(4))
 def test_a_quaternion_of_which_one_number_is_missing_is_none(column: int) -> None:
     tracks = AttitudeTracks(PARAMS, 1)
     tracks.update(4.0, yawed(0.0))
@@ -261,16 +187,16 @@ def test_vehicles_that_are_added_are_level_and_take_any_first_attitude() -> None
     tracks.grow(1)
     np.testing.assert_array_equal(tracks.quat[1], LEVEL)
     assert tracks.update(4.375, np.concatenate([yawed(0.3), yawed(3.0)])) == 0
-    np.testing.assert_allclose(tracks.quat, np.concatenate([yawed(0.3), yawed(3.0)])[:, 3:], atol=1e-15)
+    np.testing.assert_allclose(tracks.quat, np.concatenate([yawed(0.3), yawed(3.0)]), atol=1e-15)
     np.testing.assert_allclose(tracks.ang_vel_body, [[0.0, 0.0, 0.1 / DT], [0.0, 0.0, 0.0]], atol=1e-12)
-    lone = np.concatenate([np.full((1, 7), np.nan), yawed(3.1)])
+    lone = np.concatenate([np.full((1, 4), np.nan), yawed(3.1)])
     assert tracks.update(4.5, lone) == 0
     np.testing.assert_allclose(tracks.ang_vel_body, [[0.0, 0.0, 0.0], [0.0, 0.0, 0.1 / DT]], atol=1e-12)
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.125, 0.375])
 def test_the_rate_follows_behind_its_low_pass(lag: float) -> None:
-    tracks, blend = AttitudeTracks(replace(PARAMS, rate_filter_s=lag), 1), DT / (DT + lag)
+    tracks, blend = AttitudeTracks(PARAMS._replace(rate_filter_s=lag), 1), DT / (DT + lag)
     rate = 0.0
     for k in range(5):
         tracks.update(4.0 + k * DT, yawed(0.1 * k))
@@ -280,9 +206,9 @@ def test_the_rate_follows_behind_its_low_pass(lag: float) -> None:
 
 @pytest.mark.parametrize(("gap", "known"), [(0.25, True), (0.25 + 1e-6, False)])
 def test_beside_a_vehicle_that_was_never_seen_gaps_are_judged_the_same(gap: float, *, known: bool) -> None:
-    unseen = np.full((1, 7), np.nan)
+    unseen = np.full((1, 4), np.nan)
     tracks = AttitudeTracks(PARAMS, 2)
     tracks.update(4.0, np.concatenate([yawed(0.0), unseen]))
     assert tracks.update(4.0 + gap, np.concatenate([yawed(0.3, 1.04), unseen])) == 0
     assert tracks.ang_vel_body[0, 2] == pytest.approx(0.3 / gap if known else 0.0)
-    np.testing.assert_allclose(tracks.quat[0], yawed(0.3)[0, 3:], atol=1e-15)
+    np.testing.assert_allclose(tracks.quat[0], yawed(0.3)[0], atol=1e-15)

@@ -1,1 +1,1 @@
-"""Hold the memory of the mocap filter: tracks of positions and attitudes that survive bad samples."""
+"""State estimation from motion capture: gates, data association, Kalman filter, attitudes."""

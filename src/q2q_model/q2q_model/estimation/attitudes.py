@@ -1,14 +1,15 @@
-"""Track attitudes and body rates through reflections that turn a rigid body over.
+"""Attitudes and body rates, robust to reflections that flip a rigid body.
 
-A quaternion q, tau after the last one taken q0, is taken when its angle to q0 is at most
-turn_max + turn_rate_max tau, where tau does not grow while samples are refused; what is refused but lasts
-`reacquire_s` is believed. q and -q are one attitude:
-the sign nearest the last is kept. The body rate is the constant one between successive attitudes, behind a
-first-order low pass, so it lags by half a sample and the filter's time constant T:
+A quaternion q, tau after the last accepted one q0, is accepted if its angle to q0 is at most
+turn_max + turn_rate_max tau, where tau stops growing at the first rejection. A rejected attitude that lasts
+for `reacquire_s` is accepted. q and -q are one attitude: the sign nearest the last is kept. The body rate is
+the constant rate between successive attitudes behind a first-order low-pass filter, so it lags by half a
+sample and the filter's time constant T:
 
     w_raw = log(q0* q) / tau,   w = w + tau / (tau + T) (w_raw - w)
 
-In a dropout the attitude is held and the rate is zero.
+In a dropout the attitude is held and the rate is zero. `follow` takes the ticks in which no attitude is new
+or rejected.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -18,22 +19,24 @@ In a dropout the attitude is held and the rate is zero.
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.estimation.partial_frame import turn_present
+from q2q_model.compiled import compiled
 from q2q_model.estimation.reacquisition import SAME_INSTANT
-from q2q_model.estimation.track_rows import padded
-from q2q_model.estimation.usual_frame import UNIT_TOLERANCE, glide_attitudes
 from q2q_model.flights.outliers import Mask
 from q2q_model.geometry.rotations import identity_quat, quat_between, vector_from_quat
 from q2q_model.signals.values import Array
 
+UNIT_TOLERANCE = 0.05
+"""Largest deviation of a valid quaternion's length from 1: float32 has 1e-6, four digits have 1e-3."""
+_TINY = 1e-150
+"""Stands for zero in the sine of a turn."""
 
-@dataclass(frozen=True, slots=True)
-class AttitudeGateParams:
-    """Filter parameters that AttitudeTracks needs."""
+
+class AttitudeGateParams(NamedTuple):
+    """Filter parameters of AttitudeTracks."""
 
     turn_max: float
     """[rad]"""
@@ -44,107 +47,169 @@ class AttitudeGateParams:
     coast_s: float
 
 
+class Attitudes(NamedTuple):
+    """Attitude track of every vehicle, in columns."""
+
+    seen: Mask
+    """(n,)"""
+    time: Array
+    """Time of the last accepted attitude [s], (n,)."""
+    rejected_since: Array
+    """Time of the first of the current rejections [s], (n,); infinite without."""
+    quat: Array
+    """Orientation x y z w, (n, 4); level for a vehicle never seen."""
+    ang_vel_body: Array
+    """Body rate [rad/s], (n, 3)."""
+
+
 class AttitudeTracks:
     """Attitude track of every vehicle."""
 
     def __init__(self, params: AttitudeGateParams, count: int) -> None:
         """Start `count` vehicles level and at rest, none of them seen."""
         self._params = params
-        self._seen: Mask = np.zeros(count, dtype=bool)
-        self._time: Array = np.zeros(count)
-        self._refused_since: Array = np.full(count, np.inf)
-        self._whole_at: float | None = None  # the last tick, if every vehicle's sample was taken
-        self._turn = np.empty(4)
-        self.quat: Array = identity_quat((count,))
-        """Orientation x y z w, (n, 4); level for a vehicle never seen."""
-        self.ang_vel_body: Array = np.zeros((count, 3))
-        """Body rate [rad/s], (n, 3)."""
+        self._tracks = _unseen(count)
 
     def grow(self, extra: int) -> None:
         """Add vehicles that were never seen."""
-        self._settle()
-        self._seen, self._time = padded(self._seen, extra), padded(self._time, extra)
-        self._refused_since = np.append(self._refused_since, np.full(extra, np.inf))
-        self.quat = np.concatenate([self.quat, identity_quat((extra,))])
-        self.ang_vel_body = padded(self.ang_vel_body, extra)
+        pairs = zip(self._tracks, _unseen(extra), strict=True)
+        self._tracks = Attitudes(*(np.concatenate(pair) for pair in pairs))
+
+    @property
+    def quat(self) -> Array:
+        """Return the orientations x y z w, (n, 4); level for a vehicle never seen."""
+        return self._tracks.quat.copy()
+
+    @property
+    def ang_vel_body(self) -> Array:
+        """Return the body rates [rad/s], (n, 3)."""
+        return self._tracks.ang_vel_body.copy()
 
     def nearest(self, offered: Array, other: Array) -> Array:
-        """Return, row by row, which of two quaternions (n, 4) is nearer the track; NaN is never nearer."""
-        near, far = (np.nan_to_num(np.abs(np.sum(q * self.quat, axis=1)), nan=-1.0) for q in (offered, other))
+        """Return, row by row, the nearer of two quaternions (n, 4) to the track; NaN is never nearer."""
+        last = self._tracks.quat
+        near, far = (np.nan_to_num(np.abs(np.sum(q * last, axis=1)), nan=-1.0) for q in (offered, other))
         return np.where((near >= far)[:, None], offered, other)
 
-    def update(self, t: float, pose: Array) -> int:
-        """Take one tick's quaternions; return how many were there but refused.
+    def update(self, t: float, measured: Array) -> int:
+        """Take one tick's quaternions; return the number of rejected ones.
 
         Args:
             t: Capture time [s], later than before.
-            pose: Position and quaternion of every vehicle, (n, 7); NaN where absent.
+            measured: Quaternion of every vehicle, (n, 4); NaN where absent.
         """
-        if self._glide(t, pose) or self._without_absent(t, pose):
+        if follow(t, measured, self._params, self._tracks):
             return 0
-        measured = np.where(np.abs(pose[:, 3:]) <= 1.0 + UNIT_TOLERANCE, pose[:, 3:], np.nan)
-        length = np.sqrt((measured * measured).sum(axis=1))
-        length = np.where(np.abs(length - 1.0) <= UNIT_TOLERANCE, length, np.nan)
-        quat = measured / length[:, None]
-        turn = quat_between(self.quat, quat)
-        quat *= np.copysign(1.0, turn[:, 3:])
-        return int(self._sort_out(t, quat, turn).sum())
+        return int(self._gate(t, _unit_or_nan(measured)).sum())
 
-    def _glide(self, t: float, pose: Array) -> bool:
-        """Take a whole tick after a whole tick, where nothing is unusual; else return False."""
-        if self._whole_at is None or t - self._whole_at > self._params.coast_s:
-            return False
-        elapsed = t - self._whole_at
-        believable = self._params.turn_max + self._params.turn_rate_max * elapsed
-        blend = elapsed / (elapsed + self._params.rate_filter_s)
-        turning = elapsed, math.cos(0.5 * min(believable, math.pi)), blend
-        if not glide_attitudes(pose, self.quat, self.ang_vel_body, turning, self._turn):
-            return False
-        self._whole_at = t
-        return True
+    def _gate(self, t: float, quat: Array) -> Mask:
+        """Accept or reject each of a tick's quaternions, (n, 4); return which are rejected, (n,)."""
+        tracks, params = self._tracks, self._params
+        turn = quat_between(tracks.quat, quat)
+        present = ~np.isnan(turn[:, 3])
+        near = tracks.seen & self._believable(t, turn)
+        rejected = present & ~near & tracks.seen
+        tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
+        lasting = t - tracks.rejected_since >= params.reacquire_s - SAME_INSTANT
+        accepted = present & (near | ~tracks.seen | lasting)
+        followed = near & (t - tracks.time <= params.coast_s + SAME_INSTANT)
+        rate = self._rate(turn, np.where(followed, t - tracks.time, 1.0))
+        tracks.ang_vel_body[:] = np.where(followed[:, None], rate, 0.0)
+        tracks.quat[accepted] = (quat * np.copysign(1.0, turn[:, 3:]))[accepted]
+        tracks.time[accepted], tracks.rejected_since[accepted] = t, np.inf
+        tracks.seen[accepted] = True
+        return rejected & ~accepted
 
-    def _without_absent(self, t: float, pose: Array) -> bool:
-        """Take a tick in which some are absent and nothing else is unusual; else return False."""
-        self._settle()
-        if not self._seen.all() or np.isfinite(self._refused_since).any():
-            return False
-        params = self._params
-        turning = (params.turn_max, params.turn_rate_max, params.rate_filter_s, params.coast_s)
-        if not turn_present(pose, (self.quat, self.ang_vel_body), t - self._time, turning):
-            return False
-        taken = ~np.isnan(pose[:, 3:]).any(axis=1)
-        self._time[taken] = t
-        self._whole_at = t if taken.all() else None
-        return True
-
-    def _settle(self) -> None:
-        """Write down, vehicle by vehicle, what `_glide` left aside."""
-        if self._whole_at is not None:
-            self._time[:], self._refused_since[:], self._whole_at = self._whole_at, np.inf, None
+    def _believable(self, t: float, turn: Array) -> Mask:
+        """Return which turns since the last accepted attitude, (n, 4), pass the gate, (n,)."""
+        elapsed = np.minimum(t, self._tracks.rejected_since) - self._tracks.time
+        largest = self._params.turn_max + self._params.turn_rate_max * elapsed
+        return np.asarray(np.abs(turn[:, 3]) >= np.cos(0.5 * np.minimum(largest, np.pi)))
 
     def _rate(self, turn: Array, elapsed: Array) -> Array:
-        raw = vector_from_quat(turn) / elapsed[:, None]
+        raw, last = vector_from_quat(turn) / elapsed[:, None], self._tracks.ang_vel_body
         blend = elapsed / (elapsed + self._params.rate_filter_s)
-        return self.ang_vel_body + blend[:, None] * (raw - self.ang_vel_body)
+        return np.asarray(last + blend[:, None] * (raw - last))
 
-    def _sort_out(self, t: float, quat: Array, turn: Array) -> Mask:
-        self._settle()
-        elapsed = np.minimum(t, self._refused_since) - self._time
-        believable = self._params.turn_max + self._params.turn_rate_max * elapsed
-        near = self._seen & (np.abs(turn[:, 3]) >= np.cos(0.5 * np.minimum(believable, np.pi)))
-        stale = t - self._time > self._params.coast_s + SAME_INSTANT
-        whole = ~np.isnan(quat[:, 3])
-        refused = whole & ~near & self._seen
-        self._refused_since = np.where(refused, np.minimum(self._refused_since, t), self._refused_since)
-        lasting = t - self._refused_since >= self._params.reacquire_s - SAME_INSTANT
-        fresh = whole & (~self._seen | (refused & lasting) | (near & stale))
-        taken = near | fresh
-        followed = taken & ~fresh
-        rate = self._rate(turn, np.where(followed, t - self._time, 1.0))
-        self.ang_vel_body = np.where(followed[:, None], rate, 0.0)
-        self.quat = np.where(taken[:, None], quat, self.quat)
-        self._time = np.where(taken, t, self._time)
-        self._refused_since = np.where(taken, np.inf, self._refused_since)
-        self._seen |= taken
-        self._whole_at = t if taken.all() else None
-        return refused & ~fresh
+
+def _unit_or_nan(measured: Array) -> Array:
+    """Return quaternions at unit length; NaN where the length is not 1 to UNIT_TOLERANCE."""
+    bounded = np.where(np.abs(measured) <= 1.0 + UNIT_TOLERANCE, measured, np.nan)
+    length = np.sqrt((bounded * bounded).sum(axis=1, keepdims=True))
+    return np.asarray(bounded / np.where(np.abs(length - 1.0) <= UNIT_TOLERANCE, length, np.nan))
+
+
+def _unseen(count: int) -> Attitudes:
+    return Attitudes(
+        seen=np.zeros(count, np.bool_),
+        time=np.zeros(count),
+        rejected_since=np.full(count, np.inf),
+        quat=identity_quat((count,)),
+        ang_vel_body=np.zeros((count, 3)),
+    )
+
+
+@compiled
+def follow(t: float, measured: Array, params: AttitudeGateParams, tracks: Attitudes) -> bool:
+    """Take one tick's quaternions (n, 4) at t [s]; False, and no track changed, unless all are usual.
+
+    That is: no track is new or rejected samples before, and every sample is absent or passes the gate.
+    """
+    turn = np.empty(4)
+    for i in range(len(measured)):
+        elapsed = t - tracks.time[i]
+        if not tracks.seen[i] or tracks.rejected_since[i] < math.inf:
+            return False
+        if not _absent(measured[i]) and not (
+            _turn(tracks.quat[i], measured[i], turn) > 0.0
+            and elapsed <= params.coast_s
+            and _is_believable(turn, elapsed, params)
+        ):
+            return False
+    for i in range(len(measured)):
+        if _absent(measured[i]):
+            tracks.ang_vel_body[i] = 0.0
+            continue
+        length = _turn(tracks.quat[i], measured[i], turn)
+        _follow(turn, t - tracks.time[i], params.rate_filter_s, tracks.ang_vel_body[i])
+        tracks.time[i] = t
+        for k in range(4):
+            tracks.quat[i, k] = math.copysign(1.0, turn[3]) * measured[i, k] / length
+    return True
+
+
+@compiled
+def _absent(quat: Array) -> bool:
+    return math.isnan(quat[0] + quat[1] + quat[2] + quat[3])
+
+
+@compiled
+def _turn(last: Array, measured: Array, turn: Array) -> float:
+    """Write q0* q / |q|; return |q|, NaN where q is absent or invalid."""
+    x, y, z, w = measured[0], measured[1], measured[2], measured[3]
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    if not abs(length - 1.0) <= UNIT_TOLERANCE:
+        return math.nan
+    x, y, z, w = x / length, y / length, z / length, w / length
+    a, b, c, d = -last[0], -last[1], -last[2], last[3]
+    turn[0] = d * x + a * w + b * z - c * y
+    turn[1] = d * y + b * w + c * x - a * z
+    turn[2] = d * z + c * w + a * y - b * x
+    turn[3] = d * w - a * x - b * y - c * z
+    return length
+
+
+@compiled
+def _is_believable(turn: Array, elapsed: float, params: AttitudeGateParams) -> bool:
+    """Return whether a turn within `elapsed` [s] passes the gate."""
+    largest = params.turn_max + params.turn_rate_max * elapsed
+    return bool(abs(turn[3]) >= math.cos(0.5 * min(largest, math.pi)))
+
+
+@compiled
+def _follow(turn: Array, elapsed: float, lag: float, rate: Array) -> None:
+    """Move the body rate on by a turn within `elapsed` [s]."""
+    sine = max(math.sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]), _TINY)
+    scale = math.copysign(1.0, turn[3]) * 2.0 * math.atan2(sine, abs(turn[3])) / sine / elapsed
+    for k in range(3):
+        rate[k] += elapsed / (elapsed + lag) * (scale * turn[k] - rate[k])

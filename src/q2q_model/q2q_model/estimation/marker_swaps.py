@@ -1,7 +1,7 @@
-"""Give swapped markers back: take a vehicle's refused sample for the track that it fits.
+"""Assignment of swapped markers: a rejected sample goes to the track that it fits.
 
-A sample that its own name's track refuses is tried on every track whose own sample is refused or missing;
-the nearest within the track's gate gets it, nearest pair first, each sample and track once.
+A sample rejected by the track of its own name is tried on every track without an accepted sample. Pairs
+within the track's gate are assigned greedily, nearest first, each sample and track once.
 """
 
 import numpy as np
@@ -12,19 +12,19 @@ from q2q_model.signals.values import Array
 
 
 def swapped_sources(
-    measured: Array, expected: Array, gate: Array, orphans: Mask, needy: Mask
+    measured: Array, expected: Array, gate: Array, rejected: Mask, needy: Mask
 ) -> NDArray[np.intp]:
-    """Return for every track the row of another's sample that fits it, (n,); -1 where there is none.
+    """Return for each track the row of another name's sample that fits it, (n,); -1 where there is none.
 
     Args:
         measured: Samples [m], (n, 3).
         expected: Predicted positions [m], (n, 3).
         gate: Largest believable distance between the two [m], (n,).
-        orphans: Whose sample was refused by its own track, (n,).
-        needy: Which tracks lack a sample, (n,).
+        rejected: Samples rejected by the track of their own name, (n,).
+        needy: Tracks without an accepted sample, (n,).
     """
     source = np.full(len(gate), -1, dtype=np.intp)
-    rows, tracks = np.flatnonzero(orphans), np.flatnonzero(needy)
+    rows, tracks = np.flatnonzero(rejected), np.flatnonzero(needy)
     distance = np.linalg.norm(expected[tracks, None] - measured[None, rows], axis=-1)
     distance[(distance > gate[tracks, None]) | (tracks[:, None] == rows)] = np.inf
     for _ in range(min(len(rows), len(tracks))):

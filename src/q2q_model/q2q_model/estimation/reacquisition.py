@@ -1,89 +1,95 @@
-"""Remember refused samples, so that a true jump is believed: a gate must not stay closed for ever.
+"""Reacquisition after a true jump: rejected samples that stay together are believed.
 
-A vehicle's rival is the place where its refused samples gather. A refused sample joins the rival when it
-could have come from there, |r - r_last| <= jump_max + speed_max (t - t_last); else it starts a new one.
-A rival that has gathered CONFIRM_SAMPLES and lasted as long as is asked is where the vehicle is.
+Each track has at most one candidate, the place where its rejected samples gather. A rejected sample joins
+the candidate if the vehicle could have moved there, |r - r_last| <= jump_max + speed_max (t - t_last);
+otherwise it starts a new candidate. A candidate with CONFIRM_SAMPLES samples that has lasted for the required
+time becomes the track.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.estimation.track_rows import padded
 from q2q_model.flights.outliers import Mask, OutlierThresholds
 from q2q_model.signals.values import Array
 
 CONFIRM_SAMPLES = 3
-"""A jump is believed after at least as many samples, whatever their rate."""
+"""Least number of samples of a believed jump, whatever their rate."""
 SAME_INSTANT = 1e-9
-"""Rounding of a time of flight in float64 [s]."""
+"""Rounding of a time in float64 [s]."""
+CANDIDATE = np.dtype(
+    [
+        ("samples", np.int64),  # 0 is no candidate
+        ("first_time", np.float64),
+        ("last_time", np.float64),
+        ("first_pos", np.float64, 3),
+        ("last_pos", np.float64, 3),
+    ]
+)
+"""Columns of a candidate [s, m]."""
 
 
-class Lacking(NamedTuple):
-    """Vehicles without a believable sample of their own at a tick."""
+class Unmatched(NamedTuple):
+    """Tracks without an accepted sample at a tick."""
 
     absent: Mask
     """Seen before, without a sample now, (n,)."""
-    refused: Mask
-    """(n,)"""
+    rejected: Mask
+    """With a rejected sample, (n,)."""
 
 
 class Reacquisition:
-    """Competing tracks, at most one a vehicle."""
+    """Candidates for a restart, at most one per track."""
 
     def __init__(self, count: int, limits: OutlierThresholds) -> None:
-        """Start without any."""
+        """Start `count` tracks without candidates."""
         self._limits = limits
-        self._count = np.zeros(count, dtype=np.int64)
-        self._first_time = np.zeros(count)
-        self._last_time = np.zeros(count)
-        self._first_pos = np.zeros((count, 3))
-        self._last_pos = np.zeros((count, 3))
+        self._candidates = np.zeros(count, CANDIDATE)
 
     def grow(self, extra: int) -> None:
-        """Add vehicles without rivals."""
-        self._count = padded(self._count, extra)
-        self._first_time, self._last_time = padded(self._first_time, extra), padded(self._last_time, extra)
-        self._first_pos, self._last_pos = padded(self._first_pos, extra), padded(self._last_pos, extra)
+        """Add tracks without candidates."""
+        self._candidates = np.concatenate([self._candidates, np.zeros(extra, CANDIDATE)])
 
-    def forget(self, vehicles: Mask) -> None:
-        """Drop the rivals of vehicles whose own samples are good."""
-        self._count[vehicles] = 0
+    def forget(self, tracks: Mask) -> None:
+        """Drop the candidates of tracks with an accepted sample."""
+        self._candidates["samples"][tracks] = 0
 
-    def offer(self, t: float, pos: Array, refused: Mask, patience: Array) -> Mask:
-        """Take refused samples pos [m] (n, 3) at t [s]; return whose rival is now believed, (n,).
+    def offer(self, t: float, pos: Array, rejected: Mask, patience: Array) -> Mask:
+        """Add rejected samples pos [m] (n, 3) at t [s]; return which candidates are now believed, (n,).
 
-        `patience` (n,) is how long each rival must have lasted [s].
+        `patience` (n,) is how long each candidate must have lasted [s].
         """
-        reach = self._limits.jump_max + self._limits.speed_max * (t - self._last_time)
-        with np.errstate(invalid="ignore"):
-            joins = refused & (self._count > 0) & (np.linalg.norm(pos - self._last_pos, axis=-1) <= reach)
-        starts = refused & ~joins
-        self._first_time[starts], self._first_pos[starts] = t, pos[starts]
-        self._last_time[refused], self._last_pos[refused] = t, pos[refused]
-        self._count[starts] = 1
-        self._count[joins] += 1
-        lasted = t - self._first_time >= patience - SAME_INSTANT
-        return refused & lasted & (self._count >= CONFIRM_SAMPLES)
+        one = self._candidates
+        reach = self._limits.jump_max + self._limits.speed_max * (t - one["last_time"])
+        near = np.linalg.norm(pos - one["last_pos"], axis=-1) <= reach
+        joins = rejected & (one["samples"] > 0) & near
+        starts = rejected & ~joins
+        one["first_time"][starts], one["first_pos"][starts] = t, pos[starts]
+        one["last_time"][rejected], one["last_pos"][rejected] = t, pos[rejected]
+        one["samples"][starts] = 1
+        one["samples"][joins] += 1
+        lasted = t - one["first_time"] >= patience - SAME_INSTANT
+        return np.asarray(rejected & lasted & (one["samples"] >= CONFIRM_SAMPLES))
 
-    def doubtful(self, t: float, pos: Array, tracks: tuple[Array, Array], lacking: Lacking) -> Mask:
-        """Return whose sample at pos [m] (n, 3) may be another's under a wrong name, (n,).
+    def ambiguous(self, t: float, pos: Array, tracks: tuple[Array, Array], unmatched: Unmatched) -> Mask:
+        """Return which samples at pos [m] (n, 3) may belong to another vehicle with a wrong name, (n,).
 
-        The other one lacks a sample of its own, and was nearer to it than the sample's own vehicle: it is
-        absent, and may have come there; or its sample is refused, too: a swap of a marker that was moved.
-        Swaps end before a vehicle has coasted. `tracks` are last positions [m] (n, 3) and their times
-        [s] (n,).
+        The other vehicle has no accepted sample and was last nearer to the sample than the vehicle it names.
+        It is either absent and may have moved there, or its own sample is rejected as well: a swap in which
+        a marker was also moved. Swaps end before a vehicle has coasted. `tracks` are last positions [m]
+        (n, 3) and their times [s] (n,).
         """
         last, when = tracks
-        others = np.flatnonzero(lacking.refused | lacking.absent)  # (m,)
+        others = np.flatnonzero(unmatched.rejected | unmatched.absent)  # (m,)
         away = np.linalg.norm(pos[:, None] - last[others], axis=2)  # (n, m): of i's sample to j's track
         own = np.linalg.norm(pos - last, axis=1)[:, None]
         reached = away <= self._limits.jump_max + self._limits.speed_max * (t - when[others])
-        suspect = lacking.refused[others] | reached
+        suspect = unmatched.rejected[others] | reached
         return np.asarray((suspect & (away < own)).any(axis=1))
 
     def velocity(self) -> Array:
-        """Return the mean velocity of every rival [m/s], (n, 3); zero where it has one sample."""
-        lasted = self._last_time - self._first_time
-        moved = self._last_pos - self._first_pos
+        """Return the mean velocity of every candidate [m/s], (n, 3); zero for a single sample."""
+        one = self._candidates
+        lasted = one["last_time"] - one["first_time"]
+        moved = one["last_pos"] - one["first_pos"]
         return np.asarray(moved / np.where(lasted > 0.0, lasted, np.inf)[:, None])

@@ -1,0 +1,33 @@
+"""Counts of what the mocap filter did with frames and samples."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class FilterReport:
+    """Counts of the filter since its start (resets do not clear them)."""
+
+    frames: int = 0
+    """Frames taken."""
+    samples: int = 0
+    """Finite positions of tracked vehicles."""
+    refused: int = 0
+    """Samples rejected by a gate."""
+    swapped: int = 0
+    """Samples assigned to another vehicle than the one they name."""
+    restarted: int = 0
+    """Tracks restarted: true jumps, and vehicles found again."""
+    attitudes_refused: int = 0
+    """Quaternions rejected by the gate on turning."""
+    not_finite: int = 0
+    """Rows of the frame without a position."""
+    unknown_names: int = 0
+    """Rows of vehicles that are not tracked."""
+    repeated_names: int = 0
+    """Rows with a name that occurred before in the same frame; the first counts."""
+    stale_frames: int = 0
+    """Frames older than the last one, or without a time."""
+    repeated_frames: int = 0
+    """Frames with the last one's stamp."""
+    clock_resets: int = 0
+    """Resets because the clock was set back."""

@@ -1,0 +1,93 @@
+"""Gates of a position sample, with the thresholds of q2q_model.flights.outliers.
+
+A sample r of a vehicle last measured at p, tau ago, and predicted at p- with variance S is believed if it
+passes every gate:
+
+| gate | condition |
+|---|---|
+| room | max abs r <= pos_max |
+| velocity | abs(r - p) <= jump_max + speed_max tau |
+| position | abs(r - p-) <= jump_max + GATE_SIGMAS sqrt(S) |
+| lost | tau <= coast_s |
+| repeat | r differs from the last frame, unless the vehicle is at rest |
+
+A pose that repeats the last frame bit for bit, though the vehicle should have moved by more than REPEAT_STEP
+or the pose fails another gate, is an old frame with a new stamp: it counts as no sample until the track is
+lost.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.flights.outliers import REPEAT_STEP, Mask
+from q2q_model.signals.values import Array
+
+GATE_SIGMAS = 1.0
+"""Width of the position gate beyond jump_max in standard deviations of the prediction: after a dropout an
+outlier does more harm than the short delay of reacquisition."""
+
+
+class PositionGates(NamedTuple):
+    """Gates of every vehicle at one tick."""
+
+    last: Array
+    """Position at the last sample p [m], (n, 3)."""
+    expected: Array
+    """Predicted position p- [m], (n, 3)."""
+    reach: Array
+    """Largest believable distance from p [m], (n,)."""
+    deviation: Array
+    """Largest believable distance from p- [m], (n,)."""
+    lost: Mask
+    """Tracks without a sample for longer than coast_s, (n,)."""
+    pos_max: float
+    """[m]"""
+
+
+@compiled
+def screen(measured: Array, repeated: Mask, gates: PositionGates) -> tuple[Array, Mask]:
+    """Return the samples, (n, 3), and which of them pass, (n,).
+
+    Samples outside the room or of old frames are NaN.
+
+    Args:
+        measured: Positions [m], (n, 3); NaN where absent.
+        repeated: Poses that equal the last frame's bit for bit, (n,).
+        gates: Gates of this tick.
+    """
+    samples, passed = measured.copy(), np.empty(len(measured), np.bool_)
+    for i in range(len(measured)):
+        passed[i] = _passes(measured[i], i, gates)
+        if _outside(measured[i], gates.pos_max) or (repeated[i] and _stale(passed[i], i, gates)):
+            samples[i], passed[i] = np.nan, False
+    return samples, passed
+
+
+@compiled
+def _passes(sample: Array, i: int, gates: PositionGates) -> bool:
+    return bool(
+        not gates.lost[i]
+        and _distance_squared(sample, gates.last[i]) <= gates.reach[i] ** 2
+        and _distance_squared(sample, gates.expected[i]) <= gates.deviation[i] ** 2
+    )
+
+
+@compiled
+def _outside(sample: Array, pos_max: float) -> bool:
+    return bool(abs(sample[0]) > pos_max or abs(sample[1]) > pos_max or abs(sample[2]) > pos_max)
+
+
+@compiled
+def _stale(passed: bool, i: int, gates: PositionGates) -> bool:
+    """Return whether a repeated pose is an old frame with a new stamp."""
+    moves = False
+    for k in range(3):
+        moves = moves or abs(gates.expected[i, k] - gates.last[i, k]) > REPEAT_STEP
+    return bool(not gates.lost[i] and (moves or not passed))
+
+
+@compiled
+def _distance_squared(one: Array, other: Array) -> float:
+    return float((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2 + (one[2] - other[2]) ** 2)

@@ -1,0 +1,167 @@
+"""Gates of position samples, each on both sides of its bound, and the Kalman filter that predicts them."""
+
+from copy import deepcopy
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from q2q_model.estimation import white_jerk
+from q2q_model.estimation.position_gates import PositionGates, screen
+from q2q_model.estimation.positions import PositionTracks
+from q2q_model.estimation.reacquisition import SAME_INSTANT
+from q2q_model.estimation.steady_gain import CONVERGED
+from q2q_model.estimation.track_columns import TrackParams
+from q2q_model.estimation.white_jerk import MotionEstimate
+from q2q_model.flights.outliers import REPEAT_STEP, Mask
+from q2q_model.signals.values import Array
+
+NEAR = 1e-9
+"""Distance from a bound [m]: far above the rounding of a squared distance."""
+DIRECTION = np.array([0.48, 0.6, 0.64])
+"""Of unit length."""
+GATES = PositionGates(
+    last=np.array([[0.0, 0.0, 1.0]]),
+    expected=np.array([[0.0, 0.0, 1.0]]),
+    reach=np.array([0.5]),
+    deviation=np.array([0.25]),
+    lost=np.array([False]),
+    pos_max=8.0,
+)
+FRESH, REPEATED = np.array([False]), np.array([True])
+LOST = GATES._replace(lost=np.array([True]))
+
+
+def sample(distance: float) -> Array:
+    return GATES.expected + distance * DIRECTION
+
+
+def passed(measured: Array, gates: PositionGates, repeated: Mask = FRESH) -> bool:
+    return bool(screen(measured, repeated, gates)[1][0])
+
+
+@pytest.mark.parametrize(("beyond", "believed"), [(-NEAR, True), (NEAR, False)])
+def test_a_sample_passes_within_the_deviation_from_its_prediction(beyond: float, *, believed: bool):
+    assert passed(sample(0.25 + beyond), GATES) == believed
+
+
+@pytest.mark.parametrize(("beyond", "believed"), [(-NEAR, True), (NEAR, False)])
+def test_a_sample_passes_within_the_reach_of_the_last_one(beyond: float, *, believed: bool):
+    assert passed(sample(0.5 + beyond), GATES._replace(deviation=np.array([1.0]))) == believed
+
+
+def test_no_sample_of_a_lost_track_passes_and_none_that_is_nan():
+    assert not passed(sample(0.0), LOST)
+    assert not passed(np.array([[0.0, np.nan, 1.0]]), GATES)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("axis", range(3))
+def test_a_coordinate_outside_the_room_is_no_number(axis: int, side: float):
+    for beyond, inside in ((0.0, True), (NEAR, False)):
+        place = np.zeros((1, 3))
+        place[0, axis] = side * (8.0 + beyond)
+        assert np.isfinite(screen(place, FRESH, GATES)[0]).all() == inside
+
+
+@pytest.mark.parametrize(("step", "moves"), [(0.99, False), (1.01, True)])
+def test_a_repeated_pose_is_stale_if_the_vehicle_moves_or_the_pose_is_rejected(step: float, *, moves: bool):
+    ahead = GATES._replace(expected=GATES.last + np.array([0.0, step * REPEAT_STEP, 0.0]))
+    samples, believed = screen(GATES.last, REPEATED, ahead)
+    assert np.isnan(samples).all() == moves
+    assert believed.tolist() == [not moves]
+    far = GATES.last + np.array([0.3, 0.0, 0.0])
+    assert np.isnan(screen(far, REPEATED, ahead)[0]).all()
+    assert np.isfinite(screen(far, FRESH, ahead)[0]).all()
+    assert np.isfinite(screen(far, REPEATED, LOST)[0]).all()
+
+
+def random_tracks() -> MotionEstimate:
+    rng = np.random.default_rng(3)
+    root = rng.normal(size=(4, 3, 3))
+    return MotionEstimate(rng.normal(size=(4, 3, 3)), root @ root.transpose(0, 2, 1))
+
+
+def test_a_prediction_is_that_of_the_motion_model():
+    """x- = F x and P- = F P F^T + Q with the matrices of the module."""
+    tracks, tau, q = random_tracks(), 0.03, 64.0
+    F = np.array([[1.0, tau, tau**2 / 2], [0.0, 1.0, tau], [0.0, 0.0, 1.0]])
+    Q = q * np.array(
+        [
+            [tau**5 / 20, tau**4 / 8, tau**3 / 6],
+            [tau**4 / 8, tau**3 / 3, tau**2 / 2],
+            [tau**3 / 6, tau**2 / 2, tau],
+        ]
+    )
+    ahead = white_jerk.predict(tracks, np.full(4, tau), q)
+    np.testing.assert_allclose(ahead.state, F @ tracks.state, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(ahead.cov, F @ tracks.cov @ F.T + Q, rtol=0.0, atol=1e-14)
+
+
+def test_two_predictions_are_one_over_the_sum_of_their_times():
+    """F(a + b) = F(b) F(a) and Q(a + b) = F(b) Q(a) F(b)^T + Q(b), within the acceleration's horizon."""
+    first, second = np.array([0.01, 0.02, 0.0, 0.05]), np.array([0.03, 0.03, 0.05, 0.0])
+    tracks = random_tracks()
+    once = white_jerk.predict(tracks, first + second, 64.0)
+    twice = white_jerk.predict(white_jerk.predict(tracks, first, 64.0), second, 64.0)
+    for one, other in zip(once, twice, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-13)  # numbers of order 1 to 10
+
+
+def test_beyond_the_horizon_a_track_moves_on_at_constant_velocity():
+    tracks = random_tracks()
+    horizon, later = np.full(4, white_jerk.ACC_HORIZON), np.full(4, white_jerk.ACC_HORIZON + 0.25)
+    near, far = (white_jerk.predict(tracks, elapsed, 64.0).state for elapsed in (horizon, later))
+    np.testing.assert_array_equal(far[:, 1], near[:, 1])
+    gained = white_jerk.ACC_HORIZON * tracks.state[:, 2]
+    np.testing.assert_allclose(far[:, 0] - near[:, 0], 0.25 * (tracks.state[:, 1] + gained), atol=1e-14)
+
+
+def test_a_correction_adds_the_information_of_the_sample():
+    """P^-1 = P-^-1 + H^T H / sigma^2, and P^-1 x = P-^-1 x- + H^T r / sigma^2 with H = (1 0 0)."""
+    tracks = random_tracks()
+    measured, noise_var = np.arange(12.0).reshape(4, 3), 0.04
+    better = white_jerk.correct(tracks, measured, white_jerk.gain(tracks, noise_var), noise_var)
+    before, after = np.linalg.inv(tracks.cov), np.linalg.inv(better.cov)
+    gained = np.zeros((3, 3))
+    gained[0, 0] = 1.0 / noise_var
+    np.testing.assert_allclose(after, before + gained, rtol=1e-9, atol=1e-9)  # condition number up to 1e3
+    right = before @ tracks.state
+    right[:, 0] += measured / noise_var
+    np.testing.assert_allclose(after @ better.state, right, rtol=1e-9, atol=1e-8)
+
+
+def test_a_sample_without_noise_is_the_position_to_the_last_bit():
+    tracks = random_tracks()
+    measured = np.arange(12.0).reshape(4, 3) / 7.0
+    better = white_jerk.correct(tracks, measured, white_jerk.gain(tracks, 0.0), 0.0)
+    assert np.array_equal(better.state[:, 0], measured)
+
+
+def settling(samples: int, period: float = 0.01) -> tuple[PositionTracks, list[Array]]:
+    """Return a track at rest after so many samples, and the covariance after each."""
+    made = PositionTracks(TrackParams(8.0, 2.0, 0.25, 1e-3, 8.0, 0.35, 0.06), 1)
+    covs = []
+    for k in range(samples):
+        made.update(k * period, np.zeros((1, 3)))
+        covs.append(made._tracks.cov.copy())
+    return made, covs
+
+
+def test_the_gain_is_steady_once_the_covariance_has_converged_and_then_both_stand_still():
+    _, covs = settling(400)
+    change = [float((np.abs(b - a) / np.abs(a)).max()) for a, b in pairwise(covs[1:])]
+    first = next(k for k, size in enumerate(change) if size <= CONVERGED)
+    assert change[first] > 0.0
+    assert not any(change[first + 1 :])
+
+
+def test_a_tick_at_another_time_goes_on_with_the_covariance():
+    made, covs = settling(400)
+    for late, steady in ((0.5 * SAME_INSTANT, True), (1e-5, False)):
+        again = deepcopy(made)
+        again.update(400 * 0.01 + late, np.zeros((1, 3)))
+        assert np.array_equal(again._tracks.cov, covs[-1]) == steady
+    made.update(400 * 0.01, np.full((1, 3), np.nan))
+    made.update(401 * 0.01, np.zeros((1, 3)))
+    assert not np.array_equal(made._tracks.cov, covs[-1])
