@@ -1,9 +1,11 @@
-"""Vertical force of real flights, each predicted by a jet fitted to all other flights of its family.
+"""Vertical force of real flights, each predicted by jets fitted to other flights.
 
-The reference is what the vehicles' own network said in flight (`fa_ff`: Shi et al., Neural-Swarm2, T-RO
-2021), on the same rows and by the same rule (q2q_model.identification.force.downwash_force). That network
-was trained on flights of this source; in the family dc19 it was off. The form of the jet was chosen before.
-Needs the flights of Q2Q_DATA.
+One jet is fitted to other flights of the same family; its form is chosen by cross-validation among those
+flights, so that no flight is scored by a model that it helped to fit or to choose. The other jet is fitted to
+the other family alone. The reference is what the vehicles' own network said in flight (`fa_ff`: Shi et al.,
+Neural-Swarm2, T-RO 2021), on the same rows and by the same rule
+(q2q_model.identification.force.downwash_force). That network was trained on flights of this source; in the
+family dc19 it was off. Needs the flights of Q2Q_DATA.
 """
 
 import os
@@ -15,10 +17,12 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples, residual_of
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
 from q2q_model.identification.force.residual import predicted_residual
 from q2q_model.identification.identification import Recording, force_record
+from q2q_model.identification.selection.candidates import MARGIN
 from q2q_model.signals.values import Array
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
@@ -32,6 +36,10 @@ PAIRS, TRIPLES = "_ss_", "_sss_"
 MASS = 0.034
 """Mass with which the network's force was flown [kg] (README of the flights)."""
 REFERENCE = "the vehicles' network"
+FORMS = (JetForm(), JetForm(loaded=True))
+"""Candidate forms, the simpler first."""
+OUTER_FOLDS, INNER_FOLDS = 4, 2
+"""Folds of flights that score, and that choose the form."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +59,8 @@ class _Misses:
     jet: Array
     ahead: Array
     """Of the jet 20 ms ahead."""
+    stranger: Array
+    """Of the jet of the other family."""
     network: Array
 
 
@@ -59,10 +69,12 @@ def run() -> list[Row]:
     if not FLIGHTS.is_dir():
         print(f"bench: real: no flights in {FLIGHTS}: set Q2Q_DATA", file=sys.stderr)
         return []
+    flown = {family: _flights(sorted(FLIGHTS.glob(f"{family}_*_ss*.parquet"))) for family in FAMILIES}
+    jets = {family: fit_to_pushes(_samples(flights), FORMS[-1]).jet for family, flights in flown.items()}
     rows = []
-    for family in FAMILIES:
-        flights = _flights(sorted(FLIGHTS.glob(f"{family}_*_ss*.parquet")))
-        missed = [part for one in flights for part in _held_out(one, flights)]
+    for family, flights in flown.items():
+        stranger = next(jet for other, jet in jets.items() if other != family)
+        missed = [part for k in range(OUTER_FOLDS) for part in _fold(flights, k, stranger)]
         for one in flights:
             rows += _rows(one.name, [part for part in missed if part.flight == one.name])
         for kind, mark in (("pairs", PAIRS), ("triples", TRIPLES)):
@@ -87,16 +99,46 @@ def _flight(recording: Recording) -> _Flight:
     return _Flight(recording.flight.name, samples, [said[:, one.vehicle] for one in samples])
 
 
-def _held_out(flight: _Flight, flights: Sequence[_Flight]) -> list[_Misses]:
-    """Return the misses of a jet fitted to the other flights, for each vehicle under another."""
-    taught = [sample for other in flights if other is not flight for sample in other.samples]
-    jet = fit_to_pushes(taught, JetForm()).jet
+def _samples(flights: Sequence[_Flight]) -> list[ForceSamples]:
+    return [sample for one in flights for sample in one.samples]
+
+
+def _fold(flights: Sequence[_Flight], fold: int, stranger: Jet) -> list[_Misses]:
+    """Return the misses on every OUTER_FOLDS-th flight with exposed rows of a jet fitted to the others."""
+    under = [one for one in flights if any(sample.exposed.any() for sample in one.samples)]
+    left_out = under[fold::OUTER_FOLDS]
+    if not left_out:
+        return []
+    taught = [one for one in flights if one not in left_out]
+    jet = fit_to_pushes(_samples(taught), _chosen(taught)).jet
+    return [part for one in left_out for part in _missed(one, jet, stranger)]
+
+
+def _chosen(taught: Sequence[_Flight]) -> JetForm:
+    """Return the form with the least error on held-out flights of `taught`; the simplest of a single one."""
+    under = [one for one in taught if any(sample.exposed.any() for sample in one.samples)]
+    if len(under) < INNER_FOLDS:
+        return FORMS[0]
+    left = []
+    for form in FORMS:
+        missed = 0.0
+        for k in range(INNER_FOLDS):
+            rest = [one for index, one in enumerate(under) if index % INNER_FOLDS != k]
+            jet = fit_to_pushes(_samples(rest), form).jet
+            for sample in _samples(under[k::INNER_FOLDS]):
+                missed += float(np.sum(residual_of(jet, sample)[sample.exposed] ** 2))
+        left.append(missed)
+    return FORMS[1] if left[1] < (1.0 - MARGIN) * left[0] else FORMS[0]
+
+
+def _missed(flight: _Flight, jet: Jet, stranger: Jet) -> list[_Misses]:
+    """Return the misses of jets on each vehicle under another."""
     found = []
     for sample, network in zip(flight.samples, flight.network, strict=True):
         rows, residual = sample.exposed, residual_of(jet, sample)
         ahead = residual - predicted_residual(sample.motion.t, residual, sample.usable)
-        y = sample.y[rows]
-        found.append(_Misses(flight.name, y, residual[rows], ahead[rows], y - network[rows]))
+        y, strange = sample.y[rows], residual_of(stranger, sample)[rows]
+        found.append(_Misses(flight.name, y, residual[rows], ahead[rows], strange, y - network[rows]))
     return found
 
 
@@ -105,11 +147,15 @@ def _rows(name: str, missed: Sequence[_Misses]) -> list[Row]:
     y = np.concatenate([np.empty(0), *(one.y for one in missed)])
     if not y.size:
         return []
-    kinds = ("jet", "ahead", "network")
+    kinds = ("jet", "ahead", "stranger", "network")
     left = {kind: np.concatenate([getattr(one, kind) for one in missed]) for kind in kinds}
     r2 = {kind: 1.0 - float(values @ values) / float(y @ y) for kind, values in left.items()}
     on = bool((left["network"] != y).any())
     beside = f"{REFERENCE}: {r2['network']:.3f}" if on else None
     ratio = (1.0 - r2["network"]) / (1.0 - r2["jet"]) if on else None
     label = f"{name}, {y.size} samples"
-    return [Row(label, r2["jet"], "R2", beside, ratio), Row(f"{label}, 20 ms ahead", r2["ahead"], "R2")]
+    return [
+        Row(label, r2["jet"], "R2", beside, ratio),
+        Row(f"{label}, 20 ms ahead", r2["ahead"], "R2"),
+        Row(f"{label}, by the other family", r2["stranger"], "R2"),
+    ]

@@ -7,7 +7,8 @@ in it is executed. A SHA-256 checksum over the other entries detects a truncated
      "model": {"type": "jet", "parameters": {...}},
      "zone": {"type": "cylinder", "parameters": {"eps": 0.1, "d": 1.1}},
      "gains": {"k_p": ..., "k_d": ..., ...} | null,
-     "fit": {...} | null}
+     "fit": {...} | null,
+     "residual": {...}}                 absent if unknown
 """
 
 from collections.abc import Mapping
@@ -20,6 +21,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.files.plain_values import Plain, PlainValueError, from_plain, to_plain
 from q2q_model.files.sealed_json import FileFormat, sealed, unsealed
@@ -70,6 +72,7 @@ class ModelFile:
     zone: Zone = field(default_factory=Cylinder)
     gains: AltitudeLoop | None = None
     fit: Fit | None = None
+    residual: ResidualProcess | None = None
 
 
 def save(path: Path, content: ModelFile) -> None:
@@ -106,6 +109,8 @@ def encode(content: ModelFile) -> str:
             "gains": to_plain(content.gains, "gains"),
             "fit": to_plain(content.fit, "fit"),
         }
+        if content.residual is not None:
+            body["residual"] = to_plain(content.residual, "residual")
     except PlainValueError as error:
         raise ModelFileError(str(error)) from error
     return sealed(body, FORMAT)
@@ -115,12 +120,14 @@ def decode(text: str) -> ModelFile:
     """Return the contents of a file's text; raise ModelFileError if it is not valid."""
     try:
         body = unsealed(text, FORMAT)
+        residual = body.get("residual")
         model = from_plain(*_tagged(body["model"], MODELS, "model"))
         return ModelFile(
             interaction=model,
             zone=_read_zone(body["zone"], model),
             gains=None if body["gains"] is None else from_plain(AltitudeLoop, body["gains"], "gains"),
             fit=None if body["fit"] is None else from_plain(Fit, body["fit"], "fit"),
+            residual=None if residual is None else from_plain(ResidualProcess, residual, "residual"),
         )
     except KeyError as error:
         raise ModelFileError(f"entry {error} is missing") from error

@@ -25,6 +25,7 @@ from q2q_model.identification.force.recorded_force import (
     push_of_log,
     push_of_sensors,
 )
+from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
@@ -82,6 +83,8 @@ class Identification:
     """Intervals of the model's parameters; empty unless it is a jet."""
     loading: Interval | None
     """The model's own if that has one; None if no vehicle flew under one that was itself under another."""
+    residual: ResidualFit | None
+    """None for too few samples under another vehicle."""
     zone: LevelSet | None
     file: ModelFile
     remarks: tuple[str, ...]
@@ -117,6 +120,7 @@ def identify(
     train = score_on(model, evidence, loop)
     spread = parameter_intervals(best.candidate, model, evidence, loop)
     pushed = [one for flight in evidence for one in flight.pushes]
+    residual = fit_residual(model, pushed)
     return Identification(
         evidence=tuple(evidence),
         gains=gains,
@@ -127,9 +131,14 @@ def identify(
         held_out=best.held_out,
         spread=spread,
         loading=dict(spread).get("loading") or loading_of(model, pushed),
+        residual=residual,
         zone=zone,
         file=ModelFile(
-            interaction=model, zone=zone or Cylinder(), gains=loop, fit=_fit(best, train, evidence)
+            interaction=model,
+            zone=zone or Cylinder(),
+            gains=loop,
+            fit=_fit(best, train, evidence),
+            residual=residual.process if residual else None,
         ),
         remarks=(*remarks, *decay_remarks, *network_remarks, *failed_trials, *failed_fits, *zone_remarks),
     )

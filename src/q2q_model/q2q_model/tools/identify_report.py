@@ -1,5 +1,6 @@
 """Results of an identification as the JSON of `identify` and as text."""
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
 from q2q_model.files.model_file import RoleScores
@@ -39,16 +40,23 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
             "train_r2": _roles(found.train.r2),
             "heldout_mse_m2": _roles(found.held_out.mse_m2),
             "heldout_r2": _roles(found.held_out.r2),
-            "intervals": {name: one.as_list() for name, one in found.spread},
+            "intervals": dict(_spans(found.spread)),
         },
         "loading": {
             "interval": found.loading.as_list() if found.loading else None,
             "used": usable_loading(found.loading),
         },
+        "residual": {name: one.as_list() for name, one in found.residual.intervals}
+        if found.residual
+        else None,
         "candidates": [_candidate(trial) for trial in found.trials],
         "remarks": list(found.remarks),
         "seconds": seconds | {"total": sum(seconds.values())},
     }
+
+
+def _spans(found: Sequence[tuple[str, Interval]]) -> list[tuple[str, list[float]]]:
+    return [(name, one.as_list()) for name, one in found]
 
 
 def summary(found: Identification) -> str:

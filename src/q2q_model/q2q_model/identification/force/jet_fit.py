@@ -249,11 +249,23 @@ def _magnitudes(jet: Jet, samples: Sequence[ForceSamples]) -> tuple[Array, Array
 def _affine(push: Array, error: Array) -> tuple[float, float]:
     """Return floor [m/s^2] and share of the deviation floor + share |eta| of residuals.
 
-    Both are the maximum likelihood of a normal, scaled so that 95 % of the rows lie within 1.96 deviations,
-    because the tails are not normal.
+    Both are those of `deviation_of`, scaled so that 95 % of the rows lie within 1.96 deviations, because the
+    tails are not normal.
     """
     if push.size == 0:
         return 0.0, 0.0
+    floor, share = deviation_of(push, error)
+    wide = float(np.quantile(error / (floor + share * push), 0.95)) / Z95
+    return float(min(wide * floor, MOST_STD)), float(min(wide * share, MOST_STD))
+
+
+def deviation_of(push: Array, error: Array) -> tuple[float, float]:
+    """Return floor [m/s^2] and share, (floor + share |eta|), of maximum likelihood for a normal.
+
+    Args:
+        push: |eta| [m/s^2], (k,), k at least 1.
+        error: |y - eta| [m/s^2], (k,).
+    """
 
     def negative_log_likelihood(x: Array) -> float:
         std = np.exp(x[0]) + np.exp(x[1]) * push
@@ -261,5 +273,4 @@ def _affine(push: Array, error: Array) -> tuple[float, float]:
 
     first = np.log([max(float(np.sqrt(np.mean(error**2))), 1e-6), 0.1])
     floor, share = np.exp(minimize(negative_log_likelihood, first, method="Nelder-Mead").x)
-    wide = float(np.quantile(error / (floor + share * push), 0.95)) / Z95
-    return float(min(wide * floor, MOST_STD)), float(min(wide * share, MOST_STD))
+    return float(floor), float(share)

@@ -1,0 +1,115 @@
+"""Predicted downwash, corrected by the residual measured a little earlier.
+
+    eta^(t) = eta(t) + exp(-h / T) r^(t - h)
+
+r^ is the Kalman estimate of the residual process (q2q_model.downwash.residual_process) from measured pushes
+y = eta + b + r + noise at t - h; h is the age of the last one. Between measurements,
+
+    r^ <- a r^,   P <- a^2 P + (1 - a^2) sigma^2,   a = exp(-dt / T)
+
+and the standard deviation of eta^ is the square root of P, propagated over h. The constant b of each vehicle
+(battery, mass, sensor) is its mean of y where |eta| is below `CLEAR`.
+
+| input | output |
+|---|---|
+| no measurement yet, one of another vehicle, NaN | the prediction unchanged |
+| a measurement older than `OLDEST` | the prediction unchanged: nothing of the residual is left |
+| a measurement not later than the last, or of a time without prediction | ignored |
+| a vehicle without prediction (NO_MODEL) | the prediction unchanged |
+"""
+
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.signals.values import Array, Interference, InterferenceStatus, Names, index_of
+
+CLEAR = 0.05
+"""Downwash that a vehicle in clear air may feel at most [m/s^2]: a tenth of the residual's size."""
+OFFSET_S = 5.0
+"""Time constant of b [s]: shorter than a battery's discharge, longer than a passage."""
+OLDEST = 0.3
+"""Oldest measurement that corrects [s]: four correlation times."""
+SAME_STAMP = 1e-6
+"""[s]"""
+
+
+class PredictAndCorrect:
+    """Corrector of predictions by measured pushes."""
+
+    def __init__(self, process: ResidualProcess) -> None:
+        self._process = process
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget predictions and measurements."""
+        self._predicted: deque[Interference] = deque()
+        self._t = -np.inf
+        self._names: Names = ()
+        self._residual: Array = np.zeros(0)
+        self._variance: Array = np.zeros(0)
+        self._offset: Array = np.zeros(0)
+        self._clear_s: Array = np.zeros(0)
+        self._seen: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+
+    def update(self, prediction: Interference) -> Interference:
+        """Return a prediction corrected by what has been measured."""
+        if self._predicted and prediction.t < self._predicted[-1].t - SAME_STAMP:
+            self.reset()
+        self._predicted.append(prediction)
+        while self._predicted[0].t < prediction.t - OLDEST:
+            self._predicted.popleft()
+        age = prediction.t - self._t
+        rows = index_of(prediction.names, self._names)
+        known = (rows >= 0) & (prediction.status != InterferenceStatus.NO_MODEL)
+        if age > OLDEST or not known.any():
+            return prediction
+        known[known] &= self._seen[rows[known]]
+        acc, std, own = prediction.acc.copy(), prediction.std.copy(), rows[known]
+        share = self._process.share(age)
+        size = self._process.std(acc[known, 2])
+        acc[known, 2] += share * self._residual[own]
+        std[known, 2] = np.sqrt(share**2 * self._variance[own] + (1.0 - share**2) * size**2)
+        return replace(prediction, acc=acc, std=std)
+
+    def measure(self, t: float, names: Names, push: Array) -> None:
+        """Take measured pushes y [m/s^2], (n,), of time t [s]; NaN where unknown."""
+        then = next((one for one in self._predicted if abs(one.t - t) < SAME_STAMP), None)
+        if then is None or t <= self._t:
+            return
+        if names != self._names:
+            self._follow(names)
+        rows = index_of(names, then.names)
+        eta = np.where(rows >= 0, then.acc[rows, 2], np.nan)
+        dt, self._t = min(t - self._t, OLDEST), t
+        missed = push - eta
+        good = np.isfinite(missed)
+        self._learn_offset(missed, eta, good, dt)
+        self._propagate(eta, good, dt)
+        innovation = missed - self._offset - self._residual
+        gain = self._variance / (self._variance + self._process.noise**2)
+        self._residual[good] += (gain * innovation)[good]
+        self._variance[good] *= (1.0 - gain)[good]
+        self._seen |= good
+
+    def _propagate(self, eta: Array, good: NDArray[np.bool_], dt: float) -> None:
+        share, size = self._process.share(dt), self._process.std(np.where(good, eta, 0.0))
+        self._residual *= share
+        self._variance = share**2 * self._variance + (1.0 - share**2) * size**2
+
+    def _learn_offset(self, missed: Array, eta: Array, good: NDArray[np.bool_], dt: float) -> None:
+        clear = good & (np.abs(eta) < CLEAR)
+        self._clear_s[clear] += dt
+        rate = dt / np.minimum(np.maximum(self._clear_s, dt), OFFSET_S)
+        self._offset[clear] += (rate * (missed - self._offset))[clear]
+
+    def _follow(self, names: Names) -> None:
+        """Start again with other vehicles."""
+        n = len(names)
+        self._names = names
+        self._residual, self._variance = np.zeros(n), np.full(n, self._process.floor**2)
+        self._offset, self._clear_s = np.zeros(n), np.zeros(n)
+        self._seen = np.zeros(n, dtype=np.bool_)

@@ -1,0 +1,134 @@
+"""Fit of the residual process (q2q_model.downwash.residual_process) to residuals y - eta under wakes.
+
+With the deviation floor_0 + slope_0 |eta| of the residuals (as in jet_fit, without a scale for tails), the
+normalised residual z = r / deviation has the autocorrelation c exp(-h / T): c is the share of its variance
+that is correlated, the rest is noise of the measurement. c and T are a least-squares fit over lags h, and
+
+    floor = sqrt(c) floor_0,   slope = sqrt(c) slope_0,   noise = sqrt(1 - c) rms r
+
+Intervals are those of a jackknife over vehicles of flights, or over pieces if there are fewer than three.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import curve_fit
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.identification.force.along_flight import eta_on_vehicle
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.jet_fit import deviation_of
+from q2q_model.identification.intervals import Interval
+from q2q_model.signals.values import Array
+
+LAGS = np.arange(0.02, 0.16, 0.01)
+"""[s]: from the first that filters of the measurement do not correlate to twice the correlation time."""
+FEWEST = 500
+"""Fewest exposed rows: 5 s at 100 Hz."""
+Z95 = 1.96
+FEWEST_PARTS = 3
+"""Fewest parts of a jackknife."""
+LEAST_NOISE = 1e-3
+"""[m/s^2]"""
+FIRST, LOW, HIGH = (0.8, 0.08), (0.0, 0.01), (1.0, 5.0)
+"""Share c and time T [s] to begin with, and their bounds."""
+NAMES = ("floor", "slope", "time_s", "noise")
+
+
+@dataclass(frozen=True, slots=True)
+class ResidualFit:
+    """Fitted process with the interval of each value."""
+
+    process: ResidualProcess
+    intervals: tuple[tuple[str, Interval], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Exposed rows of one vehicle of one flight, or of a stretch of it."""
+
+    tick: Array
+    """Number of the tick, (k,)."""
+    period: float
+    """[s]"""
+    push: Array
+    """|eta| [m/s^2], (k,)."""
+    residual: Array
+    """[m/s^2], (k,)."""
+
+
+def fit_residual(model: InteractionModel, samples: Sequence[ForceSamples]) -> ResidualFit | None:
+    """Return the process fitted to exposed rows; None for fewer than `FEWEST`, or without correlation."""
+    parts = [_part(model, one) for one in samples if one.exposed.any()]
+    if len(parts) < FEWEST_PARTS:
+        parts = [piece for part in parts for piece in _pieces(part)]
+    if sum(part.push.size for part in parts) < FEWEST or (whole := _process(parts)) is None:
+        return None
+    left = [_process(parts[:k] + parts[k + 1 :]) for k in range(len(parts))]
+    values = np.array([_values(one) for one in left if one is not None])
+    spread = np.sqrt((len(values) - 1.0) * values.var(axis=0))
+    spans = [
+        Interval(value, max(value - Z95 * std, 0.0), value + Z95 * std)
+        for value, std in zip(_values(whole), spread.tolist(), strict=True)
+    ]
+    return ResidualFit(whole, tuple(zip(NAMES, spans, strict=True)))
+
+
+def _part(model: InteractionModel, one: ForceSamples) -> _Part:
+    rows, period = np.flatnonzero(one.exposed), float(np.median(np.diff(one.motion.t)))
+    eta = eta_on_vehicle(model, one.motion, one.vehicle, rows)[:, 2]
+    tick = np.rint(one.motion.t[rows] / period)
+    return _Part(tick, period, np.abs(eta), one.y[rows] - eta)
+
+
+def _pieces(part: _Part) -> list[_Part]:
+    """Return the rows of a part in pieces of FEWEST / 2 rows."""
+    cuts = range(FEWEST // 2, part.push.size, FEWEST // 2)
+    columns = (np.split(values, list(cuts)) for values in (part.tick, part.push, part.residual))
+    return [_Part(t, part.period, push, residual) for t, push, residual in zip(*columns, strict=True)]
+
+
+def _process(parts: Sequence[_Part]) -> ResidualProcess | None:
+    push, residual = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("push", "residual")
+    )
+    floor, slope = deviation_of(push, np.abs(residual))
+    sums = np.sum([_products(part, floor, slope) for part in parts], axis=0)  # (L, 2)
+    size = float(np.mean((residual / (floor + slope * push)) ** 2))
+    if (sums[:, 1] < 1.0).any():
+        return None
+    correlation = sums[:, 0] / sums[:, 1] / size
+    try:
+        (share, time), _ = curve_fit(
+            lambda h, c, t: c * np.exp(-h / t),
+            LAGS,
+            correlation,
+            (0.8, 0.08),
+            bounds=([0.0, 0.01], [1.0, 5.0]),
+        )
+    except RuntimeError:  # no convergence
+        return None
+    noise = float(np.sqrt((1.0 - share) * np.mean(residual**2)))
+    wide = float(np.sqrt(share * size))
+    return ResidualProcess(wide * floor, wide * slope, float(time), max(noise, LEAST_NOISE))
+
+
+def _decaying(lag: Array, share: float, time: float) -> Array:
+    return np.asarray(share * np.exp(-lag / time))
+
+
+def _products(part: _Part, floor: float, slope: float) -> Array:
+    """Return for each lag the sum of z z' and the number of pairs, (L, 2)."""
+    z = part.residual / (floor + slope * part.push)
+    found = np.zeros((LAGS.size, 2))
+    for row, lag in enumerate(np.rint(LAGS / part.period)):
+        later = np.searchsorted(part.tick, part.tick + lag).clip(0, part.tick.size - 1)
+        pair = part.tick[later] == part.tick + lag
+        found[row] = (z * z[later])[pair].sum(), pair.sum()
+    return found
+
+
+def _values(process: ResidualProcess) -> list[float]:
+    return [process.floor, process.slope, process.time_s, process.noise]

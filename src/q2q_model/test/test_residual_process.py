@@ -1,0 +1,120 @@
+"""Prove the fit of the residual process, and the correction of predictions by measured pushes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.predict_and_correct import OLDEST, PredictAndCorrect
+from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.files.model_file import ModelFile, decode, encode
+from q2q_model.identification.force.along_flight import Motion, eta_along
+from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
+from q2q_model.identification.force.residual_fit import fit_residual
+from q2q_model.signals.values import Array, Interference, InterferenceStatus
+
+PROCESS = ResidualProcess(floor=0.3, slope=0.15, time_s=0.1, noise=0.15)
+LAW = Jet(strength=2.5, reference_gap=0.4, width=0.08, upper_ratio=0.0)
+STEP = 0.01
+NAMES = ("low", "top")
+
+
+def unit_process(rng: np.random.Generator, ticks: int) -> Array:
+    """Return an Ornstein-Uhlenbeck process of variance 1, (ticks,)."""
+    keep = PROCESS.share(STEP)
+    return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], rng.standard_normal(ticks)))
+
+
+def flown(seed: int) -> list[ForceSamples]:
+    """Return the pushes of a vehicle under another that passes to and fro, with residual and noise."""
+    rng, t = np.random.default_rng(seed), STEP * np.arange(6000)
+    pos = np.zeros((t.size, 2, 3))
+    pos[:, :, 2] = [1.0, 1.5]
+    pos[:, 1, 0] = 0.5 * np.sin(0.9 * t)
+    motion = Motion(t, pos, np.gradient(pos, STEP, axis=0), np.tile([0.0, 0.0, 1.0], (t.size, 2, 1)))
+    push = eta_along(LAW, motion)[..., 2]
+    push[:, 0] += PROCESS.std(push[:, 0]) * unit_process(rng, t.size)
+    push += PROCESS.noise * rng.standard_normal(push.shape)
+    good = np.ones(push.shape, dtype=bool)
+    record = ForceRecord(f"flight{seed}", NAMES, motion, push, good, ~good)
+    return [one for one in force_samples(record) if one.vehicle == 0]
+
+
+def test_the_fit_finds_the_process_that_residuals_were_made_with() -> None:
+    found = fit_residual(LAW, [one for seed in range(6) for one in flown(seed)])
+    assert found is not None
+    for name, span in found.intervals:
+        truth = getattr(PROCESS, name)
+        deviation = (span.high - span.value) / 1.96
+        assert abs(span.value - truth) < 4.0 * deviation, name
+        assert deviation < 0.8 * truth, name  # noise, the least of them, hides below the process
+
+
+def test_without_rows_under_another_vehicle_there_is_no_process() -> None:
+    assert fit_residual(LAW, [replace(one, exposed=one.exposed & False) for one in flown(0)]) is None
+
+
+def test_a_model_file_keeps_the_process_and_one_without_is_as_before() -> None:
+    assert decode(encode(ModelFile(LAW, residual=PROCESS))).residual == PROCESS
+    assert "residual" not in encode(ModelFile(LAW))
+    assert decode(encode(ModelFile(LAW))).residual is None
+
+
+def prediction(t: float, eta: float) -> Interference:
+    """Return a prediction of downwash on the lower of two vehicles."""
+    acc, std = np.zeros((2, 3)), np.full((2, 3), np.nan)
+    acc[0, 2], std[:, 2] = eta, 0.5
+    return Interference(t, NAMES, acc, std, np.full(2, InterferenceStatus.VALID, dtype=np.uint8))
+
+
+def corrected(delay: int, ticks: int = 5000) -> tuple[Array, Array, Array]:
+    """Return the residual, what is left after the correction and the deviation claimed, (ticks,)."""
+    block, rng = PredictAndCorrect(PROCESS), np.random.default_rng(5)
+    eta = -2.0 * np.ones(ticks)
+    residual = PROCESS.std(eta) * unit_process(rng, ticks)
+    seen = eta + residual + PROCESS.noise * rng.standard_normal(ticks)
+    left, std = np.empty(ticks), np.empty(ticks)
+    for k in range(ticks):
+        if k >= delay:
+            block.measure(STEP * (k - delay), NAMES, np.array([seen[k - delay], np.nan]))
+        answer = block.update(prediction(STEP * k, eta[k]))
+        left[k], std[k] = eta[k] + residual[k] - answer.acc[0, 2], answer.std[0, 2]
+    return residual[100:], left[100:], std[100:]
+
+
+@pytest.mark.parametrize("delay", [1, 2, 5])
+def test_the_correction_leaves_what_it_claims_and_less_than_the_model_alone(delay: int) -> None:
+    residual, left, std = corrected(delay)
+    share = PROCESS.share(STEP * delay)
+    assert left.std() == pytest.approx(std[-1], rel=0.15)  # 500 correlation times: 3 %
+    assert left.var() < (1.0 - 0.5 * share**2) * residual.var()
+    assert left.var() > (1.0 - share**2) * residual.var() * 0.8  # nobody knows more than the last residual
+
+
+def test_an_offset_seen_in_clear_air_is_no_residual_under_the_wake() -> None:
+    block = PredictAndCorrect(PROCESS)
+    for k in range(2000):
+        block.update(prediction(STEP * k, 0.0))
+        block.measure(STEP * k, NAMES, np.array([0.25, 0.0]))
+    for k in range(2000, 2005):
+        answer = block.update(prediction(STEP * k, -2.0))
+        block.measure(STEP * k, NAMES, np.array([-1.75, 0.0]))
+    assert answer.acc[0, 2] == pytest.approx(-2.0, abs=0.02)
+
+
+def test_nothing_old_unknown_or_invalid_corrects() -> None:
+    block = PredictAndCorrect(PROCESS)
+    assert block.update(prediction(0.0, -2.0)).acc[0, 2] == -2.0  # nothing measured
+    block.measure(0.0, NAMES, np.array([-1.0, np.nan]))
+    block.measure(0.0, NAMES, np.array([9.0, 9.0]))  # not later than the last
+    block.measure(0.005, NAMES, np.array([9.0, 9.0]))  # of a time without prediction
+    answer = block.update(prediction(0.01, -2.0))
+    assert -2.0 < answer.acc[0, 2] < -1.0
+    assert answer.acc[1, 2] == 0.0
+    gone = replace(prediction(0.02, 0.0), status=np.full(2, InterferenceStatus.NO_MODEL, dtype=np.uint8))
+    assert block.update(gone) is gone
+    assert block.update(prediction(OLDEST + 0.02, -2.0)).acc[0, 2] == -2.0
+    block.reset()
+    assert block.update(prediction(0.0, -2.0)).acc[0, 2] == -2.0
