@@ -64,7 +64,7 @@ def digests() -> Iterator[tuple[str, str]]:
             yield f"{name} {mode} {controller} {replan} seed {seed}", digest(flight)
     for seed in CAMPAIGN_SEEDS:
         flown = flown_pure(drawn(seed))
-        signals = [digest(one.signal) for one in flown.heard]
+        signals = [digest(one.signal) for one in flown.signals]
         yield f"campaign {seed}", digest([*signals, *(one.policy for one in flown.violations)])
 
 

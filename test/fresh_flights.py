@@ -90,7 +90,7 @@ def flown(scenario: Scenario, controller: str, replan: str) -> RecordedSignal:
         heard[-1][topic] = signal
 
     known = find_model(scenario.model).interaction
-    fly(scenario, FlightOptions(controller=controller, replan=replan, model=known, hear=hear))
+    fly(scenario, FlightOptions(controller=controller, replan=replan, model=known, on_signal=hear))
     return heard
 
 

@@ -191,7 +191,7 @@ class ProcedureRoom:
         self.log: list[str] = []
         """Calls of servers, in order."""
         self.height: list[Array] = []
-        self.wanted: list[Array] = []
+        self.setpoint_heights: list[Array] = []
         self.steps: list[str] = []
         self.node: RoomNode | None = None
         self.mocap: Callable[[MocapFrame, int], None] = lambda *_: None
@@ -259,12 +259,12 @@ class ProcedureRoom:
         self.mocap(seen.frame, stamp)
         state = self.blocks.mocap_filter.update(seen.frame)
         downwash = self.blocks.predictor.update(state)
-        wanted = self.player.update(seen.frame)
+        setpoint = self.player.update(seen.frame)
         self.give("state", state, stamp)
         self.give("interference", downwash, stamp)
-        self.give("reference_safe", wanted, stamp)
+        self.give("reference_safe", setpoint, stamp)
         if self.node is not None and "command" in self.node.takers:
-            self.give("command", self.blocks.controller.update(state, wanted, downwash), stamp)
+            self.give("command", self.blocks.controller.update(state, setpoint, downwash), stamp)
         if self.node is not None and self.room.tick % 2 == 0:
             for period, act in self.node.timers:
                 if period < 0.1:
@@ -272,7 +272,7 @@ class ProcedureRoom:
         for vehicle in self.fleet.vehicles:
             vehicle.handle(ECHO)
         self.height.append(seen.truth.pos[:, 2].copy())
-        self.wanted.append(wanted.pos[:, 2].copy())
+        self.setpoint_heights.append(setpoint.pos[:, 2].copy())
         self.room.fly(self.fleet.fly)
         self.fleet.outgoing()
 
@@ -301,5 +301,5 @@ class ProcedureRoom:
     def height_error(self, seconds: float) -> Array:
         """Return the rms height error of each vehicle in the last seconds [m], (n,)."""
         count = round(seconds / TICK_S)
-        off = np.array(self.height[-count:]) - np.array(self.wanted[-count:])
+        off = np.array(self.height[-count:]) - np.array(self.setpoint_heights[-count:])
         return np.asarray(np.sqrt((off**2).mean(axis=0)))

@@ -190,7 +190,7 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
         with pytest.raises(ValueError, match="parameter seed: allowed is 0 or more"):
             flown("third", -1)
         again = flown("fourth", run.seed)
-    pure = evidence_of(campaign_flight.told(campaign_flight.flown_pure(short).heard))
+    pure = evidence_of(campaign_flight.at_own_stamps(campaign_flight.flown_pure(short).signals))
     assert twin(first, pure) == twin(again, pure) == ()
     assert [one.policy for one in twin(second, pure)] == [TWIN]
 

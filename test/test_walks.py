@@ -109,7 +109,7 @@ def test_a_frame_of_an_ordinary_tick_passes_the_documented_files_to_its_command(
             trace.stop()
 
     known = find_model(scenario.model).interaction
-    fly(scenario, FlightOptions(model=known, hear=hear))
+    fly(scenario, FlightOptions(model=known, on_signal=hear))
     blocks = [one for one in trace.files if not one.startswith("q2q_sim/")]
     check(walk("From a mocap frame to a command"), blocks, SERVICES)
 

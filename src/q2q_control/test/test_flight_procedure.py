@@ -37,8 +37,8 @@ class _Bench:
     t: float = 100.0
     pos: Array = field(default_factory=HOME.copy)
     vel: Array = field(default_factory=lambda: np.zeros((2, 3)))
-    wanted: Array = field(default_factory=HOME.copy)
-    wanted_vel: Array = field(default_factory=lambda: np.zeros((2, 3)))
+    setpoint_pos: Array = field(default_factory=HOME.copy)
+    setpoint_vel: Array = field(default_factory=lambda: np.zeros((2, 3)))
     seen_at: float = 100.0
     heard_at: float = 100.0
     blind: bool = False
@@ -58,8 +58,8 @@ class _Bench:
 
     def observe(self) -> Observation:
         return Observation(
-            self.reports, self.pos, self.vel, np.full(2, self.t - self.seen_at), self.wanted,
-            self.wanted_vel, self.t - self.heard_at, self.plan,
+            self.reports, self.pos, self.vel, np.full(2, self.t - self.seen_at), self.setpoint_pos,
+            self.setpoint_vel, self.t - self.heard_at, self.plan,
         )  # fmt: skip
 
     def call(self, call: Call) -> Reply | None:
@@ -71,7 +71,7 @@ class _Bench:
             self.seen_at = self.seen_at if self.blind else self.t
             if not self.ignore_signals:
                 self.heard_at = self.t
-                self.procedure.follows(self.wanted)
+                self.procedure.accepts(self.setpoint_pos)
             self.procedure.update(self.observe(), self.outcome, self.t)
             self.outcome = None
             for order in self.procedure.orders():
@@ -109,8 +109,8 @@ class _Bench:
 
     def move(self, pos: Array) -> None:
         """Put vehicles and setpoints somewhere, within what a setpoint may move in a tick."""
-        self.pos, self.wanted = pos.copy(), pos.copy()
-        self.procedure.follows(np.full((2, 3), np.nan))
+        self.pos, self.setpoint_pos = pos.copy(), pos.copy()
+        self.procedure.accepts(np.full((2, 3), np.nan))
 
 
 def up_to(step: Step, **given: object) -> _Bench:
@@ -258,19 +258,19 @@ def test_a_server_that_does_not_stop_setpoints_keeps_the_vehicles_flying_them() 
     answer = bench.asked(Call.LAND)
     assert not answer.granted
     assert "call land again, or emergency" in answer.reason
-    assert bench.procedure.follows(bench.wanted)
+    assert bench.procedure.accepts(bench.setpoint_pos)
     assert bench.acts == [Act.GLIDE, Act.STOP_STREAM]
 
 
 def test_setpoints_are_flown_only_from_the_hand_over_to_the_landing() -> None:
     bench = _Bench()
-    assert not bench.procedure.follows(bench.wanted)
+    assert not bench.procedure.accepts(bench.setpoint_pos)
     bench.asked(Call.TAKE_OFF)
-    assert not bench.procedure.follows(bench.wanted)
+    assert not bench.procedure.accepts(bench.setpoint_pos)
     bench.asked(Call.FLY, 2.0)
-    assert bench.procedure.follows(bench.wanted)
+    assert bench.procedure.accepts(bench.setpoint_pos)
     bench.call(Call.LAND)
-    assert not bench.procedure.follows(bench.wanted)
+    assert not bench.procedure.accepts(bench.setpoint_pos)
 
 
 def test_a_glide_that_cannot_be_certified_leaves_the_vehicles_hovering() -> None:
@@ -278,12 +278,12 @@ def test_a_glide_that_cannot_be_certified_leaves_the_vehicles_hovering() -> None
     bench = up_to(Step.HOVER, refuses={Act.GLIDE: words})
     assert bench.asked(Call.FLY) == Reply(granted=False, reason=words)
     assert bench.procedure.step is Step.HOVER
-    assert not bench.procedure.follows(bench.wanted)
+    assert not bench.procedure.accepts(bench.setpoint_pos)
 
 
 def test_setpoints_far_from_the_vehicles_are_not_taken_over() -> None:
     bench = up_to(Step.HOVER, stuck={Act.GLIDE})
-    bench.wanted = FIRST + up(0.9)  # trajectory plays something of its own
+    bench.setpoint_pos = FIRST + up(0.9)  # trajectory plays something of its own
     answer = bench.asked(Call.FLY)
     assert "cf1 is 1.40 m from its setpoint" in answer.reason
     assert bench.procedure.step is Step.HOVER
@@ -292,8 +292,8 @@ def test_setpoints_far_from_the_vehicles_are_not_taken_over() -> None:
 
 def test_a_setpoint_that_jumps_in_flight_is_not_flown_and_all_land() -> None:
     bench = up_to(Step.FLIGHT)
-    bench.wanted = bench.wanted + up(0.9)
-    assert not bench.procedure.follows(bench.wanted)
+    bench.setpoint_pos = bench.setpoint_pos + up(0.9)
+    assert not bench.procedure.accepts(bench.setpoint_pos)
     bench.wait(6.0)
     assert any("a setpoint jumped by 0.90 m" in line for line in bench.said)
     assert bench.acts == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
@@ -320,7 +320,7 @@ def test_an_emergency_cuts_from_any_step_and_lets_nothing_start_before_a_restart
     bench = up_to(Step.FLIGHT)
     assert bench.asked(Call.EMERGENCY, 0.1).granted
     assert bench.acts == [Act.CUT]
-    assert not bench.procedure.follows(bench.wanted)
+    assert not bench.procedure.accepts(bench.setpoint_pos)
     bench.reports = tuple(replace(one, locked=True) for one in bench.reports)
     bench.move(HOME)
     bench.wait(10.0)
@@ -362,11 +362,11 @@ def test_vehicles_that_land_by_themselves_are_watched_to_the_ground() -> None:
 def test_a_start_joins_setpoints_at_the_vehicles_and_none_that_are_far() -> None:
     """The plan runs already: vehicles on the ground would jump to where it is."""
     bench = _Bench()
-    bench.wanted = np.array([[1.8, 0.0, 0.7], [0.7, 1.0, 1.9]])
+    bench.setpoint_pos = np.array([[1.8, 0.0, 0.7], [0.7, 1.0, 1.9]])
     refusal = bench.asked(Call.START)
     assert "cf1 is 1.93 m from its setpoint: 0.30 m is the most; call take_off, then fly" in refusal.reason
     assert bench.sent == []
-    bench.wanted = HOME.copy()
+    bench.setpoint_pos = HOME.copy()
     bench.stuck = {Act.STREAM}
     assert bench.asked(Call.START, 1.0).granted
     assert bench.acts == [Act.ARM, Act.STREAM]

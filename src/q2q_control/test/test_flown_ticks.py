@@ -22,10 +22,10 @@ class _Procedure:
     grants: bool = True
     seen: list[SwarmState] = field(default_factory=list)
 
-    def see(self, state: SwarmState) -> None:
+    def store_state(self, state: SwarmState) -> None:
         self.seen.append(state)
 
-    def follows(self, _: SwarmSetpoint) -> bool:
+    def accepts(self, _: SwarmSetpoint) -> bool:
         return self.grants
 
 

@@ -18,7 +18,7 @@ from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.radio.setpoints import (
-    ZERO_STICK,
+    ZERO_RPYT,
     FullState,
     RpytSetpoint,
     full_states,
@@ -197,7 +197,7 @@ def test_arming_unlocks_and_only_streamed_vehicles_are_sent_commands() -> None:
     bench.rpyt_setpoints()
     assert bench.links["cf2"].sent == [
         "arm",
-        ZERO_STICK,
+        ZERO_RPYT,
         ("take off", 0.5, 2.0),
         RpytSetpoint(1.0, 2.0, 3.0, 30000),
     ]

@@ -37,7 +37,9 @@ def heard() -> tuple[RecordedSignal, ...]:
     found: list[RecordedSignal] = []
     options = FlightOptions(
         model=find_model(SCENARIO.model).interaction,
-        hear=lambda topic, stamp_ns, signal: found.append(RecordedSignal(topic, stamp_ns * 1e-9, signal)),
+        on_signal=lambda topic, stamp_ns, signal: found.append(
+            RecordedSignal(topic, stamp_ns * 1e-9, signal)
+        ),
     )
     fly(SCENARIO, options)
     return tuple(found)

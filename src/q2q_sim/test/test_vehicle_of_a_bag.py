@@ -24,7 +24,7 @@ def recorded(folder: Path, facts: FlightFacts | None) -> Path:
         def hear(topic: str, stamp_ns: int, signal: Signal) -> None:
             bag.write_signal(f"/{topic}", stamp_ns, signal)
 
-        fly(SCENARIO, FlightOptions(model=find_model(SCENARIO.model).interaction, hear=hear))
+        fly(SCENARIO, FlightOptions(model=find_model(SCENARIO.model).interaction, on_signal=hear))
     return folder
 
 

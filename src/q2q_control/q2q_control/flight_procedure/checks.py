@@ -59,10 +59,10 @@ def state_refusal(observation: Observation, landing: LandingParams) -> str:
 
 def setpoint_refusal(observation: Observation, near: float, landing: LandingParams) -> str:
     """Return which vehicle has no fresh setpoint, or one farther than `near` [m]."""
-    if not observation.wanted_age <= landing.stale_s:
+    if not observation.setpoint_age <= landing.stale_s:
         return f"no setpoint younger than {landing.stale_s:g} s: start trajectory and replanner"
     for name, far in zip(
-        observation.names, _norm(observation.pos - observation.wanted).tolist(), strict=True
+        observation.names, _norm(observation.pos - observation.setpoint_pos).tolist(), strict=True
     ):
         if not far <= near:
             found = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"

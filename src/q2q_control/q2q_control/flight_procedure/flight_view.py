@@ -14,26 +14,26 @@ class FlightView:
         n = len(names)
         self._pos, self._vel = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
         self._seen = np.full(n, -np.inf)
-        self._wanted, self._wanted_vel = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
-        self._heard = -np.inf
+        self._setpoint_pos, self._setpoint_vel = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
+        self._setpoint_at = -np.inf
         self.plan: PlanOutline | None = None
         """Plan that is waiting."""
 
-    def see(self, state: SwarmState, t: float) -> None:
+    def store_state(self, state: SwarmState, t: float) -> None:
         """Store the vehicles measured in a state, received at time t [s]."""
         rows = index_of(self._names, state.names)
         for own, row in enumerate(rows.tolist()):
             if row >= 0 and state.status[row] == TrackStatus.TRACKED:
                 self._pos[own], self._vel[own], self._seen[own] = state.pos[row], state.vel[row], t
 
-    def hear(self, setpoint: SwarmSetpoint, t: float) -> Array:
+    def store_setpoint(self, setpoint: SwarmSetpoint, t: float) -> Array:
         """Store a setpoint received at time t [s]; return each vehicle's position, NaN if it has none."""
         rows = index_of(self._names, setpoint.names)
         absent = (rows < 0)[:, None]
-        self._wanted = np.where(absent, np.nan, setpoint.pos[rows])
-        self._wanted_vel = np.where(absent, np.nan, setpoint.vel[rows])
-        self._heard = t
-        return self._wanted
+        self._setpoint_pos = np.where(absent, np.nan, setpoint.pos[rows])
+        self._setpoint_vel = np.where(absent, np.nan, setpoint.vel[rows])
+        self._setpoint_at = t
+        return self._setpoint_pos
 
     def observe(self, vehicles: tuple[VehicleReport, ...], t: float) -> Observation:
         """Return the observation at time t [s]."""
@@ -42,8 +42,8 @@ class FlightView:
             pos=self._pos.copy(),
             vel=self._vel.copy(),
             age=t - self._seen,
-            wanted=self._wanted,
-            wanted_vel=self._wanted_vel,
-            wanted_age=t - self._heard,
+            setpoint_pos=self._setpoint_pos,
+            setpoint_vel=self._setpoint_vel,
+            setpoint_age=t - self._setpoint_at,
             plan=self.plan,
         )

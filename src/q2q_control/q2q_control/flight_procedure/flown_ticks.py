@@ -31,10 +31,10 @@ def tick_topics(mode: str, *, aware: bool) -> dict[str, type[Signal]]:
 class Pilotage(Protocol):
     """Inputs of the flight procedure."""
 
-    def see(self, state: SwarmState) -> None:
+    def store_state(self, state: SwarmState) -> None:
         """Store a state."""
 
-    def follows(self, setpoint: SwarmSetpoint) -> bool:
+    def accepts(self, setpoint: SwarmSetpoint) -> bool:
         """Store a setpoint; return whether to fly it."""
 
 
@@ -57,7 +57,7 @@ class FlownTicks:
         self._topics = tick_topics(mode, aware=aware)
         self._join: TickJoin[Signal] = TickJoin(tuple(self._topics))
         self._health = health
-        self._follows = False
+        self._accepted = False
         self.procedure: Pilotage | None = None
         """Flight procedure; None permits no tick."""
 
@@ -69,9 +69,9 @@ class FlownTicks:
     def take(self, topic: str, stamp_ns: int, value: Signal) -> FlownTick | None:
         """Add a signal; return the tick that it completes."""
         if self.procedure is not None and isinstance(value, SwarmState):
-            self.procedure.see(value)
+            self.procedure.store_state(value)
         if isinstance(value, SwarmSetpoint):
-            self._follows = self.procedure is not None and self.procedure.follows(value)
+            self._accepted = self.procedure is not None and self.procedure.accepts(value)
         if topic not in self._topics:
             return None
         whole = self._join.put(topic, stamp_ns, value)
@@ -83,4 +83,4 @@ class FlownTicks:
         command = next((one for one in whole if isinstance(one, SwarmCommand)), None)
         setpoint = next((one for one in whole if isinstance(one, SwarmSetpoint)), None)
         downwash = next((one for one in whole if isinstance(one, Interference)), None)
-        return FlownTick(self._follows, command, setpoint, downwash)
+        return FlownTick(self._accepted, command, setpoint, downwash)

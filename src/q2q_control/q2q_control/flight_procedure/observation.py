@@ -65,11 +65,11 @@ class Observation:
     """[m/s], world, (n, 3)."""
     age: Array
     """Time since each vehicle was last measured [s], (n,); infinite before the first measurement."""
-    wanted: Array
+    setpoint_pos: Array
     """Setpoint position [m], world, (n, 3); NaN if there is none."""
-    wanted_vel: Array
+    setpoint_vel: Array
     """Setpoint velocity [m/s], world, (n, 3)."""
-    wanted_age: float
+    setpoint_age: float
     """Time since the last setpoint was received [s]; infinite before the first."""
     plan: PlanOutline | None
     """Plan that is waiting for its start."""

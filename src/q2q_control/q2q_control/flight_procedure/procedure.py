@@ -87,9 +87,9 @@ class FlightProcedure:
         }
         follow.get(self.step, self._check_ground)(observation, t)
 
-    def follows(self, wanted: Array) -> bool:
+    def accepts(self, setpoint_pos: Array) -> bool:
         """Return whether to fly setpoints at these positions (n, 3) [m]; NaN is a vehicle without one."""
-        return self._stream.accepts(wanted)
+        return self._stream.accepts(setpoint_pos)
 
     def orders(self) -> tuple[Order, ...]:
         """Return and clear the orders to execute."""
@@ -301,7 +301,7 @@ class FlightProcedure:
         """Land if setpoints jump or are missing; follow vehicles that land by themselves."""
         if not self._stream.on:
             return
-        fault = self._stream.take_fault(observation.wanted_age)
+        fault = self._stream.take_fault(observation.setpoint_age)
         if not any(one.flies for one in observation.vehicles):
             self._stream.on, self._state.waiting = False, None
             self._state.answer(granted=False, reason="no vehicle flies setpoints: all land by themselves")

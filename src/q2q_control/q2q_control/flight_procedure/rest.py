@@ -65,10 +65,10 @@ def setpoints_rest(
     observation: Observation, params: FlightProcedureParams, points: Array | None = None
 ) -> bool:
     """Return whether setpoints are 100 times slower than a vehicle at rest, and at `points` (n, 3) [m]."""
-    still = np.linalg.norm(observation.wanted_vel, axis=1) < 0.01 * params.still_speed
+    still = np.linalg.norm(observation.setpoint_vel, axis=1) < 0.01 * params.still_speed
     if points is None:
         return bool(still.all())
-    near = np.linalg.norm(observation.wanted - points, axis=1) < 0.1 * params.reached
+    near = np.linalg.norm(observation.setpoint_pos - points, axis=1) < 0.1 * params.reached
     return bool(near.all() and still.all())
 
 

@@ -18,15 +18,15 @@ class SetpointStream:
         self._last: Array | None = None
         self._fault = ""
 
-    def accepts(self, wanted: Array) -> bool:
+    def accepts(self, setpoint_pos: Array) -> bool:
         """Return whether to fly setpoints at these positions (n, 3) [m]; NaN is a vehicle without one."""
-        last, self._last = self._last, wanted
+        last, self._last = self._last, setpoint_pos
         if not self.on or self._fault:
             return False
         moved = (
             0.0
             if last is None
-            else float(np.nan_to_num(np.linalg.norm(wanted - last, axis=-1)).max(initial=0.0))
+            else float(np.nan_to_num(np.linalg.norm(setpoint_pos - last, axis=-1)).max(initial=0.0))
         )
         if moved > self._jump:
             self._fault = f"a setpoint jumped by {moved:.2f} m: {self._jump:.2f} m is the most"

@@ -135,16 +135,16 @@ class CflibLink:
             wrong=self._wrong(),
         )
 
-    def send_rpyt(self, stick: RpytSetpoint) -> None:
+    def send_rpyt(self, setpoint: RpytSetpoint) -> None:
         """Send roll, pitch, yaw rate, thrust; a zero setpoint is never replaced by a newer one."""
-        if stick.pwm == 0:
-            self._mailbox.put_once(lambda: self._sender.send_rpyt(stick))
+        if setpoint.pwm == 0:
+            self._mailbox.put_once(lambda: self._sender.send_rpyt(setpoint))
         else:
-            self._mailbox.put("setpoint", lambda: self._sender.send_rpyt(stick))
+            self._mailbox.put("setpoint", lambda: self._sender.send_rpyt(setpoint))
 
-    def send_full_state(self, wanted: FullState) -> None:
+    def send_full_state(self, full_state: FullState) -> None:
         """Send a full state."""
-        self._mailbox.put("setpoint", lambda: self._sender.send_full_state(wanted))
+        self._mailbox.put("setpoint", lambda: self._sender.send_full_state(full_state))
 
     def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
         """Send an external pose."""

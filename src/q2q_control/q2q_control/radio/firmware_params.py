@@ -42,9 +42,9 @@ class TableEntry:
     writable: bool
 
 
-def unsettable(wanted: Mapping[str, float], table: Mapping[str, TableEntry]) -> dict[str, str]:
+def unsettable(required: Mapping[str, float], table: Mapping[str, TableEntry]) -> dict[str, str]:
     """Return why parameters cannot be set on a vehicle with this table, by their names."""
-    reasons = {name: _unsettable(name, value, table) for name, value in wanted.items()}
+    reasons = {name: _unsettable(name, value, table) for name, value in required.items()}
     return {name: reason for name, reason in reasons.items() if reason}
 
 
@@ -64,9 +64,9 @@ def _unsettable(name: str, value: float, table: Mapping[str, TableEntry]) -> str
     return ""
 
 
-def difference(wanted: Mapping[str, float], held: Mapping[str, float]) -> str:
-    """Return the first parameter whose value differs from the wanted one, with both; empty if none does."""
-    for name, value in wanted.items():
+def difference(required: Mapping[str, float], held: Mapping[str, float]) -> str:
+    """Return the first parameter whose value differs from the required one, with both; empty if none does."""
+    for name, value in required.items():
         found = held.get(name, nan)
         if not isclose(found, value, rel_tol=FLOAT32_ROUNDING):
             return f"its {name} is {found:g}, expected {value:g} (firmware_params)"

@@ -40,10 +40,10 @@ class VehicleLink(Protocol):
     def health(self) -> LinkHealth:
         """Return the health of link and vehicle."""
 
-    def send_rpyt(self, stick: RpytSetpoint) -> None:
+    def send_rpyt(self, setpoint: RpytSetpoint) -> None:
         """Send roll, pitch, yaw rate, thrust."""
 
-    def send_full_state(self, wanted: FullState) -> None:
+    def send_full_state(self, full_state: FullState) -> None:
         """Send a full state."""
 
     def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
@@ -123,14 +123,17 @@ class CflibSender:
     place: Localization
     supervisor: CflibSupervisor
 
-    def send_rpyt(self, stick: RpytSetpoint) -> None:
+    def send_rpyt(self, setpoint: RpytSetpoint) -> None:
         """Send roll, pitch, yaw rate, thrust."""
-        self.commander.send_setpoint(stick.roll_deg, stick.pitch_deg, stick.yaw_rate_deg, stick.pwm)
+        one = setpoint
+        self.commander.send_setpoint(one.roll_deg, one.pitch_deg, one.yaw_rate_deg, one.pwm)
 
-    def send_full_state(self, wanted: FullState) -> None:
+    def send_full_state(self, full_state: FullState) -> None:
         """Send a full state."""
-        p, q, r = wanted.ang_vel
-        self.commander.send_full_state_setpoint(wanted.pos, wanted.vel, wanted.acc, wanted.quat, p, q, r)
+        p, q, r = full_state.ang_vel
+        self.commander.send_full_state_setpoint(
+            full_state.pos, full_state.vel, full_state.acc, full_state.quat, p, q, r
+        )
 
     def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
         """Send an external pose."""

@@ -35,7 +35,7 @@ from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth, VehicleLink
 from q2q_control.radio.pilot_params import RadioPilotParams
-from q2q_control.radio.setpoints import ZERO_STICK, FullState, RpytSetpoint
+from q2q_control.radio.setpoints import ZERO_RPYT, FullState, RpytSetpoint
 from q2q_control.radio.vehicle_record import AIRBORNE, Phase, VehicleRecord
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmState, TrackStatus
@@ -153,14 +153,14 @@ class RadioPilot:
 
     def fly_rpyt(self, names: Names, rpyt_setpoints: list[RpytSetpoint], t: float) -> None:
         """Send a tick's RPYT setpoints, received at time t [s], to the flying vehicles."""
-        for name, stick in zip(names, rpyt_setpoints, strict=True):
+        for name, rpyt in zip(names, rpyt_setpoints, strict=True):
             if self._flies(name):
                 self._vehicles[name].commanded_at = t
-                self._links[name].send_rpyt(stick)
+                self._links[name].send_rpyt(rpyt)
 
-    def fly_full_states(self, names: Names, wanted: list[FullState], t: float) -> None:
+    def fly_full_states(self, names: Names, states: list[FullState], t: float) -> None:
         """Send a tick's full states, received at time t [s], to the flying vehicles."""
-        for name, one in zip(names, wanted, strict=True):
+        for name, one in zip(names, states, strict=True):
             if self._flies(name):
                 self._vehicles[name].commanded_at, self._vehicles[name].full_state = t, one
                 self._links[name].send_full_state(one)
@@ -224,7 +224,7 @@ class RadioPilot:
     def _arm(self, name: str, one: VehicleRecord, health: LinkHealth, t: float) -> None:
         if health.armed:
             if self._hover is not None:
-                self._links[name].send_rpyt(ZERO_STICK)
+                self._links[name].send_rpyt(ZERO_RPYT)
             self._enter(name, Phase.ARMED, t)
         elif t - one.since > self._params.arm_s:
             self._enter(name, Phase.READY, t)

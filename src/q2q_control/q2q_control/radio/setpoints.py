@@ -44,7 +44,7 @@ class RpytSetpoint:
     pwm: int
 
 
-ZERO_STICK = RpytSetpoint(0.0, 0.0, 0.0, 0)
+ZERO_RPYT = RpytSetpoint(0.0, 0.0, 0.0, 0)
 """Zero setpoint, which unlocks the thrust."""
 
 

@@ -36,9 +36,9 @@ class CrazyswarmCommands:
     def send_setpoint(self, stamp_ns: int, setpoint: SwarmSetpoint, downwash: Interference | None) -> None:
         """Publish every known vehicle's full state."""
         header = header_at(stamp_ns)
-        for name, wanted in zip(setpoint.names, full_states(setpoint, downwash), strict=True):
+        for name, full_state in zip(setpoint.names, full_states(setpoint, downwash), strict=True):
             if name in self._writers:
-                self._writers[name].publish(self._message(header, wanted))
+                self._writers[name].publish(self._message(header, full_state))
 
     def send_command(self, command: SwarmCommand) -> None:
         """Publish every known vehicle's RPYT setpoint."""
@@ -49,12 +49,12 @@ class CrazyswarmCommands:
                     Twist(linear=Vector3(x=x, y=y, z=pwm), angular=Vector3(z=yaw_rate))
                 )
 
-    def _message(self, header: Header, wanted: FullState) -> object:
-        x, y, z = wanted.pos
-        qx, qy, qz, qw = wanted.quat
+    def _message(self, header: Header, full_state: FullState) -> object:
+        x, y, z = full_state.pos
+        qx, qy, qz, qw = full_state.quat
         pose = Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
-        twist = Twist(linear=_vector(wanted.vel), angular=_vector(wanted.ang_vel))
-        return self._full_state(header=header, pose=pose, twist=twist, acc=_vector(wanted.acc))
+        twist = Twist(linear=_vector(full_state.vel), angular=_vector(full_state.ang_vel))
+        return self._full_state(header=header, pose=pose, twist=twist, acc=_vector(full_state.acc))
 
 
 def _vector(values: tuple[float, ...]) -> Vector3:

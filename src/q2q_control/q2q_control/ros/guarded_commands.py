@@ -36,7 +36,7 @@ class GuardedCommands:
         self._stamp_delay = StampDelayMonitor()
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._watch = TickWatch(self._guard, params) if live else None
-        self._heard: SwarmState | None = None
+        self._setpoint_at: SwarmState | None = None
         self._silences = 0
 
     def update(
@@ -71,7 +71,7 @@ class GuardedCommands:
 
     def _hear(self, _: int, state: Signal) -> None:
         if isinstance(state, SwarmState):
-            self._heard = state
+            self._setpoint_at = state
 
     def _count(self, _: int, command: SwarmCommand) -> None:
         self._wiring.health.fallbacks += int(command.status.max(initial=0) > CommandStatus.SATURATED)
@@ -84,7 +84,7 @@ class GuardedCommands:
     def _look(self, ahead: float = 0.0) -> None:
         """Send the command due now, or within `ahead` [s] if a writer is gone."""
         if self._watch is not None:
-            self._send(self._watch.due(self._heard, monotonic(), ahead))
+            self._send(self._watch.due(self._setpoint_at, monotonic(), ahead))
 
     def _send(self, command: SwarmCommand | None) -> None:
         if command is not None:

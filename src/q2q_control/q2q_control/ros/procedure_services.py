@@ -58,13 +58,13 @@ class ProcedureServices:
         self.guard: Callable[[Call], str] = lambda _: ""
         """Returns why the node itself refuses a call; empty if it does not."""
 
-    def see(self, state: SwarmState) -> None:
+    def store_state(self, state: SwarmState) -> None:
         """Store a state."""
-        self._view.see(state, monotonic())
+        self._view.store_state(state, monotonic())
 
-    def follows(self, setpoint: SwarmSetpoint) -> bool:
+    def accepts(self, setpoint: SwarmSetpoint) -> bool:
         """Store a setpoint; return whether to fly it."""
-        return self._procedure.follows(self._view.hear(setpoint, monotonic()))
+        return self._procedure.accepts(self._view.store_setpoint(setpoint, monotonic()))
 
     def offer(self, name: str, act: Act) -> None:
         """Offer one act of the executor as a service, while vehicles stand on the ground."""

@@ -109,7 +109,7 @@ class Firmware:
         self.external = ExternalPose()
         self.rows.memory[:] = 0.0
         self.thrust_locked = True
-        self.asked: Setpoint = STOP
+        self.requested: Setpoint = STOP
         self.flown: Setpoint = STOP
         self.info = 0
         self._controller = FirmwareController.PID
@@ -170,7 +170,7 @@ class Firmware:
 
     def obey(self, setpoint: Setpoint) -> None:
         """Accept a client's setpoint and drop the plan being flown."""
-        self.asked = setpoint
+        self.requested = setpoint
         if self.commander.offer(setpoint, Priority.CLIENT, self.now_ms):
             self.planner.stop()
 

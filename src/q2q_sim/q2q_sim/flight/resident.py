@@ -63,7 +63,11 @@ class ResidentNodes:
     def _made(self) -> ProcessPoolExecutor:
         context = get_context("spawn")  # middleware threads do not survive a fork
         return ProcessPoolExecutor(
-            1, mp_context=context, initializer=_speak_into, initargs=(self._log,), max_tasks_per_child=RECYCLE
+            1,
+            mp_context=context,
+            initializer=_redirect_output,
+            initargs=(self._log,),
+            max_tasks_per_child=RECYCLE,
         )
 
 
@@ -74,7 +78,7 @@ def _together(specs: Sequence[NodeSpec]) -> NodeSpec:
     return replace(stack, inside=(*stack.inside, *beside))
 
 
-def _speak_into(log: Path) -> None:
+def _redirect_output(log: Path) -> None:
     """Redirect the process's output streams, to which the nodes log, into a file."""
     with log.open("ab") as file:
         for stream in (1, 2):

@@ -61,24 +61,24 @@ def fly_struck(
         if strike.node not in known:
             raise ValueError(f"no node {strike.node!r} in this flight; there are {', '.join(known)}")
     with running_nodes(specs, folder) as running:
-        hands = [_Hand(running.processes, known[strike.node], strike) for strike in strikes]
+        progresses = [_Progress(running.processes, known[strike.node], strike) for strike in strikes]
         running.director.follow_clock()
         running.director.start()
-        summary = running.director.wait_summary(lambda ticks: _look(hands, ticks))
-    if not all(hand.done for hand in hands):
+        summary = running.director.wait_summary(lambda ticks: _look(progresses, ticks))
+    if not all(one.done for one in progresses):
         raise ValueError("the flight ended before every node was struck and back: strike earlier")
     return timing_of(summary)
 
 
-def _look(hands: Sequence["_Hand"], ticks: int) -> None:
+def _look(progresses: Sequence["_Progress"], ticks: int) -> None:
     """Advance the first strike that is not done."""
-    for hand in hands:
-        if not hand.done:
-            hand.look(ticks)
+    for one in progresses:
+        if not one.done:
+            one.look(ticks)
             return
 
 
-class _Hand:
+class _Progress:
     """Progress of a strike."""
 
     def __init__(self, processes: Processes, spec: NodeSpec, strike: Strike) -> None:

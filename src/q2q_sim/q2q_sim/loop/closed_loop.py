@@ -44,7 +44,7 @@ class FlightOptions:
     """Air in place of the scenario's air, or wake and disturbance."""
     plan: SwarmPlan | None = None
     """Plan in place of the scenario's own."""
-    hear: Listener = ignore_signals
+    on_signal: Listener = ignore_signals
     """Called with every signal, as a recorder of the nodes' topics."""
 
 
@@ -59,14 +59,14 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
 
 
 def fly_blocks(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Flight:
-    """Fly given blocks and return the recording; of the options, mode, seed, air and hear apply."""
+    """Fly given blocks and return the recording; of the options, mode, seed, air and on_signal apply."""
     room = Room(scenario, options.seed, options.air)
     recording = FlightRecording(scenario.names, ticks_of(scenario))
     while room.tick * TICK_S < scenario.duration:
         number, tick = room.tick, room.capture()
         recording.frame(number, tick.stamp_ns, tick.frame)
         recording.truth(number, tick.truth, tick.truth_interference, tick.imu)
-        options.hear("truth", tick.stamp_ns, tick.truth)
+        options.on_signal("truth", tick.stamp_ns, tick.truth)
         room.advance(_answer(blocks, tick, recording, options))
     return recording.flight(f"{scenario.name} {options.mode} seed {options.seed}")
 
@@ -88,8 +88,8 @@ def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: Fli
     recording.state(number, state, downwash)
     recording.setpoints(number, planned, given)
     recording.command(number, command)
-    told: dict[str, Signal] = {"mocap": tick.frame, "state": state, "reference_safe": given}
-    told["command"] = command
-    for topic, signal in told.items():
-        options.hear(topic, tick.stamp_ns, signal)
+    signals: dict[str, Signal] = {"mocap": tick.frame, "state": state, "reference_safe": given}
+    signals["command"] = command
+    for topic, signal in signals.items():
+        options.on_signal(topic, tick.stamp_ns, signal)
     return command

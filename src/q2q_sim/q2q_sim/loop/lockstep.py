@@ -79,9 +79,9 @@ class Patience:
 
 def check_known(names: Names, known: Names) -> None:
     """Raise ValueError if a command names a vehicle that does not exist."""
-    strangers = [name for name in names if name not in known]
-    if strangers:
-        raise ValueError(f"command for unknown vehicle {', '.join(strangers)}; flying are {', '.join(known)}")
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"command for unknown vehicle {', '.join(unknown)}; flying are {', '.join(known)}")
 
 
 def _gathered(names: Names, rows: dict[str, tuple[SwarmCommand, int]]) -> SwarmCommand:

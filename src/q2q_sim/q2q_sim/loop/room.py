@@ -152,8 +152,8 @@ class Room:
     def _known_rows(self, names: Names) -> Rows:
         rows = index_of(names, self.names)
         if (rows < 0).any():
-            strangers = ", ".join(name for name in names if name not in self.names)
-            raise ValueError(f"command for {strangers}: no such vehicle; flying are {', '.join(self.names)}")
+            unknown = ", ".join(name for name in names if name not in self.names)
+            raise ValueError(f"command for {unknown}: no such vehicle; flying are {', '.join(self.names)}")
         return rows
 
     def _check_finite(self, names: Names, values: Array) -> None:

@@ -36,9 +36,9 @@ class Fields:
     names: tuple[str, ...] = ()
 
     def __init__(self, **values: object) -> None:
-        strangers = values.keys() - set(self.names)
-        if strangers:
-            raise AttributeError(f"{type(self).__name__} has no field {', '.join(sorted(strangers))}")
+        unknown = values.keys() - set(self.names)
+        if unknown:
+            raise AttributeError(f"{type(self).__name__} has no field {', '.join(sorted(unknown))}")
         self._given = values
 
     def __getattr__(self, name: str) -> object:

@@ -67,9 +67,9 @@ class Recorder:
 
 
 def _house(chosen: tuple[str, ...]) -> dict[str, str]:
-    strangers = [topic for topic in chosen if topic not in TYPE_NAMES]
-    if strangers:
-        raise ValueError(f"parameter topics: no {', '.join(strangers)}; there are {', '.join(TYPE_NAMES)}")
+    unknown = [topic for topic in chosen if topic not in TYPE_NAMES]
+    if unknown:
+        raise ValueError(f"parameter topics: no {', '.join(unknown)}; there are {', '.join(TYPE_NAMES)}")
     return {topic: kind for topic, kind in TYPE_NAMES.items() if not chosen or topic in chosen}
 
 

@@ -36,16 +36,16 @@ def recorded_lives(bag: Path) -> tuple[NodeLife, ...]:
     reader = BagReader(bag)
     if TOPIC not in reader.topics:
         return ()
-    told: dict[str, list[tuple[Level, str]]] = {}
+    reports: dict[str, list[tuple[Level, str]]] = {}
     for raw in reader.raw({TOPIC}):
         for status in deserialize_message(raw.data, DiagnosticArray).status:
             words = ", ".join(f"{one.key} {one.value}" for one in status.values if one.value)
-            told.setdefault(status.name, []).append((Level(int.from_bytes(status.level)), words))
-    return tuple(_life(name, told[name]) for name in sorted(told))
+            reports.setdefault(status.name, []).append((Level(int.from_bytes(status.level)), words))
+    return tuple(_life(name, reports[name]) for name in sorted(reports))
 
 
-def _life(node: str, told: list[tuple[Level, str]]) -> NodeLife:
-    levels = [level for level, _ in told]
+def _life(node: str, reports: list[tuple[Level, str]]) -> NodeLife:
+    levels = [level for level, _ in reports]
     awake = [level for level in levels if level != Level.STALE]
     troubled = sum(level in (Level.WARN, Level.ERROR) for level in levels)
-    return NodeLife(node, len(told), troubled, max(awake, default=Level.STALE), told[-1][1])
+    return NodeLife(node, len(reports), troubled, max(awake, default=Level.STALE), reports[-1][1])

@@ -51,9 +51,9 @@ class StackParams:
     def __post_init__(self) -> None:
         """Check the bounds and the names of the nodes."""
         check_bounds(self)
-        strangers = [name for name in self.nodes if name not in BUILDERS]
-        if strangers or not self.nodes:
-            asked = ", ".join(strangers) or "none"
+        unknown = [name for name in self.nodes if name not in BUILDERS]
+        if unknown or not self.nodes:
+            asked = ", ".join(unknown) or "none"
             raise ValueError(f"parameter nodes: {asked}; choose some of {', '.join(BUILDERS)}")
 
 

@@ -56,7 +56,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     if thrust == 0:
         firmware.thrust_locked = False
     stick = Stick(roll, pitch, yaw, thrust)
-    firmware.obey(_setpoint(stick, firmware.asked, firmware.parameters, locked=firmware.thrust_locked))
+    firmware.obey(_setpoint(stick, firmware.requested, firmware.parameters, locked=firmware.thrust_locked))
     return []
 
 

@@ -76,10 +76,10 @@ class Results:
 def run(given: Namespace) -> int:
     """Fly what is missing, write the table; return the exit status."""
     results = read(given.json, given.seeds)
-    strangers = sorted(set(given.only or ()) - {case.scenario for case in CASES})
-    if strangers:
+    unknown = sorted(set(given.only or ()) - {case.scenario for case in CASES})
+    if unknown:
         known = ", ".join(sorted({case.scenario for case in CASES}))
-        raise ValueError(f"--only {' '.join(strangers)}: choose some of {known}")
+        raise ValueError(f"--only {' '.join(unknown)}: choose some of {known}")
     wanted = [case for case in CASES if not given.only or case.scenario in given.only]
     if not given.table_only:
         _fill(results, wanted, given.jobs)

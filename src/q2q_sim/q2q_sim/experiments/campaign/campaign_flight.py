@@ -26,7 +26,7 @@ NS = 1_000_000_000
 class JudgedFlight:
     """Measurements and violations of a run's flight."""
 
-    heard: tuple[RecordedSignal, ...]
+    signals: tuple[RecordedSignal, ...]
     violations: tuple[Violation, ...]
 
 
@@ -36,7 +36,7 @@ def fly_and_judge(seed: int, kept: Path) -> RunOutcome:
     run = drawn(seed)
     flown = flown_pure(run)
     if flown.violations:
-        keep(run, flown.heard, kept)
+        keep(run, flown.signals, kept)
     return RunOutcome(
         seed,
         through_nodes=False,
@@ -48,20 +48,20 @@ def fly_and_judge(seed: int, kept: Path) -> RunOutcome:
 
 def flown_pure(run: Run) -> JudgedFlight:
     """Return the run's flight by closed_loop; an error counts as a violation."""
-    heard: list[RecordedSignal] = []
+    signals: list[RecordedSignal] = []
 
-    def hear(topic: str, stamp_ns: int, signal: Signal) -> None:
-        heard.append(RecordedSignal(topic, stamp_ns / NS, signal))
+    def record(topic: str, stamp_ns: int, signal: Signal) -> None:
+        signals.append(RecordedSignal(topic, stamp_ns / NS, signal))
 
     try:
-        fly(run.scenario, flight_options(run, hear))
-        violations = judged(run, heard)
+        fly(run.scenario, flight_options(run, record))
+        violations = judged(run, signals)
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         violations = (crash(error),)
-    return JudgedFlight(tuple(heard), violations)
+    return JudgedFlight(tuple(signals), violations)
 
 
-def flight_options(run: Run, hear: Listener) -> FlightOptions:
+def flight_options(run: Run, on_signal: Listener) -> FlightOptions:
     """Return the options of closed_loop for a run."""
     options = run.options
     return FlightOptions(
@@ -70,19 +70,21 @@ def flight_options(run: Run, hear: Listener) -> FlightOptions:
         replan=options.replan,
         seed=run.seed,
         model=find_model(run.scenario.model).interaction,
-        hear=hear,
+        on_signal=on_signal,
     )
 
 
-def judged(run: Run, heard: Sequence[RecordedSignal]) -> tuple[Violation, ...]:
+def judged(run: Run, signals: Sequence[RecordedSignal]) -> tuple[Violation, ...]:
     """Return the violations of a run's flight."""
     scenario = run.scenario
-    return judge(evidence_of(told(heard)), Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
+    return judge(
+        evidence_of(at_own_stamps(signals)), Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
+    )
 
 
-def told(heard: Sequence[RecordedSignal]) -> list[RecordedSignal]:
+def at_own_stamps(signals: Sequence[RecordedSignal]) -> list[RecordedSignal]:
     """Return the recorded messages as in a bag in lockstep: bag time is the stamp."""
-    return [RecordedSignal(one.topic, one.signal.t, one.signal) for one in heard]
+    return [RecordedSignal(one.topic, one.signal.t, one.signal) for one in signals]
 
 
 def crash(error: Exception) -> Violation:
@@ -104,15 +106,15 @@ def words(run: Run) -> str:
     return f"{flown}; room {run.document['room']}; {by}; {faults}"
 
 
-def keep(run: Run, heard: tuple[RecordedSignal, ...], folder: Path) -> None:
+def keep(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> None:
     """Write a run's scenario and the messages of its flight into a folder, replacing older ones."""
     folder.mkdir(parents=True, exist_ok=True)
     write_scenario(run, folder / f"{run.seed}.yaml")
     (folder / f"{run.seed}.options.yaml").write_text(yaml.safe_dump(asdict(run.options)))
     bag = folder / str(run.seed)
-    if heard and not bag.exists():
+    if signals and not bag.exists():
         with BagWriter(bag, facts=_facts(run)) as writer:
-            for one in heard:
+            for one in signals:
                 writer.write_signal(f"/{one.topic}", round(one.at * NS), one.signal)
 
 

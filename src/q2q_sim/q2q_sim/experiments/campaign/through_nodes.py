@@ -12,7 +12,14 @@ from typing import Self
 
 import numpy as np
 
-from q2q_sim.experiments.campaign.campaign_flight import crash, flown_pure, keep, told, words, write_scenario
+from q2q_sim.experiments.campaign.campaign_flight import (
+    at_own_stamps,
+    crash,
+    flown_pure,
+    keep,
+    words,
+    write_scenario,
+)
 from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
 from q2q_sim.flight.resident import ResidentNodes
@@ -82,7 +89,7 @@ class NodeFlights:
             return (crash(error),)
         scenario = run.scenario
         found = judge(evidence, Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
-        return (*found, *twin(evidence, evidence_of(told(flown_pure(run).heard))))
+        return (*found, *twin(evidence, evidence_of(at_own_stamps(flown_pure(run).signals))))
 
     def _through(self, request: FlightRequest, bag: Path) -> None:
         folder = self._folder / "nodes"

@@ -37,8 +37,8 @@ def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     seen = evidence.seen | undated(evidence, circumstances.faults)[:, None]
     last = np.maximum.accumulate(np.where(seen, t, t[:1]), axis=0)
     unseen = t - last
-    told = _as_usual(evidence) & ~misnamed(evidence, circumstances.faults)
-    excess = np.where(told, unseen - limit - ROUNDING, np.nan)
+    reported = _as_usual(evidence) & ~misnamed(evidence, circumstances.faults)
+    excess = np.where(reported, unseen - limit - ROUNDING, np.nan)
     return worst("action", evidence, excess, (unseen, limit))
 
 

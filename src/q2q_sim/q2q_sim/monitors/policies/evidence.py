@@ -72,14 +72,14 @@ class Evidence:
         return float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.01
 
 
-def evidence_of(heard: Iterable[RecordedSignal]) -> Evidence:
+def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
     """Return the evidence from a flight's messages.
 
     Raises:
         ValueError: no message names vehicles and ticks.
     """
     by_topic: dict[str, list[RecordedSignal]] = {}
-    for one in heard:
+    for one in recorded:
         by_topic.setdefault(one.topic, []).append(one)
     signals = {topic: [one.signal for one in found] for topic, found in by_topic.items()}
     naming = next((signals[topic] for topic in NAMING if signals.get(topic)), None)
@@ -89,7 +89,7 @@ def evidence_of(heard: Iterable[RecordedSignal]) -> Evidence:
     table = _Table(np.unique([signal.t for signal in naming]), names)
     sent = signals.get("reference_safe") or signals.get("reference", [])
     states, commands = signals.get("state", []), signals.get("command", [])
-    told = by_topic.get("command", [])
+    timed_commands = by_topic.get("command", [])
     true_pos = table.column(signals.get("truth", []), "pos", 3)
     return Evidence(
         t=table.t,
@@ -104,8 +104,8 @@ def evidence_of(heard: Iterable[RecordedSignal]) -> Evidence:
         roll=table.column(commands, "roll", 1),
         pitch=table.column(commands, "pitch", 1),
         command_status=table.column(commands, "status", 1),
-        commanded_at=np.array([one.at for one in told]),
-        live=any(abs(one.at - one.signal.t) > SAME_TICK for one in told),
+        commanded_at=np.array([one.at for one in timed_commands]),
+        live=any(abs(one.at - one.signal.t) > SAME_TICK for one in timed_commands),
         nonsense=tuple(filter(None, (_nonsense(topic, found) for topic, found in signals.items()))),
     )
 
