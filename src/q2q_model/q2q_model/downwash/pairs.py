@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.downwash.pairs_in_reach import compiled_sweep
+from q2q_model.downwash.pairs_in_reach import sweep
 from q2q_model.signals.values import Array, InterferenceStatus, Status, TrackStatus
 
 Rows = NDArray[np.intp]
@@ -50,7 +50,8 @@ class InteractionSums(NamedTuple):
     """InterferenceStatus, (n,)."""
 
 
-def _body_z(state: Array, axis: Array) -> None:
+@compiled
+def body_z(state: Array, axis: Array) -> None:
     """Write the body z axis of one vehicle; level where its orientation is unknown."""
     x, y, z, w = state[6], state[7], state[8], state[9]
     axis[0], axis[1] = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
@@ -60,7 +61,9 @@ def _body_z(state: Array, axis: Array) -> None:
             axis[k] = 1.0 if k == 2 else 0.0
 
 
-def _meet(states: Array, now: Array, bounds: tuple[float, float, float]) -> Rows:
+@compiled
+def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) -> Rows:
+    """Write `now` and return keys, for horizontal and vertical reach [m] and largest delay [s]."""
     horizontal, vertical, max_delay = bounds
     pos, fastest = np.empty((states.shape[0], 3)), 0.0
     for i in range(states.shape[0]):
@@ -75,10 +78,12 @@ def _meet(states: Array, now: Array, bounds: tuple[float, float, float]) -> Rows
             fastest = max(fastest, squared)
         body_z(states[i], now[i, 6:])
     moved = max_delay * math.sqrt(fastest)  # distance a source may have moved since its air left it
-    return compiled_sweep(pos, horizontal + moved, vertical + moved)
+    return sweep(pos, horizontal + moved, vertical + moved)
 
 
-def _lay_out(states: Array, now: Array, keys: Rows, pairs: Array, stale: Flags) -> None:
+@compiled
+def present_pairs(states: Array, now: Array, keys: Rows, pairs: Array, stale: Flags) -> None:
+    """Write the pairs at their present states, and `stale` (p,) of sources that are not tracked."""
     for p in range(keys.size):
         i, j = keys[p] // now.shape[0], keys[p] % now.shape[0]
         stale[p] = states[j, STATUS] != _TRACKED
@@ -87,7 +92,12 @@ def _lay_out(states: Array, now: Array, keys: Rows, pairs: Array, stale: Flags) 
             pairs[1, p, k], pairs[2, p, k], pairs[3, p, k] = now[j, 3 + k], now[j, 6 + k], now[i, 3 + k]
 
 
-def _look_back(now: Array, keys: Rows, past: Array, pairs: Array, stale: Flags) -> None:
+@compiled
+def delay_sources(now: Array, keys: Rows, past: Array, pairs: Array, stale: Flags) -> None:
+    """Replace sources by their state when their air left them, `past` (p, 9).
+
+    A source without a known past state is unchanged and flagged stale.
+    """
     for p in range(keys.size):
         i = keys[p] // now.shape[0]
         whole = True
@@ -101,7 +111,11 @@ def _look_back(now: Array, keys: Rows, past: Array, pairs: Array, stale: Flags) 
             pairs[1, p, k], pairs[2, p, k] = past[p, 3 + k], past[p, 6 + k]
 
 
-def _add_up(keys: Rows, answers: PairInteractions, states: Array, known: bool, sums: InteractionSums) -> None:
+@compiled
+def sum_over_sources(
+    keys: Rows, answers: PairInteractions, states: Array, known: bool, sums: InteractionSums
+) -> None:
+    """Write the sums; `known` is whether there is a model."""
     eta, deviation, stale = answers
     acc, std, status = sums
     n = states.shape[0]
@@ -121,15 +135,3 @@ def _add_up(keys: Rows, answers: PairInteractions, states: Array, known: bool, s
             std[i, k] = math.sqrt(std[i, k]) if whole else math.nan
         if not whole:
             status[i] = _NO_MODEL
-
-
-body_z = compiled(_body_z)
-meet = compiled(_meet)
-"""Write `now` and return keys: (states, now, (horizontal, vertical reach [m], longest delay [s]))."""
-lay_out = compiled(_lay_out)
-"""Write the current pairs and flag untracked sources: (states, now, keys, pairs, stale (p,))."""
-look_back = compiled(_look_back)
-"""Replace sources by their state when their air left them: (now, keys, past (p, 9), pairs, stale); a source
-without a known past state is left unchanged and flagged stale."""
-add_up = compiled(_add_up)
-"""Write the sums: (keys, answers, states, whether there is a model, sums)."""

@@ -5,8 +5,6 @@ bounded density the number of these rows does not grow with n, so sorting costs 
 dense comparison costs n^2.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,23 +24,14 @@ def pairs_in_reach(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
         pos: positions [m], world, (n, 3).
         reach: largest horizontal and vertical distance of a pair.
     """
-    keys = compiled_sweep(np.ascontiguousarray(pos), reach.horizontal, reach.vertical)
+    keys = sweep(np.ascontiguousarray(pos), reach.horizontal, reach.vertical)
     i, j = np.divmod(keys, max(len(pos), 1))
     return i, j
 
 
-def pairs_in_reach_dense(pos: Array, reach: Reach) -> tuple[Rows, Rows]:
-    """Return the same pairs by dense comparison in NumPy, as a reference for tests."""
-    rel = pos[None, :, :] - pos[:, None, :]  # (n, n, 3)
-    near = rel[..., 0] ** 2 + rel[..., 1] ** 2 <= reach.horizontal**2
-    near &= np.abs(rel[..., 2]) <= reach.vertical
-    np.fill_diagonal(near, val=False)
-    i, j = np.nonzero(near)
-    return i, j
-
-
-def _sweep(pos: Array, horizontal: float, vertical: float) -> Rows:
-    """Return n i + j of every pair, ascending."""
+@compiled
+def sweep(pos: Array, horizontal: float, vertical: float) -> Rows:
+    """Return n i + j of every pair of pos (n, 3) within the reaches [m], ascending."""
     n = pos.shape[0]
     order = np.argsort(pos[:, 0])  # NaN sorts last
     keys = np.empty(8 * n, np.intp)
@@ -61,7 +50,3 @@ def _sweep(pos: Array, horizontal: float, vertical: float) -> Rows:
                 keys[count], keys[count + 1] = n * i + j, n * j + i
                 count += 2
     return np.sort(keys[:count])
-
-
-compiled_sweep: Callable[[Array, float, float], Rows] = compiled(_sweep)
-"""Return n i + j of every pair, ascending, for kernels: (pos (n, 3), horizontal, vertical reach [m])."""

@@ -22,7 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
-from q2q_model.downwash.pairs import InteractionSums, PairInteractions, add_up, lay_out, look_back, meet
+from q2q_model.downwash.pairs import (
+    InteractionSums,
+    PairInteractions,
+    delay_sources,
+    find_pairs,
+    present_pairs,
+    sum_over_sources,
+)
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
     PAIRS_ALONE,
@@ -66,12 +73,12 @@ class InteractionPredictor:
         )  # (n, 11)
         model, now = self.model, np.empty((len(state.names), 9))
         reach, delay = model.reach, model.max_delay
-        keys = meet(states, now, (reach.horizontal, reach.vertical, delay))
+        keys = find_pairs(states, now, (reach.horizontal, reach.vertical, delay))
         self._remember(state, now)
         answers = self._answers(state.t, states, now, keys) if keys.size else _NO_PAIR
         acc, std = np.empty((2, *state.pos.shape))
         status = np.empty(len(state.names), dtype=np.uint8)
-        add_up(keys, answers, states, reach.horizontal > 0.0, InteractionSums(acc, std, status))
+        sum_over_sources(keys, answers, states, reach.horizontal > 0.0, InteractionSums(acc, std, status))
         self._last = Interference(t=state.t, names=state.names, acc=acc, std=std, status=status)
         return self._last
 
@@ -89,10 +96,10 @@ class InteractionPredictor:
     def _answers(self, t: float, states: Array, now: Array, keys: NDArray[np.intp]) -> PairInteractions:
         """Return the model's answers to the pairs of a tick."""
         pairs, stale = np.empty((4, keys.size, 3)), np.empty(keys.size, dtype=np.bool_)
-        lay_out(states, now, keys, pairs, stale)
+        present_pairs(states, now, keys, pairs, stale)
         if self.model.max_delay > 0.0:
             left = t - self.model.delay(pairs[0])
-            look_back(now, keys, self._history.at(left, keys % len(now)), pairs, stale)
+            delay_sources(now, keys, self._history.at(left, keys % len(now)), pairs, stale)
         rel_pos, motion = pairs[0], PairMotion(pairs[1], pairs[2], pairs[3])
         eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
         terms = source_terms(self.model)

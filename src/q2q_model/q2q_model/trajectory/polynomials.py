@@ -146,7 +146,9 @@ def _side_by_side(trajectories: tuple[Trajectory, ...]) -> _Table:
     return _Table(starts, duration, coefficients, status)
 
 
-def _swarm_at(starts: Array, duration: Array, coefficients: Array, when: float, xi: Array) -> None:
+@compiled
+def swarm_at(starts: Array, duration: Array, coefficients: Array, when: float, xi: Array) -> None:
+    """Write xi, xi', xi'' of every vehicle at a time since the start [s]."""
     order = coefficients.shape[3]
     for i in range(duration.size):
         clipped = min(max(when, 0.0), duration[i])
@@ -163,10 +165,6 @@ def _swarm_at(starts: Array, duration: Array, coefficients: Array, when: float, 
             xi[i, 0, axis] = value
             xi[i, 1, axis] = 0.0 if resting else vel
             xi[i, 2, axis] = 0.0 if resting else 2.0 * half_acc
-
-
-swarm_at = compiled(_swarm_at)
-"""Write xi, xi', xi'' of every vehicle: (starts, duration, coefficients, time since the start [s], xi)."""
 
 
 def _horner(coefficients: Array, tau: Array) -> Array:

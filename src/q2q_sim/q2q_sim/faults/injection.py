@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.geometry.rotations import quat_multiply
+from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import Array, MocapFrame, Names
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.random_streams import stream
@@ -73,7 +74,7 @@ class FaultInjection:
         self._past = [*self._past[1 - self._kept :], here]
         for fault in acting:
             here = self._arriving(here, fault)
-        here = replace(here, frame=replace(here.frame, t=here.stamp_ns * 1e-9))
+        here = replace(here, frame=replace(here.frame, t=time_from_stamp(here.stamp_ns)))
         if all(fault.kind != "stale" for fault in acting):
             self._sent = here
         return here
@@ -101,12 +102,12 @@ class FaultInjection:
         return [fault for fault in self._faults if self._acts(fault, stamp_ns)]
 
     def _acts(self, fault: Fault, stamp_ns: int) -> bool:
-        return fault.acts_at(stamp_ns * 1e-9, self._tick_ns * 1e-9)
+        return fault.acts_at(time_from_stamp(stamp_ns), time_from_stamp(self._tick_ns))
 
     def _elapsed(self, fault: Fault, stamp_ns: int) -> float:
         """Return the elapsed fraction of the fault's duration, 0 to 1."""
-        since = stamp_ns * 1e-9 - fault.start
-        return min(max(since / max(fault.duration, self._tick_ns * 1e-9), 0.0), 1.0)
+        since = time_from_stamp(stamp_ns) - fault.start
+        return min(max(since / max(fault.duration, time_from_stamp(self._tick_ns)), 0.0), 1.0)
 
     def _struck(self, fault: Fault) -> Mask:
         if KINDS[fault.kind].whole or not fault.vehicles:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from q2q_model.flights.flight import Flight
+from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -38,7 +39,7 @@ class FlightRecording:
 
     def frame(self, tick: int, stamp_ns: int, frame: MocapFrame) -> None:
         """Write the motion-capture frame of the tick at stamp_ns."""
-        self._stamps[tick] = stamp_ns * 1e-9
+        self._stamps[tick] = time_from_stamp(stamp_ns)
         rows = index_of(frame.names, self._names)
         self._arrays["mocap_pos"][tick, rows] = frame.pos
         self._arrays["mocap_quat"][tick, rows] = frame.quat

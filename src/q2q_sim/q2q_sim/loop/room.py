@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -36,7 +37,7 @@ from q2q_sim.sensors.vicon import Flags, Vicon
 
 TICK_NS = 10_000_000
 """VICON's frame period [ns]: 100 Hz."""
-TICK_S = TICK_NS * 1e-9
+TICK_S = time_from_stamp(TICK_NS)
 STEPS = PHYSICS_RATE // 100
 """Physics steps a tick."""
 
@@ -100,7 +101,7 @@ class Room:
         """Return the present measurements; repeated calls in a tick return the same."""
         if self._seen is None:
             stamp_ns = self._tick * TICK_NS
-            truth = self._swarm.truth(stamp_ns * 1e-9)
+            truth = self._swarm.truth(time_from_stamp(stamp_ns))
             seen = self._vicon.observe(truth)
             delivery = self._faults.deliver(seen, stamp_ns, self._vicon.injected)
             self._seen = Tick(

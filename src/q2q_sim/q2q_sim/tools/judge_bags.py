@@ -8,6 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from q2q_model.bag import BagReader
+from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.loop.topics import TICK_TOPICS
@@ -53,7 +54,7 @@ def evidence_in(bag: Path) -> Evidence:
     reader = BagReader(bag)
     known = {topic for topic in reader.topics if topic.lstrip("/") in TICK_TOPICS}
     return evidence_of(
-        RecordedSignal(one.topic.lstrip("/"), one.stamp_ns * 1e-9, one.signal)
+        RecordedSignal(one.topic.lstrip("/"), time_from_stamp(one.stamp_ns), one.signal)
         for one in reader.signals(known)
     )
 

@@ -10,6 +10,8 @@ from pathlib import Path
 from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
+from q2q_model.signals.stamps import time_from_stamp
+
 
 @dataclass(frozen=True, slots=True)
 class RecoveredMessage:
@@ -92,5 +94,5 @@ def _records(reader: StreamReader, name: str) -> Iterator[McapRecord | str]:
         try:
             yield from breakup_chunk(record, validate_crc=True)
         except Exception as damage:  # noqa: BLE001 - as above
-            begin, end = record.message_start_time * 1e-9, record.message_end_time * 1e-9
+            begin, end = time_from_stamp(record.message_start_time), time_from_stamp(record.message_end_time)
             yield f"{name}: a damaged chunk is dropped, {begin:.3f} to {end:.3f} s of bag time ({damage})"

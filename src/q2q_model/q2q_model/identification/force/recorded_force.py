@@ -4,7 +4,6 @@ push = faz_est / m_log                           logs of two and three Crazyflie
 push = (R f_body)_z - lagged(U1) b_z / m         f_body: accelerometer, U1: commanded thrust
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -113,15 +112,13 @@ def lagged(values: Array, t: Array, lag: float) -> Array:
     return _first_order(np.ascontiguousarray(known), keep)
 
 
-def _first_order_plain(values: Array, keep: float) -> Array:
+@compiled
+def _first_order(values: Array, keep: float) -> Array:
     """Return y_k = keep y_(k-1) + (1 - keep) values_k, (T, n), from the steady state of the first value."""
     out = values.copy()
     for k in range(1, values.shape[0]):
         out[k] = keep * out[k - 1] + (1.0 - keep) * values[k]
     return out
-
-
-_first_order: Callable[[Array, float], Array] = compiled(_first_order_plain)
 
 
 def _filled(t: Array, values: Array) -> Array:

@@ -16,7 +16,6 @@ eta that is 1 at one sample and falls linearly to 0 at its neighbours: exact for
 | Phi, Gamma0, Gamma1 | step | x_(k+1) = Phi x_k + Gamma0 u_k + Gamma1 u_(k+1) |
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,16 +87,14 @@ def downwash_response(loop: AltitudeLoop, dt: float, eta: Array) -> Array:
     return _march(step.phi, push, step.gamma1[:, :1] * eta[0])
 
 
-def _march_plain(phi: Array, push: Array, state: Array) -> Array:
+@compiled
+def _march(phi: Array, push: Array, state: Array) -> Array:
     """Return the first state of x_(k+1) = phi x_k + push_k, (T, n), from `state` (s, n)."""
     first = np.empty((push.shape[0], state.shape[1]))
     for k in range(push.shape[0]):
         first[k] = state[0]
         state = np.dot(phi, state) + push[k]
     return first
-
-
-_march: Callable[[Array, Array, Array], Array] = compiled(_march_plain)
 
 
 def _continuous(loop: AltitudeLoop) -> tuple[Array, Array]:
