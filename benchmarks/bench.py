@@ -28,17 +28,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     made = CommandLine("bench", __doc__, "  scripts/bench simulation")
     made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
     made.add_argument("--json", type=Path, help="write the rows to this file")
-    asked = made.parse_args(arguments)
-    for area in asked.area:
+    args = made.parse_args(arguments)
+    for area in args.area:
         if area not in areas():
             near = get_close_matches(area, areas(), n=1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(areas())}"
             print(f"bench: no area {area!r}; {hint}", file=sys.stderr)
             return 2
-    rows = [row for area in asked.area or areas() for row in _run(area)]
-    if asked.json:
-        asked.json.parent.mkdir(parents=True, exist_ok=True)
-        asked.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
+    rows = [row for area in args.area or areas() for row in _run(area)]
+    if args.json:
+        args.json.parent.mkdir(parents=True, exist_ok=True)
+        args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
     return 0
 
 

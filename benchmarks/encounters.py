@@ -19,7 +19,7 @@ PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)
 SHORT = 20
 """Encounters of `scripts/bench`."""
 TOLD = 25
-"""Progress is told this often."""
+"""Interval of progress reports."""
 EXAMPLE = """  python benchmarks/encounters.py --count 1000 --jobs 2
   python benchmarks/encounters.py --first 17 --count 1"""
 
@@ -62,20 +62,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     made.add_argument("--first", type=int, default=0, help="seed of the first encounter (default 0)")
     made.add_argument("--count", type=int, default=1000, help="how many (default 1000)")
     made.add_argument("--jobs", type=int, default=1, help="processes at once (default 1)")
-    asked = made.parse_args(arguments)
-    seeds = range(asked.first, asked.first + asked.count)
-    if asked.jobs == 1:
-        verdicts = _told(map(verdict_of, seeds), asked.first)
+    args = made.parse_args(arguments)
+    seeds = range(args.first, args.first + args.count)
+    if args.jobs == 1:
+        verdicts = _with_progress(map(verdict_of, seeds), args.first)
     else:
-        with ProcessPoolExecutor(asked.jobs) as pool:
-            verdicts = _told(pool.map(verdict_of, seeds, chunksize=4), asked.first)
+        with ProcessPoolExecutor(args.jobs) as pool:
+            verdicts = _with_progress(pool.map(verdict_of, seeds, chunksize=4), args.first)
             pool.shutdown(wait=False, cancel_futures=True)
     for row in rows_of(verdicts):
         print(f"{row.name:52} {row.value:10.4g} {row.unit}")
     return int(any(map(_fails, verdicts)))
 
 
-def _told(verdicts: Iterable[EncounterVerdict], first: int) -> list[EncounterVerdict]:
+def _with_progress(verdicts: Iterable[EncounterVerdict], first: int) -> list[EncounterVerdict]:
     """Return the verdicts, naming each that fails as it comes; interrupted, those that there are."""
     found: list[EncounterVerdict] = []
     try:

@@ -6,7 +6,7 @@ derivatives are exact, for y = tanh(z) has d^k y / dz^k = P_k(y) with P_0 = y, P
     d^k r / ds^k = sum_h V_h w_h^k P_k(y_h)
 
 and so are the gradients, by d P_k / dz = P_(k+1). The integral is a trapezoidal sum over a grid, on which the
-zone is asked for too, as max(dxy^2 / eps^2 - 1, dz^2 / d^2 - 1) >= 0: the paper's indicator has no gradient.
+zone is required too, as max(dxy^2 / eps^2 - 1, dz^2 / d^2 - 1) >= 0: the paper's indicator has no gradient.
 Derivatives 1..3 vanish at every waypoint (a 4th has no trace under a snap cost). Yaw, which is at rest in
 section 4.1, is left out. SLSQP has no `xtol`: Table 5's is dropped.
 

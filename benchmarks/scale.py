@@ -3,7 +3,7 @@
 Vehicles fly in pairs on a grid of 2 m, the upper half a metre over the lower, which feels its downwash.
 CPU is that of all nodes, simulator and recorder among them, in cores (1 is one core fully used), between a
 fifth of the flight and its end. A virtual machine's host may take the processor away for milliseconds, and
-ticks are missed then: how much it took is told. The reference of live latency is the tick of 10 ms, that of
+ticks are missed then: the time taken is reported. The reference of live latency is the tick of 10 ms, that of
 lockstep the wall clock. `Q2Q_SCALE_S` sets how long live flights take [s].
 """
 

@@ -58,26 +58,26 @@ class BagReader:
 
         Raises BagError for a topic that the bag lacks, and for damage when it is reached.
         """
-        wanted = self.topics.keys() if topics is None else topics
-        missing = sorted(set(wanted) - self.topics.keys())
+        selected = self.topics.keys() if topics is None else topics
+        missing = sorted(set(selected) - self.topics.keys())
         if missing:
             has = ", ".join(sorted(self.topics)) or "no topics"
             raise BagError(f"bag {self.path} has no topic {', '.join(missing)}; it has {has}")
-        return self._source.read(wanted)
+        return self._source.read(selected)
 
     def signals(self, topics: Collection[str] | None = None) -> Iterator[TimedSignal]:
         """Yield the decoded messages of q2q_msgs signal types; other types are skipped.
 
         Raises BagError for a message that does not fit its type.
         """
-        wanted = self.topics.keys() if topics is None else topics
+        selected = self.topics.keys() if topics is None else topics
         foreign = {channel.topic for channel in self.channels if channel.type_name not in SIGNALS}
         readers: dict[str, SignalReader[Signal]] = {
             channel.topic: SignalReader(SIGNALS[channel.type_name])
             for channel in self.channels
             if channel.topic not in foreign
         }
-        for message in self.raw(set(wanted) - foreign):
+        for message in self.raw(set(selected) - foreign):
             try:
                 signal: Signal = readers[message.topic].read(message.data)
             except BadMessageError as bad:

@@ -52,10 +52,10 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
     found = {"t": t}
     for name, log in logs.items():
         columns = _columns(log.variables, chosen)
-        lacking = [one for one in NEEDED if one not in columns]
-        if lacking:
+        missing = [one for one in NEEDED if one not in columns]
+        if missing:
             raise ValueError(
-                f"{name} logs no {', '.join(lacking)}; name its variables in a column map: it logs "
+                f"{name} logs no {', '.join(missing)}; name its variables in a column map: it logs "
                 f"{', '.join(log.variables)}"
             )
         rows = {key: np.interp(t, clocks[name], values) for key, values in columns.items()}

@@ -24,9 +24,9 @@ def rehearse(
     update: Callable[..., object], reset: Callable[[], None], kinds: Iterable[type], names: Names = ()
 ) -> None:
     """Run a block on synthetic ticks, then reset it, so that neither the first tick nor a dropout is slow."""
-    wanted = tuple(kinds)
+    signal_types = tuple(kinds)
     for t, unseen in TICKS:
-        update(*(rehearsal(kind, t, names, unseen=unseen) for kind in wanted))
+        update(*(rehearsal(kind, t, names, unseen=unseen) for kind in signal_types))
     reset()
 
 
@@ -35,15 +35,15 @@ def rehearsal(kind: type, t: float, names: Names = (), *, unseen: bool = False) 
 
     With `unseen`, the first vehicle is missing from a MocapFrame and lost in a SwarmState.
     """
-    who = names or STAND_IN
-    arrays = {column.attribute: _values(column, len(who)) for column in LAYOUTS[kind].columns}
+    vehicles = names or STAND_IN
+    arrays = {column.attribute: _values(column, len(vehicles)) for column in LAYOUTS[kind].columns}
     if "pos" in arrays:
         arrays["pos"][:, 0] += DRIFT * (t % 1.0)
     if unseen and kind is MocapFrame:
         arrays["pos"][0] = arrays["quat"][0] = np.nan
     if unseen and kind is SwarmState:
         arrays["status"][0], arrays["age"][0] = TrackStatus.LOST, LOST_S
-    made: Signal = kind(t=t, names=who, **arrays)
+    made: Signal = kind(t=t, names=vehicles, **arrays)
     return made
 
 

@@ -74,5 +74,5 @@ def unmatched(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
 def undelivered(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
     """Return, for each node, the latched topics whose published value it has not received yet."""
     out = {topic for wiring in nodes.values() for topic in wiring.out}
-    lacking = {name: [topic for topic in wiring.lacks if topic in out] for name, wiring in nodes.items()}
-    return {name: topics for name, topics in lacking.items() if topics}
+    missing = {name: [topic for topic in wiring.lacks if topic in out] for name, wiring in nodes.items()}
+    return {name: topics for name, topics in missing.items() if topics}

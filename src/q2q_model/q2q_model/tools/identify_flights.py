@@ -30,11 +30,11 @@ def run(args: Namespace) -> int:
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found, seconds = _run(args, Console(stderr=True))
     save(args.out, found.file)
-    wanted = args.json or args.out.with_suffix(".json")
-    wanted.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
-    pictures = [] if args.no_plots else _draw(found, wanted.with_suffix(""))
+    report_file = args.json or args.out.with_suffix(".json")
+    report_file.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
+    pictures = [] if args.no_plots else _draw(found, report_file.with_suffix(""))
     print(summary(found))
-    print(f"model: {args.out}\nreport: {wanted}")
+    print(f"model: {args.out}\nreport: {report_file}")
     for picture in pictures:
         print(f"plot: {picture}")
     return 0

@@ -24,11 +24,11 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words)
 
 
-def _prepare(asked: Namespace) -> Work:
-    vehicle_by_name(asked.vehicle)
-    if asked.model:
-        check_model(asked.model)
-    require_existing("waypoint file", asked.waypoints, *([asked.warm] if asked.warm else []))
+def _prepare(args: Namespace) -> Work:
+    vehicle_by_name(args.vehicle)
+    if args.model:
+        check_model(args.model)
+    require_existing("waypoint file", args.waypoints, *([args.warm] if args.warm else []))
     from q2q_planner.tools.plan_swarm import run
 
     return run

@@ -143,10 +143,10 @@ def fly_encounter(
     if not encounter.apart:
         replanner = SafeReplanner(held)
         return [replanner.update(reference, None) for reference in references]
-    return _fly_apart(references, encounter, held, _newest_heard(encounter, ticks, generator))
+    return _fly_apart(references, encounter, held, _newest_received(encounter, ticks, generator))
 
 
-def _newest_heard(encounter: Encounter, ticks: int, generator: np.random.Generator) -> Array:
+def _newest_received(encounter: Encounter, ticks: int, generator: np.random.Generator) -> Array:
     """Return the tick of the newest message of j received by i, (ticks, n, n); all receive tick 0."""
     n = len(encounter.plan.names)
     newest = np.zeros((ticks, n, n), dtype=np.intp)
@@ -170,9 +170,9 @@ def _fly_apart(
         known = flown or [reference]  # a message arrives one tick later at the earliest
         rows = []
         for i, replanner in enumerate(replanners):
-            heard = np.minimum(newest[tick, i], len(known) - 1)
-            heard[i] = len(known) - 1
-            rows.append(replanner.update(_alone(reference, i), _heard(reference.t, known, heard)))
+            received = np.minimum(newest[tick, i], len(known) - 1)
+            received[i] = len(known) - 1
+            rows.append(replanner.update(_alone(reference, i), _received(reference.t, known, received)))
         flown.append(_joined(reference, rows))
     return flown
 
@@ -191,7 +191,7 @@ def _alone(whole: SwarmSetpoint, row: int) -> SwarmSetpoint:
     )
 
 
-def _heard(t: float, flown: Sequence[SwarmSetpoint], tick: Array) -> SwarmState:
+def _received(t: float, flown: Sequence[SwarmSetpoint], tick: Array) -> SwarmState:
     """Return the state in which vehicle j has its position of tick[j]."""
     n = len(tick)
     return SwarmState(

@@ -76,8 +76,10 @@ def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict
     source = open_source(path)
     channels = {channel.topic: channel for channel in source.channels}
     mapped = (topic_map.vehicles, topic_map.references, topic_map.signals)
-    wanted = {topic for some in mapped for topic in some.values()} | set(filter(None, [topic_map.poses]))
-    missing = sorted(wanted - channels.keys())
+    mapped_topics = {topic for some in mapped for topic in some.values()} | set(
+        filter(None, [topic_map.poses])
+    )
+    missing = sorted(mapped_topics - channels.keys())
     if missing:
         raise BagError(f"bag {path} has no topic {', '.join(missing)}; it has {', '.join(sorted(channels))}")
     for channel in (channels[topic] for topic in topic_map.signals.values()):

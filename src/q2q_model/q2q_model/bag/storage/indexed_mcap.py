@@ -145,14 +145,14 @@ def _unpacked(stream: BinaryIO, chunk: ChunkIndex) -> bytes:
     return unpacked
 
 
-def _messages_of(records: bytes, wanted: Collection[int]) -> list[Logged]:
+def _messages_of(records: bytes, selected: Collection[int]) -> list[Logged]:
     found: list[Logged] = []
     at, end, data_at = 0, len(records), _RECORD.size
     while at < end:
         if records[at] == MESSAGE:
             _, length, number, _, stamp_ns, _ = _RECORD.unpack_from(records, at)
             after = at + _LEAD + length
-            if number in wanted:
+            if number in selected:
                 found.append((number, stamp_ns, records[at + data_at : after]))
         else:
             after = at + _LEAD + int.from_bytes(records[at + 1 : at + _LEAD], "little")

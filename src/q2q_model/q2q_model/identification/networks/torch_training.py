@@ -120,13 +120,13 @@ def _simulate(one: _Inputs, loop: AltitudeLoop, theta: torch.Tensor, shape: Enve
     def rate(t: torch.Tensor, state: torch.Tensor) -> torch.Tensor:
         ref, across = _between(one, t)
         z, v = state[0], state[1]
-        wanted = ref[:, 2] + loop.k_d * (ref[:, 1] - v) + loop.k_p * (ref[:, 0] - z) + loop.offset
+        command = ref[:, 2] + loop.k_d * (ref[:, 1] - v) + loop.k_p * (ref[:, 0] - z) + loop.offset
         eta = torch.zeros_like(z).index_add(
             0, torch.tensor(one.i), _eta(theta, across, z[one.j] - z[one.i], shape)
         )
         if loop.lag > 0.0:
-            return torch.stack((v, state[2] + eta, (wanted - state[2]) / loop.lag))
-        return torch.stack((v, wanted + eta))
+            return torch.stack((v, state[2] + eta, (command - state[2]) / loop.lag))
+        return torch.stack((v, command + eta))
 
     ticks, found = one.t, [one.start[:1]]
     t, state, step, reached = ticks[0], one.start, float(ticks[1] - ticks[0]), 1

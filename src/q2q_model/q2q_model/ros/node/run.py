@@ -97,12 +97,12 @@ class _Ending:
     """Flag that the end was requested."""
 
     def __init__(self) -> None:
-        self.asked, self.interrupts = False, True
+        self.requested, self.interrupts = False, True
         for number in ENDING:
             signal.signal(number, self._ask)
 
     def _ask(self, _: int, __: FrameType | None) -> None:
-        self.asked = True
+        self.requested = True
         if self.interrupts:
             raise KeyboardInterrupt
 
@@ -115,7 +115,7 @@ def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
     ending.interrupts = False
     gc.freeze()  # exclude the objects created so far from collection in flight
     gc.enable()
-    while rclpy.ok() and not ending.asked:
+    while rclpy.ok() and not ending.requested:
         never: Future[None] = Future()  # a new one: the executor adds a callback to it each time
         executor.spin_until_future_complete(never, WAKE_S)
         if any(node in _FINISHED for node in nodes):

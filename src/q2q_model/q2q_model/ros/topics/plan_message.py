@@ -34,9 +34,9 @@ def decode_trajectories(message: Plan) -> tuple[Trajectory, ...]:
     total = sum(message.pieces)
     if len(message.pieces) != len(message.names) or len(message.durations) != total:
         raise BadMessageError(f"plan of {len(message.names)} vehicles: pieces and durations do not fit")
-    wanted = total * AXES * message.order
-    if len(message.coefficients) != wanted:
-        raise BadMessageError(f"plan has {len(message.coefficients)} coefficients; its pieces need {wanted}")
+    needed = total * AXES * message.order
+    if len(message.coefficients) != needed:
+        raise BadMessageError(f"plan has {len(message.coefficients)} coefficients; its pieces need {needed}")
     coefficients = np.array(message.coefficients).reshape(total, AXES, message.order)
     ends = np.cumsum(message.pieces)
     pieces = zip(
