@@ -26,6 +26,7 @@ from q2q_sim.air.learning.jet.push_table import (
     chosen_penalty,
     normal_equations,
     solve,
+    solve_signed,
     splines,
     squared_error,
 )
@@ -95,7 +96,7 @@ class _Fit:
         def missed(x: Array) -> float:
             place = wake_rows.places(self._parts, Travel(*x))
             normal = normal_equations(place, self._y, together)
-            return squared_error(normal, one, solve(normal, one, DEFAULT_PENALTY))
+            return squared_error(normal, one, solve_signed(normal, DEFAULT_PENALTY))
 
         found = minimize(
             missed,

@@ -98,10 +98,21 @@ def normal_equations(place: JetPlace, y: Array, blocks: Blocks) -> Normal:
     )
 
 
+def solve_signed(normal: Normal, penalty: float) -> Array:
+    """Return the coefficients of any sign, a hundred times sooner: what a search over travels needs."""
+    return np.asarray(
+        np.linalg.solve(_square(normal, np.ones(normal.power.size), penalty), normal.cross.sum(0))
+    )
+
+
+def _square(normal: Normal, weight: Array, penalty: float) -> Array:
+    rough = penalty * ROUGHNESS + RIDGE * np.eye(COEFFICIENTS)
+    return np.asarray(np.tensordot(weight, normal.square, 1) + rough)
+
+
 def solve(normal: Normal, weight: Array, penalty: float) -> Array:
     """Return the coefficients, all at least 0, for weights of the blocks (B,)."""
-    square = np.tensordot(weight, normal.square, 1) + penalty * ROUGHNESS + RIDGE * np.eye(COEFFICIENTS)
-    lower = np.linalg.cholesky(square)
+    lower = np.linalg.cholesky(_square(normal, weight, penalty))
     return np.asarray(nnls(lower.T, np.linalg.solve(lower, weight @ normal.cross))[0])
 
 

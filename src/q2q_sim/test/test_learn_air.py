@@ -1,0 +1,205 @@
+"""An air learned from flights in a known air has the known values within its intervals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic_air import DT, MASS, Wake, flown, orbit, process, still_record, wide_jet, with_force
+
+from q2q_model.identification.force.along_flight import Motion
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
+from q2q_sim.air.learning.edge_torque_term import PITCH, ROLL, edge_torque_term
+from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
+from q2q_sim.air.learning.evidence.fitted import Fitted
+from q2q_sim.air.learning.ground_term import ONE_ROTOR, ground_term
+from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
+from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push
+from q2q_sim.air.learning.jet.jet_term import jet_term
+from q2q_sim.air.learning.residual_term import residual_term
+from q2q_sim.air.learning.vehicle_term import vehicle_term
+from q2q_sim.air.learning.wind_term import wind_term
+from q2q_sim.air.room_air import AbsorptionTerm, ResidualTerm
+
+RESIDUAL = ResidualTerm(floor_mps2=0.28, slope=0.1, time_s=0.08)
+ABSORPTION = AbsorptionTerm(share=0.5, width_m=0.1)
+SECONDS = 120.0
+
+
+@pytest.fixture(scope="module")
+def pairs() -> list[AirRecord]:
+    """Return two flights of a pair in a known jet and residual."""
+    wake = Wake(wide_jet(), None, RESIDUAL)
+    return [flown(f"pair{k}", orbit(SECONDS, (0.6, 1.05), k), wake, k) for k in range(2)]
+
+
+def value(found: tuple[Fitted, ...], path: str) -> Fitted:
+    """Return the value at a path."""
+    return next(one for one in found if one.path == path)
+
+
+def assert_within(found: tuple[Fitted, ...], path: str, known: float) -> None:
+    """Assert that the interval at a path, widened by half, holds a known value and is not trivial.
+
+    One 95 % interval in twenty misses; widened by half it is one of 99.7 %.
+    """
+    one = value(found, path)
+    assert one.low is not None
+    assert one.high is not None
+    half = 0.75 * (one.high - one.low)
+    middle = 0.5 * (one.high + one.low)
+    assert abs(middle - known) <= half, one
+    assert half < max(0.6 * abs(known), 0.03), one
+
+
+def test_a_jet_is_met_where_a_level_source_left_it_and_its_speed_carried_it() -> None:
+    t = np.arange(0.0, 1.0, DT)
+    speed = np.array([1.0, -0.5, 0.0])
+    pos = np.zeros((t.size, 2, 3))
+    pos[:, 1] = [0.0, 0.0, 0.6] + t[:, None] * speed
+    vel = np.zeros_like(pos)
+    vel[:, 1] = speed
+    up = np.broadcast_to([0.0, 0.0, 1.0], pos.shape)
+    record = still_record("straight", Motion(t, pos, vel, up))
+    place = jet_place(record, (0, 1), np.array([80]), Travel(slowness=0.25, carried=0.4, slope=1.0))
+    tau = 0.25 * 0.6
+    axis = (t[80] - tau + 0.4 * tau) * speed[:2]  # where it was, and what its air kept of its speed
+    assert place.gap[0] == pytest.approx(0.6)
+    assert place.radius[0] == pytest.approx(np.hypot(*axis))
+    assert place.toward[0] == pytest.approx(axis / np.hypot(*axis))
+
+
+def test_a_jet_points_along_minus_body_z_of_its_source() -> None:
+    t = np.arange(0.0, 1.0, DT)
+    pos = np.zeros((t.size, 2, 3))
+    pos[:, 1, 2] = 0.5
+    axis = np.broadcast_to([0.0, 0.0, 1.0], pos.shape).copy()
+    axis[:, 1] = np.array([0.1, 0.0, 1.0]) / np.hypot(0.1, 1.0)  # accelerates to +x, blows to -x
+    record = still_record("tilted", Motion(t, pos, np.zeros_like(pos), axis))
+    place = jet_place(record, (0, 1), np.array([50]), Travel(slowness=0.2, carried=1.0, slope=0.8))
+    assert place.toward[0] * place.radius[0] == pytest.approx([-0.8 * 0.1 * 0.5, 0.0])
+
+
+def test_the_jet_and_its_travel_are_found() -> None:
+    known = wide_jet()
+    found = jet_term([flown(f"pair{k}", orbit(40.0, (0.6, 1.05), k), Wake(known), k) for k in range(2)])
+    assert found is not None
+    assert_within(found.values, "jet.push_mps2", float(push(known, np.array([0.4]), np.zeros(1))[0]))
+    assert_within(found.values, "jet.travel_speed_mps", known.travel_speed_mps)
+    assert_within(found.values, "jet.carried", known.carried)
+    assert_within(found.values, "jet.slope", known.slope)
+    gap, radius = (axis.ravel() for axis in np.meshgrid([0.35, 0.45, 0.55], [0.02, 0.06, 0.1, 0.15]))
+    missed = push(found.term, gap, radius) - push(known, gap, radius)
+    assert np.sqrt(np.mean(missed**2)) < 0.12  # 4 % of the push on the axis
+    assert found.term.push_mps2.min() >= 0.0
+    assert abs(found.term.upper_ratio) < 0.05  # the upper vehicle of these flights feels nothing
+
+
+def test_the_residual_is_found_under_the_noise_of_clear_air(pairs: list[AirRecord]) -> None:
+    found = residual_term(pairs, wide_jet(), None)
+    assert found is not None
+    assert_within(found.values, "residual.floor_mps2", RESIDUAL.floor_mps2)
+    assert_within(found.values, "residual.slope", RESIDUAL.slope)
+    assert_within(found.values, "residual.time_s", RESIDUAL.time_s)
+
+
+def test_what_a_vehicle_absorbs_is_found_from_three_above_each_other() -> None:
+    wake = Wake(wide_jet(), ABSORPTION)
+    triples = [flown(f"triple{k}", orbit(2.0 * SECONDS, (0.6, 0.9, 1.25), k), wake, k) for k in range(2)]
+    found, both = absorption_term(triples, wake.jet), sum_of_two(triples, wake.jet)
+    assert found is not None
+    assert both is not None
+    assert_within(found.values, "absorption.share", ABSORPTION.share)
+    assert abs(found.term.width_m - ABSORPTION.width_m) <= 0.04  # two steps of the grid
+    assert both.value < 0.95
+
+
+def test_the_torque_at_the_edge_is_found_from_what_the_motors_do_against_it() -> None:
+    jet, peak, radius = wide_jet(), 0.0015, 0.06
+    motion = orbit(SECONDS, (0.6, 1.05), 3)
+    record = still_record("edge", motion)
+    place = jet_place(record, (0, 1), np.arange(motion.t.size), Travel(0.25, 0.8, 1.0))
+    size = peak * place.radius / radius * np.exp(0.5 * (1.0 - (place.radius / radius) ** 2))
+    size[place.gap < 0.05] = 0.0
+    wake = size[:, None] * np.stack([-place.toward[:, 1], place.toward[:, 0]], axis=1)  # about e_z x n
+    lever, weight = CRAZYFLIE_2_0.arm / np.sqrt(2.0), CRAZYFLIE_2_0.hover_thrust
+    power = 1.5  # that of learn_air without a curve
+    share = -(wake[:, :1] * ROLL + wake[:, 1:] * PITCH) / (lever * weight * power)  # of four rotors' duty
+    duty = np.full((motion.t.size, 2, 4), 0.65)
+    duty[:, 0] *= 1.0 + share
+    short = replace(record, lag=0.0, motors=Motors(duty, np.full(duty.shape[:2], np.nan)))
+    found = edge_torque_term([with_force(short, np.zeros(duty.shape[:2]))], jet, CRAZYFLIE_2_0)
+    assert found is not None
+    assert found.term.peak_nm == pytest.approx(peak, rel=0.02)
+    assert found.term.radius_m == pytest.approx(radius, abs=0.005)
+
+
+def test_the_ground_effect_is_found_from_a_flight_close_to_the_ground() -> None:
+    t = np.arange(0.0, 60.0, DT)
+    pos = np.zeros((t.size, 1, 3))
+    pos[:, 0, 2] = 0.27 + 0.2 * np.sin(0.5 * t)
+    record = still_record(
+        "ground", Motion(t, pos, np.gradient(pos, DT, axis=0), np.eye(3)[[2]][None] + 0.0 * pos)
+    )
+    gain = 1.0 + 0.7 * (ROTOR_RADIUS / np.maximum(pos[:, :, 2], ROTOR_RADIUS)) ** 2
+    noisy = record.force.copy()
+    noisy[..., 2] = GRAVITY * gain + 0.2 * np.random.default_rng(0).standard_normal(gain.shape)
+    found = ground_term([replace(record, force=noisy)])
+    assert_within(found.values, "ground.coefficient", 0.7)
+
+
+def test_without_a_flight_near_the_ground_the_published_effect_is_named() -> None:
+    found = ground_term([still_record("high", orbit(20.0, (0.6,), 0))])
+    assert found.term.coefficient == ONE_ROTOR
+    assert found.values[0].low is None
+    assert "not learned" in found.values[0].source
+
+
+def test_gusts_are_told_from_noise_by_their_time() -> None:
+    rng = np.random.default_rng(5)
+    records = []
+    for k in range(3):
+        motion = orbit(SECONDS, (0.6,), k)
+        noise = 0.2 * rng.standard_normal((motion.t.size, 1))
+        gust = 0.15 * process(motion.t.size, 0.3, rng)
+        records.append(with_force(still_record(f"clear{k}", motion), noise + gust[:, None]))
+    found = wind_term(records)
+    assert found is not None
+    assert_within(found.values, "wind.gust_std_mps2", 0.15)
+    assert_within(found.values, "wind.gust_time_s", 0.3)
+
+
+def battery_flight(k: int, offset: float) -> AirRecord:
+    """Return a flight with an offset and a battery whose motors give (d u / 2.4 V)^1.5 of the weight."""
+    record = still_record(f"battery{k}", orbit(60.0, (0.6,), k))
+    t = record.motion.t
+    load = 1.0 + 0.1 * np.sin(2.0 * t + k)
+    hover = 3.8 - 0.1 * k - 0.002 * t
+    duty = _duty(load, hover)
+    volts = hover - 0.5 * (duty - 2.4 / hover)
+    force = record.force.copy()
+    force[..., 2] += offset
+    motors = Motors(np.repeat(duty[:, None, None], 4, axis=2), volts[:, None])
+    return replace(record, lag=0.0, force=force, strength=load[:, None], motors=motors)
+
+
+def _duty(load: Array, hover: Array) -> Array:
+    """Return d with d (u_h - 0.5 (d - 2.4 / u_h)) = 2.4 load^(1 / 1.5)."""
+    free = hover + 0.5 * 2.4 / hover
+    return np.asarray((free - np.sqrt(free**2 - 2.0 * 2.4 * load ** (1.0 / 1.5))) / 1.0)
+
+
+def test_offset_lag_and_headroom_of_the_vehicles_are_found() -> None:
+    offsets = (0.1, 0.3, 0.2, 0.4)
+    vehicle = replace(CRAZYFLIE_2_0, mass=MASS)
+    found = vehicle_term([battery_flight(k, offset) for k, offset in enumerate(offsets)], vehicle)
+    assert found is not None
+    assert found.term.offset_mean_mps2 == pytest.approx(np.mean(offsets), abs=1e-6)
+    assert found.term.offset_std_mps2 == pytest.approx(np.std(offsets, ddof=1), abs=1e-6)
+    assert found.term.thrust_lag_s == 0.07
+    at_full = ((3.8 - 0.5 * (1.0 - 2.4 / 3.8)) / 2.4) ** 1.5  # at full duty the battery sags
+    assert found.term.headroom == pytest.approx(at_full, rel=0.03)
+    at_empty = ((3.5 - 0.5 * (1.0 - 2.4 / 3.5)) / 2.4) ** 1.5
+    assert found.term.headroom_per_volt == pytest.approx((at_full - at_empty) / 0.3, rel=0.1)
+    assert found.term.discharge_v_per_s == pytest.approx(0.002, rel=0.15)  # duty rises as it falls
