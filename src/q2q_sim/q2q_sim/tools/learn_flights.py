@@ -11,10 +11,10 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from q2q_model.bag import is_bag
-from q2q_model.files.plain_values import to_plain
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.recordings import topic_map
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
+from q2q_sim.air.air_file import save
 from q2q_sim.air.learning.evidence.fitted import Fitted
 from q2q_sim.air.learning.learned_air import LearnedAir, learn_air
 from q2q_sim.tools.recorded_flights import flights_among, read_flights
@@ -27,7 +27,7 @@ def run(args: Namespace) -> int:
     vehicle = _vehicle(args.flights, args.vehicle)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found = learn_air(recordings, vehicle, _tell_step)
-    args.out.write_text(json.dumps(to_plain(found.air)) + "\n")
+    save(args.out, found.air)
     if args.json:
         args.json.write_text(json.dumps(_as_json(found, time.process_time() - began), indent=1) + "\n")
     for note in (*notes, *found.notes):

@@ -96,7 +96,7 @@ class _Fit:
         def missed(x: Array) -> float:
             place = wake_rows.places(self._parts, Travel(*x))
             normal = normal_equations(place, self._y, together)
-            return squared_error(normal, one, solve_signed(normal, DEFAULT_PENALTY))
+            return squared_error(normal, one, solve_signed(normal, one, DEFAULT_PENALTY))
 
         found = minimize(
             missed,

@@ -98,11 +98,9 @@ def normal_equations(place: JetPlace, y: Array, blocks: Blocks) -> Normal:
     )
 
 
-def solve_signed(normal: Normal, penalty: float) -> Array:
-    """Return the coefficients of any sign, a hundred times sooner: what a search over travels needs."""
-    return np.asarray(
-        np.linalg.solve(_square(normal, np.ones(normal.power.size), penalty), normal.cross.sum(0))
-    )
+def solve_signed(normal: Normal, weight: Array, penalty: float) -> Array:
+    """Return coefficients of any sign: much sooner solved, and as good for comparing travels or penalties."""
+    return np.asarray(np.linalg.solve(_square(normal, weight, penalty), weight @ normal.cross))
 
 
 def _square(normal: Normal, weight: Array, penalty: float) -> Array:
@@ -131,6 +129,6 @@ def chosen_penalty(normal: Normal) -> float:
 
     def missed(penalty: float) -> float:
         out = [(fold == k).astype(np.float64) for k in range(fold.max() + 1)]
-        return sum(squared_error(normal, one, solve(normal, 1.0 - one, penalty)) for one in out)
+        return sum(squared_error(normal, one, solve_signed(normal, 1.0 - one, penalty)) for one in out)
 
     return min(PENALTIES, key=missed)
