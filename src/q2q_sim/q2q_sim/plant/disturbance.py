@@ -86,9 +86,9 @@ class Disturbance:
     def step(self) -> Array:
         """Return the drive of this tick, (n, 7), and advance the air by one tick."""
         now = self.drive.copy()
-        if self._mean.any():
-            now[:, :3] += self._mean
         if self._std > 0.0:
             fresh = self._rng.standard_normal((len(now), 3))
             self.drive[:, :3] = self._keep * now[:, :3] + self._fresh * fresh
+        if self._mean.any():
+            now[:, :3] += self._mean
         return now

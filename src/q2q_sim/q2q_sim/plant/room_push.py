@@ -43,8 +43,8 @@ from q2q_sim.plant.quadcopter import (
 SPEED_X, SPEED_Y, SLOPE_X, SLOPE_Y = 4, 5, 6, 7
 """Columns of a slot of the ring after those of law_push: velocity [m/s], slope of the body z axis."""
 PAST_WIDTH = 8
-STEEPEST = 1.0
-"""Largest slope of a jet [-]: 45 degrees."""
+STEEPEST = 0.6
+"""Largest slope of a jet [-]: 31 degrees."""
 HARDEST = 10.0
 """Largest acceleration of a source whose past position is searched [m/s^2]."""
 FARTHEST = 5.0
@@ -71,7 +71,8 @@ class RoomNumbers(NamedTuple):
     widening: float
     """Growth of the radius with the gap below the table [m/m]."""
     drift: float
-    """Largest distance of a jet from its source beside that radius, over the gap [m/m]."""
+    turn: float
+    """A jet's axis is no farther from its source than drift gap + turn gap^2 [-], [1/m]."""
     upper_ratio: float
     travel_speed: float
     carried: float
@@ -143,12 +144,14 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
     torque, ground, own = air.edge_torque, air.ground, air.vehicle
     radius, last_gap = float(jet.radii_m[-1]) if air.jet else 0.0, float(jet.gaps_m[-1])
     hover = 0.25 * body.mass * GRAVITY  # thrust of a rotor
+    drift, turn = _drift(jet, air.meander)
     return RoomNumbers(
         step=body.step,
         last_gap=last_gap,
         radius=radius,
         widening=radius / last_gap,
-        drift=_drift(jet, air.meander),
+        drift=drift,
+        turn=turn,
         upper_ratio=jet.upper_ratio,
         travel_speed=jet.travel_speed_mps,
         carried=jet.carried,
@@ -169,11 +172,11 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
     )
 
 
-def _drift(jet: JetTerm, meander: MeanderTerm | None) -> float:
-    """Return a bound of the distance between a jet's axis and its source, over the gap [m/m]."""
-    moved = abs(1.0 - jet.carried) * FASTEST + 0.5 * abs(jet.carried) * HARDEST * MAX_DELAY
-    lean = STEEPEST * abs(jet.slope) + math.hypot(*jet.bend)
-    return moved / jet.travel_speed_mps + lean + FARTHEST * (meander.std if meander else 0.0)
+def _drift(jet: JetTerm, meander: MeanderTerm | None) -> tuple[float, float]:
+    """Return the bounds `drift` and `turn` of the distance between a jet's axis and its source."""
+    moved, turned = abs(1.0 - jet.carried) * FASTEST, 0.5 * abs(jet.carried) * HARDEST
+    lean = STEEPEST * abs(jet.slope) + math.hypot(*jet.bend) + FARTHEST * (meander.std if meander else 0.0)
+    return moved / jet.travel_speed_mps + lean, turned / jet.travel_speed_mps**2
 
 
 def _cell(knots: Array, value: float) -> int:
@@ -258,7 +261,7 @@ def _collect(state: Array, past: Past, room: RoomLaw, a: int, bound: float) -> i
         while 0 <= b < n and abs(state[rows[b], X] - state[j, X]) <= bound:
             i = rows[b]
             dx, dy, gap = state[j, X] - state[i, X], state[j, Y] - state[i, Y], state[j, Z] - state[i, Z]
-            reach = max(one.radius, one.widening * gap) + one.drift * abs(gap)
+            reach = max(one.radius, one.widening * gap) + (one.drift + one.turn * abs(gap)) * abs(gap)
             b += side
             if gap <= -BLEND or dx * dx + dy * dy > reach * reach:
                 continue
@@ -310,7 +313,7 @@ def _room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float
     if n > 1 and one.radius > 0.0:
         sort_by_x(state, rows)
         gap = highest - lowest
-        bound = max(one.radius, one.widening * gap) + one.drift * gap
+        bound = max(one.radius, one.widening * gap) + (one.drift + one.turn * gap) * gap
         for a in range(n):
             shed(state, past, room, a, bound)
     for i in range(n):

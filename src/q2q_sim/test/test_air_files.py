@@ -1,0 +1,105 @@
+"""Prove air files and names: round trip, and every refusal in one sentence that says what to do."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_room_air import WHOLE
+
+from q2q_model.files.sealed_json import checksum
+from q2q_sim.air.air_file import decode, encode, load, save
+from q2q_sim.air.air_names import LAWS, MADE, AirError, check_air
+from q2q_sim.air.find_air import find_air
+from q2q_sim.air.room_air import RoomAir, without
+from q2q_sim.air.wake_laws import WakeLaw
+
+
+def test_an_air_comes_back_from_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "room.air"
+    air = RoomAir(
+        WHOLE.jet, residual=WHOLE.residual, flights=("a", "b"), intervals={"residual.time_s": (0.07, 0.09)}
+    )
+    save(path, air)
+    found = load(path)
+    assert encode(found) == encode(air)
+    assert found.jet is not None
+    np.testing.assert_array_equal(found.jet.push_mps2, air.jet.push_mps2)
+    assert found.wind is None
+    assert found.intervals == {"residual.time_s": (0.07, 0.09)}
+
+
+def test_a_file_cut_anywhere_is_refused() -> None:
+    text = encode(WHOLE)
+    for end in range(0, len(text) - 2, 97):
+        with pytest.raises(AirError, match=r"not complete JSON .*create it again with learn_air"):
+            decode(text[:end])
+
+
+def test_an_edited_number_is_found_by_the_checksum() -> None:
+    with pytest.raises(AirError, match="checksum does not match"):
+        decode(encode(WHOLE).replace("0.28", "0.29"))
+
+
+def _resealed(change: dict[str, object]) -> str:
+    body = json.loads(encode(WHOLE))
+    body.pop("checksum")
+    body["air"] |= change
+    return json.dumps(body | {"checksum": checksum(body)})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"storm": {}}, r"air.storm is unknown; known are jet"),
+        (
+            {"residual": {"floor_mps2": float("nan"), "slope": 0.1, "time_s": 0.1}},
+            "floor_mps2 is nan: expected a finite number",
+        ),
+        ({"residual": {"floor_mps2": 0.1, "slope": 0.1}}, "residual.time_s is missing"),
+        (
+            {"jet": {**json.loads(encode(WHOLE))["air"]["jet"], "gaps_m": [0.1, 0.2]}},
+            "push_mps2 has the shape",
+        ),
+        ({"wind": [1]}, "air.wind is .*: expected an object"),
+    ],
+)
+def test_a_wrong_entry_is_named(change: dict[str, object], message: str) -> None:
+    with pytest.raises(AirError, match=message):
+        decode(_resealed(change))
+
+
+def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "room.air"
+    path.write_text('{"format": "q2q-model"}')
+    with pytest.raises(AirError, match=r'air file .*: not a q2q air: entry "format" should be "q2q-air"'):
+        load(path)
+
+
+def test_every_name_gives_an_air() -> None:
+    assert [find_air(name) for name in LAWS] == list(WakeLaw)
+    for name in MADE:
+        found = find_air(name)
+        assert isinstance(found, RoomAir)
+        assert found.jet is not None
+        # the largest push of the measured law at 0.4 m
+        assert found.jet.push_mps2[6].max() == pytest.approx(2.5, rel=1e-9)
+        assert found.jet.gaps_m[6] == pytest.approx(0.4)
+
+
+def test_a_path_gives_the_air_of_its_file_without_some_terms(tmp_path: Path) -> None:
+    path = tmp_path / "mine.air"
+    save(path, WHOLE)
+    found = find_air(str(path), ("wind", "jet"))
+    assert isinstance(found, RoomAir)
+    assert encode(found) == encode(without(WHOLE, ("wind", "jet")))
+    assert found.wind is found.jet is None
+
+
+def test_unknown_airs_and_terms_are_refused_with_the_known_ones() -> None:
+    with pytest.raises(AirError, match=r"no air 'storm': give one of none, paper, measured, ring"):
+        check_air("storm")
+    with pytest.raises(AirError, match="unknown term 'rain' of an air: terms are jet, absorption"):
+        find_air("bent", ("rain",))
+    with pytest.raises(AirError, match=r"air measured has no terms that could be switched off \(jet\)"):
+        find_air("measured", ("jet",))

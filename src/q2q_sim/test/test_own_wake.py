@@ -1,0 +1,137 @@
+"""Prove flights in a wake of a user's class: when it is asked, what it is told, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.air.air_names import AirError
+from q2q_sim.air.checked_wake import CheckedWake
+from q2q_sim.air.find_air import find_air
+from q2q_sim.air.wake import AirSetup, Push, Sources
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.plant.quadcopter import POS, VEL
+from q2q_sim.plant.swarm import Swarm
+from q2q_sim.scenarios import library
+
+HERE = "test_own_wake"
+
+
+class SideWind:
+    """Constant push, which remembers what it was told."""
+
+    def reset(self, setup: AirSetup) -> None:
+        self.setup = setup
+        self.told: list[Sources] = []
+
+    def push(self, now: Sources) -> Push:
+        self.told.append(now)
+        n = self.setup.count
+        return Push(np.tile([0.5, 0.0, -0.2], (n, 1)), np.zeros((n, 3)))
+
+
+class NotANumber(SideWind):
+    """Wake that fails in flight."""
+
+    def push(self, now: Sources) -> Push:
+        found = super().push(now)
+        return found if now.t < 0.1 else Push(found.acc * np.nan, found.torque)
+
+
+class AtOnce(SideWind):
+    """Wake that never gives a number."""
+
+    def push(self, now: Sources) -> Push:
+        return Push(super().push(now).acc * np.nan, np.zeros((len(now.pos), 3)))
+
+
+class WrongShape(SideWind):
+    """Wake without rows."""
+
+    def push(self, now: Sources) -> Push:
+        return Push(np.zeros(3), np.zeros((len(now.pos), 3)))
+
+
+class Fails(SideWind):
+    """Wake with a mistake in it."""
+
+    def push(self, now: Sources) -> Push:
+        return Push(now.pos[99:100], now.pos[[99]])
+
+
+class NoReset:
+    """Class that is no wake."""
+
+    def push(self, now: Sources) -> Push:
+        raise AssertionError(now)
+
+
+class Bare(SideWind):
+    """Wake that returns no Push."""
+
+    def push(self, now: Sources) -> Push:
+        return None  # type: ignore[return-value]
+
+
+def _swarm(wake: SideWind) -> Swarm:
+    start = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.5, 0.0]])
+    return Swarm(("cf1", "cf2"), CRAZYFLIE_2_0, start, wake)
+
+
+def _hover(swarm: Swarm, steps: int) -> None:
+    drive = np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], (2, 1))
+    swarm.step(np.tile([CRAZYFLIE_2_0.hover_thrust, 0.0, 0.0, 0.0], (steps, 2, 1)), drive)
+
+
+def test_a_wake_is_asked_once_a_step_with_the_state_before_it() -> None:
+    wake = SideWind()
+    swarm = _swarm(wake)
+    swarm.downwash()
+    _hover(swarm, 5)
+    swarm.downwash()
+    np.testing.assert_allclose([now.t for now in wake.told], 0.002 * np.arange(6), atol=1e-15)
+    np.testing.assert_array_equal(wake.told[0].pos, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
+    np.testing.assert_array_equal(wake.told[5].vel, swarm.state[:, VEL])
+    np.testing.assert_allclose(wake.told[0].thrust, CRAZYFLIE_2_0.hover_thrust)
+    # under a constant push the vehicle moves by a t^2 / 2
+    moved = swarm.state[0, POS] - [0.0, 0.0, 1.0]
+    np.testing.assert_allclose(moved, 0.5 * 0.01**2 * np.array([0.5, 0.0, -0.2]), rtol=1e-9, atol=1e-15)
+
+
+def test_a_flight_records_the_whole_push_of_a_named_class() -> None:
+    scenario = replace(library.load("table6"), duration=0.3, air=f"{HERE}:SideWind")
+    flight = fly(scenario, FlightOptions(mode="ignoring"))
+    np.testing.assert_array_equal(flight.true_eta, np.broadcast_to([0.5, 0.0, -0.2], flight.true_eta.shape))
+
+
+def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
+    scenario = replace(library.load("table6"), duration=0.3, air=f"{HERE}:NotANumber")
+    with pytest.raises(
+        AirError, match=r"air .*:NotANumber: acc of vehicle 0 at 0.100 s is \[nan nan nan\]"
+    ) as said:
+        fly(scenario, FlightOptions(mode="ignoring"))
+    assert "\n" not in str(said.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (f"{HERE}:AtOnce", r":AtOnce: acc of vehicle 0 at 0.000 s is \[nan nan nan\]: finite numbers"),
+        (f"{HERE}:WrongShape", r":WrongShape: acc is float64 of shape \(3,\): floats of shape \(3, 3\)"),
+        (f"{HERE}:Fails", r":Fails: push raised IndexError: index 99 is out of bounds"),
+        (f"{HERE}:NoReset", r":NoReset: the class needs methods reset\(setup\) and push\(now\)"),
+        (f"{HERE}:Bare", r":Bare: push returned a NoneType: return a Push"),
+        (f"{HERE}:Missing", "has no class Missing"),
+        ("no_such_module:Wind", r"no_such_module cannot be imported \(ModuleNotFoundError"),
+    ],
+)
+def test_a_class_that_cannot_be_flown_in_is_refused_before_the_flight(name: str, message: str) -> None:
+    with pytest.raises(AirError, match=message):
+        find_air(name)
+
+
+def test_a_wake_is_tried_and_then_reset() -> None:
+    wake = SideWind()
+    CheckedWake(wake).reset(AirSetup(CRAZYFLIE_2_0, 2, 0.002, 0))
+    assert wake.told == []
