@@ -142,16 +142,15 @@ def room_law(air: RoomAir, count: int, body: Body) -> RoomLaw:
 def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
     jet, absorption, residual = air.jet or NO_JET, air.absorption, air.residual
     torque, ground, own = air.edge_torque, air.ground, air.vehicle
-    radius, last_gap = float(jet.radii_m[-1]) if air.jet else 0.0, float(jet.gaps_m[-1])
+    radius = float(jet.radii_m[-1]) if air.jet else 0.0
     hover = 0.25 * body.mass * GRAVITY  # thrust of a rotor
-    drift, turn = _drift(jet, air.meander)
     return RoomNumbers(
         step=body.step,
-        last_gap=last_gap,
+        last_gap=float(jet.gaps_m[-1]),
         radius=radius,
-        widening=radius / last_gap,
-        drift=drift,
-        turn=turn,
+        widening=radius / float(jet.gaps_m[-1]),
+        drift=_drift(jet, air.meander),
+        turn=0.5 * abs(jet.carried) * HARDEST / jet.travel_speed_mps**2,
         upper_ratio=jet.upper_ratio,
         travel_speed=jet.travel_speed_mps,
         carried=jet.carried,
@@ -172,11 +171,10 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
     )
 
 
-def _drift(jet: JetTerm, meander: MeanderTerm | None) -> tuple[float, float]:
-    """Return the bounds `drift` and `turn` of the distance between a jet's axis and its source."""
-    moved, turned = abs(1.0 - jet.carried) * FASTEST, 0.5 * abs(jet.carried) * HARDEST
+def _drift(jet: JetTerm, meander: MeanderTerm | None) -> float:
+    """Return the bound `drift` of the distance between a jet's axis and its source [-]."""
     lean = STEEPEST * abs(jet.slope) + math.hypot(*jet.bend) + FARTHEST * (meander.std if meander else 0.0)
-    return moved / jet.travel_speed_mps + lean, turned / jet.travel_speed_mps**2
+    return abs(1.0 - jet.carried) * FASTEST / jet.travel_speed_mps + lean
 
 
 def _cell(knots: Array, value: float) -> int:
