@@ -14,10 +14,11 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.comparison import comparison, error_sums, flight_intervals
+from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw
 from q2q_sim.experiments.validation.error_figures import error_figure
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, read_law
-from q2q_sim.experiments.validation.redrawn_flight import MakeSwarm, noise_std, redrawn
+from q2q_sim.experiments.validation.redrawn_flight import noise_std, redrawn
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.validation import (
     COVERAGE,
@@ -28,6 +29,7 @@ from q2q_sim.experiments.validation.validation import (
     validated,
     verdict,
 )
+from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
 from q2q_sim.plant.swarm import Swarm
 
 DT = 0.01
@@ -60,9 +62,14 @@ class Turbulent(Swarm):
         super().step(commands, air)
 
 
-def air(strength: float, first: int = 0) -> MakeSwarm:
+def air(strength: float, first: int = 0) -> MakeDraw:
     """Return what makes swarms in an air of this strength, their seeds counted from `first`."""
-    return lambda seed, start: Turbulent(start, strength, first + seed)
+    still = DisturbanceParams()
+
+    def make(seed: int, start: Array) -> Draw:
+        return Draw(Turbulent(start, strength, first + seed), Disturbance(still, 2, DT, seed))
+
+    return make
 
 
 def passes(seconds: float, period: float = 8.0) -> TrackedFlight:
@@ -94,7 +101,7 @@ def passes(seconds: float, period: float = 8.0) -> TrackedFlight:
     )
 
 
-def recorded(plan: TrackedFlight, make: MakeSwarm) -> TrackedFlight:
+def recorded(plan: TrackedFlight, make: MakeDraw) -> TrackedFlight:
     """Return a plan as flown under LAW by the first draw of an air."""
     flown = redrawn(ReadFlight(plan, LAW), CRAZYFLIE_2_0, make, [0])
     pos, vel, quat = flown.pos[0], flown.vel[0], flown.quat[0]

@@ -2,11 +2,10 @@
 
 Each draw starts from the recorded first state and follows the recorded references at the recorded rate. The
 controller reads the true state with the noise of the recorded estimate, without delay. That noise is white,
-as strong as the recorded signal above 15 Hz, where vehicles hardly move. The offsets of the vehicles are
-those of the recording: an air's own must be off.
+as strong as the recorded signal above 15 Hz, where vehicles hardly move.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,18 +16,16 @@ from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.onboard_law import ReadFlight, feedback
 from q2q_sim.plant.quadcopter import POS, QUAT, VEL, body_of
-from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
+from q2q_sim.plant.swarm import PHYSICS_RATE
 from q2q_sim.random_streams import stream
 
 NOISE_FROM = 15.0
 """Frequency above which a recorded position or velocity counts as noise [Hz]."""
 NOISE_ROWS = 256
 """Rows of a segment of its spectrum."""
-
-MakeSwarm = Callable[[int, Array], Swarm]
-"""Swarm of a draw, of its seed and of the starts x, y, z [m], yaw [rad], (n, 4)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,30 +42,29 @@ class Draws:
     """Commanded collective thrust [N], (draws, T, n)."""
 
 
-def redrawn(read: ReadFlight, vehicle: Vehicle, make: MakeSwarm, seeds: Sequence[int]) -> Draws:
+def redrawn(read: ReadFlight, vehicle: Vehicle, make: MakeDraw, seeds: Sequence[int]) -> Draws:
     """Return the flight flown again once for each seed."""
     flight, law = read.flight, read.law
     ticks, n = flight.thrust.shape
     yaw = yaw_from_quat(flight.quat[0])
-    swarms = [make(seed, np.column_stack([flight.pos[0], yaw])) for seed in seeds]
-    for swarm in swarms:
-        swarm.state[:, VEL] = flight.vel[0]
-        swarm.body = body_of(vehicle, law.attitude, 1.0 / PHYSICS_RATE)
+    draws = [make(seed, np.column_stack([flight.pos[0], yaw])) for seed in seeds]
+    for draw in draws:
+        draw.swarm.state[:, VEL] = flight.vel[0]
+        draw.swarm.body = body_of(vehicle, law.attitude, 1.0 / PHYSICS_RATE)
     noise = _noise(read, seeds)
     ahead = flight.ref_acc + law.offset - flight.compensated[..., None] * UP
-    drive = np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], (n, 1))
     steps = round(PHYSICS_RATE * flight.dt)
-    integral = np.zeros((len(swarms), n, 3))
-    seen = Draws(*(np.empty((len(swarms), ticks, n, *width)) for width in ((3,), (3,), (4,), ())))
+    integral = np.zeros((len(draws), n, 3))
+    seen = Draws(*(np.empty((len(draws), ticks, n, *width)) for width in ((3,), (3,), (4,), ())))
     for k in range(ticks):
-        state = np.stack([swarm.state for swarm in swarms])  # (draws, n, columns)
+        state = np.stack([draw.swarm.state for draw in draws])  # (draws, n, columns)
         pos, vel, quat = state[..., POS] + noise[0][:, k], state[..., VEL] + noise[1][:, k], state[..., QUAT]
         error = flight.ref_pos[k] - pos
         integral += flight.dt * error
         acc = ahead[k] + feedback(law, error, flight.ref_vel[k] - vel, integral)
         command = _command(acc, quat, yaw, vehicle.mass)
-        for swarm, one in zip(swarms, command, strict=True):
-            swarm.step(np.tile(one, (steps, 1, 1)), drive)
+        for draw, one in zip(draws, command, strict=True):
+            draw.swarm.step(np.tile(one, (steps, 1, 1)), draw.gusts.step())
         seen.pos[:, k], seen.vel[:, k], seen.quat[:, k] = pos, vel, quat
         seen.thrust[:, k] = command[..., 0]
     return seen

@@ -6,26 +6,20 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_model.identification.identification import Recording
-from q2q_model.signals.values import Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.experiments.validation.comparison import Comparison, comparison
-from q2q_sim.experiments.validation.redrawn_flight import MakeSwarm
+from q2q_sim.experiments.validation.drawn_air import draws_in, vehicle_in
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
 from q2q_sim.experiments.validation.validation import ValidatedFlight, as_json, pooled, validated, verdict
 from q2q_sim.experiments.validation.validation_page import write_page
-from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.swarm import FlownAir
 
 
 def validate(recordings: Sequence[Recording], vehicle: Vehicle, asked: Namespace) -> int:
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
     air = wake_by_name(asked.air)
-    flights = _tracked(recordings, vehicle)
-
-    def make(names: Names) -> MakeSwarm:
-        return lambda seed, start: Swarm(names, vehicle, start, air, seed)
-
-    done = [_flown(one, vehicle, make(one.names), asked.draws) for one in flights]
+    done = [_flown(one, air, vehicle, asked.draws) for one in _tracked(recordings, vehicle)]
     if asked.json:
         asked.json.write_text(json.dumps(as_json(done), indent=1) + "\n")
     if asked.out:
@@ -50,8 +44,9 @@ def _tracked(recordings: Sequence[Recording], vehicle: Vehicle) -> list[TrackedF
     return found
 
 
-def _flown(flight: TrackedFlight, vehicle: Vehicle, make: MakeSwarm, draws: int) -> ValidatedFlight:
-    one = validated(flight, vehicle, make, range(draws))
+def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -> ValidatedFlight:
+    own = vehicle_in(air, flight, vehicle)
+    one = validated(flight, own, draws_in(air, flight, own), range(draws))
     if not one.has_wake:
         _say(f"{flight.name} has no row under another vehicle: only its clear air is compared")
     print(_line(flight.name, comparison(one.under if one.has_wake else one.clear)))

@@ -15,9 +15,10 @@ from q2q_sim.experiments.validation.comparison import (
     error_sums,
     flight_intervals,
 )
+from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE, EXPOSED_SHARE
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, read_law
-from q2q_sim.experiments.validation.redrawn_flight import MakeSwarm, redrawn
+from q2q_sim.experiments.validation.redrawn_flight import redrawn
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
 DRAWS = 20
@@ -50,9 +51,13 @@ class ValidatedFlight:
 
 
 def validated(
-    flight: TrackedFlight, vehicle: Vehicle, make: MakeSwarm, seeds: Sequence[int] = range(DRAWS)
+    flight: TrackedFlight, vehicle: Vehicle, make: MakeDraw, seeds: Sequence[int] = range(DRAWS)
 ) -> ValidatedFlight:
-    """Return a flight with its draws; ValueError if its law cannot be read."""
+    """Return a flight with its draws, of a vehicle with the lag that it has in the air.
+
+    Raises:
+        ValueError: the law cannot be read.
+    """
     read = read_law(flight, vehicle)
     drawn = redrawn(read, vehicle, make, seeds).pos[..., 2] - flight.ref_pos[..., 2]
     under = _sums(flight, drawn, flight.exposed, EXPOSED_SHARE)
