@@ -45,6 +45,7 @@ REFUSALS = (
     ("q2q_sim.commands.firmware_check none", 2, "no table at none/controllers.csv"),
     ("q2q_sim.commands.bag_import none.csv --out x", 1, "no flight at none.csv"),
     ("q2q_sim.commands.validate none --air measured", 1, "no flight at none"),
+    ("q2q_sim.commands.validate . --air nosuch", 1, "no air 'nosuch'"),
     ("q2q_sim.commands.validate . --air measured --draws 1", 1, "3 to 200 are allowed"),
     ("q2q_sim.commands.learn_air none --out x", 1, "no flight at none"),
     ("q2q_sim.commands.campaign --runs 1 --through-nodes 2", 2, "at most the 1 --runs"),

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
 from q2q_model.vehicle.constants import VEHICLES
+from q2q_sim.air.air_names import check_air
 
 EXAMPLE = "  ros2 run q2q_sim validate --air room.air flight3 flight4 --json v.json --out page/"
 FEWEST, MOST = 3, 200
@@ -26,28 +27,36 @@ def main(words: Sequence[str] | None = None) -> int:
 def _prepare(asked: Namespace) -> Work:
     if not FEWEST <= asked.draws <= MOST:
         raise ValueError(f"--draws is {asked.draws}: {FEWEST} to {MOST} are allowed")
+    check_air(asked.air)
     require_existing("flight", *asked.flights)
     require_existing("topic map", *([asked.topics] if asked.topics else []))
     return _run
 
 
 def _run(asked: Namespace) -> int:
-    from q2q_model.tools.bag_vehicle import common_vehicle
-    from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
+    from q2q_model.tools.recordings import topic_map
+    from q2q_sim.air.find_air import find_air
     from q2q_sim.experiments.validation.validate_flights import validate
+    from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
-    bags, left_out = bags_among(asked.flights)
-    recordings, repairs = read_recordings(bags, topic_map(asked.topics))
-    flown = common_vehicle(bags, asked.vehicle)
-    for note in [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]:
+    air = find_air(asked.air)
+    recordings, notes = read_flights(asked.flights, topic_map(asked.topics))
+    flown = vehicle_of(asked.flights, asked.vehicle)
+    for note in [*notes, *filter(None, [flown.note])]:
         print(f"validate: {note}", file=sys.stderr)
-    return validate(recordings, flown.vehicle, asked)
+    return validate(recordings, flown.vehicle, air, asked)
 
 
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("validate", __doc__, EXAMPLE)
-    made.add_argument("flights", nargs="+", type=Path, metavar="FLIGHT", help="recorded flights (bags)")
+    made.add_argument(
+        "flights",
+        nargs="+",
+        type=Path,
+        metavar="FLIGHT",
+        help="bag, table (.parquet, .csv) or folder of them",
+    )
     made.add_argument(
         "--air", required=True, metavar="AIR", help="a shipped name, a .air file or module:Class"
     )

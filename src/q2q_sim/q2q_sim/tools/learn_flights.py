@@ -4,33 +4,28 @@ import json
 import sys
 import time
 from argparse import Namespace
-from collections.abc import Sequence
 from dataclasses import asdict
-from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from q2q_model.bag import is_bag
-from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.recordings import topic_map
-from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 from q2q_sim.air.air_file import save
 from q2q_sim.air.learning.evidence.fitted import Fitted
 from q2q_sim.air.learning.learned_air import LearnedAir, learn_air
-from q2q_sim.tools.recorded_flights import flights_among, read_flights
+from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
 
 def run(args: Namespace) -> int:
     """Learn an air, write and print it, and return the exit status."""
     began = time.process_time()
     recordings, notes = read_flights(args.flights, topic_map(args.topics))
-    vehicle = _vehicle(args.flights, args.vehicle)
+    flown = vehicle_of(args.flights, args.vehicle)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
-        found = learn_air(recordings, vehicle, _tell_step)
+        found = learn_air(recordings, flown.vehicle, _tell_step)
     save(args.out, found.air)
     if args.json:
         args.json.write_text(json.dumps(_as_json(found, time.process_time() - began), indent=1) + "\n")
-    for note in (*notes, *found.notes):
+    for note in (*notes, *filter(None, [flown.note]), *found.notes):
         print(f"learn_air: {note}", file=sys.stderr)
     print(table(found))
     print(f"air: {args.out}, {len(found.air.flights)} flights, {time.process_time() - began:.0f} s of CPU")
@@ -51,16 +46,6 @@ def _line(one: Fitted) -> str:
     known = one.low is not None and one.high is not None
     ends = f"{one.low:8.4g} to {one.high:<8.4g}" if known else "-"
     return f"{one.path:32}{one.value:9.4g}  {ends:^19} {one.rows or '-':>8}  {one.source}"
-
-
-def _vehicle(paths: Sequence[Path], override: str) -> Vehicle:
-    bags = [path for path in flights_among(paths)[0] if is_bag(path)]
-    if override or not bags:
-        return vehicle_by_name(override or DEFAULT_VEHICLE)
-    flown = common_vehicle(bags)
-    if flown.note:
-        print(f"learn_air: {flown.note}", file=sys.stderr)
-    return flown.vehicle
 
 
 def _as_json(found: LearnedAir, seconds: float) -> dict[str, object]:

@@ -8,7 +8,9 @@ from q2q_model.flights.flight import flight_from_signals
 from q2q_model.flights.flight_table import flight_table, log_of, signals_of
 from q2q_model.identification.filtered_states import with_filtered_states
 from q2q_model.identification.identification import Recording
+from q2q_model.tools.bag_vehicle import FlownVehicle, common_vehicle
 from q2q_model.tools.recordings import read_recordings
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
 from q2q_sim.tools.import_table import read_columns
 
 TABLES = (".parquet", ".csv")
@@ -47,6 +49,18 @@ def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
     if not found:
         raise ValueError("; ".join(notes))
     return found, notes
+
+
+def vehicle_of(paths: Sequence[Path], override: str = "") -> FlownVehicle:
+    """Return the common vehicle of the flights; `override` overrides it, and tables name none.
+
+    Raises:
+        ValueError: an unknown vehicle, or bags of different ones.
+    """
+    bags = [path for path in flights_among(paths)[0] if is_bag(path)]
+    if override or not bags:
+        return FlownVehicle(vehicle_by_name(override or DEFAULT_VEHICLE))
+    return common_vehicle(bags)
 
 
 def _of_table(path: Path) -> Recording:

@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
-from q2q_sim.plant.swarm import FlownAir, Swarm
+from q2q_sim.plant.swarm import Swarm
 
 
 @dataclass(frozen=True, slots=True)

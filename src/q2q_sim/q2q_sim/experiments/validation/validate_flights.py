@@ -7,18 +7,16 @@ from collections.abc import Sequence
 
 from q2q_model.identification.identification import Recording
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.wake_laws import wake_by_name
+from q2q_sim.air.find_air import FlownAir
 from q2q_sim.experiments.validation.comparison import Comparison, comparison
 from q2q_sim.experiments.validation.drawn_air import draws_in, vehicle_in
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
 from q2q_sim.experiments.validation.validation import ValidatedFlight, as_json, pooled, validated, verdict
 from q2q_sim.experiments.validation.validation_page import write_page
-from q2q_sim.plant.swarm import FlownAir
 
 
-def validate(recordings: Sequence[Recording], vehicle: Vehicle, asked: Namespace) -> int:
+def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, asked: Namespace) -> int:
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
-    air = wake_by_name(asked.air)
     done = [_flown(one, air, vehicle, asked.draws) for one in _tracked(recordings, vehicle)]
     if asked.json:
         asked.json.write_text(json.dumps(as_json(done), indent=1) + "\n")
