@@ -19,7 +19,7 @@ import numpy as np
 
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples, residual_of
-from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.force.jet_fit import Z95, JetForm, fit_to_pushes, with_held_out_deviation
 from q2q_model.identification.force.residual import predicted_residual
 from q2q_model.identification.identification import Recording, force_record
 from q2q_model.identification.selection.candidates import MARGIN
@@ -62,6 +62,8 @@ class _Misses:
     stranger: Array
     """Of the jet of the other family."""
     network: Array
+    within: Array
+    """Whether the jet's residual lies within 1.96 of its deviations."""
 
 
 def run() -> list[Row]:
@@ -110,7 +112,8 @@ def _fold(flights: Sequence[_Flight], fold: int, stranger: Jet) -> list[_Misses]
     if not left_out:
         return []
     taught = [one for one in flights if one not in left_out]
-    jet = fit_to_pushes(_samples(taught), _chosen(taught)).jet
+    form = _chosen(taught)
+    jet = with_held_out_deviation(fit_to_pushes(_samples(taught), form).jet, _samples(taught), form)
     return [part for one in left_out for part in _missed(one, jet, stranger)]
 
 
@@ -138,7 +141,10 @@ def _missed(flight: _Flight, jet: Jet, stranger: Jet) -> list[_Misses]:
         rows, residual = sample.exposed, residual_of(jet, sample)
         ahead = residual - predicted_residual(sample.motion.t, residual, sample.usable)
         y, strange = sample.y[rows], residual_of(stranger, sample)[rows]
-        found.append(_Misses(flight.name, y, residual[rows], ahead[rows], strange, y - network[rows]))
+        missed = residual[rows]
+        std = jet.std_floor + jet.relative_std * np.abs(y - missed)
+        within = (np.abs(missed) <= Z95 * std).astype(np.float64)
+        found.append(_Misses(flight.name, y, missed, ahead[rows], strange, y - network[rows], within))
     return found
 
 
@@ -153,9 +159,10 @@ def _rows(name: str, missed: Sequence[_Misses]) -> list[Row]:
     on = bool((left["network"] != y).any())
     beside = f"{REFERENCE}: {r2['network']:.3f}" if on else None
     ratio = (1.0 - r2["network"]) / (1.0 - r2["jet"]) if on else None
-    label = f"{name}, {y.size} samples"
+    label, within = f"{name}, {y.size} samples", np.concatenate([one.within for one in missed])
     return [
         Row(label, r2["jet"], "R2", beside, ratio),
         Row(f"{label}, 20 ms ahead", r2["ahead"], "R2"),
         Row(f"{label}, by the other family", r2["stranger"], "R2"),
+        Row(f"{label}, within the 95 % band", float(np.mean(within)), "of 1"),
     ]

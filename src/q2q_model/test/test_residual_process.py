@@ -7,13 +7,22 @@ import pytest
 from scipy.signal import lfilter
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.downwash.predict_and_correct import OLDEST, PredictAndCorrect
+from q2q_model.downwash.predict_and_correct import OLDEST, CorrectedPredictor, PredictAndCorrect
+from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
 from q2q_model.identification.force.residual_fit import fit_residual
-from q2q_model.signals.values import Array, Interference, InterferenceStatus
+from q2q_model.signals.values import (
+    Array,
+    Interference,
+    InterferenceStatus,
+    SwarmCommand,
+    SwarmImu,
+    SwarmState,
+)
+from q2q_model.vehicle.constants import CRAZYFLIE_2_1, GRAVITY
 
 PROCESS = ResidualProcess(floor=0.3, slope=0.15, time_s=0.1, noise=0.15)
 LAW = Jet(strength=2.5, reference_gap=0.4, width=0.08, upper_ratio=0.0)
@@ -118,3 +127,22 @@ def test_nothing_old_unknown_or_invalid_corrects() -> None:
     assert block.update(prediction(OLDEST + 0.02, -2.0)).acc[0, 2] == -2.0
     block.reset()
     assert block.update(prediction(0.0, -2.0)).acc[0, 2] == -2.0
+
+
+def test_a_predictor_corrected_by_accelerometer_and_command_knows_an_unmodelled_push() -> None:
+    """The lower of a hovering stack is pushed by 0.5 m/s^2 more than the law says; the next tick knows."""
+    vehicle, still, flag = CRAZYFLIE_2_1, np.zeros((2, 3)), np.zeros(2, np.uint8)
+    pos, level = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    plain, block = InteractionPredictor(LAW), CorrectedPredictor(InteractionPredictor(LAW), PROCESS, vehicle)
+    law = plain.update(SwarmState(0.0, NAMES, pos, still, level, still, flag * 0.0, flag)).acc[0, 2]
+    thrust = np.full(2, vehicle.hover_thrust)
+    for k in range(10):
+        t = STEP * k
+        state = SwarmState(t, NAMES, pos, still, level, still, flag * 0.0, flag)
+        answer = block.update(state)
+        force = np.array([[0.0, 0.0, GRAVITY + law - 0.5], [0.0, 0.0, GRAVITY]])
+        command = SwarmCommand(t, NAMES, thrust, flag * 0.0, flag * 0.0, flag * 0.0, flag)
+        block.sense(state, command, SwarmImu(t, NAMES, force, still))
+    assert answer.acc[0, 2] == pytest.approx(law - 0.5 * PROCESS.share(STEP), abs=0.05)
+    assert answer.acc[1, 2] == pytest.approx(0.0, abs=1e-6)  # whose push is as predicted
+    assert answer.std[0, 2] < PROCESS.std(np.array(law))

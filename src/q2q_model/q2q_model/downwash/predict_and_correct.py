@@ -24,8 +24,20 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import ResidualProcess
-from q2q_model.signals.values import Array, Interference, InterferenceStatus, Names, index_of
+from q2q_model.estimation.measured_push import MeasuredPush
+from q2q_model.signals.values import (
+    Array,
+    Interference,
+    InterferenceStatus,
+    Names,
+    SwarmCommand,
+    SwarmImu,
+    SwarmState,
+    index_of,
+)
+from q2q_model.vehicle.constants import Vehicle
 
 CLEAR = 0.05
 """Downwash that a vehicle in clear air may feel at most [m/s^2]: a tenth of the residual's size."""
@@ -113,3 +125,25 @@ class PredictAndCorrect:
         self._residual, self._variance = np.zeros(n), np.full(n, self._process.floor**2)
         self._offset, self._clear_s = np.zeros(n), np.zeros(n)
         self._seen = np.zeros(n, dtype=np.bool_)
+
+
+class CorrectedPredictor:
+    """Predictor whose answers are corrected by accelerometers and commands."""
+
+    def __init__(self, predictor: InteractionPredictor, process: ResidualProcess, vehicle: Vehicle) -> None:
+        self._predictor, self._push = predictor, MeasuredPush(vehicle)
+        self._corrector = PredictAndCorrect(process)
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._predictor.reset()
+        self._push.reset()
+        self._corrector.reset()
+
+    def update(self, state: SwarmState) -> Interference:
+        """Return the corrected downwash on every vehicle of `state`, in its order."""
+        return self._corrector.update(self._predictor.update(state))
+
+    def sense(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
+        """Take the measurements of a tick, after the prediction of that tick."""
+        self._corrector.measure(state.t, state.names, self._push.update(state, command, imu))

@@ -26,15 +26,13 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.geometry.rotations import rotate
+from q2q_model.estimation.measured_push import LONGEST_STEP, MeasuredPush
 from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, index_of
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 
 WEIGHT, ETA, PUSH, ETA_ETA, ETA_PUSH = range(5)
 """Columns of the sums of each vehicle."""
-LONGEST_STEP = 0.1
-"""Time step beyond which thrust is assumed to have settled [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +69,7 @@ class LiveRefinement:
 
     def __init__(self, model: InteractionModel, vehicle: Vehicle, params: LiveParams | None = None) -> None:
         self.params = params or LiveParams()
-        self._vehicle = vehicle
+        self._push = MeasuredPush(vehicle)
         self._predictor = InteractionPredictor(model)
         self.reset()
 
@@ -80,7 +78,7 @@ class LiveRefinement:
         self._predictor.reset()
         self._names: Names = ()
         self._sums = np.zeros((0, 5))
-        self._thrust = np.zeros(0)
+        self._push.reset()
         self._t = -np.inf
 
     def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> LiveEstimate:
@@ -89,7 +87,7 @@ class LiveRefinement:
             return self._estimate()
         self._follow(state.names)
         dt = min(state.t - self._t, LONGEST_STEP)
-        push = self._push(state, command, imu, dt)
+        push = self._push.update(state, command, imu)
         eta = self._predictor.update(state).acc[:, 2]
         self._t = state.t
         good = np.isfinite(push)
@@ -108,20 +106,9 @@ class LiveRefinement:
             return
         rows = index_of(names, self._names)
         known = rows >= 0
-        sums, thrust = np.zeros((len(names), 5)), np.full(len(names), np.nan)
-        sums[known], thrust[known] = self._sums[rows[known]], self._thrust[rows[known]]
-        self._names, self._sums, self._thrust = names, sums, thrust
-
-    def _push(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu, dt: float) -> Array:
-        """Return y [m/s^2], (n,); NaN if a sensor or command is missing."""
-        command_thrust = _rows(command.names, state.names, command.thrust)
-        keep = np.exp(-dt / self._vehicle.thrust_lag) if self._vehicle.thrust_lag > 0.0 else 0.0
-        before = np.where(np.isfinite(self._thrust), self._thrust, command_thrust)
-        settled = keep * before + (1.0 - keep) * command_thrust
-        self._thrust = np.where(np.isfinite(command_thrust), settled, before)
-        force = rotate(state.quat, _rows(imu.names, state.names, imu.specific_force_body))[:, 2]
-        body_z = rotate(state.quat, np.array([0.0, 0.0, 1.0]))[:, 2]
-        return np.asarray(force - self._thrust * body_z / self._vehicle.mass)
+        sums = np.zeros((len(names), 5))
+        sums[known] = self._sums[rows[known]]
+        self._names, self._sums = names, sums
 
     def _estimate(self) -> LiveEstimate:
         weight = np.maximum(self._sums[:, WEIGHT], 1e-12)
@@ -146,11 +133,3 @@ def scaled(model: InteractionModel, gain: float) -> InteractionModel:
 
 def _scaled(net: Network, gain: float) -> Network:
     return replace(net, output_weights=gain * net.output_weights, output_bias=gain * net.output_bias)
-
-
-def _rows(names: Names, among: Names, values: Array) -> Array:
-    """Return the rows of `values` in the order of `among`; NaN for missing ones."""
-    rows = index_of(among, names)
-    out = np.full((len(among), *values.shape[1:]), np.nan)
-    out[rows >= 0] = values[rows[rows >= 0]]
-    return out

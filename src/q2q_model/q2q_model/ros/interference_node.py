@@ -7,17 +7,21 @@ from time import monotonic
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from q2q_model.downwash.predict_and_correct import CorrectedPredictor
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import decode
+from q2q_model.files.model_file import ModelFile, decode
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.node.stopwatch import Stopwatch
+from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import Interference, SwarmState
 from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +29,13 @@ class InterferenceParams:
     """Parameters of the node."""
 
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
+    correct_vehicle: str = tunable(
+        "none",
+        "vehicle whose `imu` and `command` correct the prediction by what they show of the last tick; "
+        "none corrects nothing",
+        choices=("none", *VEHICLES),
+        read_only=True,
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of bounds."""
@@ -34,14 +45,26 @@ class InterferenceParams:
 def build(node: Node) -> TickWiring[Interference]:
     """Connect the predictor to a node."""
     params = declare(node, InterferenceParams())
-    predictor = InteractionPredictor(find_model(params.model).interaction)
+    found = find_model(params.model)
+    predictor = InteractionPredictor(found.interaction)
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
     age = Stopwatch(monotonic)
     wiring.add_facts(lambda: {"model_age_s": f"{age.seconds():.0f}"})
     node.create_subscription(String, "model", model_receiver(node, predictor, age), LATCHED)
-    wiring.rehearse(predictor.update, predictor.reset)
-    wiring.start(predictor.update)
+    block = predictor if params.correct_vehicle == "none" else corrected(node, predictor, params, found)
+    wiring.rehearse(block.update, block.reset)
+    wiring.start(block.update)
     return wiring
+
+
+def corrected(
+    node: Node, predictor: InteractionPredictor, params: InterferenceParams, found: ModelFile
+) -> CorrectedPredictor:
+    """Return the predictor corrected by the topics `imu` and `command`."""
+    vehicle = vehicle_by_name(params.correct_vehicle)
+    block = CorrectedPredictor(predictor, found.residual or REAL_FLIGHTS, vehicle)
+    receive_measured_ticks(node, block.sense)
+    return block
 
 
 def model_receiver(node: Node, predictor: InteractionPredictor, age: Stopwatch) -> Callable[[String], None]:

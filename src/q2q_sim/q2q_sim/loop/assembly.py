@@ -15,6 +15,7 @@ from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import peak
+from q2q_model.downwash.predict_and_correct import CorrectedPredictor
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.files.model_file import ModelFile
@@ -71,7 +72,7 @@ class Blocks:
 
     plan: SwarmPlan
     mocap_filter: MocapFilter
-    predictor: InteractionPredictor
+    predictor: InteractionPredictor | CorrectedPredictor
     replanner: Replanner
     controller: Controller
 

@@ -1,0 +1,56 @@
+"""Vertical acceleration of vehicles that is not due to their thrust, from accelerometer and command.
+
+    y_i = (R f_body)_z - lagged(U1) b_z / m
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| f_body | specific_force_body | accelerometer [m/s^2] |
+| U1 | thrust | commanded [N]; the rotors follow with the vehicle's lag |
+| b | | body z |
+"""
+
+import numpy as np
+
+from q2q_model.geometry.rotations import rotate
+from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, index_of
+from q2q_model.vehicle.constants import Vehicle
+
+LONGEST_STEP = 0.1
+"""Time step beyond which thrust is assumed to have settled [s]."""
+
+
+class MeasuredPush:
+    """Measurement of pushes, with the thrust that the rotors give by now."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the thrust."""
+        self._names: Names = ()
+        self._thrust: Array = np.zeros(0)
+        self._t = -np.inf
+
+    def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> Array:
+        """Return y [m/s^2], (n,), in the order of `state`; NaN if a sensor or command is missing."""
+        dt, self._t = min(state.t - self._t, LONGEST_STEP), state.t
+        if state.names != self._names:
+            self._thrust = rows_among(self._names, state.names, self._thrust)
+            self._names = state.names
+        commanded = rows_among(command.names, state.names, command.thrust)
+        keep = np.exp(-dt / self._vehicle.thrust_lag) if self._vehicle.thrust_lag > 0.0 else 0.0
+        before = np.where(np.isfinite(self._thrust), self._thrust, commanded)
+        settled = keep * before + (1.0 - keep) * commanded
+        self._thrust = np.where(np.isfinite(commanded), settled, before)
+        force = rotate(state.quat, rows_among(imu.names, state.names, imu.specific_force_body))[:, 2]
+        body_z = rotate(state.quat, np.array([0.0, 0.0, 1.0]))[:, 2]
+        return np.asarray(force - self._thrust * body_z / self._vehicle.mass)
+
+
+def rows_among(names: Names, among: Names, values: Array) -> Array:
+    """Return the rows of `values` in the order of `among`; NaN for missing ones."""
+    rows = index_of(among, names)
+    out = np.full((len(among), *values.shape[1:]), np.nan)
+    out[rows >= 0] = values[rows[rows >= 0]]
+    return out

@@ -1,0 +1,32 @@
+"""Ticks with state, command and IMU readings of one stamp, joined from their topics."""
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import RECORD
+from q2q_model.signals.cdr import SignalReader, header_stamp_ns
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.tick_join import TickJoin
+from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
+
+INPUTS: dict[str, type[Signal]] = {"state": SwarmState, "command": SwarmCommand, "imu": SwarmImu}
+
+
+def receive_measured_ticks(node: Node, take: Callable[[SwarmState, SwarmCommand, SwarmImu], object]) -> None:
+    """Subscribe to INPUTS and call `take` with every complete tick."""
+    join: TickJoin[Signal] = TickJoin(tuple(INPUTS))
+
+    def receiver(topic: str, signal: type[Signal]) -> Callable[[bytes], None]:
+        reader = SignalReader(signal)
+
+        def receive(data: bytes) -> None:
+            values = join.put(topic, header_stamp_ns(data), reader.read(data))
+            if values is not None:
+                take(*values)  # type: ignore[arg-type]  # in INPUTS' order
+
+        return receive
+
+    for topic, signal in INPUTS.items():
+        node.create_subscription(MESSAGES[signal], topic, receiver(topic, signal), RECORD, raw=True)
