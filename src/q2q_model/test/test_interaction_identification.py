@@ -9,6 +9,7 @@ from made_flights import LOOP, Pass, made_flight
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
+from q2q_model.downwash.level_set import peak
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
@@ -340,3 +341,17 @@ def test_flights_without_commands_still_give_a_model_and_a_remark():
     assert found.file.fit is not None
     assert found.file.fit.train_mse_m2.lower is not None
     assert found.file.fit.train_mse_m2.lower < 1.13e-3  # the paper's, section 3.2
+
+
+@pytest.mark.parametrize("apart", [0.0, 2.0])
+def test_where_no_wake_was_flown_the_model_claims_none(apart: float):
+    """Passes in air without downwash, over each other and side by side."""
+    flights = []
+    for number, gap in enumerate((0.4, 0.6)):
+        made = made_flight(Pass(f"calm {number}", gap=gap, seconds=20.0, law=NoInteraction(), noise=4e-3))
+        aside = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]])
+        moved = {name: getattr(made, name) + aside for name in ("pos", "mocap_pos", "true_pos", "ref_pos")}
+        flights.append(Recording(replace(made, **moved)))
+    found = identify(flights, ProcedureParams(model_type="jet"), lambda _: None)
+    assert peak(found.file.interaction) <= 0.05
+    assert found.chosen.kind == "none"

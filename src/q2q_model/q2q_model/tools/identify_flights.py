@@ -19,7 +19,7 @@ from q2q_model.tools.identify_report import report, summary
 from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 
-STEPS = 13
+STEPS = 14
 """Steps of a run with all candidates, for the progress bar."""
 
 

@@ -6,7 +6,7 @@ the held-out error by more than `MARGIN`.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,6 +54,9 @@ class Trial:
     held_out: Score
 
 
+NOTHING = Candidate("no downwash", "none", 0, lambda _: NoInteraction())
+"""Candidate for air without downwash, where a jet would fit noise."""
+
 FORMS = {
     "jet, straight down, power law": JetForm("power", carried=0.0, delayed=False),
     "jet, straight down, exponential": JetForm("exponential", carried=0.0, delayed=False),
@@ -73,7 +76,7 @@ def candidates(kind: str, flights: Sequence[FlightEvidence], loop: AltitudeLoop)
     if kind not in kinds:
         raise ValueError(f"unknown model type {kind!r}: choose one of {', '.join(kinds)}")
     if not any(has_exposure(flight.record) for flight in flights):
-        return [Candidate("no downwash: nobody flew under another", "none", 0, lambda _: NoInteraction())]
+        return [replace(NOTHING, name="no downwash: nobody flew under another")]
     kept = kinds[kind]
     if kind == "auto" and _long_encounters(flights):
         kept = (_jets,)
@@ -176,8 +179,10 @@ def parameter_intervals(
 
 def _jets(flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
     measured = any(one.exposed.any() for flight in flights for one in flight.pushes)
+    nothing = [NOTHING] if measured and len(flights) > 1 else []  # of one flight nothing can be held out
     forms = {name: form for name, form in FORMS.items() if measured or not form.loaded}
-    return [Candidate(name, "jet", _freedom(form), _jet_fitter(loop, form)) for name, form in forms.items()]
+    made = [Candidate(name, "jet", _freedom(form), _jet_fitter(loop, form)) for name, form in forms.items()]
+    return nothing + made
 
 
 def _freedom(form: JetForm) -> int:
