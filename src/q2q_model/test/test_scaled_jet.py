@@ -7,10 +7,10 @@ import pytest
 
 from q2q_model.downwash.interaction_model import at_rest
 from q2q_model.downwash.jet import MOVING_LAW
-from q2q_model.downwash.scaled_jet import AIR_DENSITY, CRAZYFLIE, DOUBT, Airframe, scaled_jet
+from q2q_model.downwash.scaled_jet import AIR_DENSITY, CRAZYFLIE, DOUBT, QuadrotorSize, scaled_jet
 from q2q_model.vehicle.constants import GRAVITY
 
-TWICE = Airframe(mass=8.0 * CRAZYFLIE.mass, rotor_radius=2.0 * CRAZYFLIE.rotor_radius)
+TWICE = QuadrotorSize(mass=8.0 * CRAZYFLIE.mass, rotor_radius=2.0 * CRAZYFLIE.rotor_radius)
 """Twice as large in every direction."""
 
 
@@ -41,5 +41,5 @@ def test_a_heavy_vehicle_pushes_a_light_one_by_the_ratio_of_their_disk_loadings(
 
 
 def test_an_airframe_that_cannot_be_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"Airframe\.rotor_radius = 0\.0: allowed is"):
-        Airframe(rotor_radius=0.0)
+    with pytest.raises(ValueError, match=r"QuadrotorSize\.rotor_radius = 0\.0: allowed is"):
+        QuadrotorSize(rotor_radius=0.0)

@@ -36,8 +36,8 @@ DOUBT = 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class Airframe:
-    """Mass and rotors of a quadrotor."""
+class QuadrotorSize:
+    """Mass of a quadrotor and the size of its rotors."""
 
     mass: float = tunable(0.032, "take-off mass", unit="kg", low=1e-3, high=100.0)
     rotor_radius: float = tunable(0.0225, "radius of a rotor", unit="m", low=1e-3, high=1.0)
@@ -57,18 +57,18 @@ class Airframe:
         return math.sqrt(self.disk_loading * GRAVITY / (2.0 * AIR_DENSITY))
 
 
-CRAZYFLIE = Airframe()
+CRAZYFLIE = QuadrotorSize()
 """Crazyflie 2.1 with a marker and a micro-SD deck (flights of Neural-Swarm2), rotors of 45 mm."""
 
 
-def scaled_jet(jet: Jet, known: Airframe, new: Airframe, below: Airframe | None = None) -> Jet:
+def scaled_jet(jet: Jet, known: QuadrotorSize, new: QuadrotorSize, below: QuadrotorSize | None = None) -> Jet:
     """Return the jet of an airframe from that of a known one, fitted to pairs of that.
 
     Args:
         jet: Jet of the known airframe.
-        known: Airframe of both vehicles of the pairs that the jet was fitted to.
-        new: Airframe of the source.
-        below: Airframe that feels the jet; that of the source by default.
+        known: QuadrotorSize of both vehicles of the pairs that the jet was fitted to.
+        new: QuadrotorSize of the source.
+        below: QuadrotorSize that feels the jet; that of the source by default.
 
     Raises:
         ValueError: a scaled value is out of a jet's bounds.

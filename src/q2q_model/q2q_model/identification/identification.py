@@ -42,6 +42,7 @@ from q2q_model.identification.selection.candidates import (
     with_deviation,
 )
 from q2q_model.identification.selection.held_out import Score, score_on
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 
 StepCallback = Callable[[str], None]
@@ -106,21 +107,19 @@ def identify(
     loop = replace(gains.loop, lag=lag if gains.from_commands else 0.0)
     on_step("pushes")
     pushes = [_pushes(one, params.vehicle, lag) for one in recordings]
+    pushed = [sample for samples in pushes for sample in samples]
     evidence = [FlightEvidence(*pair) for pair in zip(records, pushes, strict=True)]
     on_step("zone")
     decay, decay_remarks = _decay(records)
     network_remarks = remarks_on_networks(params.model_type, evidence)
-    trials, failed_trials = score_candidates(
-        candidates(params.model_type, evidence, loop), evidence, loop, on_step
-    )
+    tried = candidates(params.model_type, evidence, loop)
+    trials, failed_trials = score_candidates(tried, evidence, loop, on_step)
     on_step("final fit")
     best, model, failed_fits = fit_best(trials, evidence)
     model = with_deviation(best.candidate, model, evidence)
     zone, zone_remarks = _learned_zone(model, params.threshold)
     train = score_on(model, evidence, loop)
     spread = parameter_intervals(best.candidate, model, evidence, loop)
-    pushed = [one for flight in evidence for one in flight.pushes]
-    residual = fit_residual(model, pushed)
     return Identification(
         evidence=tuple(evidence),
         gains=gains,
@@ -131,17 +130,18 @@ def identify(
         held_out=best.held_out,
         spread=spread,
         loading=dict(spread).get("loading") or loading_of(model, pushed),
-        residual=residual,
+        residual=(residual := fit_residual(model, pushed)),
         zone=zone,
-        file=ModelFile(
-            interaction=model,
-            zone=zone or Cylinder(),
-            gains=loop,
-            fit=_fit(best, train, evidence),
-            residual=residual.process if residual else None,
-        ),
+        file=_file(model, zone, loop, residual, _fit(best, train, evidence)),
         remarks=(*remarks, *decay_remarks, *network_remarks, *failed_trials, *failed_fits, *zone_remarks),
     )
+
+
+def _file(
+    model: InteractionModel, zone: LevelSet | None, loop: AltitudeLoop, residual: ResidualFit | None, fit: Fit
+) -> ModelFile:
+    process = residual.process if residual else None
+    return ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit, residual=process)
 
 
 def _fit(best: Trial, train: Score, evidence: Sequence[FlightEvidence]) -> Fit:
