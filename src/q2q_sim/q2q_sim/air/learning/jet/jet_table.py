@@ -22,8 +22,8 @@ from q2q_sim.air.room_air import JetTerm
 
 GAPS = np.concatenate([np.arange(0.0, 0.975, 0.05), np.arange(1.0, 2.05, 0.1)]).round(3)
 """Gaps of a table [m]."""
-RADII = np.linspace(0.0, 0.3, 31).round(3)
-"""Radii of a table [m]."""
+RADII = np.concatenate([np.arange(0.0, 0.31, 0.02), np.arange(0.35, 0.91, 0.05)]).round(3)
+"""Radii of a table [m]: the splines' reach, and what a free jet becomes at the last gap."""
 DECIMALS = 4
 """Decimals of a table: 0.1 mm/s^2."""
 ORIGIN = (0.05, 1.0)
