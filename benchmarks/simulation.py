@@ -12,6 +12,7 @@ from time import process_time
 import numpy as np
 
 from q2q_model.signals.values import Array
+from q2q_sim.air.find_air import FlownAir, find_air
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm, still_air
 from q2q_sim.plant.swarm_numpy import run_numpy
@@ -39,6 +40,24 @@ def run() -> list[Row]:
             rows.append(Row(f"{name}, numpy twin", plain, "drone-steps/s"))
             real_time = PHYSICS_RATE * count
             rows.append(Row(f"{name}, flown", compiled / real_time, "s/s", "real time", compiled / real_time))
+    return [*rows, *_room_rows()]
+
+
+def _room_rows() -> list[Row]:
+    """Return drone-steps a second in the shipped air of a room, beside the measured wake."""
+    rows, room = [], find_air("room")
+    for count in SIZES:
+        flights = [_flight(count, air) for air in (room, WakeLaw.MEASURED)]
+        calls = max(COMPILED_STEPS // (STEPS * count), 1)
+        best = [np.inf, np.inf]
+        for _ in range(ROUNDS):
+            for k, (swarm, commands, drive) in enumerate(flights):
+                start = process_time()
+                for _ in range(calls):
+                    swarm.step(commands, drive)
+                best[k] = min(best[k], (process_time() - start) / calls)
+        name = f"{count} {'vehicle' if count == 1 else 'vehicles'}, air of a room"
+        rows.append(Row(name, STEPS * count / best[0], "drone-steps/s", "measured wake", best[1] / best[0]))
     return rows
 
 
@@ -62,10 +81,10 @@ def _rates(count: int, wake: WakeLaw) -> tuple[float, float]:
     return STEPS * count / best[0], STEPS * count / best[1]
 
 
-def _flight(count: int, wake: WakeLaw) -> tuple[Swarm, Array, Array]:
+def _flight(count: int, air: FlownAir) -> tuple[Swarm, Array, Array]:
     scenario = library.load(f"swarm{count}")
     start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])
-    swarm = Swarm(scenario.names, scenario.vehicle, start, wake)
+    swarm = Swarm(scenario.names, scenario.vehicle, start, air)
     commands = np.zeros((STEPS, count, 4))
     commands[..., 0] = scenario.vehicle.hover_thrust
     commands[..., 1] = 0.02 * (-1.0) ** np.arange(count)  # [rad], so that none stands still

@@ -1,6 +1,7 @@
 """Prove flights in a wake of a user's class: when it is asked, what it is told, and what is refused."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -111,6 +112,15 @@ def test_a_flight_records_the_whole_push_of_a_named_class() -> None:
     scenario = replace(library.load("table6"), duration=0.3, air=f"{HERE}:SideWind")
     flight = fly(scenario, FlightOptions(mode="ignoring"))
     np.testing.assert_array_equal(flight.true_eta, np.broadcast_to([0.5, 0.0, -0.2], flight.true_eta.shape))
+
+
+def test_the_wake_of_the_documentation_flies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "airs.md").read_text(encoding="utf-8")
+    (tmp_path / "my_wake.py").write_text(page.split("```python\n")[1].split("```")[0])
+    monkeypatch.chdir(tmp_path)
+    scenario = replace(library.load("table6"), duration=0.1, air="my_wake:MyWake")
+    flight = fly(scenario, FlightOptions(mode="ignoring"))
+    np.testing.assert_allclose(flight.true_eta[..., 0], 0.2 * flight.true_pos[..., 2], rtol=1e-12)
 
 
 def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:

@@ -28,6 +28,10 @@ def main(words: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if args.through_nodes > args.runs:
         raise ValueError(f"--through-nodes {args.through_nodes}: at most the {args.runs} --runs")
+    if args.air:
+        from q2q_sim.air.find_air import find_air
+
+        find_air(args.air)
     from q2q_sim.experiments.campaign.resume import run
 
     return run
@@ -44,6 +48,12 @@ def parser() -> CommandLine:
     made.add_argument("--seed", type=_count, default=0, help="seed of the first run; the others follow it")
     made.add_argument("--engine", choices=ENGINES, default="local", help="engine of parallel runs")
     made.add_argument("--out", type=Path, default=Path("out/campaign"), help="folder of runs and bags")
+    made.add_argument(
+        "--air",
+        default="",
+        help="air in place of wake and disturbance: a shipped name, a .air file or module:Class"
+        " (runs of another air need another --out)",
+    )
     made.add_argument("--json", type=Path, help="write the totals to this file")
     return made
 

@@ -30,10 +30,10 @@ class JudgedFlight:
     violations: tuple[Violation, ...]
 
 
-def fly_and_judge(seed: int, kept: Path) -> RunOutcome:
+def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
     """Fly the run of a seed by closed_loop and check it; a violation leaves bag and scenario in `kept`."""
     began = perf_counter()
-    run = drawn(seed)
+    run = drawn(seed, air)
     flown = flown_pure(run)
     if flown.violations:
         keep(run, flown.signals, kept)

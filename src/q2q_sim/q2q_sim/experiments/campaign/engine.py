@@ -18,13 +18,13 @@ pool may deadlock, https://github.com/python/cpython/issues/115634."""
 Fly = Callable[[int], RunOutcome]
 
 
-def outcomes(engine: str, seeds: Sequence[int], jobs: int, kept: Path) -> Iterator[RunOutcome]:
-    """Yield the outcome of every seed in the order of completion.
+def outcomes(engine: str, seeds: Sequence[int], jobs: int, kept: Path, air: str = "") -> Iterator[RunOutcome]:
+    """Yield the outcome of every seed, in an air if one is named, in the order of completion.
 
     Raises:
         ValueError: an unknown engine, or one that is not installed.
     """
-    fly = partial(fly_and_judge, kept=kept)
+    fly = partial(fly_and_judge, kept=kept, air=air)
     if engine == "local":
         return _local(fly, seeds, jobs)
     if engine == "dask":

@@ -74,8 +74,8 @@ class Run:
         return scenario_from_document(f"run {self.seed}", self.document)
 
 
-def drawn(seed: int) -> Run:
-    """Return the run of a seed (0 or above)."""
+def drawn(seed: int, air: str = "") -> Run:
+    """Return the run of a seed (0 or above); an air replaces the wake and disturbance of its scenario."""
     rng = stream(seed, "campaign")
     cut = CUTS[int(rng.integers(len(CUTS)))]
     room = str(rng.choice(ROOMS))
@@ -86,6 +86,8 @@ def drawn(seed: int) -> Run:
     )
     document = shortened(library.document(cut.scenario), cut if options.replan == "none" else cut.replanned())
     document["room"] = room
+    if air:
+        document["air"] = air
     most = scenario_from_document("drawn", document).vehicle.thrust_max
     document["overrides"] = {"pid": GAINS | {"thrust_max": most}, "mpc": {"thrust_max": most}}
     scenario = scenario_from_document("drawn", document)

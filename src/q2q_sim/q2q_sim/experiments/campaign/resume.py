@@ -51,9 +51,9 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
 
 def _all(args: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path) -> Iterable[RunOutcome]:
     if pure:
-        yield from outcomes(args.engine, pure, args.jobs, kept)
+        yield from outcomes(args.engine, pure, args.jobs, kept, args.air)
     if nodes:
-        with NodeFlights(args.out / "nodes", kept) as flights:
+        with NodeFlights(args.out / "nodes", kept, args.air) as flights:
             yield from map(flights.fly_and_judge, nodes)
 
 

@@ -38,8 +38,9 @@ APART_EVERY = 20
 class NodeFlights:
     """Folder of flights; a context manager that deletes temporary files."""
 
-    def __init__(self, folder: Path, kept: Path) -> None:
-        """Take the folder of running flights and that of violations."""
+    def __init__(self, folder: Path, kept: Path, air: str = "") -> None:
+        """Take the folder of running flights, that of violations, and an air in place of the scenarios'."""
+        self._air = air
         self._folder = folder / str(os.getpid())
         self._kept = kept
         folder.mkdir(parents=True, exist_ok=True)
@@ -58,7 +59,7 @@ class NodeFlights:
     def fly_and_judge(self, seed: int) -> RunOutcome:
         """Fly the run of a seed through the nodes and check it; a violation leaves bag and scenario."""
         began = perf_counter()
-        run = drawn(seed)
+        run = drawn(seed, self._air)
         violations = self._flown(run)
         if violations:
             self._keep(run)
