@@ -22,7 +22,7 @@ ODOMETRY = "nav_msgs/msg/Odometry"
 MAP = """vehicles: {one: /vicon/one/pose, two: /two/odom}
 references: {one: /one/cmd_pose, two: /two/cmd_pose}
 """
-PARTS = {"outliers", "gains", "zone", "model", "loading", "candidates", "remarks", "seconds"}
+PARTS = {"outliers", "gains", "zone", "model", "loading", "residual", "candidates", "remarks", "seconds"}
 ROLES = {"lower", "upper"}
 
 
