@@ -95,7 +95,8 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     limited = limited_rows(flight)
     law = _regression(flight, limited, vehicle.mass)
     known = _known(flight, law)  # (T, n, 3)
-    commanded = flight.thrust[..., None] / vehicle.mass * rotate(flight.quat, UP) - GRAVITY * UP
+    attitude = _attitude(flight, known, np.asarray(~limited.any(axis=-1)), vehicle.thrust_lag)
+    commanded = _commanded(flight, attitude, vehicle)
     constant = np.stack(
         [
             np.median((commanded - flight.ref_acc - known)[~limited[:, i].any(axis=1), i], axis=0)
@@ -104,7 +105,6 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     )
     whole = replace(flight, ref_acc=np.where(limited, commanded - known - constant, flight.ref_acc))
     offset = _offset(whole, known, vehicle.thrust_lag)
-    attitude = _attitude(flight, known, np.asarray(~limited.any(axis=-1)), vehicle.thrust_lag)
     return ReadFlight(whole, replace(law, offset=offset, attitude=attitude))
 
 
@@ -165,6 +165,14 @@ def _columns(flight: TrackedFlight, axis: Array) -> Array:
     lateral = [(axis[..., :2] * term[..., :2]).sum(axis=-1) for term in terms]
     constants = [axis[..., 2] * (np.arange(len(flight.names)) == i) for i in range(len(flight.names))]
     return np.stack([*vertical, *lateral, *constants], axis=-1)
+
+
+def _commanded(flight: TrackedFlight, attitude: AttitudeParams, vehicle: Vehicle) -> Array:
+    """Return f - g e_z [m/s^2], (T, n, 3), from the thrust, and the tilt after the delay of its loop."""
+    late = round((vehicle.thrust_lag + 2.0 * attitude.damping / attitude.frequency) / flight.dt)
+    axis = rotate(flight.quat, UP)
+    axis[:-late, :, :2] = axis[late:, :, :2]
+    return np.asarray(flight.thrust[..., None] / vehicle.mass * axis - GRAVITY * UP)
 
 
 def _offset(flight: TrackedFlight, known: Array, lag: float) -> Array:
