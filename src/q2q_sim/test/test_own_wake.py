@@ -120,7 +120,7 @@ def test_the_wake_of_the_documentation_flies(tmp_path: Path, monkeypatch: pytest
     monkeypatch.chdir(tmp_path)
     scenario = replace(library.load("table6"), duration=0.1, air="my_wake:MyWake")
     flight = fly(scenario, FlightOptions(mode="ignoring"))
-    np.testing.assert_allclose(flight.true_eta[..., 0], 0.2 * flight.true_pos[..., 2], rtol=1e-12)
+    np.testing.assert_allclose(flight.true_eta[..., 0], 0.02 * flight.true_pos[..., 2], rtol=1e-12)
 
 
 def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
