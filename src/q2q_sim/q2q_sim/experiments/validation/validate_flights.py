@@ -4,6 +4,7 @@ import json
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from pathlib import Path
 
 from q2q_model.identification.identification import Recording
 from q2q_model.vehicle.constants import Vehicle
@@ -21,7 +22,7 @@ def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, a
     if asked.json:
         asked.json.write_text(json.dumps(as_json(done), indent=1) + "\n")
     if asked.out:
-        print(f"page: {write_page(done, asked.air, asked.out)}")
+        print(f"page: {write_page(done, Path(asked.air).name, asked.out)}")
     print(_line("all, under a wake", pooled(done)))
     print(verdict(pooled(done)))
     return 0
