@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from q2q_control.attitude.attitude_law import AttitudeParams
+from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import identity_quat, rotate
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceRecord, scored_rows
+from q2q_model.identification.force.recorded_force import FULL_DUTY, MOTORS, lagged
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -19,7 +21,7 @@ from q2q_sim.experiments.validation.error_figures import error_figure
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, read_law
 from q2q_sim.experiments.validation.redrawn_flight import noise_std, redrawn
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.tracked_flight import ESTIMATE_LAG, TrackedFlight, recorded_headroom
 from q2q_sim.experiments.validation.validation import (
     COVERAGE,
     RMS_RATIO,
@@ -190,6 +192,15 @@ def test_a_flight_without_a_wake_has_clear_air_only(own: ValidatedFlight):
 def test_a_flight_without_commands_is_refused(flight: TrackedFlight):
     with pytest.raises(ValueError, match="0 rows with thrust commands, 200 needed"):
         read_law(replace(flight, thrust=np.full_like(flight.thrust, np.nan)), CRAZYFLIE_2_0)
+
+
+def test_the_headroom_is_the_thrust_at_full_duty():
+    duty = np.concatenate([np.full(300, 0.5), np.full(300, 0.7), np.full(300, 0.8)])[:, None]
+    thrust = lagged(4.0 * (0.05 * duty + 0.1 * duty**2), DT * np.arange(900), ESTIMATE_LAG)
+    columns = np.stack([duty] * 4 + [thrust], axis=-1)  # (T, 1, 5)
+    log = FlightLog(DT * np.arange(900), ("cf1",), (*MOTORS, "thrust_est"), ("",) * 5, columns)
+    full = 4.0 * (0.05 * FULL_DUTY + 0.1 * FULL_DUTY**2)
+    assert recorded_headroom(log, CRAZYFLIE_2_0) == pytest.approx(full / CRAZYFLIE_2_0.hover_thrust)
 
 
 def test_a_sine_has_half_its_squared_amplitude_in_its_band():
