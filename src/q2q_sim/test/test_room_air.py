@@ -270,6 +270,15 @@ def test_a_rooms_thrust_lag_replaces_the_vehicles() -> None:
     assert swarm.state[0, ROTORS].sum() / HOVER == pytest.approx(1.2 - 0.2 * math.exp(-1.0), rel=1e-6)
 
 
+def test_motors_of_a_room_give_all_of_their_headroom() -> None:
+    own = VehicleTerm(0.0, 0.0, 0.01, headroom=1.8, headroom_per_volt=0.0, discharge_v_per_s=0.0)
+    swarm = _swarm(RoomAir(vehicle=own), [(0.0, 0.0, 1.0)])
+    for asked, given in ((1.7, 1.7), (2.5, 1.8)):  # the vehicle's own limit is below 1.7
+        command = np.tile([asked * HOVER, 0.0, 0.0, 0.0], (PHYSICS_RATE, 1, 1))
+        swarm.step(command, np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]]))
+        assert swarm.state[0, ROTORS].sum() / HOVER == pytest.approx(given, rel=1e-9)
+
+
 def test_wind_and_offsets_have_their_sizes() -> None:
     own = VehicleTerm(0.2, 0.1, 0.07, headroom=2.0, headroom_per_volt=0.0, discharge_v_per_s=0.0)
     air = RoomAir(wind=WindTerm((0.3, -0.2, 0.1), gust_std_mps2=0.05, gust_time_s=0.2), vehicle=own)

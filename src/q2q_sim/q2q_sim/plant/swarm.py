@@ -231,7 +231,8 @@ class Swarm:
 
 
 def _flown(vehicle: Vehicle, air: FlownAir) -> Vehicle:
-    """Return the vehicle with the thrust lag of a room's vehicles."""
+    """Return the vehicle with thrust lag and largest thrust of a room's vehicles."""
     if not isinstance(air, RoomAir) or air.vehicle is None:
         return vehicle
-    return replace(vehicle, thrust_lag=air.vehicle.thrust_lag_s)
+    own = air.vehicle
+    return replace(vehicle, thrust_lag=own.thrust_lag_s, thrust_max=own.headroom * vehicle.hover_thrust)
