@@ -42,6 +42,9 @@ SHORTEST = 300
 """Fewest samples of a recorded residual: 3 s."""
 INSIDE = 0.05
 """e_0 [m/s^2]: |eta| from which on a vehicle is inside a wake."""
+ATTITUDE_FREQUENCY = 80.0
+"""Attitude loop of real Crazyflies [rad/s]: `validate` reads it, or more, from each of 19 flights; above, the
+lag of the rotors hides it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +166,8 @@ class VehicleTerm:
     """Its loss for each volt of battery below full [1/V]."""
     discharge_v_per_s: float
     """Fall of the battery's voltage in flight [V/s]."""
+    attitude_frequency: float = ATTITUDE_FREQUENCY
+    """Natural frequency of the critically damped onboard attitude loop [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -163,7 +163,7 @@ class Swarm:
         """
         self.names = names
         step = 1.0 / PHYSICS_RATE
-        self.body = body_of(_flown(vehicle, air), AttitudeParams(), step)
+        self.body = body_of(_flown(vehicle, air), _attitude_loop(air), step)
         self.state = state_at_rest(start, vehicle.mass)
         self.air = still_air(self.state, air, self.body)
         self._block = -1
@@ -236,3 +236,10 @@ def _flown(vehicle: Vehicle, air: FlownAir) -> Vehicle:
         return vehicle
     own = air.vehicle
     return replace(vehicle, thrust_lag=own.thrust_lag_s, thrust_max=own.headroom * vehicle.hover_thrust)
+
+
+def _attitude_loop(air: FlownAir) -> AttitudeParams:
+    """Return the attitude loop of a room's vehicles, else that of the plant."""
+    if not isinstance(air, RoomAir) or air.vehicle is None:
+        return AttitudeParams()
+    return AttitudeParams(frequency=air.vehicle.attitude_frequency, damping=1.0)
