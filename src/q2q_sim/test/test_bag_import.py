@@ -10,11 +10,11 @@ import pytest
 
 from q2q_model.bag import BagReader, read_flight, read_flight_log
 from q2q_model.flights.flight_table import flight_table, signals_of
+from q2q_model.flights.table_file import read_columns
 from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.commands.bag_import import main
-from q2q_sim.tools.import_table import read_columns
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
 NEEDS_DATA = pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")

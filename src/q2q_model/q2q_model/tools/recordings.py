@@ -11,14 +11,9 @@ from q2q_model.bag import (
     TopicMap,
     is_bag,
     load_topic_map,
-    read_flight,
-    read_flight_log,
-    read_mapped_flight,
 )
-from q2q_model.bag.log_topic import LOG_TYPE
-from q2q_model.flights.flight_log import FlightLog
-from q2q_model.identification.filtered_states import with_filtered_states
 from q2q_model.identification.identification import Recording
+from q2q_model.identification.recording_files import recording_of_bag
 
 
 def read_recordings(
@@ -35,7 +30,7 @@ def read_recordings(
     _reject_duplicates([bag.resolve() for bag in bags])
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", BagRepairWarning)
-        recordings = [_recording(bag, topics) for bag in bags]
+        recordings = [recording_of_bag(bag, topics) for bag in bags]
     names = [one.flight.name for one in recordings]
     for k, bag in enumerate(bags):
         if names.count(names[k]) > 1:
@@ -65,19 +60,3 @@ def _reject_duplicates(bags: Sequence[Path]) -> None:
     duplicates = sorted({str(bag) for bag in bags if bags.count(bag) > 1})
     if duplicates:
         raise BagError(f"bag {', '.join(duplicates)} is given twice; give each flight once")
-
-
-def _recording(bag: Path, topics: TopicMap | None) -> Recording:
-    flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
-    return Recording(with_filtered_states(flight), _log(bag))
-
-
-def _log(bag: Path) -> FlightLog | None:
-    """Return a bag's log of additional columns; None if it has none, by its metadata where possible."""
-    metadata = bag / "metadata.yaml"
-    if metadata.is_file() and LOG_TYPE not in metadata.read_text(encoding="utf-8", errors="replace"):
-        return None
-    try:
-        return read_flight_log(bag)
-    except BagError:
-        return None

@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 SUFFIX = ".air"
@@ -9,6 +10,13 @@ LAWS = ("none", "paper", "measured")
 """Wake laws (q2q_sim.air.wake_laws)."""
 MADE = ("ring", "heavy_tailed", "bent", "meandering")
 """Airs of other families than the models (q2q_sim.air.made_airs)."""
+ROOM = "room"
+"""Shipped air of a room, learned from real flights."""
+RECORDED = "recorded"
+"""That room with the residuals of its flights played back (q2q_sim.air.learning.recorded_air); those of other
+flights are named `recorded:PATH`."""
+FLIGHTS = Path("neural_swarm")
+"""Folder of the room's flights within Q2Q_DATA."""
 IN_SHARE = Path("share", "q2q_sim", "config")
 IN_SOURCE = Path(__file__).resolve().parents[2] / "config"
 OWN = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
@@ -21,8 +29,38 @@ class AirError(ValueError):
 
 def check_air(name: str) -> None:
     """Raise AirError if there is neither an air nor a file of this name; `module:Class` is not imported."""
-    if name not in (*LAWS, *MADE) and not OWN.fullmatch(name):
+    if is_recorded(name):
+        recorded_paths(name)
+    elif name not in (*LAWS, *MADE) and not OWN.fullmatch(name):
         air_path(name)
+
+
+def is_recorded(name: str) -> bool:
+    """Return whether an air plays back recorded residuals."""
+    return name.partition(":")[0] == RECORDED
+
+
+def recorded_paths(name: str, flights: Sequence[str] = ()) -> list[Path]:
+    """Return where the flights of a recorded air are: a given path, else tables of `flights` in Q2Q_DATA.
+
+    Raises:
+        AirError: they do not exist.
+    """
+    given = name.partition(":")[2]
+    if given:
+        if not Path(given).exists():
+            raise AirError(f"air {name}: no {given}: give a bag, a table or a folder of them")
+        return [Path(given)]
+    folder = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / FLIGHTS
+    paths = [folder / f"{flight}.parquet" for flight in flights]
+    lacking = [path.stem for path in paths if not path.is_file()]
+    if not folder.is_dir() or lacking:
+        raise AirError(
+            f"air {name}: no {', '.join(lacking) or 'recorded flights'} in {folder}: get the flights of "
+            f"docs/real_flights.md and set Q2Q_DATA to the folder of {FLIGHTS}/, or give your own: "
+            f"{RECORDED}:PATH"
+        )
+    return paths
 
 
 def air_path(name: str) -> Path:
@@ -37,7 +75,7 @@ def air_path(name: str) -> Path:
         return named
     if Path(name).is_file():
         return Path(name)
-    known = ", ".join((*LAWS, *MADE, *sorted(path.stem for path in shipped.glob(f"*{SUFFIX}"))))
+    known = ", ".join((*LAWS, *MADE, RECORDED, *sorted(path.stem for path in shipped.glob(f"*{SUFFIX}"))))
     raise AirError(f"no air {name!r}: give one of {known}, a {SUFFIX} file, or module:Class")
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
-from q2q_sim.air.air_names import LAWS, MADE, OWN, AirError, air_path
+from q2q_sim.air.air_names import LAWS, MADE, OWN, AirError, air_path, is_recorded
 from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.made_airs import made_air
 from q2q_sim.air.room_air import RoomAir, without
@@ -25,6 +25,10 @@ def find_air(name: str, off: tuple[str, ...] = ()) -> FlownAir:
     Raises:
         AirError: there is no such air or term, its file is not valid, or its class fails in a trial.
     """
+    if is_recorded(name):
+        from q2q_sim.air.learning.recorded_air import recorded_air
+
+        return without(recorded_air(name), off)
     if name in LAWS or OWN.fullmatch(name):
         if off:
             raise AirError(f"air {name} has no terms that could be switched off ({', '.join(off)})")

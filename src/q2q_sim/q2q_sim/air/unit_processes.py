@@ -78,10 +78,15 @@ class PlayedBack:
         at = begin + self._each * np.arange(steps + fade)[:, None]  # (steps + fade, count)
         piece = np.interp(at, np.arange(len(self._recording)), self._recording)
         if len(self._tail):
-            angle = 0.5 * math.pi * (np.arange(fade)[:, None] + 0.5) / fade
-            piece[:fade] = np.sin(angle) * piece[:fade] + np.cos(angle) * self._tail
+            piece[:fade] = faded(self._tail, piece[:fade])
         self._tail = piece[steps:].copy()
         return np.asarray(piece[:steps])
+
+
+def faded(before: Array, after: Array) -> Array:
+    """Return a piece (k, n) that fades out into another, (k, n), both of unit variance."""
+    angle = 0.5 * math.pi * (np.arange(len(after))[:, None] + 0.5) / len(after)
+    return np.asarray(np.sin(angle) * after + np.cos(angle) * before)
 
 
 def block_steps(step: float) -> int:

@@ -5,11 +5,10 @@ from argparse import Namespace
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from q2q_model.bag import LOG_TOPIC, BagWriter, write_log_row
 from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped
 from q2q_model.flights.flight_table import FlightTable, flight_table, log_of, signals_of
+from q2q_model.flights.table_file import read_columns
 from q2q_model.flights.usd_flight import columns_of_logs
 from q2q_model.flights.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.signals.values import Array
@@ -61,24 +60,6 @@ def read_logs(paths: Sequence[Path], names: Sequence[str] | None = None) -> dict
         except UsdLogError as damage:
             raise ValueError(f"{path} is no log of a micro-SD deck: {damage}") from damage
     return logs
-
-
-def read_columns(path: Path) -> Mapping[str, Array]:
-    """Return a table file's columns as float64.
-
-    Raises ValueError for a file of another kind, or one that cannot be read; FileNotFoundError for none.
-    """
-    if not path.exists():
-        raise FileNotFoundError(f"no file {path}")
-    if path.suffix not in (".parquet", ".csv"):
-        raise ValueError(f"{path} is neither .parquet nor .csv")
-    from pyarrow import ArrowException, csv, parquet
-
-    try:
-        table = parquet.read_table(path) if path.suffix == ".parquet" else csv.read_csv(path)
-        return {name: np.asarray(table[name].to_numpy(), dtype=np.float64) for name in table.column_names}
-    except (ArrowException, ValueError) as damage:
-        raise ValueError(f"{path} is not a table of numbers: {damage}") from damage
 
 
 def write_bag(table: FlightTable, path: Path) -> dict[str, int]:

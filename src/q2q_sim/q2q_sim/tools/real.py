@@ -16,13 +16,14 @@ from matplotlib.figure import Figure
 
 from q2q_model.bag import read_flight_log
 from q2q_model.flights.flight_table import flight_table
+from q2q_model.flights.table_file import read_columns
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, pooled
 from q2q_model.identification.force.recorded_force import motion_of, push_of_log
 from q2q_model.signals.values import Array, Names
 from q2q_sim.flight.replay import replay
 from q2q_sim.report import figures
-from q2q_sim.tools.import_table import read_columns, write_bag
+from q2q_sim.tools.import_table import write_bag
 
 DATA = Path("neural_swarm")
 """Folder of the flights within Q2Q_DATA."""

@@ -4,16 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.bag import TopicMap, is_bag
-from q2q_model.flights.flight import flight_from_signals
-from q2q_model.flights.flight_table import flight_table, log_of, signals_of
-from q2q_model.identification.filtered_states import with_filtered_states
+from q2q_model.flights.table_file import TABLES
 from q2q_model.identification.identification import Recording
+from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.tools.bag_vehicle import FlownVehicle, common_vehicle
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
-from q2q_sim.tools.import_table import read_columns
-
-TABLES = (".parquet", ".csv")
 
 
 def read_flights(paths: Sequence[Path], topics: TopicMap | None = None) -> tuple[list[Recording], list[str]]:
@@ -25,7 +21,7 @@ def read_flights(paths: Sequence[Path], topics: TopicMap | None = None) -> tuple
     found, notes = flights_among(paths)
     tables = [path for path in found if path.suffix in TABLES and path.is_file()]
     recordings, repairs = read_recordings([path for path in found if path not in tables], topics)
-    recordings += [_of_table(path) for path in tables]
+    recordings += [recording_of_table(path) for path in tables]
     names = [one.flight.name for one in recordings]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -61,11 +57,3 @@ def vehicle_of(paths: Sequence[Path], override: str = "") -> FlownVehicle:
     if override or not bags:
         return FlownVehicle(vehicle_by_name(override or DEFAULT_VEHICLE))
     return common_vehicle(bags)
-
-
-def _of_table(path: Path) -> Recording:
-    table = flight_table(read_columns(path))
-    signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
-    log = log_of(table)
-    flight = flight_from_signals(path.stem, signals).flight
-    return Recording(with_filtered_states(flight), log if log.columns else None)

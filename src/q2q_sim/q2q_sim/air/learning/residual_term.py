@@ -37,7 +37,7 @@ PATHS = ("residual.floor_mps2", "residual.slope", "residual.time_s")
 
 
 @dataclass(frozen=True, slots=True)
-class _Wake:
+class WakeMisses:
     """Misses of one vehicle of a flight on its exposed rows."""
 
     record: AirRecord
@@ -54,23 +54,33 @@ def residual_term(
     records: Sequence[AirRecord], jet: JetTerm, absorption: AbsorptionTerm | None
 ) -> LearnedTerm[ResidualTerm] | None:
     """Return the residual; None with fewer than FEWEST exposed rows."""
-    wakes = [
-        _wake(record, one, jet, absorption)
-        for record in records
-        for one in record.samples
-        if one.exposed.any()
-    ]
-    rows = sum(int(one.one.exposed.sum()) for one in wakes)
+    wakes = wake_misses(records, jet, absorption)
+    rows = sum(int(wake.one.exposed.sum()) for wake in wakes)
     if rows < FEWEST:
         return None
-    sums = _sums(_with_clear_air(wakes))
+    sums = _sums(wakes)
     found = spread(lambda weight: _fit(np.tensordot(weight, sums, 1)), len(sums))
     values = tuple(fitted(found, k, path, rows, "exposed rows") for k, path in enumerate(PATHS))
     floor, slope, time = map(float, found.value)
     return LearnedTerm(ResidualTerm(floor, slope, time), values)
 
 
-def _wake(record: AirRecord, one: ForceSamples, jet: JetTerm, absorption: AbsorptionTerm | None) -> _Wake:
+def wake_misses(
+    records: Sequence[AirRecord], jet: JetTerm, absorption: AbsorptionTerm | None
+) -> list[WakeMisses]:
+    """Return what jet and absorption leave of each vehicle that has exposed rows."""
+    wakes = [
+        _wake(record, one, jet, absorption)
+        for record in records
+        for one in record.samples
+        if one.exposed.any()
+    ]
+    return _with_clear_air(wakes)
+
+
+def _wake(
+    record: AirRecord, one: ForceSamples, jet: JetTerm, absorption: AbsorptionTerm | None
+) -> WakeMisses:
     rows = np.flatnonzero(one.exposed)
     eta = np.zeros(one.y.size)
     eta[rows] = wake_push(record, one.vehicle, rows, jet, absorption)
@@ -78,19 +88,20 @@ def _wake(record: AirRecord, one: ForceSamples, jet: JetTerm, absorption: Absorp
     own = np.zeros(LAGS.size)
     if clear.sum() >= FEWEST_CLEAR:
         own = autocovariance(one.y - one.y[clear].mean(), clear, ticks(record.motion.t, LAGS))
-    return _Wake(record, one, eta, one.y + eta, own)
+    return WakeMisses(record, one, eta, one.y + eta, own)
 
 
-def _with_clear_air(wakes: Sequence[_Wake]) -> list[_Wake]:
+def _with_clear_air(wakes: Sequence[WakeMisses]) -> list[WakeMisses]:
     """Return the wakes with the mean autocovariance of clear air where a flight has none."""
     known = [one.clear for one in wakes if one.clear.any()]
     usual = np.mean(known, axis=0) if known else np.zeros(LAGS.size)
     return [
-        one if one.clear.any() else _Wake(one.record, one.one, one.eta, one.missed, usual) for one in wakes
+        one if one.clear.any() else WakeMisses(one.record, one.one, one.eta, one.missed, usual)
+        for one in wakes
     ]
 
 
-def _sums(wakes: Sequence[_Wake]) -> Array:
+def _sums(wakes: Sequence[WakeMisses]) -> Array:
     """Return the sums over blocks, levels of |eta| and lags of 1, e e' - C, a a', a b' + a' b and b b'.
 
     a = min(|eta| / e_0, 1), b = |eta|; (B, K, L, 5).

@@ -1,0 +1,29 @@
+"""Files of tables: Parquet and CSV."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+
+TABLES = (".parquet", ".csv")
+"""Suffixes of tables."""
+
+
+def read_columns(path: Path) -> Mapping[str, Array]:
+    """Return a table file's columns as float64.
+
+    Raises ValueError for a file of another kind, or one that cannot be read; FileNotFoundError for none.
+    """
+    if not path.exists():
+        raise FileNotFoundError(f"no file {path}")
+    if path.suffix not in TABLES:
+        raise ValueError(f"{path} is neither .parquet nor .csv")
+    from pyarrow import ArrowException, csv, parquet
+
+    try:
+        table = parquet.read_table(path) if path.suffix == ".parquet" else csv.read_csv(path)
+        return {name: np.asarray(table[name].to_numpy(), dtype=np.float64) for name in table.column_names}
+    except (ArrowException, ValueError) as damage:
+        raise ValueError(f"{path} is not a table of numbers: {damage}") from damage

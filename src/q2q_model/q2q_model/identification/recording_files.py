@@ -1,0 +1,38 @@
+"""Recordings read from bags and tables, with filtered states."""
+
+from pathlib import Path
+
+from q2q_model.bag import BagError, TopicMap, read_flight, read_flight_log, read_mapped_flight
+from q2q_model.bag.log_topic import LOG_TYPE
+from q2q_model.flights.flight import flight_from_signals
+from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.flight_table import flight_table, log_of, signals_of
+from q2q_model.flights.table_file import read_columns
+from q2q_model.identification.filtered_states import with_filtered_states
+from q2q_model.identification.identification import Recording
+
+
+def recording_of_table(path: Path) -> Recording:
+    """Return the flight in a table; raise ValueError if it cannot be read."""
+    table = flight_table(read_columns(path))
+    signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
+    log = log_of(table)
+    flight = flight_from_signals(path.stem, signals).flight
+    return Recording(with_filtered_states(flight), log if log.columns else None)
+
+
+def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
+    """Return the flight in a bag, by a map if other software wrote it; raise BagError if it is not valid."""
+    flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
+    return Recording(with_filtered_states(flight), _log(bag))
+
+
+def _log(bag: Path) -> FlightLog | None:
+    """Return a bag's log of additional columns; None if it has none, by its metadata where possible."""
+    metadata = bag / "metadata.yaml"
+    if metadata.is_file() and LOG_TYPE not in metadata.read_text(encoding="utf-8", errors="replace"):
+        return None
+    try:
+        return read_flight_log(bag)
+    except BagError:
+        return None
