@@ -132,7 +132,7 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
 ) -> None:
     flown: list[int] = []
 
-    def fly(seed: int, kept: Path) -> RunOutcome:  # noqa: ARG001
+    def fly(seed: int, kept: Path, air: str) -> RunOutcome:  # noqa: ARG001
         flown.append(seed)
         return ended(seed, *([BROKEN] if seed == 12 else []))
 

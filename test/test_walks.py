@@ -35,16 +35,20 @@ SERVICES = {
 BESIDE_IDENTIFICATION = {
     "q2q_model/bag/flight_facts.py",
     "q2q_model/bag/storage/fault.py",
+    "q2q_model/bag/storage/source.py",
     "q2q_model/downwash/interaction_model.py",
+    "q2q_model/downwash/no_interaction.py",
     "q2q_model/files/plain_values.py",
+    "q2q_model/files/sealed_json.py",
     "q2q_model/geometry/rotations.py",
     "q2q_model/identification/filtered_states.py",
+    "q2q_model/identification/intervals.py",
     "q2q_model/tools/bag_vehicle.py",
     "q2q_model/tools/identify_report.py",
     "q2q_model/vehicle/constants.py",
     "q2q_model/vehicle/thrust_map.py",
 }
-"""Vehicle of the bag, repairs, rotation of vectors, report: no steps of the walk."""
+"""Vehicle and format of the bag, repairs, vectors, intervals, report, file format: no steps of the walk."""
 
 
 @dataclass
