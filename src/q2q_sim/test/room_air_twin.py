@@ -54,10 +54,21 @@ def _push(air: RoomAir, dz: float, radius: float) -> tuple[float, float]:
     table = RegularGridInterpolator((jet.gaps_m, jet.radii_m), jet.push_mps2)
     along = np.clip(0.5 * (dz / BLEND + 1.0), 0.0, 1.0)
     weight = along**2 * (3.0 - 2.0 * along) / spread**2
-    if radius / spread >= jet.radii_m[-1]:
-        return 0.0, 0.0
     gap = np.clip(abs(dz) / spread, jet.gaps_m[0], jet.gaps_m[-1])
+    if not _is_in(air, gap, radius / spread):
+        return 0.0, 0.0
     return float(table((gap, radius / spread))), float(weight)
+
+
+def _is_in(air: RoomAir, gap: float, radius: float) -> bool:
+    """Return whether a vehicle feels push at its place or farther out, or absorbs more than 0.1 %."""
+    jet = air.jet
+    row, column = np.searchsorted(jet.gaps_m[1:-1], gap), np.searchsorted(jet.radii_m, radius, side="right")
+    feels = bool(jet.push_mps2[row : row + 2, column - 1 :].any())
+    absorbs = air.absorption is not None and (
+        air.absorption.share * np.exp(-0.5 * (radius / air.absorption.width_m) ** 2) > 1e-3
+    )
+    return bool(radius < jet.radii_m[-1] and (feels or absorbs))
 
 
 def _taken(air: RoomAir, dz: float, radius: float, push: float) -> float:

@@ -26,6 +26,9 @@ is bilinear between its nodes, zero beyond its last radius, and constant above i
 gap g the jet is self-similar, P(dz, r) = (g / dz)^2 P(g, r g / dz). Where two vehicles change roles,
 |dz| < 0.1 m, both parts are blended by a cubic as in q2q_sim.air.wake_laws.
 
+A vehicle is in a jet where a node of the table outside of its radius has a push, or where it would absorb
+more than 0.1 % of the jet; others neither feel nor absorb it.
+
 A term that is None is switched off; the residual and the edge torque act under a jet, and are zero without
 one. `intervals` holds the 95 % interval of each fitted value by its path, such as "residual.time_s".
 """
@@ -40,6 +43,8 @@ from q2q_sim.air.air_names import AirError
 
 SHORTEST = 300
 """Fewest samples of a recorded residual: 3 s."""
+LEAST_ABSORBED = 1e-3
+"""Share of a jet below which nothing is absorbed by a vehicle that feels none of it [-]."""
 INSIDE = 0.05
 """e_0 [m/s^2]: |eta| from which on a vehicle is inside a wake."""
 ATTITUDE_FREQUENCY = 80.0
@@ -203,6 +208,17 @@ def without(air: RoomAir, terms: tuple[str, ...]) -> RoomAir:
             raise AirError(f"unknown term {term!r} of an air: terms are {', '.join(TERMS)}")
     kept = {name: None if name in terms else getattr(air, name) for name in TERMS}
     return RoomAir(**kept, flights=air.flights, intervals=air.intervals)
+
+
+def ends_of_jet(jet: JetTerm, absorption: AbsorptionTerm | None) -> Array:
+    """Return the radius within which a vehicle is in the jet between two gaps of the table [m], (a - 1,)."""
+    radii = np.append(0.0, jet.radii_m[1:])
+    felt = [np.flatnonzero(row)[-1] + 1 if row.any() else 0 for row in jet.push_mps2]
+    ends = radii[np.minimum(felt, len(radii) - 1)]
+    absorbing = 0.0
+    if absorption is not None and absorption.share > LEAST_ABSORBED:
+        absorbing = absorption.width_m * np.sqrt(2.0 * np.log(absorption.share / LEAST_ABSORBED))
+    return np.asarray(np.clip(np.maximum(ends[:-1], ends[1:]), absorbing, radii[-1]))
 
 
 def _check_knots(name: str, knots: Array) -> None:

@@ -53,7 +53,7 @@ from q2q_sim.plant.quadcopter import (
     body_of,
     state_at_rest,
 )
-from q2q_sim.plant.room_push import (
+from q2q_sim.plant.room_law import (
     PAST_WIDTH,
     SLOPE_X,
     SLOPE_Y,
@@ -62,8 +62,8 @@ from q2q_sim.plant.room_push import (
     STEEPEST,
     RoomLaw,
     room_law,
-    room_push,
 )
+from q2q_sim.plant.room_push import room_push
 
 PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""
