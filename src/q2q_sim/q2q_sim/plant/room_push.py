@@ -68,9 +68,13 @@ class Past(NamedTuple):
     """Rows by rising x, then the number of steps taken, (n + 1,)."""
 
 
-class Bound(NamedTuple):
-    """Bound of the search for the vehicles in a jet."""
+class Now(NamedTuple):
+    """Present step, and bound of the search for the vehicles in a jet."""
 
+    slot: int
+    """Of the ring."""
+    tick: int
+    """Of the block of unit processes."""
     drift: float
     """Slope between axis and source [-]."""
     across: float
@@ -96,18 +100,19 @@ def _table_push(table: PushTable, a: int, gap: float, radius: float) -> float:
     return float((1.0 - along) * near + along * far)
 
 
-def _source(past: Past, room: RoomLaw, j: int, late: float) -> None:
+def _source(ring: Array, now: Now, room: RoomLaw, j: int, late: float) -> None:
     """Write vehicle j as it was `late` steps ago into room.source, with the slope of its jet for its own."""
-    one, source, ring = room.numbers, room.source, past.ring
-    slots, now = ring.shape[0], past.rows[past.rows.shape[0] - 1]
-    whole = math.floor(late)
+    one, source = room.numbers, room.source
+    whole = int(late)
     share = late - whole
-    newer, older = (now - whole) % slots, (now - whole - 1) % slots
+    newer = now.slot - whole
+    newer += ring.shape[0] if newer < 0 else 0
+    older = newer - 1 if newer > 0 else ring.shape[0] - 1
     for column in range(PAST_WIDTH):
         source[column] = (1.0 - share) * ring[newer, j, column] + share * ring[older, j, column]
-    unit = room.unit[now % room.unit.shape[0], j]
-    source[SLOPE_X] = one.bend_x + one.wander * unit[WANDER_X] - one.slope * source[SLOPE_X]
-    source[SLOPE_Y] = one.bend_y + one.wander * unit[WANDER_Y] - one.slope * source[SLOPE_Y]
+    wander_x, wander_y = room.unit[now.tick, j, WANDER_X], room.unit[now.tick, j, WANDER_Y]
+    source[SLOPE_X] = one.bend_x + one.wander * wander_x - one.slope * source[SLOPE_X]
+    source[SLOPE_Y] = one.bend_y + one.wander * wander_y - one.slope * source[SLOPE_Y]
 
 
 def _meet(row: Array, room: RoomLaw, tau: float, under: Array) -> bool:
@@ -169,30 +174,30 @@ def _reach(one: RoomNumbers, drift: float, gap: float) -> float:
     return max(one.near + one.spread * gap, one.widening * gap) + (drift + one.turn * gap) * gap
 
 
-def _collect(state: Array, past: Past, room: RoomLaw, a: int, bound: Bound) -> int:
+def _collect(state: Array, past: Past, room: RoomLaw, a: int, now: Now) -> int:
     """Write the vehicles in the jet of the a-th vehicle along x into room.under; return their number."""
     n, one, rows = state.shape[0], room.numbers, past.rows
     j, count = rows[a], 0
     for side in (-1, 1):
         b = a + side
-        while 0 <= b < n and abs(state[rows[b], X] - state[j, X]) <= bound.across:
+        while 0 <= b < n and abs(state[rows[b], X] - state[j, X]) <= now.across:
             i = rows[b]
             dx, dy, gap = state[j, X] - state[i, X], state[j, Y] - state[i, Y], state[j, Z] - state[i, Z]
             b += side
-            if gap <= -BLEND or dx * dx + dy * dy > reach(one, bound.drift, abs(gap)) ** 2:
+            if gap <= -BLEND or dx * dx + dy * dy > reach(one, now.drift, abs(gap)) ** 2:
                 continue
             tau = min(max(gap, 0.0) / one.travel_speed, MAX_DELAY)
-            source(past, room, j, tau / one.step)
+            source(past.ring, now, room, j, tau / one.step)
             if meet(state[i], room, tau, room.under[count]):
                 room.under[count, ROW] = i
                 count += 1
     return count
 
 
-def _shed(state: Array, past: Past, room: RoomLaw, a: int, bound: Bound) -> None:
+def _shed(state: Array, past: Past, room: RoomLaw, a: int, now: Now) -> None:
     """Add the jet of the a-th vehicle along x to those in it."""
     one, under = room.numbers, room.under
-    count = collect(state, past, room, a, bound)
+    count = collect(state, past, room, a, now)
     for k in range(count):
         strength = under[k, STRENGTH]
         for between in range(count):
@@ -220,6 +225,7 @@ def _surround(row: Array, unit: float, one: RoomNumbers, mass: float) -> None:
 def _room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float) -> None:
     n, one, past = state.shape[0], room.numbers, Past(ring, rows)
     lowest, highest = state[0, Z], state[0, Z]
+    tick = rows[n] % room.unit.shape[0]
     ceiling = max(one.full_thrust - one.fading * one.step * float(rows[n]), 0.0)
     for i in range(n):
         for column in (ETA, ETA_X, ETA_Y, TX, TY, TZ):
@@ -229,11 +235,11 @@ def _room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float
     if n > 1 and one.near > 0.0:
         sort_by_x(state, rows)
         lean = drift(past, room)
-        bound = Bound(lean, reach(one, lean, max(highest - lowest, BLEND)))
+        now = Now(rows[n] % ring.shape[0], tick, lean, reach(one, lean, max(highest - lowest, BLEND)))
         for a in range(n):
-            shed(state, past, room, a, bound)
+            shed(state, past, room, a, now)
     for i in range(n):
-        surround(state[i], room.unit[rows[n] % room.unit.shape[0], i, RESIDUAL], one, mass)
+        surround(state[i], room.unit[tick, i, RESIDUAL], one, mass)
 
 
 part = partial(compiled, inline="always")
