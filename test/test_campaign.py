@@ -143,9 +143,12 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
         log.write('{"seed": 12, "thr')  # killed while writing
     assert campaign.main(["--runs", "4", *asked]) == 1
     assert flown == [10, 11, 12, 13]
+    assert campaign.main(["--runs", "4", "--air", "bent", *asked]) == 2
+    assert flown == [10, 11, 12, 13]
     said = capsys.readouterr()
     assert "seeds of violations: [12]" in said.out
     assert "tilt: cf1 at 1.00 s: 0.5" in said.err
+    assert "runs.jsonl holds runs in the air of each scenario: give another --out" in said.err
 
 
 def test_processes_that_are_replaced_fly_every_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 import json
 from argparse import Namespace
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -29,17 +30,18 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
     log, kept = args.out / "runs.jsonl", args.out / "violations"
     seeds = range(args.seed, args.seed + args.runs)
     by_nodes = set(seeds[: args.through_nodes])
+    runs = read(log)
+    _reject_other_air(log, runs, args.air)
     done = {
-        one.seed: one
-        for one in read(log)
-        if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes)
+        one.seed: one for one in runs if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes)
     }
     pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
     nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
     mend(log)
     with log.open("a", encoding="utf-8") as file, _bar() as bar:
         task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
-        for one in _all(args, pure, nodes, kept):
+        for outcome in _all(args, pure, nodes, kept):
+            one = replace(outcome, air=args.air)
             file.write(json.dumps(as_document(one)) + "\n")
             file.flush()
             done[one.seed] = one
@@ -72,6 +74,13 @@ def read(log: Path) -> list[RunOutcome]:
             if number < len(lines):
                 raise ValueError(f"{log}, line {number}: {wrong}; delete the file to start anew") from wrong
     return found
+
+
+def _reject_other_air(log: Path, runs: Sequence[RunOutcome], air: str) -> None:
+    """Raise ValueError if a kept run was flown in another air than this campaign's."""
+    others = sorted({one.air or "of each scenario" for one in runs if one.air != air})
+    if others:
+        raise ValueError(f"{log} holds runs in the air {', '.join(others)}: give another --out")
 
 
 def mend(log: Path) -> None:

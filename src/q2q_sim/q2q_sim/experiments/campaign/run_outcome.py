@@ -22,6 +22,8 @@ class RunOutcome:
     """Description of scenario, controller and faults."""
     violations: tuple[Violation, ...]
     seconds: float
+    air: str = ""
+    """Air named for the campaign; empty for that of the scenario."""
 
     @property
     def policies(self) -> list[str]:
@@ -46,6 +48,7 @@ def from_document(document: Mapping[str, object]) -> RunOutcome:
             what=str(document["what"]),
             violations=tuple(Violation(**one) for one in violations),
             seconds=float(str(document["seconds"])),
+            air=str(document.get("air", "")),
         )
     except (KeyError, TypeError) as wrong:
         raise ValueError(f"not an outcome of a run: {wrong}") from wrong
