@@ -151,4 +151,4 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
 
 
 def _ends(air: RoomAir) -> Array:
-    return ends_of_jet(air.jet or NO_JET, air.absorption)
+    return ends_of_jet(air.jet, air.absorption) if air.jet else np.zeros(1)
