@@ -84,7 +84,7 @@ class Now(NamedTuple):
 def _cell(knots: Array, value: float) -> int:
     """Return the last cell whose lower end is below `value`, from where evenly spaced knots would have it."""
     last = knots.shape[0] - 2
-    k = min(int(value / knots[last + 1] * last), last)
+    k: int = min(int(value / knots[last + 1] * last), last)
     while k > 0 and value <= knots[k]:
         k -= 1
     while k < last and value > knots[k + 1]:
