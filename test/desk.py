@@ -56,7 +56,7 @@ class Desk:
             path.write_text(f"{path.read_text()}\n{block.text}")
         else:
             path.write_text(with_assignment(path.read_text(), block.name, block.text))
-        if path.suffix == ".py" and "test" not in path.parts:
+        if path.suffix == ".py" and path.is_relative_to(self.folder / "src") and "test" not in path.parts:
             self._import(path)
 
     def _import(self, path: Path) -> None:

@@ -78,13 +78,14 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
     fly_struck(FlightRequest(LOW, live=True), [reference, states], tmp_path)
     evidence = evidence_in(tmp_path / "bag")
     assert violations(evidence, LOW, "return", "floor") == []  # they come down
-    # states come: it hovers where it was last sent, HOLD where a busy machine gave no state in time
+    # states come: it hovers where it was last sent; the ladder answers where a busy machine gave no state
     alone = ((evidence.t > 4.0) & (evidence.t < 6.5))[:, None] & np.isfinite(evidence.command_status)
     assert CommandStatus.DEGRADED in evidence.command_status[alone]
     assert set(evidence.command_status[alone]) <= {
         CommandStatus.DEGRADED,
         CommandStatus.HOLD,
         CommandStatus.LEVEL,
+        CommandStatus.LAND,
     }
     before = int(np.searchsorted(evidence.t, 6.5))
     never_level = ~((evidence.command_status == CommandStatus.LEVEL) & alone).any(axis=0)
