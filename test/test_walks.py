@@ -24,6 +24,7 @@ STEP = re.compile(r"^\d+\. `(q2q_\w+/[\w/]+\.py)`", re.MULTILINE)
 SERVICES = {
     "q2q_model/commands/command_line.py",
     "q2q_model/commands/quiet_end.py",
+    "q2q_model/commands/recording_options.py",
     "q2q_model/compiled.py",
     "q2q_model/node/lean_imports.py",
     "q2q_model/signals/repeated_stamp.py",

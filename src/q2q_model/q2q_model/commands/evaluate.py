@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.commands.recording_options import add_recording_options
 from q2q_model.files.model_choice import check_model
-from q2q_model.vehicle.constants import VEHICLES
 
 EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --json scores.json"
 
@@ -40,10 +40,7 @@ def parser() -> CommandLine:
     made.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="recorded flights, at least one")
     made.add_argument("--model", required=True, help="none, a shipped name, or a .q2q file")
     made.add_argument("--json", type=Path, metavar="FILE", help="file to write the scores to")
-    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software")
-    made.add_argument(
-        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
-    )
+    add_recording_options(made)
     return made
 
 

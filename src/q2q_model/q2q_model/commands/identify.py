@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, UsageError, Work, require_existing, run_command
+from q2q_model.commands.recording_options import add_recording_options
 from q2q_model.files.model_choice import check_model
-from q2q_model.vehicle.constants import VEHICLES
 
 EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
   ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet
@@ -43,10 +43,7 @@ def parser() -> CommandLine:
         choices=("auto", "jet", "envelope_network"),
         help="auto selects by held-out error",
     )
-    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software")
-    made.add_argument(
-        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
-    )
+    add_recording_options(made)
     made.add_argument("--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]")
     made.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
     made.add_argument("--model", default="paper_law", help="initial model of --live")

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
-from q2q_model.vehicle.constants import VEHICLES
+from q2q_model.commands.recording_options import add_recording_options
 
 EXAMPLE = """  ros2 run q2q_sim learn_air flights/ --out room.air
   ros2 run q2q_sim learn_air bags/table2_* stack.parquet --out room.air --json room.json"""
@@ -44,10 +44,7 @@ def parser() -> CommandLine:
     )
     made.add_argument("--out", type=Path, required=True, metavar="FILE", help="air to write (.air)")
     made.add_argument("--json", type=Path, metavar="FILE", help="file of values, intervals and checks")
-    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software")
-    made.add_argument(
-        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
-    )
+    add_recording_options(made)
     return made
 
 

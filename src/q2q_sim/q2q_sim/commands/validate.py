@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
-from q2q_model.vehicle.constants import VEHICLES
+from q2q_model.commands.recording_options import add_recording_options
 from q2q_sim.air.air_names import check_air
 
 EXAMPLE = "  ros2 run q2q_sim validate --air room.air flight3 flight4 --json v.json --out page/"
@@ -24,27 +24,27 @@ def main(words: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, words)
 
 
-def _prepare(asked: Namespace) -> Work:
-    if not FEWEST <= asked.draws <= MOST:
-        raise ValueError(f"--draws is {asked.draws}: {FEWEST} to {MOST} are allowed")
-    check_air(asked.air)
-    require_existing("flight", *asked.flights)
-    require_existing("topic map", *([asked.topics] if asked.topics else []))
+def _prepare(args: Namespace) -> Work:
+    if not FEWEST <= args.draws <= MOST:
+        raise ValueError(f"--draws is {args.draws}: {FEWEST} to {MOST} are allowed")
+    check_air(args.air)
+    require_existing("flight", *args.flights)
+    require_existing("topic map", *([args.topics] if args.topics else []))
     return _run
 
 
-def _run(asked: Namespace) -> int:
+def _run(args: Namespace) -> int:
     from q2q_model.tools.recordings import topic_map
     from q2q_sim.air.find_air import find_air
     from q2q_sim.experiments.validation.validate_flights import validate
     from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
-    air = find_air(asked.air)
-    recordings, notes = read_flights(asked.flights, topic_map(asked.topics))
-    flown = vehicle_of(asked.flights, asked.vehicle)
+    air = find_air(args.air)
+    recordings, notes = read_flights(args.flights, topic_map(args.topics))
+    flown = vehicle_of(args.flights, args.vehicle)
     for note in [*notes, *filter(None, [flown.note])]:
         print(f"validate: {note}", file=sys.stderr)
-    return validate(recordings, flown.vehicle, air, asked)
+    return validate(recordings, flown.vehicle, air, args)
 
 
 def parser() -> CommandLine:
@@ -63,10 +63,7 @@ def parser() -> CommandLine:
     made.add_argument("--draws", type=int, default=20, metavar="N", help="draws of each flight")
     made.add_argument("--json", type=Path, metavar="FILE", help="file to write the numbers to")
     made.add_argument("--out", type=Path, metavar="FOLDER", help="folder for the page and its pictures")
-    made.add_argument("--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software")
-    made.add_argument(
-        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
-    )
+    add_recording_options(made)
     return made
 
 

@@ -16,13 +16,13 @@ from q2q_sim.experiments.validation.validation import ValidatedFlight, as_json, 
 from q2q_sim.experiments.validation.validation_page import write_page
 
 
-def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, asked: Namespace) -> int:
+def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, args: Namespace) -> int:
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
-    done = [_flown(one, air, vehicle, asked.draws) for one in _tracked(recordings, vehicle)]
-    if asked.json:
-        asked.json.write_text(json.dumps(as_json(done), indent=1) + "\n")
-    if asked.out:
-        print(f"page: {write_page(done, Path(asked.air).name, asked.out)}")
+    done = [_flown(one, air, vehicle, args.draws) for one in _tracked(recordings, vehicle)]
+    if args.json:
+        args.json.write_text(json.dumps(as_json(done), indent=1) + "\n")
+    if args.out:
+        print(f"page: {write_page(done, Path(args.air).name, args.out)}")
     print(_line("all, under a wake", pooled(done)))
     print(verdict(pooled(done)))
     return 0

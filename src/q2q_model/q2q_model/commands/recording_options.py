@@ -1,0 +1,16 @@
+"""Options of every command that reads recorded flights: their topics and their vehicle."""
+
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine
+from q2q_model.vehicle.constants import VEHICLES
+
+
+def add_recording_options(parser: CommandLine) -> None:
+    """Add `--topics` and `--vehicle`."""
+    parser.add_argument(
+        "--topics", type=Path, metavar="MAP.yaml", help="topic map for bags of other software"
+    )
+    parser.add_argument(
+        "--vehicle", default="", choices=tuple(VEHICLES), help="overrides the vehicle named in the bags"
+    )
