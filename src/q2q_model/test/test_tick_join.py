@@ -37,6 +37,14 @@ def test_memory_is_bounded_when_one_topic_never_comes() -> None:
     assert join.missed == 100 - WAITING_TICKS
 
 
+def test_a_join_as_deep_as_its_queues_loses_no_tick_of_a_backlog() -> None:
+    join: TickJoin[int] = TickJoin(("a", "b"), waiting=1000)
+    for stamp in range(1000):
+        join.put("a", stamp, stamp)
+    assert [join.put("b", stamp, -stamp) for stamp in range(1000)] == [(t, -t) for t in range(1000)]
+    assert join.missed == 0
+
+
 @given(st.permutations([(topic, stamp) for topic in "abc" for stamp in (1, 2, 3)]))
 def test_whatever_the_order_a_tick_has_its_own_values(order: list[tuple[str, int]]) -> None:
     join: TickJoin[tuple[str, int]] = TickJoin(("a", "b", "c"))

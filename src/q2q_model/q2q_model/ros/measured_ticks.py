@@ -15,8 +15,11 @@ INPUTS: dict[str, type[Signal]] = {"state": SwarmState, "command": SwarmCommand,
 
 
 def receive_measured_ticks(node: Node, take: Callable[[SwarmState, SwarmCommand, SwarmImu], object]) -> None:
-    """Subscribe to INPUTS and call `take` with every complete tick."""
-    join: TickJoin[Signal] = TickJoin(tuple(INPUTS))
+    """Subscribe to INPUTS and call `take` with every complete tick.
+
+    After a stall each queue holds up to its depth; the join waits for as many, so that none is lost.
+    """
+    join: TickJoin[Signal] = TickJoin(tuple(INPUTS), waiting=RECORD.depth)
 
     def receiver(topic: str, signal: type[Signal]) -> Callable[[bytes], None]:
         reader = SignalReader(signal)

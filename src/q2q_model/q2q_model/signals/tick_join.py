@@ -16,8 +16,14 @@ WAITING_TICKS = 16
 class TickJoin(Generic[V]):
     """Join of several topics by stamp."""
 
-    def __init__(self, topics: tuple[str, ...]) -> None:
-        self._topics = topics
+    def __init__(self, topics: tuple[str, ...], waiting: int = WAITING_TICKS) -> None:
+        """Create the join.
+
+        Args:
+            topics: inputs of a tick.
+            waiting: incomplete ticks kept; a reader with a longer queue keeps as many as the queue holds.
+        """
+        self._topics, self._keep = topics, waiting
         self._waiting: OrderedDict[int, dict[str, V]] = OrderedDict()
         self.missed = 0
         """Ticks dropped incomplete."""
@@ -27,7 +33,7 @@ class TickJoin(Generic[V]):
         tick = self._waiting.setdefault(stamp_ns, {})
         tick[topic] = value
         if len(tick) < len(self._topics):
-            self._give_up(keep=WAITING_TICKS)
+            self._give_up()
             return None
         del self._waiting[stamp_ns]
         self._drop_older_than(stamp_ns)
@@ -42,7 +48,7 @@ class TickJoin(Generic[V]):
             del self._waiting[old]
             self.missed += 1
 
-    def _give_up(self, keep: int) -> None:
-        while len(self._waiting) > keep:
+    def _give_up(self) -> None:
+        while len(self._waiting) > self._keep:
             self._waiting.popitem(last=False)
             self.missed += 1

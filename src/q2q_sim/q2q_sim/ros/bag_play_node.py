@@ -10,6 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from time import monotonic
 
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
@@ -36,6 +37,8 @@ LOOK_S = 0.1
 """Period of the check for unanswered ticks [s]."""
 AGAIN_S = 2.0
 """Time after which an unanswered tick is played again [s]."""
+ACKNOWLEDGE_S = 10.0
+"""Longest wait at the end of the bag for readers that have not taken every message [s]."""
 BEAT_S = 0.001
 """Period of the check for due messages [s]."""
 
@@ -163,7 +166,14 @@ class Player:
         else:
             self._over.publish(String(data=self._params.bag))
             print("playback over", file=sys.stderr)
+            self._wait_acknowledged()
             finish(self._node)
+
+    def _wait_acknowledged(self) -> None:
+        """Wait until slow readers have every message (lost with their writer), at most ACKNOWLEDGE_S."""
+        end = monotonic() + ACKNOWLEDGE_S
+        for writer in (*self._writers.values(), self._over):
+            writer.wait_for_all_acked(Duration(seconds=max(end - monotonic(), 0.0)))
 
 
 def _opened(params: PlayParams) -> BagReader | MappedBag:
