@@ -22,7 +22,7 @@ from q2q_sim.experiments.ablation.contenders import BLIND, CONTENDERS, built
 from q2q_sim.experiments.ablation.fill_table import CAUTION, READING, Results, read
 from q2q_sim.experiments.ablation.fill_table import LEARNED as LEARNED_FROM
 from q2q_sim.experiments.ablation.learned_model import Learned, pairs_over
-from q2q_sim.experiments.ablation.trial import COLUMNS, Trace, exposed, flown, measured
+from q2q_sim.experiments.ablation.trial import COLUMNS, Trace, flown, measured
 from q2q_sim.loop.assembly import Options, blocks_of, plan_of
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
@@ -52,15 +52,6 @@ def test_replicas_in_a_real_room_differ():
     scenario = side_by_side(replace(library.load("stack3"), duration=SHORT), 2)
     trace = traced(scenario, "observer")
     assert np.abs(trace.error[-1, :3] - trace.error[-1, 3:]).min() > 1e-7
-
-
-def test_a_vehicle_is_exposed_below_another_and_for_a_while_after():
-    pos = np.zeros((300, 2, 3))
-    pos[:, 1] = [1.0, 0.0, 0.5]
-    pos[50:100, 1, 0] = 0.1
-    found = exposed(pos, 1.0)
-    assert not found[:, 1].any()
-    assert np.array_equal(np.flatnonzero(found[:, 0]), np.arange(50, 200))  # 100 ticks after the last below
 
 
 def test_a_replica_is_measured_as_its_definition_says():

@@ -1,13 +1,20 @@
 """Prove the figures of a flight on flights made by hand."""
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
+from q2q_sim.flight.run_json import runs_json
+from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun
+from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.monitors.exposure import exposed
+from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import held, measure
 from q2q_sim.scenarios import library
 
@@ -72,3 +79,41 @@ def test_filtered_positions_serve_where_the_truth_is_unknown() -> None:
 def test_a_tick_without_a_command_obeys_the_last_one_and_none_is_made_up_before_the_first() -> None:
     np.testing.assert_array_equal(held(np.array([np.nan, 2.0, np.nan, np.nan, 3.0])), [2.0, 2.0, 2.0, 3.0])
     assert held(np.full(3, np.nan)).size == 0
+
+
+def test_a_vehicle_is_exposed_below_another_and_for_a_while_after() -> None:
+    pos = np.zeros((300, 2, 3))
+    pos[:, 1] = [1.0, 0.0, 0.5]
+    pos[50:100, 1, 0] = 0.1
+    found = exposed(pos, 100)
+    assert not found[:, 1].any()
+    assert np.array_equal(np.flatnonzero(found[:, 0]), np.arange(50, 200))  # 100 ticks after the last below
+
+
+def test_height_errors_are_told_apart_by_where_the_other_vehicle_is() -> None:
+    ref = _still()
+    ref[:, 1, 0] = np.where((T >= 5.0) & (T < 6.0), 0.0, 2.0)  # over the lower vehicle for a second
+    error = np.select([T < 3.0, T < 5.0, T < 7.0], [9.0, 0.01, 0.02], 5.0)  # settling; clear; under; neither
+    error[550] = -0.1
+    pos = ref.copy()
+    pos[:, 0, 2] += error
+    lower, upper = measure(_flight(pos, ref, np.ones((1000, 2))), SCENARIO.vehicle).vehicles.values()
+    assert lower.clear_rms_m == pytest.approx(np.sqrt((200 * 0.01**2 + 100 * 5.0**2) / 300))
+    assert lower.under_rms_m == pytest.approx(np.sqrt((199 * 0.02**2 + 0.1**2) / 200))
+    assert lower.worst_m == pytest.approx(0.1, rel=1e-12)
+    assert np.isnan([upper.under_rms_m, upper.worst_m]).all()
+    assert upper.clear_rms_m == 0.0
+
+
+def test_null_stands_for_errors_that_a_flight_does_not_show() -> None:
+    run = FlightRun(
+        FlightRequest("table6"),
+        _flight(_still(1), _still(1), np.ones((1000, 1))),
+        measure(_flight(_still(1), _still(1), np.ones((1000, 1))), SCENARIO.vehicle),
+        FlightTiming(0, 0, None, None, None),
+        Path("bag"),
+        FlightVerdict(10.0),
+    )
+    text = json.dumps(runs_json([run]))
+    one = json.loads(text)["runs"][0]["vehicles"]["cf1"]
+    assert (one["under_rms_m"], one["clear_rms_m"], one["worst_m"]) == (None, 0.0, None)

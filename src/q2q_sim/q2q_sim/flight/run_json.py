@@ -37,6 +37,9 @@ def _vehicle(one: VehicleMetrics) -> Json:
         "u1_energy": finite(one.u1_energy),
         "u1_energy_above_hover": finite(one.u1_energy_above_hover),
         "u1_max": finite(one.u1_max),
+        "under_rms_m": finite(one.under_rms_m),
+        "clear_rms_m": finite(one.clear_rms_m),
+        "worst_m": finite(one.worst_m),
     }
 
 

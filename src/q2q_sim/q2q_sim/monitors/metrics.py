@@ -2,6 +2,8 @@
 
     z RMSE   = sqrt(1/T int (z - z_ref)^2 dt)          against the plan, of the truth if known
     energy   = int U1^2 dt,   above hover: - (m g)^2 T
+    under, clear = z RMSE under another vehicle, in clear air (q2q_sim.monitors.exposure)
+    worst    = max |z - z_ref| under another vehicle
     separation = min over pairs and time of |r_i - r_j|
     zone time  = time with any pair in the zone I(eps, d)
 
@@ -17,6 +19,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder, Zone
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.monitors.exposure import Exposure, exposure
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +34,9 @@ class VehicleMetrics:
     """[N^2 s]"""
     u1_max: float
     """[N]"""
+    under_rms_m: float
+    clear_rms_m: float
+    worst_m: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +53,15 @@ def measure(flight: Flight, vehicle: Vehicle, zone: Zone | None = None) -> Fligh
     pos = best_position(flight)
     dt = tick_of(flight)
     separation, zone_time = _closeness(pos, dt, zone or Cylinder())
-    weight = vehicle.hover_thrust
+    weight, when = vehicle.hover_thrust, exposure(pos, dt)
     rows = {
-        name: _vehicle(pos[:, i] - flight.ref_pos[:, i], flight.thrust[:, i], dt, weight)
+        name: _vehicle(
+            Exposure(when.under[:, i], when.clear[:, i]),
+            pos[:, i] - flight.ref_pos[:, i],
+            flight.thrust[:, i],
+            dt,
+            weight,
+        )
         for i, name in enumerate(flight.names)
     }
     return FlightMetrics(vehicles=rows, min_separation_m=separation, zone_time_s=zone_time)
@@ -65,8 +77,8 @@ def tick_of(flight: Flight) -> float:
     return float(np.median(np.diff(flight.t))) if len(flight.t) > 1 else float("nan")
 
 
-def _vehicle(error: Array, thrust: Array, dt: float, weight: float) -> VehicleMetrics:
-    """Return the metrics of one vehicle from its position error (T, 3) and thrust (T,)."""
+def _vehicle(when: Exposure, error: Array, thrust: Array, dt: float, weight: float) -> VehicleMetrics:
+    """Return the metrics of one vehicle from its exposure (T,), position error (T, 3) and thrust (T,)."""
     given = held(thrust)
     known = len(given) > 0
     energy = float(np.sum(given**2)) * dt if known else float("nan")
@@ -76,6 +88,9 @@ def _vehicle(error: Array, thrust: Array, dt: float, weight: float) -> VehicleMe
         u1_energy=energy,
         u1_energy_above_hover=energy - weight**2 * len(given) * dt,
         u1_max=float(given.max()) if known else float("nan"),
+        under_rms_m=_rms(error[when.under, 2]),
+        clear_rms_m=_rms(error[when.clear, 2]),
+        worst_m=_worst(error[when.under, 2]),
     )
 
 
@@ -89,6 +104,11 @@ def held(thrust: Array) -> Array:
 def _rms(error: Array) -> float:
     known = error[np.isfinite(error)]
     return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
+
+
+def _worst(error: Array) -> float:
+    known = error[np.isfinite(error)]
+    return float(np.abs(known).max()) if len(known) else float("nan")
 
 
 def _closeness(pos: Array, dt: float, zone: Zone) -> tuple[float, float]:
