@@ -3,7 +3,12 @@
 # Print a colon-separated list without the entries inside this checkout, so that a shell made by env.sh is
 # judged as it was before.
 outside_checkout() {
-  printf '%s' "$1" | tr ':' '\n' | awk -v root="$ROOT/" 'index($0, root) != 1' | paste -sd: -
+  local entry entries kept=() IFS=:
+  read -ra entries <<<"$1"
+  for entry in "${entries[@]}"; do
+    [[ $entry == "$ROOT"/* ]] || kept+=("$entry")
+  done
+  printf '%s' "${kept[*]}"
 }
 
 # Print why a candidate interpreter cannot carry q2q; succeed when it can.
