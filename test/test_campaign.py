@@ -151,6 +151,20 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
     assert "runs.jsonl holds runs in the air of each scenario: give another --out" in said.err
 
 
+def test_an_air_that_cannot_be_flown_in_ends_a_campaign_before_its_first_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    broken = tmp_path / "cut.air"
+    broken.write_text('{"jet": ')
+    out = tmp_path / "campaign"
+    assert campaign.main(["--runs", "1", "--air", str(broken), "--out", str(out)]) == 2
+    assert campaign.main(["--runs", "1", "--air", "lacking", "--out", str(out)]) == 2
+    said = capsys.readouterr()
+    assert "cut.air" in said.err
+    assert "no air 'lacking'" in said.err
+    assert not out.exists()
+
+
 def test_processes_that_are_replaced_fly_every_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("q2q_sim.experiments.campaign.engine.RECYCLE", 1)
     flown = list(outcomes("local", range(200, 203), 2, tmp_path))

@@ -105,7 +105,7 @@ def passes(seconds: float, period: float = 8.0) -> TrackedFlight:
 
 def recorded(plan: TrackedFlight, make: MakeDraw) -> TrackedFlight:
     """Return a plan as flown under LAW by the first draw of an air."""
-    flown = redrawn(ReadFlight(plan, LAW), CRAZYFLIE_2_0, make, [0])
+    flown = redrawn(ReadFlight(plan, LAW), CRAZYFLIE_2_0.mass, make, [0])
     pos, vel, quat = flown.pos[0], flown.vel[0], flown.quat[0]
     everywhere = np.ones(pos.shape[:2], dtype=bool)
     motion = Motion(plan.t, pos, vel, rotate(quat, UP))

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios.choices import ENGINES
 
 EXAMPLE = """  scripts/campaign --runs 20
@@ -29,9 +30,7 @@ def _prepare(args: Namespace) -> Work:
     if args.through_nodes > args.runs:
         raise ValueError(f"--through-nodes {args.through_nodes}: at most the {args.runs} --runs")
     if args.air:
-        from q2q_sim.air.find_air import find_air
-
-        find_air(args.air)
+        check_air(args.air)
     from q2q_sim.experiments.campaign.resume import run
 
     return run

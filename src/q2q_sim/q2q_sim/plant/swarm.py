@@ -163,7 +163,8 @@ class Swarm:
         """
         self.names = names
         step = 1.0 / PHYSICS_RATE
-        self.body = body_of(_flown(vehicle, air), _attitude_loop(air), step)
+        self._flown = vehicle_in(air, vehicle)
+        self.body = body_of(self._flown, _attitude_loop(air), step)
         self.state = state_at_rest(start, vehicle.mass)
         self.air = still_air(self.state, air, self.body)
         self._block = -1
@@ -189,6 +190,10 @@ class Swarm:
             end = done + self.prepare()
             run(self.state, self.air, commands[done:end], drive, self.body)
             done = end
+
+    def use_attitude_loop(self, attitude: AttitudeParams) -> None:
+        """Replace the onboard attitude loop."""
+        self.body = body_of(self._flown, attitude, self.body.step)
 
     def prepare(self) -> int:
         """Prepare what the compiled loop cannot; return for how many steps that lasts.
@@ -230,7 +235,7 @@ class Swarm:
         )
 
 
-def _flown(vehicle: Vehicle, air: FlownAir) -> Vehicle:
+def vehicle_in(air: FlownAir, vehicle: Vehicle) -> Vehicle:
     """Return the vehicle with thrust lag and largest thrust of a room's vehicles."""
     if not isinstance(air, RoomAir) or air.vehicle is None:
         return vehicle

@@ -10,13 +10,20 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import outcomes
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 
 
 def run(args: Namespace) -> int:
-    """Fly the requested campaign; return 1 if a policy is violated."""
+    """Fly the requested campaign; return 1 if a policy is violated.
+
+    Raises:
+        ValueError: the air or the file of finished runs is not valid, or is that of another air.
+    """
+    if args.air:
+        find_air(args.air)
     flown, seconds = _fly(args)
     show(flown, seconds)
     if args.json:

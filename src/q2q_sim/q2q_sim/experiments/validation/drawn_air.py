@@ -31,10 +31,12 @@ MakeDraw = Callable[[int, Array], Draw]
 
 
 def draws_in(air: FlownAir, flight: TrackedFlight, vehicle: Vehicle) -> MakeDraw:
-    """Return what makes the draws of a flight in an air, of a vehicle as `vehicle_in` gives it."""
+    """Return what makes the draws of a flight in an air."""
     names, dt = flight.names, flight.dt
-    if isinstance(air, RoomAir) and air.vehicle is not None and flight.headroom is not None:
-        air = replace(air, vehicle=replace(air.vehicle, headroom=flight.headroom))
+    if flight.headroom is not None:
+        vehicle = replace(vehicle, thrust_max=flight.headroom * vehicle.hover_thrust)
+        if isinstance(air, RoomAir) and air.vehicle is not None:
+            air = replace(air, vehicle=replace(air.vehicle, headroom=flight.headroom))
     wind = air.wind if isinstance(air, RoomAir) else None
     params = DisturbanceParams()
     if wind is not None:
@@ -44,12 +46,3 @@ def draws_in(air: FlownAir, flight: TrackedFlight, vehicle: Vehicle) -> MakeDraw
         return Draw(Swarm(names, vehicle, start, air, seed), Disturbance(params, len(names), dt, seed))
 
     return make
-
-
-def vehicle_in(air: FlownAir, flight: TrackedFlight, vehicle: Vehicle) -> Vehicle:
-    """Return the vehicle with the lag of thrust of the air's vehicles and the headroom of the flight."""
-    own = air.vehicle if isinstance(air, RoomAir) else None
-    lag = vehicle.thrust_lag if own is None else own.thrust_lag_s
-    headroom = flight.headroom or (None if own is None else own.headroom)
-    largest = vehicle.thrust_max if headroom is None else headroom * vehicle.hover_thrust
-    return replace(vehicle, thrust_lag=lag, thrust_max=largest)

@@ -15,10 +15,10 @@ from q2q_model.geometry.rotations import rotate, yaw_from_quat
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.flatness import flat_state
-from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.onboard_law import ReadFlight, feedback
-from q2q_sim.plant.quadcopter import POS, QUAT, VEL, body_of
+from q2q_sim.plant.quadcopter import POS, QUAT, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
 from q2q_sim.random_streams import stream
 
@@ -42,15 +42,15 @@ class Draws:
     """Commanded collective thrust [N], (draws, T, n)."""
 
 
-def redrawn(read: ReadFlight, vehicle: Vehicle, make: MakeDraw, seeds: Sequence[int]) -> Draws:
-    """Return the flight flown again once for each seed."""
+def redrawn(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence[int]) -> Draws:
+    """Return the flight of vehicles of a mass [kg] flown again once for each seed."""
     flight, law = read.flight, read.law
     ticks, n = flight.thrust.shape
     yaw = yaw_from_quat(flight.quat[0])
     draws = [make(seed, np.column_stack([flight.pos[0], yaw])) for seed in seeds]
     for draw in draws:
         draw.swarm.state[:, VEL] = flight.vel[0]
-        draw.swarm.body = body_of(vehicle, law.attitude, 1.0 / PHYSICS_RATE)
+        draw.swarm.use_attitude_loop(law.attitude)
     noise = _noise(read, seeds)
     ahead = flight.ref_acc + law.offset - flight.compensated[..., None] * UP
     steps = round(PHYSICS_RATE * flight.dt)
@@ -62,7 +62,7 @@ def redrawn(read: ReadFlight, vehicle: Vehicle, make: MakeDraw, seeds: Sequence[
         error = flight.ref_pos[k] - pos
         integral += flight.dt * error
         acc = ahead[k] + feedback(law, error, flight.ref_vel[k] - vel, integral)
-        command = _command(acc, quat, yaw, vehicle.mass)
+        command = _command(acc, quat, yaw, mass)
         for draw, one in zip(draws, command, strict=True):
             draw.swarm.step(np.tile(one, (steps, 1, 1)), draw.gusts.step())
         seen.pos[:, k], seen.vel[:, k], seen.quat[:, k] = pos, vel, quat

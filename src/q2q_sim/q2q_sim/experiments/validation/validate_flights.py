@@ -10,10 +10,11 @@ from q2q_model.identification.identification import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.experiments.validation.comparison import Comparison, comparison
-from q2q_sim.experiments.validation.drawn_air import draws_in, vehicle_in
+from q2q_sim.experiments.validation.drawn_air import draws_in
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
 from q2q_sim.experiments.validation.validation import ValidatedFlight, as_json, pooled, validated, verdict
 from q2q_sim.experiments.validation.validation_page import write_page
+from q2q_sim.plant.swarm import vehicle_in
 
 
 def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, args: Namespace) -> int:
@@ -44,8 +45,8 @@ def _tracked(recordings: Sequence[Recording], vehicle: Vehicle) -> list[TrackedF
 
 
 def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -> ValidatedFlight:
-    own = vehicle_in(air, flight, vehicle)
-    one = validated(flight, own, draws_in(air, flight, own), range(draws))
+    make = draws_in(air, flight, vehicle)
+    one = validated(flight, vehicle_in(air, vehicle), make, range(draws))
     if not one.has_wake:
         _say(f"{flight.name} has no row under another vehicle: only its clear air is compared")
     print(_line(flight.name, comparison(one.under if one.has_wake else one.clear)))

@@ -59,7 +59,7 @@ def validated(
         ValueError: the law cannot be read.
     """
     read = read_law(flight, vehicle)
-    drawn = redrawn(read, vehicle, make, seeds).pos[..., 2] - flight.ref_pos[..., 2]
+    drawn = redrawn(read, vehicle.mass, make, seeds).pos[..., 2] - flight.ref_pos[..., 2]
     under = _sums(flight, drawn, flight.exposed, EXPOSED_SHARE)
     clear = _sums(flight, drawn, flight.free, CLEAR_SHARE)
     return ValidatedFlight(read.flight, read.law, drawn, under, clear)
