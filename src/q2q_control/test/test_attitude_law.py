@@ -9,7 +9,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.signal import TransferFunction, step
 
-from q2q_control.attitude.attitude_law import AttitudeParams, attitude_torque, attitude_torques, packed_gains
+from q2q_control.attitude.attitude_law import (
+    AttitudeParams,
+    attitude_gains,
+    attitude_torque,
+    attitude_torques,
+)
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
 
@@ -22,7 +27,7 @@ THREE = arrays(np.float64, 3, elements=FINITE)
 def test_compiled_scalar_law_equals_the_batch_law(
     attitude: Array, rates: Array, torque: Array, desired: Array, lead: float
 ):
-    gains = packed_gains(AttitudeParams(lead_ratio=lead), CRAZYFLIE_2_0)
+    gains = attitude_gains(AttitudeParams(lead_ratio=lead), CRAZYFLIE_2_0)
     batch = attitude_torques(attitude[None], rates[None], torque[None] * 1e-4, desired[None], gains)[0]
     # the terms are of order 0.1 N m: 1e-13 is their rounding
     assert np.allclose(attitude_torque(attitude, rates, torque * 1e-4, desired, gains), batch, atol=1e-13)
@@ -41,7 +46,7 @@ def test_a_roll_step_follows_the_designed_response_whatever_inertia_and_rotor_la
 
 def _simulated_roll_step(vehicle: Vehicle, params: AttitudeParams, seconds: float) -> tuple[Array, Array]:
     dt, lag = 1e-4, vehicle.thrust_lag
-    gains = packed_gains(params, vehicle)
+    gains = attitude_gains(params, vehicle)
     desired = np.array([0.1, 0.0, 0.0])
     attitude, rates, torque = np.zeros(3), np.zeros(3), np.zeros(3)
     rolls = [0.0]
@@ -55,7 +60,7 @@ def _simulated_roll_step(vehicle: Vehicle, params: AttitudeParams, seconds: floa
 
 
 def test_torque_cancels_the_gyroscopic_term_of_a_turning_body():
-    gains = packed_gains(AttitudeParams(), TEXTBOOK_065)
+    gains = attitude_gains(AttitudeParams(), TEXTBOOK_065)
     rates = np.array([1.0, -2.0, 3.0])
     inertia = np.array(TEXTBOOK_065.inertia)
     torque = np.array(attitude_torque(np.zeros(3), rates, np.zeros(3), np.array([0.0, 0.0, 3.0]), gains))

@@ -27,6 +27,7 @@ from the inertia.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -61,28 +62,37 @@ class AttitudeParams:
         check_bounds(self)
 
 
-def packed_gains(params: AttitudeParams, vehicle: Vehicle) -> Array:
-    """Return the constants of the laws below, one column per body axis, (4, 3).
+class AttitudeGains(NamedTuple):
+    """Constants of the attitude law of one vehicle; arrays are about the body axes x, y, z, (3,)."""
 
-    Rows: stiffness [N m/rad], damping [N m s/rad], inertia [kg m^2], lead [s].
-    """
+    stiffness: Array
+    """I w_n^2 [N m/rad]; 0 about z."""
+    damping: Array
+    """2 I zeta w_n, about z I k_r [N m s/rad]."""
+    inertia: Array
+    """[kg m^2]"""
+    lead: float
+    """[s]"""
+
+
+def attitude_gains(params: AttitudeParams, vehicle: Vehicle) -> AttitudeGains:
+    """Return the constants of the laws below for a vehicle."""
     inertia = np.array(vehicle.inertia)
     stiffness = inertia * np.array([params.frequency**2, params.frequency**2, 0.0])
     tilt_damping = 2.0 * params.damping * params.frequency
     damping = inertia * np.array([tilt_damping, tilt_damping, params.yaw_bandwidth])
-    lead = np.full(3, params.lead_ratio * vehicle.thrust_lag)
-    return np.stack([stiffness, damping, inertia, lead])
+    return AttitudeGains(stiffness, damping, inertia, params.lead_ratio * vehicle.thrust_lag)
 
 
 def attitude_torques(
-    attitude: Array, ang_vel_body: Array, torque_now: Array, desired: Array, gains: Array
+    attitude: Array, ang_vel_body: Array, torque_now: Array, desired: Array, gains: AttitudeGains
 ) -> Array:
-    """Return the torques [N m], body, (..., 3); arguments are (..., 3), `gains` of packed_gains (4, 3)."""
+    """Return the torques [N m], body, (..., 3); arguments are (..., 3)."""
     stiffness, damping, inertia, lead = gains
     yaw_only = np.array([0.0, 0.0, 1.0])
     angle_error = (desired - attitude) * (1.0 - yaw_only)
-    rate_wanted = desired * yaw_only
-    torque = stiffness * angle_error + damping * (rate_wanted - ang_vel_body)
+    rate_desired = desired * yaw_only
+    torque = stiffness * angle_error + damping * (rate_desired - ang_vel_body)
     growth = -stiffness * ang_vel_body - damping * torque_now / inertia
     gyroscopic = np.cross(ang_vel_body, inertia * ang_vel_body)
     return np.asarray(torque + lead * growth + gyroscopic)
@@ -90,14 +100,15 @@ def attitude_torques(
 
 @compiled
 def attitude_torque(
-    attitude: Axes, ang_vel_body: Axes, torque_now: Axes, desired: Axes, gains: Array
+    attitude: Axes, ang_vel_body: Axes, torque_now: Axes, desired: Axes, gains: AttitudeGains
 ) -> tuple[float, float, float]:
     """Return tau_x, tau_y, tau_z [N m] of one vehicle for compiled loops; arguments as `attitude_torques`."""
     p, q, r = ang_vel_body[0], ang_vel_body[1], ang_vel_body[2]
-    ix, iy, iz = gains[2, 0], gains[2, 1], gains[2, 2]
-    roll = gains[0, 0] * (desired[0] - attitude[0] - gains[3, 0] * p)
-    roll -= gains[1, 0] * (p + gains[3, 0] * torque_now[0] / ix)
-    pitch = gains[0, 1] * (desired[1] - attitude[1] - gains[3, 1] * q)
-    pitch -= gains[1, 1] * (q + gains[3, 1] * torque_now[1] / iy)
-    yaw = gains[1, 2] * (desired[2] - r - gains[3, 2] * torque_now[2] / iz)
+    stiffness, damping, inertia, lead = gains
+    ix, iy, iz = inertia[0], inertia[1], inertia[2]
+    roll = stiffness[0] * (desired[0] - attitude[0] - lead * p)
+    roll -= damping[0] * (p + lead * torque_now[0] / ix)
+    pitch = stiffness[1] * (desired[1] - attitude[1] - lead * q)
+    pitch -= damping[1] * (q + lead * torque_now[1] / iy)
+    yaw = damping[2] * (desired[2] - r - lead * torque_now[2] / iz)
     return roll + (iz - iy) * q * r, pitch + (ix - iz) * p * r, yaw + (iy - ix) * p * q

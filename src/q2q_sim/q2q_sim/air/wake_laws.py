@@ -3,14 +3,12 @@
 A source j at dz = z_j - z_i above i, dxy beside it, pushes i down by P(dz, dxy) >= 0 [m/s^2] and feels a
 fraction u of it upwards. With s(dz) the width of the downwash:
 
-paper (paper/NOTES.md, what reproduces; no delay):
-    P = A ((z0 + .5) / (z0 + dz))^2 exp(-dxy^2 / 2 s^2),  s = s0 + ks dz
-    A .392, z0 .33, s0 .06, ks .08, u .2
-measured (two real Crazyflies 2.1, feed-forward off):
-    P = A exp(-beta (dz - .4)) exp(-dxy^2 / 2 s^2) T_j / (m g),  s = .054 + .03 (dz - .4)
-    A 2.5, beta .95, u .02
-    it travels down at 7.5 m/s: r_j and T_j are those at time t - tau, tau = dz / 7.5
-    A, beta and the width .054 m are from the three-parameter fit; on the same flights (dc19) the R2 of the
+paper (no delay; constants of q2q_model.downwash.jet.PAPER_LAW):
+    P = A ((z0 + dz_ref) / (z0 + dz))^2 exp(-dxy^2 / 2 s^2),  s = s0 + ks dz
+measured (two real Crazyflies 2.1, feed-forward off; constants of MEASURED_LAW beside it, except ks):
+    P = A exp(-beta (dz - dz_ref)) exp(-dxy^2 / 2 s^2) T_j / (m g),  s = s0 + ks (dz - dz_ref)
+    it travels down at the speed c: r_j and T_j are those at time t - tau, tau = dz / c
+    A, beta and s0 are from the three-parameter fit; on the same flights (dc19) the R2 of the
     vertical acceleration is .853 without delay, .865 with it, .866 if the width also grows by .03, and lower
     with more growth; u: the upper vehicles' mean is -.01 and +.05 m/s^2, never above 2 % of g.
 none: P = 0.
@@ -33,6 +31,7 @@ import math
 from enum import IntEnum
 
 from q2q_model.compiled import compiled
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 
 
 class WakeLaw(IntEnum):
@@ -47,16 +46,24 @@ NONE, PAPER, MEASURED = int(WakeLaw.NONE), int(WakeLaw.PAPER), int(WakeLaw.MEASU
 """Kinds in compiled code."""
 
 
-PAPER_A, PAPER_Z0, PAPER_S0, PAPER_KS, PAPER_UPPER = 0.392, 0.33, 0.06, 0.08, 0.2
-"""[m/s^2], [m], [m], [m/m], [-]: paper/NOTES.md."""
-PAPER_DZ = 0.5
-"""Height difference at which P = A [m]: the same fit."""
-MEASURED_A, MEASURED_BETA, MEASURED_DZ = 2.5, 0.95, 0.4
-"""[m/s^2], [1/m], [m]: three-parameter fit of the real flights, feed-forward off."""
-MEASURED_S, MEASURED_KS, MEASURED_UPPER = 0.054, 0.03, 0.02
-"""[m], [m/m], [-]: see above."""
-MEASURED_SPEED = 7.5
-"""Speed at which the downwash travels down [m/s]: lag 25 ms at dz 0.15 m to over 110 ms at 0.8 m."""
+PAPER_A, PAPER_DZ, PAPER_Z0 = PAPER_LAW.strength, PAPER_LAW.reference_gap, PAPER_LAW.virtual_origin
+"""[m/s^2], [m], [m]."""
+PAPER_S0, PAPER_KS, PAPER_UPPER = PAPER_LAW.width, PAPER_LAW.spread, PAPER_LAW.upper_ratio
+"""[m], [m/m], [-]."""
+MEASURED_A, MEASURED_DZ, MEASURED_BETA = (
+    MEASURED_LAW.strength,
+    MEASURED_LAW.reference_gap,
+    MEASURED_LAW.decay_rate,
+)
+"""[m/s^2], [m], [1/m]."""
+MEASURED_S, MEASURED_UPPER, MEASURED_SPEED = (
+    MEASURED_LAW.width,
+    MEASURED_LAW.upper_ratio,
+    MEASURED_LAW.travel_speed,
+)
+"""[m], [-], [m/s]: lag 25 ms at dz 0.15 m to over 110 ms at 0.8 m."""
+MEASURED_KS = 0.03
+"""Growth of the width [m/m]; the model's law has none."""
 NARROWEST = 0.02
 """Smallest width [m]; reached only where vehicles touch."""
 MAX_DELAY = 0.4
@@ -82,14 +89,16 @@ def max_delay(kind: WakeLaw) -> float:
     return MAX_DELAY if kind == WakeLaw.MEASURED else 0.0
 
 
-def _width(kind: int, gap: float) -> float:
+@compiled
+def width(kind: int, gap: float) -> float:
     """Return s [m] at |dz| = gap [m]."""
     if kind == PAPER:
         return PAPER_S0 + PAPER_KS * gap
     return max(MEASURED_S + MEASURED_KS * (gap - MEASURED_DZ), NARROWEST)
 
 
-def _push(kind: int, gap: float, dxy_squared: float) -> float:
+@compiled
+def push(kind: int, gap: float, dxy_squared: float) -> float:
     """Return P [m/s^2]."""
     s = width(kind, gap)
     if dxy_squared > (EDGE * s) ** 2:
@@ -100,7 +109,8 @@ def _push(kind: int, gap: float, dxy_squared: float) -> float:
     return MEASURED_A * math.exp(-MEASURED_BETA * (gap - MEASURED_DZ)) * profile
 
 
-def _pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
+@compiled
+def pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
     """Return the vertical acceleration [m/s^2] of i by j and of j by i, at dz = z_j - z_i [m]."""
     strength = push(kind, abs(dz), dxy_squared)
     upper = PAPER_UPPER if kind == PAPER else MEASURED_UPPER
@@ -109,20 +119,15 @@ def _pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
     return strength * ((1.0 - share) * upper - share), strength * (share * upper - (1.0 - share))
 
 
-def _delay(kind: int, dz: float) -> float:
+@compiled
+def delay(kind: int, dz: float) -> float:
     """Return the delay of the downwash from a source at height difference dz [m], [s]; 0 upwards."""
     if kind != MEASURED or dz <= 0.0:
         return 0.0
     return min(dz / MEASURED_SPEED, MAX_DELAY)
 
 
-def _reach(kind: int, gap: float) -> float:
+@compiled
+def reach(kind: int, gap: float) -> float:
     """Return the largest horizontal distance at which a source at |dz| = gap acts on a vehicle [m]."""
     return float(EDGE * width(kind, gap) + FASTEST * delay(kind, gap))
-
-
-width = compiled(_width)
-push = compiled(_push)
-pair_eta = compiled(_pair_eta)
-delay = compiled(_delay)
-reach = compiled(_reach)

@@ -15,7 +15,8 @@ SHARE = 3
 """Column of T / (m g) in a slot of the ring, after x, y, z [m]."""
 
 
-def _seen(ring: Array, steps: int, vehicle: int, late: float) -> Four:
+@compiled
+def _past_source(ring: Array, steps: int, vehicle: int, late: float) -> Four:
     """Return x, y, z, T / (m g) of a vehicle `late` steps ago."""
     slots = ring.shape[0]
     whole = math.floor(late)
@@ -30,16 +31,18 @@ def _seen(ring: Array, steps: int, vehicle: int, late: float) -> Four:
     )
 
 
+@compiled
 def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int], step: float) -> float:
     """Return the measured downwash eta_z [m/s^2] of vehicle j on vehicle i, `pair` = (i, j)."""
     i, j = pair
     late = delay(MEASURED, state[j, Z] - state[i, Z]) / step
-    x, y, z, share = seen(ring, steps, j, late)
+    x, y, z, share = _past_source(ring, steps, j, late)
     dx, dy = x - state[i, X], y - state[i, Y]
     return float(share * pair_eta(MEASURED, dx * dx + dy * dy, z - state[i, Z])[0])
 
 
-def _law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
+@compiled
+def law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
     """Write eta_z of every vehicle into its state."""
     n = state.shape[0]
     lowest, highest = state[0, Z], state[0, Z]
@@ -65,10 +68,5 @@ def _law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> 
                 state[i, ETA] += on_i
                 state[j, ETA] += on_j
             else:
-                state[i, ETA] += late_downwash(state, ring, int(rows[n]), (i, j), step)
-                state[j, ETA] += late_downwash(state, ring, int(rows[n]), (j, i), step)
-
-
-seen, late_downwash = compiled(_seen), compiled(_late_downwash)
-law_push = compiled(_law_push)
-"""Write eta_z of every vehicle: (state, ring, rows, kind, step [s])."""
+                state[i, ETA] += _late_downwash(state, ring, int(rows[n]), (i, j), step)
+                state[j, ETA] += _late_downwash(state, ring, int(rows[n]), (j, i), step)

@@ -10,7 +10,9 @@ from q2q_sim.plant.quadcopter import X
 Rows = NDArray[np.int64]
 
 
-def _sort_by_x(state: Array, rows: Rows) -> None:
+@compiled
+def sort_by_x(state: Array, rows: Rows) -> None:
+    """Sort the first n entries of rows (n + 1,) by the x of their states."""
     for a in range(1, state.shape[0]):
         row = rows[a]
         b = a - 1
@@ -18,7 +20,3 @@ def _sort_by_x(state: Array, rows: Rows) -> None:
             rows[b + 1] = rows[b]
             b -= 1
         rows[b + 1] = row
-
-
-sort_by_x = compiled(_sort_by_x)
-"""Sort the first n entries of rows (n + 1,) by the x of their states: (state, rows)."""

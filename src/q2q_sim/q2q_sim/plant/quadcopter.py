@@ -26,14 +26,13 @@ The compiled loops hold one row of numbers for each vehicle, with the columns be
 """
 
 import math
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.attitude.allocation import rotor_frame
 from q2q_control.attitude.allocation_kernel import allocate
-from q2q_control.attitude.attitude_law import AttitudeParams, attitude_torque, packed_gains
+from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, attitude_gains, attitude_torque
 from q2q_model.compiled import compiled
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
@@ -67,9 +66,6 @@ TORQUE = slice(TX, CEILING)
 GAIN1 = 3
 """Column of the first rotor's gain in a drive row, after the acceleration by moving air [m/s^2]."""
 
-INERTIA = 2
-"""Row of the inertia [kg m^2] in packed_gains."""
-
 Three = tuple[float, float, float]
 Four = tuple[float, float, float, float]
 
@@ -77,8 +73,8 @@ Four = tuple[float, float, float, float]
 class Body(NamedTuple):
     """Constants of a vehicle for a physics step."""
 
-    gains: Array
-    """packed_gains of the attitude law, (4, 3)."""
+    gains: AttitudeGains
+    """Of the attitude law."""
     frame: Three
     """Lever [m], drag [m], rotor_max [N] of a RotorFrame."""
     mass: float
@@ -94,7 +90,7 @@ def body_of(vehicle: Vehicle, attitude: AttitudeParams, step: float) -> Body:
     decay = math.exp(-step / vehicle.thrust_lag) if vehicle.thrust_lag > 0.0 else 0.0
     frame = rotor_frame(vehicle)
     lever, drag, rotor_max = float(frame.lever), float(frame.drag), float(frame.rotor_max)
-    return Body(packed_gains(attitude, vehicle), (lever, drag, rotor_max), vehicle.mass, decay, step)
+    return Body(attitude_gains(attitude, vehicle), (lever, drag, rotor_max), vehicle.mass, decay, step)
 
 
 def state_at_rest(start: Array, mass: float) -> Array:
@@ -111,11 +107,13 @@ def state_at_rest(start: Array, mass: float) -> Array:
     return state
 
 
+@compiled(inline="always")
 def _torque(rotors: Four, lever: float, drag: float) -> Three:
     f1, f2, f3, f4 = rotors
     return lever * (-f1 - f2 + f3 + f4), lever * (-f1 + f2 + f3 - f4), drag * (-f1 + f2 - f3 + f4)
 
 
+@compiled(inline="always")
 def _tilt(quat: Four) -> Three:
     """Return roll, pitch [rad], and 0 for the yaw, which the attitude law does not read."""
     x, y, z, w = quat
@@ -123,20 +121,22 @@ def _tilt(quat: Four) -> Three:
     return roll, math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0)), 0.0
 
 
-def _wanted(row: Array, command: Four, body: Body, wanted: Array) -> None:
-    """Write the rotor thrusts [N] that the onboard loop commands."""
+@compiled(inline="always")
+def _write_rotors(row: Array, command: Four, body: Body, commanded: Array) -> None:
+    """Write the rotor thrusts that the onboard loop commands [N], (4,)."""
     thrust, roll, pitch, yaw_rate = command
     if thrust <= 0.0:
-        wanted[:] = 0.0
+        commanded[:] = 0.0
         return
     lever, drag, _ = body.frame
-    torque_now = torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
-    attitude = tilt((row[QX], row[QY], row[QZ], row[QW]))
+    torque_now = _torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
+    attitude = _tilt((row[QX], row[QY], row[QZ], row[QW]))
     rate = (row[P], row[Q], row[R])
     tx, ty, tz = attitude_torque(attitude, rate, torque_now, (roll, pitch, yaw_rate), body.gains)
-    allocate((thrust, tx, ty, tz), body.frame, True, wanted)  # noqa: FBT003  numba takes no keywords here
+    allocate((thrust, tx, ty, tz), body.frame, True, commanded)  # noqa: FBT003  numba takes no keywords here
 
 
+@compiled(inline="always")
 def _push(row: Array, push: Three, body: Body) -> None:
     """Integrate velocity and position over one step."""
     x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
@@ -151,6 +151,7 @@ def _push(row: Array, push: Three, body: Body) -> None:
         row[X + k] += 0.5 * (before + row[VX + k]) * h
 
 
+@compiled(inline="always")
 def _half_turn(square: float) -> tuple[float, float]:
     """Return sin x / x and cos x for x^2 = square; below 1e-3 the series are exact to the last digit."""
     if square > 1e-3:
@@ -161,11 +162,12 @@ def _half_turn(square: float) -> tuple[float, float]:
     return sine, 1.0 - square * (0.5 - square * rest)
 
 
+@compiled(inline="always")
 def _turn(row: Array, body: Body) -> None:
     """Integrate angular velocity and attitude over one step."""
     lever, drag, _ = body.frame
-    tx, ty, tz = torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
-    ix, iy, iz = body.gains[INERTIA, 0], body.gains[INERTIA, 1], body.gains[INERTIA, 2]
+    tx, ty, tz = _torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
+    ix, iy, iz = body.gains.inertia[0], body.gains.inertia[1], body.gains.inertia[2]
     h = body.step
     p, q, r = row[P], row[Q], row[R]
     tx, ty, tz = tx + row[TX], ty + row[TY], tz + row[TZ]
@@ -173,7 +175,7 @@ def _turn(row: Array, body: Body) -> None:
     wy = q + h * (ty + (iz - ix) * p * r) / iy
     wz = r + h * (tz + (ix - iy) * p * q) / iz
     row[P], row[Q], row[R] = wx, wy, wz
-    s, c = half_turn(0.25 * h * h * (wx * wx + wy * wy + wz * wz))
+    s, c = _half_turn(0.25 * h * h * (wx * wx + wy * wy + wz * wz))
     s *= 0.5 * h
     ex, ey, ez = s * wx, s * wy, s * wz
     x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
@@ -185,6 +187,7 @@ def _turn(row: Array, body: Body) -> None:
     row[QX], row[QY], row[QZ], row[QW] = nx * scale, ny * scale, nz * scale, nw * scale
 
 
+@compiled
 def _stand(row: Array, body: Body) -> None:
     """Stop a vehicle below the ground, level, with its yaw kept; acc includes the ground's reaction."""
     for k in range(3):
@@ -198,25 +201,28 @@ def _stand(row: Array, body: Body) -> None:
     row[QX], row[QY], row[QZ], row[QW] = 0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw)
 
 
-def _move(row: Array, wanted: Array, drive: Array, body: Body) -> None:
-    """Advance rotors and rigid body by one step towards the rotor thrusts `wanted` [N]."""
+@compiled(inline="always")
+def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
+    """Advance rotors and rigid body by one step under commanded rotor thrusts [N], (4,)."""
     for k in range(4):
-        target = min(drive[GAIN1 + k] * wanted[k], row[CEILING])
+        target = min(drive[GAIN1 + k] * commanded[k], row[CEILING])
         row[F1 + k] = target + (row[F1 + k] - target) * body.decay
-    push(row, (drive[X] + row[ETA_X], drive[Y] + row[ETA_Y], drive[Z] + row[ETA]), body)
-    turn(row, body)
+    _push(row, (drive[X] + row[ETA_X], drive[Y] + row[ETA_Y], drive[Z] + row[ETA]), body)
+    _turn(row, body)
     if row[Z] < 0.0:
-        stand(row, body)
+        _stand(row, body)
 
 
-def _advance(row: Array, command: Four, drive: Array, body: Body, wanted: Array) -> None:
-    onboard(row, command, body, wanted)
-    move(row, wanted, drive, body)
+@compiled
+def advance(row: Array, command: Four, drive: Array, body: Body, commanded: Array) -> None:
+    """Advance one vehicle by a step.
 
-
-part = partial(compiled, inline="always")
-half_turn, torque, tilt, onboard = part(_half_turn), part(_torque), part(_tilt), part(_wanted)
-push, turn, stand, move = part(_push), part(_turn), compiled(_stand), part(_move)
-advance = compiled(_advance)
-"""Move one vehicle by a step: state row (STATE_WIDTH,), command (thrust, roll, pitch, yaw rate), drive (7,),
-Body, room for wanted rotor thrusts (4,)."""
+    Args:
+        row: state, (STATE_WIDTH,), changed in place.
+        command: thrust [N], roll, pitch [rad], yaw rate [rad/s].
+        drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (7,).
+        body: constants of the vehicle.
+        commanded: workspace for rotor thrusts, (4,).
+    """
+    _write_rotors(row, command, body, commanded)
+    move(row, commanded, drive, body)

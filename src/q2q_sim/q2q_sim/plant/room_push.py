@@ -5,7 +5,6 @@ with what those between have not absorbed. Then each vehicle feels the residual 
 """
 
 import math
-from functools import partial
 from typing import NamedTuple
 
 from q2q_model.compiled import compiled
@@ -81,6 +80,7 @@ class Now(NamedTuple):
     """Distance at the largest gap [m]."""
 
 
+@compiled(inline="always")
 def _cell(knots: Array, value: float) -> int:
     """Return the last cell whose lower end is below `value`, from where evenly spaced knots would have it."""
     last = knots.shape[0] - 2
@@ -92,10 +92,11 @@ def _cell(knots: Array, value: float) -> int:
     return k
 
 
+@compiled(inline="always")
 def _table_push(table: PushTable, a: int, gap: float, radius: float) -> float:
     """Return P [m/s^2] at a gap in the table's cell a."""
     gaps, radii, push, _ = table
-    b = cell(radii, radius)
+    b = _cell(radii, radius)
     along = min(max((gap - gaps[a]) / (gaps[a + 1] - gaps[a]), 0.0), 1.0)
     aside = max((radius - radii[b]) / (radii[b + 1] - radii[b]), 0.0)
     near = (1.0 - aside) * push[a, b] + aside * push[a, b + 1]
@@ -103,6 +104,7 @@ def _table_push(table: PushTable, a: int, gap: float, radius: float) -> float:
     return float((1.0 - along) * near + along * far)
 
 
+@compiled(inline="always")
 def _source(ring: Array, now: Now, room: RoomLaw, j: int, late: float) -> None:
     """Write vehicle j as it was `late` steps ago into room.source, with the slope of its jet for its own."""
     one, source = room.numbers, room.source
@@ -118,6 +120,7 @@ def _source(ring: Array, now: Now, room: RoomLaw, j: int, late: float) -> None:
     source[SLOPE_Y] = one.bend_y + one.wander * wander_y - one.slope * source[SLOPE_Y]
 
 
+@compiled(inline="always")
 def _meet(row: Array, room: RoomLaw, tau: float, under: Array) -> bool:
     """Write the vehicle's place in the jet of room.source into a row of `under`; return if it has one."""
     one, source = room.numbers, room.source
@@ -128,18 +131,19 @@ def _meet(row: Array, room: RoomLaw, tau: float, under: Array) -> bool:
     spread = max(dz / one.last_gap, 1.0)  # of the self-similar jet below the table
     radius = math.sqrt(away_x * away_x + away_y * away_y)
     gap = abs(dz) / spread
-    a = cell(room.table.gaps, gap)
+    a = _cell(room.table.gaps, gap)
     if radius >= spread * room.table.ends[a]:
         return False
     along = min(max(0.5 * (dz / BLEND + 1.0), 0.0), 1.0)
     under[FALL], under[RADIUS] = dz, radius / spread
     under[AWAY_X], under[AWAY_Y] = away_x / max(radius, TOUCHING), away_y / max(radius, TOUCHING)
-    under[PUSH] = table_push(room.table, a, gap, radius / spread)
+    under[PUSH] = _table_push(room.table, a, gap, radius / spread)
     under[WEIGHT] = along * along * (3.0 - 2.0 * along) / (spread * spread)
     under[STRENGTH] = under[WEIGHT] * source[SHARE]
     return True
 
 
+@compiled(inline="always")
 def _absorbed(under: Array, one: RoomNumbers) -> float:
     """Return the share c of a jet that a vehicle in it absorbs."""
     if one.absorbed == 0.0:
@@ -149,6 +153,7 @@ def _absorbed(under: Array, one: RoomNumbers) -> float:
     return float(min(under[WEIGHT] * taken, 1.0))
 
 
+@compiled(inline="always")
 def _tip(row: Array, under: Array, strength: float, one: RoomNumbers) -> None:
     """Add the edge torque of a jet to a vehicle's row, in body axes."""
     ratio = under[RADIUS] / one.torque_radius
@@ -160,6 +165,7 @@ def _tip(row: Array, under: Array, strength: float, one: RoomNumbers) -> None:
     row[TZ] += 2.0 * (x * z + w * y) * tx + 2.0 * (y * z - w * x) * ty
 
 
+@compiled(inline="always")
 def _drift(past: Past, room: RoomLaw) -> float:
     """Return the largest slope between the axis of a jet and its source now [-], by periods of the ring."""
     one, ring, steepest, steps = room.numbers, past.ring, room.steepest, past.rows[past.rows.shape[0] - 1]
@@ -172,11 +178,13 @@ def _drift(past: Past, room: RoomLaw) -> float:
     return one.tilt * math.sqrt(max(steepest[0], steepest[1])) + one.drift
 
 
+@compiled(inline="always")
 def _reach(one: RoomNumbers, drift: float, gap: float) -> float:
     """Return the largest distance of a vehicle in a jet from its source [m]."""
     return max(one.near + one.spread * gap, one.widening * gap) + (drift + one.turn * gap) * gap
 
 
+@compiled(inline="always")
 def _collect(state: Array, past: Past, room: RoomLaw, a: int, now: Now) -> int:
     """Write the vehicles in the jet of the a-th vehicle along x into room.under; return their number."""
     n, one, rows = state.shape[0], room.numbers, past.rows
@@ -187,32 +195,34 @@ def _collect(state: Array, past: Past, room: RoomLaw, a: int, now: Now) -> int:
             i = rows[b]
             dx, dy, gap = state[j, X] - state[i, X], state[j, Y] - state[i, Y], state[j, Z] - state[i, Z]
             b += side
-            if gap <= -BLEND or dx * dx + dy * dy > reach(one, now.drift, abs(gap)) ** 2:
+            if gap <= -BLEND or dx * dx + dy * dy > _reach(one, now.drift, abs(gap)) ** 2:
                 continue
             tau = min(max(gap, 0.0) / one.travel_speed, MAX_DELAY)
-            source(past.ring, now, room, j, tau / one.step)
-            if meet(state[i], room, tau, room.under[count]):
+            _source(past.ring, now, room, j, tau / one.step)
+            if _meet(state[i], room, tau, room.under[count]):
                 room.under[count, ROW] = i
                 count += 1
     return count
 
 
+@compiled(inline="always")
 def _shed(state: Array, past: Past, room: RoomLaw, a: int, now: Now) -> None:
     """Add the jet of the a-th vehicle along x to those in it."""
     one, under = room.numbers, room.under
-    count = collect(state, past, room, a, now)
+    count = _collect(state, past, room, a, now)
     for k in range(count):
         strength = under[k, STRENGTH]
         for between in range(count):
             if under[between, FALL] < under[k, FALL]:
-                strength *= 1.0 - absorbed(under[between], one)
+                strength *= 1.0 - _absorbed(under[between], one)
         i, push = int(under[k, ROW]), strength * under[k, PUSH]
         state[i, ETA] -= push
         state[past.rows[a], ETA] += one.upper_ratio * push
         if one.torque != 0.0:
-            tip(state[i], under[k], strength, one)
+            _tip(state[i], under[k], strength, one)
 
 
+@compiled(inline="always")
 def _surround(row: Array, unit: float, one: RoomNumbers, mass: float) -> None:
     """Add the residual and the ground effect to the push on a vehicle."""
     eta = abs(row[ETA])
@@ -225,7 +235,9 @@ def _surround(row: Array, unit: float, one: RoomNumbers, mass: float) -> None:
     row[ETA] += lift * (1.0 - 2.0 * (x * x + y * y))
 
 
-def _room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float) -> None:
+@compiled
+def room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float) -> None:
+    """Write push, torque and largest rotor thrust of every vehicle; `mass` in [kg]."""
     n, one, past = state.shape[0], room.numbers, Past(ring, rows)
     lowest, highest = state[0, Z], state[0, Z]
     tick = rows[n] % room.unit.shape[0]
@@ -237,17 +249,9 @@ def _room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float
         lowest, highest = min(lowest, state[i, Z]), max(highest, state[i, Z])
     if n > 1 and one.near > 0.0:
         sort_by_x(state, rows)
-        lean = drift(past, room)
-        now = Now(rows[n] % ring.shape[0], tick, lean, reach(one, lean, max(highest - lowest, BLEND)))
+        lean = _drift(past, room)
+        now = Now(rows[n] % ring.shape[0], tick, lean, _reach(one, lean, max(highest - lowest, BLEND)))
         for a in range(n):
-            shed(state, past, room, a, now)
+            _shed(state, past, room, a, now)
     for i in range(n):
-        surround(state[i], room.unit[tick, i, RESIDUAL], one, mass)
-
-
-part = partial(compiled, inline="always")
-cell, table_push, source, meet = part(_cell), part(_table_push), part(_source), part(_meet)
-absorbed, tip, collect, shed = part(_absorbed), part(_tip), part(_collect), part(_shed)
-surround, drift, reach = part(_surround), part(_drift), part(_reach)
-room_push = compiled(_room_push)
-"""Write push, torque and largest rotor thrust of every vehicle: (state, ring, rows, RoomLaw, mass [kg])."""
+        _surround(state[i], room.unit[tick, i, RESIDUAL], one, mass)

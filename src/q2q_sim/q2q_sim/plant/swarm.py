@@ -86,7 +86,9 @@ class Air(NamedTuple):
     """Empty if the kind is not ROOM."""
 
 
-def _air_push(state: Array, air: Air, body: Body) -> None:
+@compiled
+def air_push(state: Array, air: Air, body: Body) -> None:
+    """Write push and torque of the air on every vehicle."""
     kind, ring, rows, room = air
     if kind == ROOM:
         room_push(state, ring, rows, room, body.mass)
@@ -94,7 +96,8 @@ def _air_push(state: Array, air: Air, body: Body) -> None:
         law_push(state, ring, rows, kind, body.step)
 
 
-def _remember(state: Array, air: Air, weight: float) -> None:
+@compiled
+def remember(state: Array, air: Air, weight: float) -> None:
     """Count the step and write its states into the ring."""
     ring, rows, n = air.ring, air.rows, state.shape[0]
     rows[n] += 1
@@ -110,30 +113,24 @@ def _remember(state: Array, air: Air, weight: float) -> None:
             now[i, SLOPE_Y] = min(max(2.0 * (y * z - w * x) / upright, -STEEPEST), STEEPEST)
 
 
-def _run(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
-    """Advance by one physics step for each row of commands."""
-    wanted = np.empty(4)
+@compiled(nogil=True)
+def run(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
+    """Advance by one physics step for each row of commands; releases the GIL."""
+    rotors = np.empty(4)
     for k in range(commands.shape[0]):
         air_push(state, air, body)
         for i in range(state.shape[0]):
             command = (commands[k, i, 0], commands[k, i, 1], commands[k, i, 2], commands[k, i, 3])
-            advance(state[i], command, drive[i], body, wanted)
+            advance(state[i], command, drive[i], body, rotors)
         remember(state, air, body.mass * GRAVITY)
 
 
-def _push_of(state: Array, air: Air, body: Body, push: Array) -> None:
+@compiled
+def write_push(state: Array, air: Air, body: Body, push: Array) -> None:
+    """Write the push of the air on every vehicle [m/s^2], (n, 3), into `push`."""
     air_push(state, air, body)
     for i in range(state.shape[0]):
         push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA]
-
-
-remember = compiled(_remember)
-air_push = compiled(_air_push)
-"""Write push and torque of the air on every vehicle: (state, air, body)."""
-push_of = compiled(_push_of)
-"""Write the push [m/s^2] (n, 3) on every vehicle now: (state, air, body, push)."""
-run = compiled(_run, nogil=True)
-"""Advance by steps: (state, air, commands, drive, body); releases the GIL."""
 
 
 def still_air(state: Array, air: FlownAir, body: Body) -> Air:
@@ -217,7 +214,7 @@ class Swarm:
         """Return the push of the air on every vehicle now [m/s^2], world, (n, 3)."""
         self.prepare()
         push = np.empty((len(self.names), 3))
-        push_of(self.state, self.air, self.body, push)
+        write_push(self.state, self.air, self.body, push)
         return push
 
     def truth(self, t: float) -> SwarmState:

@@ -15,7 +15,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air import wake_laws as law
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.quadcopter import ACC, ETA, INERTIA, POS, QUAT, RATE, ROTORS, VEL, VZ, Body, Z
+from q2q_sim.plant.quadcopter import ACC, ETA, POS, QUAT, RATE, ROTORS, VEL, VZ, Body, Z
 from q2q_sim.plant.swarm import Air
 
 
@@ -27,8 +27,8 @@ def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body)
     mass, decay, h = body.mass, body.decay, body.step
     for command in commands:  # (n, 4)
         state[:, ETA] = downwash_numpy(state, air, h)
-        wanted = drive[:, 3:] * _wanted_rotors(state, command, body)
-        state[:, ROTORS] = wanted + (state[:, ROTORS] - wanted) * decay
+        commanded = drive[:, 3:] * _commanded_rotors(state, command, body)
+        state[:, ROTORS] = commanded + (state[:, ROTORS] - commanded) * decay
         _move(state, drive[:, :3], body)
         _stand(state, h)
         air.rows[-1] += 1
@@ -90,17 +90,17 @@ def _seen(air: Air, vehicle: NDArray[np.intp], late: Array) -> Array:
     return np.asarray((1.0 - share) * after + share * before)
 
 
-def _wanted_rotors(state: Array, command: Array, body: Body) -> Array:
+def _commanded_rotors(state: Array, command: Array, body: Body) -> Array:
     frame = RotorFrame(*body.frame)
     torque_now = wrench_of(state[:, ROTORS], frame)[:, 1:]
     attitude = euler_from_quat(state[:, QUAT])
     torque = attitude_torques(attitude, state[:, RATE], torque_now, command[:, 1:], body.gains)
-    wanted = rotors_of(np.column_stack([command[:, 0], torque]), frame)
-    return np.where(command[:, :1] > 0.0, wanted, 0.0)
+    commanded = rotors_of(np.column_stack([command[:, 0], torque]), frame)
+    return np.where(command[:, :1] > 0.0, commanded, 0.0)
 
 
 def _move(state: Array, moving_air: Array, body: Body) -> None:
-    mass, h, inertia = body.mass, body.step, body.gains[INERTIA]
+    mass, h, inertia = body.mass, body.step, body.gains.inertia
     wrench = wrench_of(state[:, ROTORS], RotorFrame(*body.frame))
     up = np.array([0.0, 0.0, 1.0])
     thrust_acc = rotate(state[:, QUAT], wrench[:, :1] / mass * up)
