@@ -13,10 +13,8 @@ _q2q_enter() {
   else
     export LD_LIBRARY_PATH=$(cat "$venv/q2q/library_path")
   fi
-  case ":$PATH:" in
-    *":$venv/bin:"*) ;;
-    *) export PATH=$venv/bin:$PATH:$_q2q_root/scripts/ros2-small ;;
-  esac
+  case ":$PATH:" in *":$venv/bin:"*) ;; *) export PATH=$venv/bin:$PATH ;; esac
+  case ":$PATH:" in *":$_q2q_root/scripts/ros2-small:"*) ;; *) export PATH=$PATH:$_q2q_root/scripts/ros2-small ;; esac
   export VIRTUAL_ENV=$venv
   export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$_q2q_root/build/numba}
