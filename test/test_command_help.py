@@ -29,6 +29,7 @@ TOOLS = {
     "q2q_model.commands.identify": "--vehcile",
     "q2q_model.commands.evaluate": "--modle",
     "q2q_control.commands.call": "--ndoe",
+    "q2q_control.commands.export_app": "--modle",
     "bench": "--jsno",
 }
 """Each tool with a misspelt option of its own."""
@@ -52,6 +53,7 @@ REFUSALS = (
     ("q2q_planner.commands.plan none.yaml --out x", 1, "no waypoint file at none.yaml"),
     ("q2q_model.commands.identify none --out x", 1, "no bag at none"),
     ("q2q_model.commands.evaluate none --model none", 1, "no bag at none"),
+    ("q2q_control.commands.export_app --model nosuch --out x", 1, "measured_law"),
     ("bench smulation", 2, "did you mean simulation?"),
 )
 SCRIPTS = ("bench", "campaign", "check", "demo", "docs", "fly", "paper", "setup")

@@ -10,7 +10,7 @@ setup(
     name=PACKAGE,
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
-    package_data={PACKAGE: ["py.typed", "explicit/*.json"]},
+    package_data={PACKAGE: ["py.typed", "explicit/*.json", "onboard/firmware_app/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -30,6 +30,7 @@ setup(
             "crazyswarm = q2q_control.commands.control_nodes:crazyswarm",
             "radio = q2q_control.commands.control_nodes:radio",
             "call = q2q_control.commands.call:main",
+            "export_app = q2q_control.commands.export_app:main",
         ],
     },
 )

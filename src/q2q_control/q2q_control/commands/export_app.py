@@ -1,0 +1,46 @@
+"""Write a firmware app in C99 that compensates downwash on board of a Crazyflie, from a model file.
+
+The app predicts the downwash of up to five neighbours from their broadcasts, corrects it by the vehicle's
+accelerometer at 500 Hz, and subtracts it from the acceleration setpoint of the Mellinger controller. The
+model must be a jet. DIR must be new or empty.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.files.model_choice import check_model
+from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
+from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
+
+EXAMPLE = """  ros2 run q2q_control export_app --model measured_law --out app/
+  ros2 run q2q_control export_app --model model.q2q --out app/ --vehicle crazyflie_2_1"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Export the app of the command line; return the exit status."""
+    return run_command(parser(), _prepare, words)
+
+
+def _prepare(args: Namespace) -> Work:
+    vehicle_by_name(args.vehicle, args.firmware)
+    check_model(args.model)
+    from q2q_control.tools.write_firmware_app import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("export_app", __doc__, EXAMPLE)
+    made.add_argument("--model", required=True, help="a shipped name or a .q2q file")
+    made.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write the app to")
+    made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
+    made.add_argument("--firmware", default=STOCK, choices=FIRMWARES, help="its thrust per PWM")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,67 @@
+/* One step of the app: measure the push, correct the model, predict for when the rotors will have answered.
+
+     y = (R f_body)_z - lagged(T / m) b_z         measured push
+     eta^ = eta(t + lag) + exp(-lag / T_r) r^(t)   with the lag of the rotors' thrust
+
+   The law is explicit: acceleration = that of the setpoint - eta^. */
+#include <math.h>
+#include <string.h>
+
+#include "q2q_track.h"
+
+const uint32_t q2q_app_bytes = sizeof(struct q2q_app), q2q_neighbours = Q2Q_NEIGHBOURS;
+
+/* Jobs of a step: the predictions for the present and for when the rotors will have answered, and the strength of
+   one source, if sources have one. */
+enum { PRESENT, AHEAD, STRENGTH, JOBS = Q2Q_STACKS ? 3 : 2 };
+
+static void restart(struct q2q_app *app) {
+  memset(&app->correction, 0, sizeof app->correction);
+  app->correction.variance = Q2Q_RESIDUAL_FLOOR * Q2Q_RESIDUAL_FLOOR;
+}
+
+void q2q_reset(struct q2q_app *app) {
+  memset(app, 0, sizeof *app);
+  for (int k = 0; k < Q2Q_VEHICLES; ++k) app->strength[k] = 1.0f;
+  restart(app);
+}
+
+/* Return the measured push [m/s^2], and let the rotors follow the command. */
+static float push_of(struct q2q_app *app, const struct q2q_input *input, float dt) {
+  const float keep = Q2Q_THRUST_LAG_S > 0.0f ? expf(-dt / Q2Q_THRUST_LAG_S) : 0.0f;
+  app->thrust = keep * app->thrust + (1.0f - keep) * input->thrust;
+  return input->force_up - app->thrust * input->own.axis[2];
+}
+
+/* Do one of the jobs that take turns. */
+static void work(struct q2q_app *app, const struct q2q_input *input) {
+  const struct q2q_motion *own = &input->own;
+  if (app->job == PRESENT) {
+    app->eta = q2q_downwash(app, own, input->now_us, 0.0f);
+  } else if (app->job == AHEAD) {
+    app->ahead = q2q_downwash(app, own, input->now_us, Q2Q_THRUST_LAG_S);
+  } else {
+    app->source = (uint8_t)(app->source % Q2Q_NEIGHBOURS + 1);
+    q2q_renew_strength(app, own, input->now_us, app->source);
+  }
+  app->job = (uint8_t)((app->job + 1) % JOBS);
+}
+
+float q2q_step(struct q2q_app *app, const struct q2q_input *input) {
+  const float dt = q2q_seconds(app->last_us, input->now_us);
+  struct q2q_track *own = &app->track[0];
+  if (own->count == 0 || q2q_seconds(own->stamp_us[own->newest], input->now_us) >= Q2Q_PERIOD_S)
+    q2q_remember(own, input->now_us, &input->own);
+  app->last_us = input->now_us;
+  work(app, input);
+  if (!input->flying || !app->flying) {
+    app->flying = input->flying;
+    app->thrust = input->thrust;
+    restart(app);
+    return 0.0f;
+  }
+  q2q_measure(&app->correction, push_of(app, input, dt), app->eta, dt);
+  const float all = app->ahead + q2q_residual(&app->correction, Q2Q_THRUST_LAG_S);
+  if (!isfinite(all)) return 0.0f;
+  return all > Q2Q_LARGEST ? Q2Q_LARGEST : all < -Q2Q_LARGEST ? -Q2Q_LARGEST : all;
+}
