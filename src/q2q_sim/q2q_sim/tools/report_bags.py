@@ -25,7 +25,18 @@ from q2q_sim.report.figures import PlotCurve
 from q2q_sim.report.html_page import Grid, Picture, page
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 
-HEAD = ("flight", "vehicle", "z RMSE [m]", "xy RMSE [m]", "U1 energy [N²s]", "above hover", "max U1 [N]")
+HEAD = (
+    "flight",
+    "vehicle",
+    "z RMSE [m]",
+    "xy RMSE [m]",
+    "U1 energy [N²s]",
+    "above hover",
+    "max U1 [N]",
+    "z RMSE under another [m]",
+    "in clear air [m]",
+    "worst under another [m]",
+)
 HEAD_LIMITS = ("flight", "vehicle", "saturated [%]", "fallback [%]", "separation [m]", "in zone [s]")
 HEAD_NODES = ("flight", "node", "seconds", "in trouble", "worst", "last values")
 HEAD_MOCAP = ("flight", "vehicle", "rate [Hz]", "seen [%]", "longest gap [s]", "not believed")
