@@ -19,8 +19,10 @@ from q2q_sim.experiments.validation.comparison import comparison, error_sums, fl
 from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw
 from q2q_sim.experiments.validation.error_figures import error_figure
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
+from q2q_sim.experiments.validation.estimate_noise import coloured, noise_density
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, read_law
-from q2q_sim.experiments.validation.redrawn_flight import noise_std, redrawn
+from q2q_sim.experiments.validation.redrawn_flight import redrawn
+from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import ESTIMATE_LAG, TrackedFlight, recorded_headroom
 from q2q_sim.experiments.validation.validation import (
     COVERAGE,
@@ -94,6 +96,7 @@ def passes(seconds: float, period: float = 8.0) -> TrackedFlight:
         ref_pos=ref,
         ref_vel=vel,
         ref_acc=np.gradient(vel, DT, axis=0),
+        acc=np.full(ref.shape, np.nan),
         thrust=np.zeros((len(t), 2)),
         compensated=np.zeros((len(t), 2)),
         usable=~none,
@@ -223,10 +226,59 @@ def test_the_share_of_a_segment_is_that_of_its_rows():
     np.testing.assert_allclose(segment_share(rows, DT), [0.5, 0.0, 0.0])
 
 
-def test_noise_is_read_above_the_motion():
+def test_noise_without_an_accelerometer_is_read_above_the_motion():
     t = DT * np.arange(8192)[:, None, None]
     noise = 3e-4 * np.random.default_rng(0).standard_normal((8192, 1, 3))
-    np.testing.assert_allclose(noise_std(np.sin(t) + noise, DT), 3e-4, rtol=0.05)
+    _, density = noise_density(np.sin(t) + noise, np.full(noise.shape, np.nan), 2, DT)
+    np.testing.assert_allclose(density, 3e-4**2 * 2.0 * DT, rtol=0.1)
+
+
+def test_motion_that_the_accelerometer_shows_is_no_noise():
+    rng = np.random.default_rng(0)
+    noise = 1e-4 * rng.standard_normal((8192, 1, 3))
+    at = np.fft.rfftfreq(8192, DT)[:, None, None]
+    moved = np.fft.rfft(rng.standard_normal(noise.shape), axis=0) * ((at > 4.0) & (at < 10.0))
+    for order in (1, 2):
+        values = np.fft.irfft(moved / (2j * np.pi * np.maximum(at, 1.0)) ** order, axis=0)
+        assert values.std() > 2e-4
+        _, density = noise_density(values + noise, np.fft.irfft(moved, axis=0), order, DT)
+        np.testing.assert_allclose(density[30:].mean(axis=0), 1e-4**2 * 2.0 * DT, rtol=0.1)
+
+
+def test_drawn_noise_has_the_density_that_was_read():
+    rng = np.random.default_rng(0)
+    slow = lagged(rng.standard_normal((20_000, 3)), DT * np.arange(20_000), 0.03)[:, None]
+    frequency, density = noise_density(slow, np.zeros(slow.shape), 2, DT)
+    drawn = coloured(rng.standard_normal(slow.shape), frequency, density, DT)
+    _, again = noise_density(drawn, np.zeros(slow.shape), 2, DT)
+    read = frequency > 3.2
+    np.testing.assert_allclose(again[read].mean(), density[read].mean(), rtol=0.1)
+    np.testing.assert_allclose(again[-10:].mean(), density[-10:].mean(), rtol=0.2)
+
+
+def test_the_drag_of_the_rotors_is_read_from_the_accelerometer(flight: TrackedFlight):
+    tilt = 0.2 * np.sin(flight.t)[:, None]
+    still = np.zeros_like(tilt)
+    quat = np.stack([still, np.sin(tilt / 2.0), still, np.cos(tilt / 2.0)], axis=-1) * np.ones(
+        (1, 2, 1)
+    )  # pitch
+    thrust = 9.81 * rotate(quat, UP) - np.array([0.0, 0.0, 9.81])
+    bias = 0.1 * rotate(quat, np.array([1.0, 0.0, 0.0]))
+    moving = replace(
+        flight,
+        quat=quat,
+        free=np.ones_like(flight.free),
+        acc=thrust + bias + drag_acceleration(0.4, flight.vel, quat),
+    )
+    assert read_drag(moving) == pytest.approx(0.4, rel=1e-6)
+    assert read_drag(flight) == 0.0  # it has no accelerometer
+
+
+def test_drag_slows_a_vehicle_across_its_thrust_alone():
+    level = identity_quat((1,))
+    np.testing.assert_allclose(
+        drag_acceleration(0.4, np.array([[1.0, -2.0, 3.0]]), level), [[-0.4, 0.8, 0.0]], atol=1e-12
+    )
 
 
 def test_draws_of_one_process_hold_a_further_one_at_95_percent():

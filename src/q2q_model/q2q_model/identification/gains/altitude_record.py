@@ -148,12 +148,12 @@ def _commanded_acc(flight: Flight, vehicle: Vehicle) -> Array:
 
 
 def resampled(t: Array, values: Array, at: Array) -> Array:
-    """Return `values` (T, ...) interpolated between finite rows at times `at`."""
+    """Return `values` (T, ...) interpolated between finite rows at times `at`; NaN if none is finite."""
     columns = values.reshape(t.size, -1)
     out = np.empty((at.size, columns.shape[1]))
     for k, column in enumerate(columns.T):
         good = np.isfinite(column)
-        out[:, k] = np.interp(at, t[good], column[good])
+        out[:, k] = np.interp(at, t[good], column[good]) if good.any() else np.nan
     return out.reshape(at.size, *values.shape[1:])
 
 

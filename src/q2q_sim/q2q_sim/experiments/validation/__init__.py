@@ -4,6 +4,8 @@
 |---|---|
 | tracked_flight | references, states and commands of a recorded flight on an even grid, with its rows |
 | onboard_law | the vehicles' own control law, read from their commands |
+| rotor_drag | drag of the rotors, read from accelerometers |
+| estimate_noise | noise of the recorded estimate, by its spectrum |
 | redrawn_flight | the flight flown again under that law, many draws of the air at once |
 | error_spectrum | spectra of the height error in bands |
 | comparison | numbers that compare simulated with recorded height errors |

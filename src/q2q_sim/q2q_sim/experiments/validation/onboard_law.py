@@ -35,6 +35,7 @@ from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
 LIMIT = 0.98
@@ -80,10 +81,12 @@ class OnboardLaw:
 
 @dataclass(frozen=True, slots=True)
 class ReadFlight:
-    """Flight with the acceleration reference of its controllers, and their law."""
+    """Flight with the acceleration reference of its controllers, their law and the drag of the vehicles."""
 
     flight: TrackedFlight
     law: OnboardLaw
+    drag: float = 0.0
+    """k of rotor_drag [1/s]."""
 
 
 def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
@@ -104,8 +107,9 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
         ]
     )
     whole = replace(flight, ref_acc=np.where(limited, commanded - known - constant, flight.ref_acc))
-    offset = _offset(whole, known, vehicle.thrust_lag)
-    return ReadFlight(whole, replace(law, offset=offset, attitude=attitude))
+    drag = read_drag(flight)
+    offset = _offset(whole, known + drag_acceleration(drag, flight.vel, flight.quat), vehicle.thrust_lag)
+    return ReadFlight(whole, replace(law, offset=offset, attitude=attitude), drag)
 
 
 def feedback(law: OnboardLaw, error: Array, rate: Array, integral: Array) -> Array:

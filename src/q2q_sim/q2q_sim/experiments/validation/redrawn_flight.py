@@ -1,15 +1,14 @@
 """A recorded flight flown again by its own law in simulated air, many draws side by side.
 
 Each draw starts from the recorded first state and follows the recorded references at the recorded rate. The
-controller reads the true state with the noise of the recorded estimate, without delay. That noise is white,
-as strong as the recorded signal above 15 Hz, where vehicles hardly move.
+controller reads the true state with the noise of the recorded estimate (estimate_noise), without delay. The
+vehicles feel the drag of their rotors (rotor_drag).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import welch
 
 from q2q_model.geometry.rotations import rotate, yaw_from_quat
 from q2q_model.identification.gains.altitude_record import UP
@@ -17,15 +16,11 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.validation.drawn_air import MakeDraw
+from q2q_sim.experiments.validation.estimate_noise import estimate_noise
 from q2q_sim.experiments.validation.onboard_law import ReadFlight, feedback
+from q2q_sim.experiments.validation.rotor_drag import drag_acceleration
 from q2q_sim.plant.quadcopter import POS, QUAT, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
-from q2q_sim.random_streams import stream
-
-NOISE_FROM = 15.0
-"""Frequency above which a recorded position or velocity counts as noise [Hz]."""
-NOISE_ROWS = 256
-"""Rows of a segment of its spectrum."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +46,7 @@ def redrawn(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence[int])
     for draw in draws:
         draw.swarm.state[:, VEL] = flight.vel[0]
         draw.swarm.use_attitude_loop(law.attitude)
-    noise = _noise(read, seeds)
+    noise = [np.stack(parts) for parts in zip(*(estimate_noise(flight, seed) for seed in seeds), strict=True)]
     ahead = flight.ref_acc + law.offset - flight.compensated[..., None] * UP
     steps = round(PHYSICS_RATE * flight.dt)
     integral = np.zeros((len(draws), n, 3))
@@ -63,27 +58,14 @@ def redrawn(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence[int])
         integral += flight.dt * error
         acc = ahead[k] + feedback(law, error, flight.ref_vel[k] - vel, integral)
         command = _command(acc, quat, yaw, mass)
-        for draw, one in zip(draws, command, strict=True):
-            draw.swarm.step(np.tile(one, (steps, 1, 1)), draw.gusts.step())
+        drag = drag_acceleration(read.drag, state[..., VEL], quat)
+        for draw, one, slowed in zip(draws, command, drag, strict=True):
+            drive = draw.gusts.step()
+            drive[:, :3] += slowed
+            draw.swarm.step(np.tile(one, (steps, 1, 1)), drive)
         seen.pos[:, k], seen.vel[:, k], seen.quat[:, k] = pos, vel, quat
         seen.thrust[:, k] = command[..., 0]
     return seen
-
-
-def noise_std(values: Array, dt: float) -> Array:
-    """Return the standard deviation of white noise as strong as `values` (T, n, 3) above 15 Hz, (n, 3)."""
-    frequency, density = welch(values, 1.0 / dt, nperseg=min(NOISE_ROWS, len(values)), axis=0)
-    return np.asarray(np.sqrt(density[frequency >= NOISE_FROM].mean(axis=0) * 0.5 / dt))
-
-
-def _noise(read: ReadFlight, seeds: Sequence[int]) -> tuple[Array, Array]:
-    """Return the noise of position [m] and velocity [m/s] of each draw, (draws, T, n, 3)."""
-    flight = read.flight
-    std = np.stack([noise_std(values, flight.dt) for values in (flight.pos, flight.vel)])
-    drawn = np.stack(
-        [stream(seed, "estimate noise").standard_normal((2, *flight.pos.shape)) for seed in seeds]
-    )
-    return drawn[:, 0] * std[0], drawn[:, 1] * std[1]
 
 
 def _command(acc: Array, quat: Array, yaw: Array, mass: float) -> Array:

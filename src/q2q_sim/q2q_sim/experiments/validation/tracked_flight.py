@@ -10,13 +10,13 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.geometry.rotations import normalised
+from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, Mask, scored_rows
 from q2q_model.identification.force.recorded_force import FULL_DUTY, MOTORS, lagged
-from q2q_model.identification.gains.altitude_record import resampled
+from q2q_model.identification.gains.altitude_record import UP, resampled
 from q2q_model.identification.identification import Recording, force_record
 from q2q_model.signals.values import Array, Names
-from q2q_model.vehicle.constants import Vehicle
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 ESTIMATE_LAG = 0.057
 """Lag of thrust_est behind the motors [s]: 0.16 of the way in each 10 ms."""
@@ -44,6 +44,8 @@ class TrackedFlight:
     """[m/s], world, (T, n, 3)."""
     ref_acc: Array
     """[m/s^2], world, (T, n, 3)."""
+    acc: Array
+    """Acceleration by the accelerometer [m/s^2], world, NaN without one, (T, n, 3)."""
     thrust: Array
     """Commanded collective thrust [N], (T, n)."""
     compensated: Array
@@ -99,6 +101,7 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         ref_pos=resampled(flight.t, flight.ref_pos, grid),
         ref_vel=resampled(flight.t, flight.ref_vel, grid),
         ref_acc=resampled(flight.t, flight.ref_acc, grid),
+        acc=resampled(flight.t, rotate(flight.quat, flight.specific_force_body) - GRAVITY * UP, grid),
         thrust=resampled(flight.t, flight.thrust, grid),
         compensated=resampled(flight.t, _compensated(flight, recording.log, vehicle.mass), grid),
         usable=usable[nearest],

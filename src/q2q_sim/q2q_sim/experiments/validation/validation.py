@@ -37,6 +37,8 @@ class ValidatedFlight:
 
     flight: TrackedFlight
     law: OnboardLaw
+    drag: float
+    """k of rotor_drag [1/s]."""
     drawn: Array
     """z - z_ref of each draw [m], (draws, T, n)."""
     under: tuple[ErrorSums, ...]
@@ -62,7 +64,7 @@ def validated(
     drawn = redrawn(read, vehicle.mass, make, seeds).pos[..., 2] - flight.ref_pos[..., 2]
     under = _sums(flight, drawn, flight.exposed, EXPOSED_SHARE)
     clear = _sums(flight, drawn, flight.free, CLEAR_SHARE)
-    return ValidatedFlight(read.flight, read.law, drawn, under, clear)
+    return ValidatedFlight(read.flight, read.law, read.drag, drawn, under, clear)
 
 
 def pooled(flights: Sequence[ValidatedFlight]) -> Comparison:
@@ -108,6 +110,7 @@ def _flight_json(one: ValidatedFlight) -> dict[str, object]:
         **asdict(comparison(one.under)),
         "clear": asdict(comparison(one.clear)),
         "loop": {**gains, "attitude_frequency": law.attitude.frequency, "residual_mps2": law.rms},
+        "drag_per_s": round(one.drag, 4),
     }
 
 
