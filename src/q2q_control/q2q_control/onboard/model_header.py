@@ -25,6 +25,8 @@ STALE_S = 0.25
 """Age at which a neighbour is forgotten [s]: 12 lost broadcasts in a row."""
 MEASURED_RATE = 100.0
 """Rate at which a residual process states its measurement noise [1/s]."""
+LIFTED_SHARE = 0.9
+"""Thrust over weight from which on a vehicle flies [-]: below, the ground carries it."""
 LARGEST_SHARE = 0.5
 """Largest correction over gravity [-]: what a faulty neighbour can ask for."""
 
@@ -130,6 +132,7 @@ def _vehicle_numbers(vehicle: Vehicle) -> dict[str, float]:
         "MASS": vehicle.mass,
         "THRUST_LAG_S": vehicle.thrust_lag,
         "NEWTON_PER_PWM": vehicle.full_pwm_thrust / PWM_FULL,
+        "LIFTED": LIFTED_SHARE * GRAVITY,
         "LARGEST": LARGEST_SHARE * GRAVITY,
     }
 

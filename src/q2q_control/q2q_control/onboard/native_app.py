@@ -16,9 +16,11 @@ from q2q_model.signals.values import Array
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-pedantic")
 PACKET_BYTES = 17
+AppLibrary = ctypes.CDLL
+"""Compiled core of an app."""
 
 
-class AppBuildError(RuntimeError):
+class AppBuildError(ValueError):
     """App that cannot be compiled for this machine."""
 
 
@@ -50,7 +52,7 @@ class StepInput(NamedTuple):
     flying: bool
 
 
-def compile_app(folder: Path) -> ctypes.CDLL:
+def compile_app(folder: Path) -> AppLibrary:
     """Return the core of an exported app as a library.
 
     Raises:
@@ -65,8 +67,8 @@ def compile_app(folder: Path) -> ctypes.CDLL:
         command = [compiler, *FLAGS, "-shared", "-fPIC", *sources, "-o", library, "-lm"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
-            raise AppBuildError(f"{folder} is no app of export_app: {done.stderr.strip().splitlines()[:1]}")
-        loaded = ctypes.CDLL(library)  # stays mapped when its file is gone
+            raise AppBuildError(f"{folder} is no app of export_app: {done.stderr.strip().splitlines()[0]}")
+        loaded = AppLibrary(library)  # stays mapped when its file is gone
     loaded.q2q_step.restype = loaded.q2q_downwash.restype = ctypes.c_float
     loaded.q2q_hear.restype = ctypes.c_bool
     return loaded
@@ -75,7 +77,7 @@ def compile_app(folder: Path) -> ctypes.CDLL:
 class NativeApp:
     """State of one vehicle's app."""
 
-    def __init__(self, library: ctypes.CDLL) -> None:
+    def __init__(self, library: AppLibrary) -> None:
         self._library = library
         self._neighbours = ctypes.c_uint32.in_dll(library, "q2q_neighbours").value
         self._state = ctypes.create_string_buffer(ctypes.c_uint32.in_dll(library, "q2q_app_bytes").value)

@@ -6,8 +6,9 @@ Prints one URI for each vehicle, then flies at 100 Hz of wall time until interru
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
 from q2q_model.vehicle.thrust_map import FIRMWARES
 from q2q_sim.scenarios import scenario_files
 
@@ -19,6 +20,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     scenario_files.check(args.scenario)
+    require_existing("app", *([args.app] if args.app else []))
     from q2q_sim.tools.fly_crtp_room import run
 
     return run
@@ -35,6 +37,9 @@ def parser() -> CommandLine:
     )
     made.add_argument(
         "--zero-expires", action="store_true", help="a setpoint without thrust expires after 0.5 s"
+    )
+    made.add_argument(
+        "--app", type=Path, metavar="DIR", help="folder written by export_app: its app flies on board"
     )
     made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
     made.add_argument("--latency", type=float, default=0.0, help="latency of the link in each direction [s]")

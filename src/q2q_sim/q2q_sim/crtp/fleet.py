@@ -7,18 +7,27 @@
 Vehicles that start in the air are held there until their first thrust, as by a hand.
 """
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.crtp.vehicle import CrtpVehicle
-from q2q_sim.firmware.controllers.columns import IDLE, MOTOR, SETPOINT_WIDTH, frame_row, fresh_memory
+from q2q_sim.firmware.controllers.columns import (
+    IDLE,
+    MOTOR,
+    SET_ACC,
+    SETPOINT_WIDTH,
+    frame_row,
+    fresh_memory,
+)
 from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
 from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
 from q2q_sim.firmware.motors.airframe import airframe_of
+from q2q_sim.firmware.onboard_apps import OnboardApps
 from q2q_sim.plant.swarm import Swarm
 
 
@@ -35,10 +44,10 @@ class Sent:
 class Fleet:
     """Firmware of every vehicle of a swarm."""
 
-    def __init__(self, swarm: Swarm, vehicle: Vehicle, build: Build) -> None:
-        """Start the firmware of a swarm of vehicles of one type."""
+    def __init__(self, swarm: Swarm, vehicle: Vehicle, build: Build, apps: OnboardApps | None = None) -> None:
+        """Start the firmware of a swarm of vehicles of one type, with apps on board if given."""
         n, airframe = len(swarm.names), airframe_of(vehicle)
-        self._swarm = swarm
+        self._swarm, self.apps = swarm, apps
         self._rows = Controllers(
             setpoints=np.zeros((n, 2, SETPOINT_WIDTH)),
             gains=np.zeros((n, 0)),
@@ -64,7 +73,7 @@ class Fleet:
         for i, vehicle in enumerate(self.vehicles):
             self._rows.setpoints[i] = vehicle.firmware.tick()
         self._refresh_gains()
-        fly_tick(self._swarm, self._rows, drive)
+        fly_tick(self._swarm, self._rows, drive, self._each_step())
         self._hold()
 
     def outgoing(self) -> list[Sent]:
@@ -74,6 +83,14 @@ class Fleet:
             for i, vehicle in enumerate(self.vehicles)
             for client, datagram in vehicle.step()
         ]
+
+    def _each_step(self) -> Callable[[], None] | None:
+        """Return what the apps do in every step of this tick; None without apps."""
+        if self.apps is None:
+            return None
+        wanted = self._rows.setpoints[:, :, SET_ACC + 2].copy()  # (n, 2)
+        flying = [vehicle.firmware.supervisor.flying for vehicle in self.vehicles]
+        return partial(self.apps.step, self._swarm.state, self._rows, wanted, flying)
 
     def _refresh_gains(self) -> None:
         changes = [vehicle.firmware.parameters.changes for vehicle in self.vehicles]

@@ -1,13 +1,16 @@
 """Fleet of a room: the vehicles fly by their own firmware, the rest of the room is unchanged."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
+from q2q_control.onboard.native_app import compile_app
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.spots import apart
 from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.firmware.parameters.parameter_table import DECKS
 from q2q_sim.loop.room import Room
 from q2q_sim.plant.quadcopter import state_at_rest
@@ -37,6 +40,7 @@ class CrtpRoomParams:
     )
     decks: tuple[str, ...] = tunable(("bcFlow2", "bcZRanger2"), "reported decks besides that for positioning")
     auto_arming: bool = tunable(default=True, description="vehicles arm themselves, as the stock build does")
+    app: str = tunable("", "folder written by export_app: its app flies on board; empty for none")
     zero_expires: bool = tunable(
         default=False, description="a setpoint without thrust expires after 0.5 s; the firmware keeps it"
     )
@@ -63,13 +67,29 @@ class CrtpRoomParams:
 
 
 def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
-    """Return the fleet of a room before its first tick, with the vehicles at their start."""
+    """Return the fleet of a room before its first tick, with the vehicles at their start.
+
+    Raises:
+        AppBuildError: the app cannot be compiled.
+    """
     if params.start == "ground":
         start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
         start[:, 2] = 0.0
         start[:, :2] = apart(start[:, :2])
         room.swarm.state[:] = state_at_rest(start, scenario.vehicle.mass)
-    return Fleet(room.swarm, scenario.vehicle, params.build)
+    return Fleet(room.swarm, scenario.vehicle, params.build, apps_in(scenario, params.app))
+
+
+def apps_in(scenario: Scenario, folder: str) -> OnboardApps | None:
+    """Return the apps of a room's vehicles, of an exported folder; None if it is empty.
+
+    Raises:
+        AppBuildError: the folder has no app, or there is no C compiler.
+    """
+    if not folder:
+        return None
+    noise = AppConditions(acc_noise=scenario.imu.acc_noise, acc_bias=scenario.imu.acc_bias)
+    return OnboardApps(compile_app(Path(folder)), scenario.vehicle, len(scenario.names), noise, seed=0)
 
 
 def rehearse_firmware(scenario: Scenario) -> None:

@@ -5,6 +5,7 @@ the position PID in the first step of a tick, 100 Hz), rotor lag, rigid body, gr
 rotor commands differs: here the firmware's controller and mixer, there q2q's attitude loop.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -72,17 +73,22 @@ def fly_steps(state: Array, around: PlantInputs, controllers: Controllers, first
         remember(state, air, body.mass * GRAVITY)
 
 
-def fly_tick(swarm: Swarm, controllers: Controllers, drive: Array) -> None:
+def fly_tick(
+    swarm: Swarm, controllers: Controllers, drive: Array, each: Callable[[], None] | None = None
+) -> None:
     """Advance a swarm by one tick under its own controllers.
 
     Args:
         swarm: the vehicles; their state changes.
         controllers: setpoints and memory; memory and drift change.
         drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
+        each: called before every step, if given.
     """
     around = PlantInputs(swarm.air, drive, swarm.body)
     done = 0
     while done < STEPS:
-        end = min(done + swarm.prepare(), STEPS)
+        end = min(done + swarm.prepare(), STEPS if each is None else done + 1)
+        if each is not None:
+            each()
         fly_steps(swarm.state, around, controllers, done, end)
         done = end

@@ -29,7 +29,12 @@ def run(args: Namespace) -> int:
 def _open(args: Namespace) -> None:
     scenario = with_firmware(library.load(args.scenario), args.firmware)
     room = Room(scenario, args.seed)
-    waiting = CrtpRoomParams(start=args.start, positioning=args.positioning, zero_expires=args.zero_expires)
+    waiting = CrtpRoomParams(
+        start=args.start,
+        positioning=args.positioning,
+        app=str(args.app or ""),
+        zero_expires=args.zero_expires,
+    )
     fleet = fleet_in(room, scenario, waiting)
     link = LinkParams(latency=args.latency, loss=args.loss, rate=args.rate)
     room.fly(fleet.fly)  # compiles

@@ -4,8 +4,6 @@
    arrive in the radio's task. The controller empties it, takes a step at 500 Hz, and lets Mellinger fly the
    setpoint with the acceleration less eta^. Interface: out-of-tree controllers and P2P broadcasts as documented
    by Bitcraze. */
-#include <math.h>
-
 #include "FreeRTOS.h"
 #include "app.h"
 #include "configblock.h"
@@ -22,9 +20,9 @@
 
 #include "q2q_app.h"
 
-#define PORT 1           /* of P2P packets */
-#define WAITING 10       /* packets: two periods of all neighbours */
-#define AGE_US 2000u     /* of a packet when it arrives: one transmission */
+#define PORT 1       /* of P2P packets */
+#define WAITING 10   /* packets: two periods of all neighbours */
+#define AGE_US 2000u /* of a packet when it arrives: one transmission */
 
 struct packet {
   uint32_t stamp_us;
@@ -32,10 +30,10 @@ struct packet {
 };
 
 static struct q2q_app app;
-static float eta;                           /* subtracted from the setpoint [m/s^2] */
+static float eta;                                 /* subtracted from the setpoint [m/s^2] */
 static float newton_per_pwm = Q2Q_NEWTON_PER_PWM; /* thrust of all motors over their common command */
-static uint8_t enabled = 1;                 /* 0: predict and log, but leave the setpoint alone */
-static bool ready;
+static uint8_t enabled = 1;                       /* 0: predict and log, but leave the setpoint alone */
+static bool ready;                                /* the queues exist */
 static control_t last;
 
 STATIC_MEM_QUEUE_ALLOC(heard, WAITING, sizeof(struct packet));

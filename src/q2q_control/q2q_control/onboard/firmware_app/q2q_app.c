@@ -26,11 +26,11 @@ void q2q_reset(struct q2q_app *app) {
   restart(app);
 }
 
-/* Return the measured push [m/s^2], and let the rotors follow the command. */
-static float push_of(struct q2q_app *app, const struct q2q_input *input, float dt) {
+/* Let the rotors follow the command. The vehicle flies from the moment when they carry it. */
+static void follow(struct q2q_app *app, const struct q2q_input *input, float dt) {
   const float keep = Q2Q_THRUST_LAG_S > 0.0f ? expf(-dt / Q2Q_THRUST_LAG_S) : 0.0f;
-  app->thrust = keep * app->thrust + (1.0f - keep) * input->thrust;
-  return input->force_up - app->thrust * input->own.axis[2];
+  if (isfinite(input->thrust)) app->thrust = keep * app->thrust + (1.0f - keep) * input->thrust;
+  app->flying = input->flying && (app->flying || app->thrust > Q2Q_LIFTED);
 }
 
 /* Do one of the jobs that take turns. */
@@ -54,13 +54,12 @@ float q2q_step(struct q2q_app *app, const struct q2q_input *input) {
     q2q_remember(own, input->now_us, &input->own);
   app->last_us = input->now_us;
   work(app, input);
-  if (!input->flying || !app->flying) {
-    app->flying = input->flying;
-    app->thrust = input->thrust;
+  follow(app, input, dt);
+  if (!app->flying) {
     restart(app);
     return 0.0f;
   }
-  q2q_measure(&app->correction, push_of(app, input, dt), app->eta, dt);
+  q2q_measure(&app->correction, input->force_up - app->thrust * input->own.axis[2], app->eta, dt);
   const float all = app->ahead + q2q_residual(&app->correction, Q2Q_THRUST_LAG_S);
   if (!isfinite(all)) return 0.0f;
   return all > Q2Q_LARGEST ? Q2Q_LARGEST : all < -Q2Q_LARGEST ? -Q2Q_LARGEST : all;

@@ -47,7 +47,7 @@ struct q2q_app {
   float eta;    /* prediction for the present [m/s^2] */
   float ahead;  /* prediction for the time when the rotors will have answered [m/s^2] */
   uint32_t last_us;
-  bool flying;         /* at the last step */
+  bool flying;         /* the rotors have carried the vehicle since the motors started */
   uint8_t job, source; /* of the next step; the source whose strength was renewed last */
 };
 
@@ -57,7 +57,7 @@ struct q2q_input {
   struct q2q_motion own;
   float force_up; /* specific force along world z: accelerometer, 9.81 at rest [m/s^2] */
   float thrust;   /* commanded collective thrust over the mass [m/s^2] */
-  bool flying;    /* false on the ground, where the ground carries the vehicle */
+  bool flying;    /* the motors run */
 };
 
 /* sizeof(struct q2q_app) and Q2Q_NEIGHBOURS, for callers of a shared library. */

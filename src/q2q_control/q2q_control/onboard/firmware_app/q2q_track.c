@@ -1,6 +1,5 @@
 /* Past motion of every vehicle, and the packets that bring it. */
 #include <math.h>
-#include <string.h>
 
 #include "q2q_track.h"
 
