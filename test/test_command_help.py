@@ -28,6 +28,7 @@ TOOLS = {
     "q2q_planner.commands.plan": "--modle",
     "q2q_model.commands.identify": "--vehcile",
     "q2q_model.commands.evaluate": "--modle",
+    "q2q_model.commands.scale_model": "--modle",
     "q2q_control.commands.call": "--ndoe",
     "q2q_control.commands.export_app": "--modle",
     "bench": "--jsno",
@@ -53,6 +54,12 @@ REFUSALS = (
     ("q2q_planner.commands.plan none.yaml --out x", 1, "no waypoint file at none.yaml"),
     ("q2q_model.commands.identify none --out x", 1, "no bag at none"),
     ("q2q_model.commands.evaluate none --model none", 1, "no bag at none"),
+    ("q2q_model.commands.scale_model --model nosuch --mass 1 --rotor-radius 1 --out x", 1, "paper_law"),
+    (
+        "q2q_model.commands.scale_model --model none --mass 1 --rotor-radius 1 --out x --below-mass 1",
+        2,
+        "--below-rotor-radius together",
+    ),
     ("q2q_control.commands.export_app --model nosuch --out x", 1, "measured_law"),
     ("bench smulation", 2, "did you mean simulation?"),
 )

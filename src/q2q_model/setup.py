@@ -29,6 +29,7 @@ setup(
             "interference = q2q_model.commands.model_nodes:interference",
             "identify = q2q_model.commands.identify:main",
             "evaluate = q2q_model.commands.evaluate:main",
+            "scale_model = q2q_model.commands.scale_model:main",
         ],
     },
 )

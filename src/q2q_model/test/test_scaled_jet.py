@@ -1,13 +1,18 @@
 """Prove the scaling of a jet to another airframe by momentum theory."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from q2q_model.commands.scale_model import main
 from q2q_model.downwash.interaction_model import at_rest
 from q2q_model.downwash.jet import MOVING_LAW
+from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.scaled_jet import AIR_DENSITY, CRAZYFLIE, DOUBT, QuadrotorSize, scaled_jet
+from q2q_model.files.model_file import ModelFile, load, save
+from q2q_model.geometry.zone import Cylinder
 from q2q_model.vehicle.constants import GRAVITY
 
 TWICE = QuadrotorSize(mass=8.0 * CRAZYFLIE.mass, rotor_radius=2.0 * CRAZYFLIE.rotor_radius)
@@ -43,3 +48,38 @@ def test_a_heavy_vehicle_pushes_a_light_one_by_the_ratio_of_their_disk_loadings(
 def test_an_airframe_that_cannot_be_is_refused() -> None:
     with pytest.raises(ValueError, match=r"QuadrotorSize\.rotor_radius = 0\.0: allowed is"):
         QuadrotorSize(rotor_radius=0.0)
+
+
+def scale(model: Path | str, out: Path, *more: str) -> int:
+    """Run the command for a vehicle of twice the size."""
+    size = ["--mass", str(TWICE.mass), "--rotor-radius", str(TWICE.rotor_radius)]
+    return main(["--model", str(model), *size, "--out", str(out), *more])
+
+
+def test_the_command_writes_the_scaled_jet_and_its_zone(tmp_path: Path) -> None:
+    known, out = tmp_path / "known.q2q", tmp_path / "large.q2q"
+    save(known, ModelFile(MOVING_LAW, Cylinder(eps=0.1, d=0.8)))
+    assert scale(known, out) == 0
+    large = load(out)
+    assert large.interaction == scaled_jet(MOVING_LAW, CRAZYFLIE, TWICE)
+    assert large.zone == Cylinder(eps=0.2, d=1.6)
+    assert large.gains is None
+    assert large.residual is None
+    save(known, ModelFile(MOVING_LAW, level_set(MOVING_LAW, 0.3)))
+    assert scale(known, out, "--below-mass", "0.032", "--below-rotor-radius", "0.0225") == 0
+    heavy = load(out)
+    assert heavy.interaction == scaled_jet(MOVING_LAW, CRAZYFLIE, TWICE, CRAZYFLIE)
+    assert isinstance(heavy.zone, LevelSet)
+    assert heavy.zone.d > 1.6 * level_set(MOVING_LAW, 0.3).d
+
+
+def test_what_cannot_be_scaled_is_refused_in_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out.q2q"
+    assert scale("none", out) == 1
+    assert main(["--model", "moving_law", "--mass", "-1", "--rotor-radius", "0.02", "--out", str(out)]) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert "model none is of the class NoInteraction: only a Jet can be scaled" in said[0]
+    assert "QuadrotorSize.mass = -1.0: allowed is" in said[1]
+    assert not out.exists()

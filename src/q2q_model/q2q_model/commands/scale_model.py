@@ -1,0 +1,58 @@
+"""Scale a jet to an airframe that was never flown, by momentum theory.
+
+Widths and gaps grow with the radius of the rotors, speeds with the induced velocity sqrt(m g / (2 rho A)),
+and the downwash on another vehicle below with the ratio of the disk loadings. The claimed deviation grows by
+20 % of the downwash. Gains and residual are those of the airframe that was flown: the scaled model has none.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
+from q2q_model.files.model_choice import check_model
+
+EXAMPLE = """  ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --rotor-radius 0.033 --out b.q2q
+  ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --rotor-radius 0.033 \\
+      --below-mass 0.032 --below-rotor-radius 0.0225 --out over_small.q2q"""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run `scale_model`; return the exit status."""
+    return run_command(parser(), _prepare, words)
+
+
+def _prepare(args: Namespace) -> Work:
+    if (args.below_mass is None) != (args.below_rotor_radius is None):
+        raise UsageError("give --below-mass and --below-rotor-radius together")
+    check_model(args.model)
+    from q2q_model.tools.scale_jet import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("scale_model", __doc__, EXAMPLE)
+    made.add_argument("--model", required=True, help="a shipped name, or a .q2q file with a jet")
+    made.add_argument("--mass", type=float, required=True, metavar="KG", help="take-off mass of the source")
+    made.add_argument(
+        "--rotor-radius", type=float, required=True, metavar="M", help="radius of each of its four rotors"
+    )
+    made.add_argument("--out", type=Path, required=True, metavar="FILE", help="model file to write (.q2q)")
+    made.add_argument(
+        "--below-mass", type=float, metavar="KG", help="mass of the vehicle below (default: the source's)"
+    )
+    made.add_argument("--below-rotor-radius", type=float, metavar="M", help="radius of its rotors")
+    made.add_argument(
+        "--flown-mass", type=float, default=0.032, metavar="KG", help="mass of the vehicles of --model"
+    )
+    made.add_argument(
+        "--flown-rotor-radius", type=float, default=0.0225, metavar="M", help="radius of their rotors"
+    )
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())
