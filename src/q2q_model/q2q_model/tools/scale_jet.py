@@ -1,6 +1,7 @@
 """Model file of an airframe never flown, from that of another."""
 
 from argparse import Namespace
+from dataclasses import replace
 
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
@@ -38,5 +39,5 @@ def scaled_zone(zone: Zone, jet: Jet, length: float) -> Zone:
     """Return a zone `length` times as large; a level set is that of the scaled jet."""
     if isinstance(zone, LevelSet):
         return level_set(jet, zone.threshold)
-    kind = Ellipsoid if isinstance(zone, Ellipsoid) else Cylinder
-    return kind(length * zone.eps, length * zone.d)
+    assert isinstance(zone, Cylinder | Ellipsoid)  # model files have no other
+    return replace(zone, eps=length * zone.eps, d=length * zone.d)
