@@ -77,10 +77,10 @@ def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
         start[:, 2] = 0.0
         start[:, :2] = apart(start[:, :2])
         room.swarm.state[:] = state_at_rest(start, scenario.vehicle.mass)
-    return Fleet(room.swarm, scenario.vehicle, params.build, apps_in(scenario, params.app))
+    return Fleet(room.swarm, scenario.vehicle, params.build, apps_in(scenario, params.app, room.seed))
 
 
-def apps_in(scenario: Scenario, folder: str) -> OnboardApps | None:
+def apps_in(scenario: Scenario, folder: str, seed: int) -> OnboardApps | None:
     """Return the apps of a room's vehicles, of an exported folder; None if it is empty.
 
     Raises:
@@ -89,7 +89,7 @@ def apps_in(scenario: Scenario, folder: str) -> OnboardApps | None:
     if not folder:
         return None
     noise = AppConditions(acc_noise=scenario.imu.acc_noise, acc_bias=scenario.imu.acc_bias)
-    return OnboardApps(compile_app(Path(folder)), scenario.vehicle, len(scenario.names), noise, seed=0)
+    return OnboardApps(compile_app(Path(folder)), scenario.vehicle, len(scenario.names), noise, seed)
 
 
 def rehearse_firmware(scenario: Scenario) -> None:

@@ -68,6 +68,7 @@ class Room:
         if seed < 0:
             raise ValueError(f"seed = {seed}: 0 or above is allowed")
         self.names: Names = scenario.names
+        self.seed = seed
         start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
         n, vehicle = len(start), scenario.vehicle
         flown = air_of(scenario) if air is None else air
