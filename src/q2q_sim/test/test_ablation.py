@@ -1,5 +1,7 @@
-"""The ablation measures what it says: replicas are flights of their own, windows and ratios are right."""
+"""The ablation measures what it says: draws are flights of their own, plant and model share no flight."""
 
+import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,54 +9,62 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import PAPER_LAW, Jet
-from q2q_model.identification.intervals import Interval
-from q2q_model.signals.values import Array
+from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_sim.air.find_air import find_air
+from q2q_sim.air.room_air import RoomAir, WindTerm
 from q2q_sim.commands.ablation import main
-from q2q_sim.experiments.ablation.ablation_cases import CASES, Case, is_random, scenario_of, side_by_side
-from q2q_sim.experiments.ablation.ablation_table import (
-    key,
-    median_interval,
-    page,
-    ratio_to_clear_air,
-    worst_to_ignoring,
+from q2q_sim.experiments.ablation import learned_models
+from q2q_sim.experiments.ablation.ablation_cases import CASES, SHIPPED, Case, scenario_of, side_by_side
+from q2q_sim.experiments.ablation.ablation_numbers import Numbers, key, read
+from q2q_sim.experiments.ablation.ablation_table import SHOWN, page
+from q2q_sim.experiments.ablation.conclusion import (
+    best_contender,
+    conclusion,
+    ratio,
+    worse_than_ignoring,
 )
-from q2q_sim.experiments.ablation.contenders import BLIND, CONTENDERS, built
-from q2q_sim.experiments.ablation.fill_table import CAUTION, READING, Results, read
-from q2q_sim.experiments.ablation.fill_table import LEARNED as LEARNED_FROM
-from q2q_sim.experiments.ablation.learned_model import Learned, pairs_over
+from q2q_sim.experiments.ablation.contenders import CONTENDERS, TWINS, Situation
+from q2q_sim.experiments.ablation.learned_models import LEAST, LearnedModel, models_of, parts_of
 from q2q_sim.experiments.ablation.trial import COLUMNS, Trace, flown, measured
+from q2q_sim.experiments.ablation.two_level_interval import median_interval
 from q2q_sim.loop.assembly import Options, blocks_of, plan_of
-from q2q_sim.scenarios import library
+from q2q_sim.loop.closed_loop import FlightOptions
 from q2q_sim.scenarios.scenario import Scenario
 
-LEARNED = Learned(PAPER_LAW, 0.0, None)
+ROOT = Path(__file__).resolve().parents[3]
+DATA = Path(os.environ.get("Q2Q_DATA", ROOT.parent / "shared" / "data"))
+DRAWS = 4
+"""Draws with each model behind the page in the documents."""
 SHORT = 0.3
 """Ends before anything but the start of a flight has happened [s]."""
 
 
-def traced(scenario: Scenario, name: str) -> Trace:
+def shipped() -> Numbers:
+    """Return the numbers behind the page in the documents."""
+    return read(ROOT / "docs" / "ablation.json", DRAWS)
+
+
+def traced(scenario: Scenario, name: str, air: RoomAir) -> Trace:
     """Return a flight of a contender that is not the slow-to-make explicit one."""
-    plan = plan_of(scenario)
-    controller = built(name, (scenario, plan), LEARNED, limited=False)
+    plan, contender = plan_of(scenario), CONTENDERS[name]
+    controller = contender.built(Situation(scenario, plan, PAPER_LAW))
     blocks = replace(blocks_of(scenario, Options(), PAPER_LAW, plan), controller=controller)
-    return flown(scenario, blocks, aware=name not in BLIND)
+    return flown(scenario, blocks, FlightOptions("aware" if contender.aware else "ignoring", air=air))
 
 
-def test_replicas_in_an_ideal_room_fly_like_one_alone():
-    one = replace(library.load("table6"), duration=SHORT)
-    alone, four = traced(one, "PD aware"), traced(side_by_side(one, 4), "PD aware")
+def test_draws_in_one_room_have_their_own_gusts_and_none_feels_another() -> None:
+    one = replace(scenario_of(CASES[0]), duration=SHORT)
+    two, gusts = side_by_side(one, 2), RoomAir(wind=WindTerm((0.0, 0.0, 0.0), 0.2, 0.15))
+    trace = traced(two, "observer", gusts)
+    assert np.abs(trace.error[-1, :2] - trace.error[-1, 2:]).min() > 1e-7
+    still = replace(two, vicon=type(two.vicon)(), radio=type(two.radio)())
+    calm = traced(still, "PD aware", RoomAir())
     # places 10 m off the origin lose two digits of the last bits
-    assert np.allclose(four.error, np.tile(alone.error, 4), atol=1e-12)
-    assert np.allclose(four.thrust, np.tile(alone.thrust, 4), atol=1e-9)
+    np.testing.assert_allclose(calm.error[:, :2], calm.error[:, 2:], atol=1e-12)
 
 
-def test_replicas_in_a_real_room_differ():
-    scenario = side_by_side(replace(library.load("stack3"), duration=SHORT), 2)
-    trace = traced(scenario, "observer")
-    assert np.abs(trace.error[-1, :3] - trace.error[-1, 3:]).min() > 1e-7
-
-
-def test_a_replica_is_measured_as_its_definition_says():
+def test_a_draw_is_measured_as_its_definition_says() -> None:
     ticks = 1000
     pos = np.zeros((ticks, 2, 3))
     pos[:, 1] = [1.0, 0.0, 0.5]
@@ -71,43 +81,123 @@ def test_a_replica_is_measured_as_its_definition_says():
     assert row["energy"] == pytest.approx(5.0 * 10.0)  # (3^2 - 2^2) N^2 over 10 s
 
 
-def test_the_interval_of_a_median_holds_it_and_shrinks_with_more_samples():
+def test_the_interval_of_a_median_is_that_of_the_models_where_draws_agree() -> None:
     rng = np.random.default_rng(0)
-    few, many = (median_interval(rng.normal(size=n)) for n in (20, 500))
-    assert few[1] <= few[0] <= few[2]
-    assert many[2] - many[1] < 0.5 * (few[2] - few[1])
-    assert np.isnan(median_interval(np.full(3, np.nan))).all()
+    alone, alike = rng.normal(size=(6, 1)), rng.normal(size=(6, 1)) + 0.01 * rng.normal(size=(6, 20))
+    assert median_interval(np.repeat(alone, 20, axis=1)) == median_interval(alone)  # 120 numbers, 6 of weight
+    middle, low, high = median_interval(alike)
+    assert low <= middle <= high
+    assert high - low > 0.5  # of models: that of 120 numbers would be 0.3
+    many = median_interval(rng.normal(size=(100, 20)))
+    assert many.high - many.low < 0.5
+    assert np.isnan(median_interval(np.full((2, 3), np.nan))).all()
 
 
-def cells_of(case: Case) -> dict[str, Array]:
-    """Return made-up results of two contenders."""
-    good = np.array([[0.1, 0.2, 0.012, 0.02, 0.010, 1.0], [0.1, 0.2, 0.022, 0.04, 0.020, 1.0]])
-    bad = good.copy()
-    bad[:, COLUMNS.index("worst")] = [0.2, 0.2]
-    return {key(case, "MPC observer"): good, key(case, "ignoring"): bad}
+def test_no_air_is_flown_with_models_of_its_own_family_or_flights() -> None:
+    for plant in {case.plant for case in CASES}:
+        assert plant.family != plant.models
+    air = find_air(SHIPPED.air)
+    assert isinstance(air, RoomAir)
+    assert air.flights
+    assert all(name.startswith(SHIPPED.family) for name in air.flights)
 
 
-def test_ratios_are_those_of_each_replica():
-    cells = cells_of(CASES[0])
-    assert np.allclose(ratio_to_clear_air(cells[key(CASES[0], "MPC observer")]), [1.2, 1.1])
-    assert np.allclose(worst_to_ignoring(cells, CASES[0], "MPC observer"), [10.0, 5.0])
+def test_every_case_is_flown_by_crazyflies_on_its_own_paths() -> None:
+    assert len({key(case, name) for case in CASES for name in CONTENDERS}) == len(CASES) * len(CONTENDERS)
+    for case in CASES:
+        scenario = scenario_of(case)
+        assert (scenario.name, scenario.vehicle.name) == (case.scenario, "crazyflie_2_0")
+        assert scenario.overrides["pid"]["k_p_z"] == 10.0
+        assert scenario.duration >= max(one.times[-1] for one in scenario.waypoints)
+    assert all(CONTENDERS[aware].aware and not CONTENDERS[blind].aware for aware, blind in TWINS.items())
 
 
-def test_the_page_has_a_row_for_what_was_flown_and_none_for_the_rest():
-    text = page(cells_of(CASES[0]), ["note"], "the command")
+def samples(exposed: int) -> ForceSamples:
+    """Return samples of which the first `exposed` are under another vehicle."""
+    t, rows = 0.01 * np.arange(2500), np.arange(2500)
+    motion = Motion(t, np.zeros((2500, 2, 3)), np.zeros((2500, 2, 3)), np.zeros((2500, 2, 3)))
+    return ForceSamples("one", motion, 0, t, rows < 0, rows < exposed, rows < 0)
+
+
+@pytest.mark.parametrize(("count", "parts"), [(0, 0), (LEAST - 1, 0), (LEAST, 1), (3 * LEAST + 5, 3)])
+def test_parts_of_a_flight_share_no_sample_and_leave_none(count: int, parts: int) -> None:
+    found = parts_of([samples(count)])
+    assert len(found) == parts
+    if found:
+        times = np.array([one.exposed for (one,) in found]).sum(axis=0)
+        np.testing.assert_array_equal(times, samples(count).exposed.astype(int))
+        assert min(one.exposed.sum() for (one,) in found) >= LEAST
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")
+def test_the_models_behind_the_page_are_those_that_the_flights_give(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("Q2Q_DATA", str(DATA))
+    family = SHIPPED.models
+    for one, other in zip(models_of(family), shipped().models[family], strict=True):
+        assert one.name == other.name
+        assert one.jet.strength == pytest.approx(other.jet.strength, rel=1e-3)
+        assert one.jet.width == pytest.approx(other.jet.width, rel=1e-3)
+
+
+def test_absent_flights_are_named_with_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("Q2Q_DATA", str(tmp_path))
+    with pytest.raises(ValueError, match=re.escape("no recorded flights dc19 in ") + ".*set Q2Q_DATA"):
+        models_of("dc19")
+    assert learned_models.FORM.carried == 1.0
+
+
+def numbers_of(**under: float) -> Numbers:
+    """Return made-up numbers of both shown cases: rms [m] under another by contender, worst 3 times that."""
+    made = Numbers(2, {"dc19": [LearnedModel("a", Jet()), LearnedModel("b", Jet())]}, {"room": ["dc21_x"]})
+    for case in SHOWN:
+        for name in CONTENDERS:
+            rms = under.get(name.replace(" ", "_"), 0.02)
+            row = [0.1, 0.2, rms, 3.0 * rms, 0.01, 1.0]
+            made.flights[key(case, name)] = {k: np.array([row, row]) * (1.0 + 0.1 * k) for k in (0, 1)}
+    return made
+
+
+def test_ratios_are_those_of_each_draw() -> None:
+    made = numbers_of(ignoring=0.09)
+    assert ratio(made, CASES[0], ("ignoring", "MPC"), "worst") == pytest.approx((4.5, 4.5, 4.5))
+
+
+def test_the_conclusion_follows_the_numbers() -> None:
+    made = numbers_of(ignoring=0.09, MPC=0.01, PD_aware=0.1)
+    assert best_contender(made, SHOWN) == "MPC"
+    said = conclusion(made, SHOWN)
+    assert said.startswith(
+        "**MPC** has the least worst height error: in `table6_room` 9.0 (9.0 to 9.0) times"
+    )
+    assert "Worse than ignoring under another vehicle: PD aware in `table6_room` (1.11" in said
+    assert "PD aware 1.11 (1.11 to 1.11) and 1.11 (1.11 to 1.11) times ignoring's" in said
+    assert "10 to 11 mm in `table6_room`" in said
+    assert len(re.findall(r"[.;:] [A-Z*]|\.$", re.sub(r"\d\.\d", "", said))) >= 3
+    calm = numbers_of(ignoring=0.09)
+    assert worse_than_ignoring(calm, CASES[0]) == []
+    assert "No controller is worse than ignoring" in conclusion(calm, SHOWN)
+    assert conclusion(Numbers(2), SHOWN) == ""
+
+
+def test_the_page_has_a_row_for_what_was_flown_and_none_for_the_rest() -> None:
+    made = numbers_of(ignoring=0.09)
+    del made.flights[key(CASES[0], "explicit")][1]
+    text = page(made, "the command", "images/a.png", "1 row is missing")
     assert "the command" in text
-    assert text.count("| MPC observer |") == 1
-    assert "| explicit |" not in text
+    assert "1 row is missing" in text
+    assert text.count("\n| MPC observer |") == 2
+    assert text.count("\n| explicit |") == 1
+    assert "learned from 1 flights of the family dc21 (`dc21_x`)" in text
 
 
-def test_results_are_kept_and_read_again(tmp_path: Path):
-    file = tmp_path / "numbers.json"
-    learned = Learned(Jet(strength=0.5), 0.25, 0.9, Interval(0.25, 0.125, 0.375))
-    results = Results(file, 2, {"paper": learned, "measured": LEARNED}, cells_of(CASES[0]))
-    results.save()
+def test_numbers_are_kept_and_read_again(tmp_path: Path) -> None:
+    file, made = tmp_path / "numbers.json", numbers_of(ignoring=0.123456789)
+    made.save(file)
     again = read(file, 2)
-    assert again.models == results.models
-    assert all(np.array_equal(again.cells[name], values) for name, values in results.cells.items())
+    assert (again.models, again.airs) == (made.models, made.airs)
+    cell = again.cell(CASES[0], "ignoring")
+    assert cell is not None
+    assert cell[1, 0, COLUMNS.index("under")] == pytest.approx(1.1 * 0.123456789, rel=1e-5)
     with pytest.raises(ValueError, match="holds 2 seeds, not 3"):
         read(file, 3)
     file.write_text("{}")
@@ -115,37 +205,19 @@ def test_results_are_kept_and_read_again(tmp_path: Path):
         read(file, 2)
 
 
-def test_the_table_of_an_unfinished_run_can_be_written_without_flying(tmp_path: Path):
-    numbers, table = tmp_path / "numbers.json", tmp_path / "table.md"
-    Results(numbers, 2, {"measured": LEARNED}, cells_of(CASES[0])).save()
-    words = ["--seeds", "2", "--json", str(numbers), "--out", str(table), "--table-only"]
-    assert main(words) == 0
-    written = table.read_text()
-    assert "| ignoring | 2 |" in written
+def test_the_page_of_an_unfinished_run_can_be_written_without_flying(tmp_path: Path) -> None:
+    file, out = tmp_path / "numbers.json", tmp_path / "page.md"
+    made = numbers_of(ignoring=0.09)
+    del made.flights[key(Case("stack3"), "explicit")]
+    made.save(file)
+    assert main(["--seeds", "2", "--json", str(file), "--out", str(out), "--table-only"]) == 0
+    written = out.read_text()
+    assert "rows of the tables are missing" in written
     assert "--table-only" not in written
+    assert (tmp_path / "images" / "page.png").stat().st_size > 10_000
 
 
-def test_every_case_has_a_scenario_and_a_name_of_its_own():
-    assert len({key(case, name) for case in CASES for name in CONTENDERS}) == len(CASES) * len(CONTENDERS)
-    random = {case: is_random(scenario_of(case)) for case in CASES}
-    assert not random[Case("table6", "paper")]
-    assert random[Case("stack3", "measured")]
-    assert scenario_of(Case("table6_room", "measured")).vehicle.name == "crazyflie_2_0"
-
-
-def test_training_flights_keep_their_vehicles_apart():
-    for number in range(3):
-        places = np.array([one.points[0][:3] for one in pairs_over(number)])
-        gaps = np.linalg.norm(places[:, None] - places[None], axis=-1)
-        assert gaps[~np.eye(len(places), dtype=bool)].min() > 0.5
-
-
-def test_an_unknown_contender_is_refused():
-    scenario = library.load("table6")
-    with pytest.raises(ValueError, match="unknown contender 'lqr'"):
-        built("lqr", (scenario, plan_of(scenario)), LEARNED, limited=True)
-
-
-def test_the_page_says_what_was_flown_in_what():
-    shown = (Path(__file__).resolve().parents[3] / "docs" / "ablation.md").read_text(encoding="utf-8")
-    assert [words for words in (READING, CAUTION, LEARNED_FROM) if words not in shown] == []
+def test_the_page_in_the_documents_is_that_of_its_numbers() -> None:
+    shown = (ROOT / "docs" / "ablation.md").read_text(encoding="utf-8")
+    command = shown.split("`")[1]
+    assert page(shipped(), command, "images/ablation.png", "") == shown

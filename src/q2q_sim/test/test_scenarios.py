@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from q2q_model.tunable import tunable_of
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import assembly
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import BLOCKS, scenario_from_document
+from q2q_sim.scenarios.scenario import BLOCKS, scenario_from_document, with_air, with_choices
 
 GOOD = {
     "description": "two vehicles",
@@ -76,6 +77,19 @@ def test_table6_is_section_5_2() -> None:
     assert assembly.pid_params(scenario, limited=True).thrust_max == 6.6
 
 
+def test_table6_room_is_flown_by_crazyflies_in_an_air_that_is_not_its_own() -> None:
+    scenario = library.load("table6_room")
+    assert with_air(scenario, "paper", ()).vehicle.mass == with_air(scenario, "none", ()).vehicle.mass == 0.65
+    flown = with_air(scenario, "room", ("wind",))
+    assert (flown.air, flown.air_without, flown.model) == ("room", ("wind",), "measured_law")
+    assert flown.vehicle == CRAZYFLIE_2_0
+    assert flown.waypoints == scenario.waypoints
+    assert flown.radio == scenario.radio
+    assert assembly.pid_params(flown, limited=True).k_p_z == 10.0
+    chosen = with_air(with_choices(scenario, "crazyflie_2_1", ""), "room", ())
+    assert chosen.vehicle == CRAZYFLIE_2_1  # the command line comes before the file
+
+
 @pytest.mark.parametrize("count", [1, 2, 7, 50])
 def test_swarms_of_any_size_start_apart_and_stay_apart(count: int) -> None:
     scenario = library.load(f"swarm{count}")
@@ -118,6 +132,7 @@ def test_unknown_names_are_refused_with_the_nearest_right_one(name: str, word: s
         ({"duration": "long"}, "duration = 'long': a number is expected"),
         ({"durration": 5}, "unknown key 'durration'; did you mean 'duration'"),
         ({"wake": "storm"}, "unknown wake 'storm'"),
+        ({"in_air": {"vehicle": "boeing"}}, "unknown vehicle 'boeing'; known are"),
         ({"vehicle": "boeing"}, "unknown vehicle 'boeing'; known are"),
         ({"room": "attic"}, "unknown room 'attic'; known are ideal, capture, real, rough"),
         ({"reading": "fast"}, "reading = 'fast': choose one of stop_and_go, free"),

@@ -1,4 +1,8 @@
-"""Compare controllers with and without knowledge of the downwash in one table."""
+"""Compare controllers in air learned from recorded flights, with models learned from others: plot, tables.
+
+Models are learned from the flights of Q2Q_DATA (docs/real_flights.md) unless --json has them already, as
+docs/ablation.json has.
+"""
 
 import sys
 from argparse import Namespace
@@ -8,12 +12,12 @@ from pathlib import Path
 from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
-EXAMPLE = """  ros2 run q2q_sim ablation --seeds 20 --json out/ablation.json --out docs/ablation.md --jobs 2
-  ros2 run q2q_sim ablation --seeds 5 --only stack3 --json out/stack3.json --out out/stack3.md"""
+EXAMPLE = """  ros2 run q2q_sim ablation --json docs/ablation.json --out docs/ablation.md --jobs 2
+  ros2 run q2q_sim ablation --seeds 2 --only stack3 --json out/stack3.json --out out/stack3.md"""
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Fly missing flights and write the table; return the exit status."""
+    """Fly missing flights and write the page; return the exit status."""
     what = "interrupted; run the same command to resume from the numbers in --json"
     return run_command(parser(), _prepare, words, interrupted=what)
 
@@ -27,7 +31,7 @@ def _prepare(_: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("ablation", __doc__, EXAMPLE)
-    made.add_argument("--seeds", type=int, default=20, metavar="N", help="replicas of each case, 1 to 25")
+    made.add_argument("--seeds", type=int, default=4, metavar="N", help="draws with each model, 1 to 25")
     made.add_argument(
         "--json",
         type=Path,
@@ -35,10 +39,12 @@ def parser() -> CommandLine:
         metavar="FILE",
         help="file of numbers; flights in it are not repeated",
     )
-    made.add_argument("--out", type=Path, required=True, metavar="FILE", help="table to write (.md)")
+    made.add_argument(
+        "--out", type=Path, required=True, metavar="FILE", help="page to write (.md); plot beside it"
+    )
     made.add_argument("--jobs", type=int, default=1, metavar="N", help="parallel flights")
     made.add_argument(
-        TABLE_ONLY, action="store_true", help="write the table of the present numbers without flying"
+        TABLE_ONLY, action="store_true", help="write the page of the present numbers without flying"
     )
     made.add_argument("--only", nargs="+", metavar="SCENARIO", help="fly only these scenarios")
     return made

@@ -17,7 +17,7 @@ EXAMPLE = """  scripts/fly --list
   scripts/fly table6 --aware --lockstep --json out/table6.json
   scripts/fly table6_room --ignoring --seed 3 --bag out/room_3
   scripts/fly plan.json --vehicle crazyflie_2_1 --wake measured --model measured_law
-  scripts/fly table6_measured --air room
+  scripts/fly table6_room --air room --model moving_law
   scripts/fly --real dc19_swap_ss_02"""
 
 

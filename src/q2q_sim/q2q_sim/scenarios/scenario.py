@@ -9,6 +9,7 @@ A document (parsed YAML) is checked and converted to a Scenario here; `q2q_sim.s
     wake: paper               # the true downwash: none, paper, measured
     air: room.air             # in place of wake and disturbance: a shipped name, a .air file, module:Class
     air_without: [residual]   # terms of that air that are switched off
+    in_air: {vehicle: crazyflie_2_0}   # keys that replace those above where the flight names another air
     model: paper_law          # of the controllers: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.scenarios.settings; vicon, radio, imu, disturbance below override
     single values reading: stop_and_go      # of eq. (17): stop_and_go or free
@@ -61,8 +62,8 @@ LONGEST = 3600.0
 """Longest flight [s]."""
 READINGS: dict[str, Reading] = {"stop_and_go": "stop_and_go", "free": "free"}
 KEYS = (
-    "description", "duration", "vehicle", "firmware", "wake", "air", "air_without", "model", "room",
-    "reading", "vehicles", "plan", "overrides", "vicon", "radio", "imu", "disturbance", "faults",
+    "description", "duration", "vehicle", "firmware", "wake", "air", "air_without", "in_air", "model",
+    "room", "reading", "vehicles", "plan", "overrides", "vicon", "radio", "imu", "disturbance", "faults",
 )  # fmt: skip
 
 
@@ -85,6 +86,8 @@ class Scenario:
     """Air in place of wake and disturbance; empty keeps them."""
     air_without: tuple[str, ...] = ()
     """Terms of the air that are switched off."""
+    in_air: "Scenario | None" = None
+    """Flown in its place where the flight names another air."""
     model: str = "none"
     """Interaction model of the controllers."""
     vicon: ViconParams = field(default_factory=ViconParams)
@@ -148,6 +151,7 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
         wake=str(entries.get("wake", "none")),
         air=str(entries.get("air", "")),
         air_without=_words(entries.get("air_without", []), "air_without"),
+        in_air=scenario_from_document(name, document_in_air(entries), plan) if "in_air" in entries else None,
         model=str(entries.get("model", "none")),
         vicon=overridden(room.vicon, entries.get("vicon", {}), "vicon"),
         radio=overridden(room.radio, entries.get("radio", {}), "radio"),
@@ -156,6 +160,12 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
         faults=_faults(entries.get("faults", [])),
         overrides=_merged(room.overrides, entries.get("overrides", {})),
     )
+
+
+def document_in_air(document: Mapping[str, object]) -> dict[str, object]:
+    """Return a scenario's document with the keys of its `in_air` in place of its own."""
+    kept = {key: value for key, value in document.items() if key != "in_air"}
+    return {**kept, **_mapping(document.get("in_air", {}), "in_air")}
 
 
 def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
@@ -172,12 +182,16 @@ def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
 def with_air(scenario: Scenario, air: str, off: tuple[str, ...]) -> Scenario:
     """Return the scenario in another air, and with terms of its air switched off; empty keeps its own.
 
+    In an air that is neither `none` nor the scenario's own wake, its `in_air` is flown if there is one.
+
     Raises:
         ValueError: an unknown air, or terms without an air.
     """
     if not air and not off:
         return scenario
-    return replace(scenario, air=air or scenario.air, air_without=off or scenario.air_without)
+    other = air not in ("", "none", scenario.wake)
+    flown = scenario.in_air if other and scenario.in_air is not None else scenario
+    return replace(flown, air=air or flown.air, air_without=off or flown.air_without)
 
 
 def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
@@ -190,9 +204,10 @@ def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
     """
     firmware = firmware_of(scenario.vehicle) or STOCK
     chosen = vehicle_by_name(vehicle, firmware) if vehicle else scenario.vehicle
+    in_air = scenario.in_air if scenario.in_air is None else with_choices(scenario.in_air, vehicle, wake)
     if not wake:
-        return replace(scenario, vehicle=chosen)
-    return replace(scenario, vehicle=chosen, wake=wake, air="", air_without=())
+        return replace(scenario, vehicle=chosen, in_air=in_air)
+    return replace(scenario, vehicle=chosen, in_air=in_air, wake=wake, air="", air_without=())
 
 
 def _waypoints(

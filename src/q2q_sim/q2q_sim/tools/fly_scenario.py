@@ -1,6 +1,7 @@
 """Flight of one scenario from the command line, with progress, table and verdict."""
 
 import json
+import sys
 import tempfile
 from argparse import Namespace
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from q2q_sim.flight.run_json import runs_json
-from q2q_sim.flight.scenario_flight import MEASURED, FlightRequest, FlightRun, fly
+from q2q_sim.flight.scenario_flight import MEASURED, FlightRequest, FlightRun, fly, load_scenario
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.report.run_table import run_notes, run_table, run_verdicts
 from q2q_sim.scenarios import library
@@ -71,6 +72,12 @@ def request_of(args: Namespace) -> FlightRequest:
 
 def _fly(args: Namespace) -> FlightRun:
     request = request_of(args)
+    own, flown = library.load(request.scenario), load_scenario(request)
+    if flown.vehicle != own.vehicle and not request.vehicle:
+        said = (
+            f"fly: {request.scenario}: in air {request.air} by {flown.vehicle.name}, not {own.vehicle.name}"
+        )
+        print(f"{said} (`in_air` of the scenario)", file=sys.stderr)
     interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
         bag = args.bag or Path(scratch) / "bag"

@@ -1,87 +1,98 @@
-"""Markdown page of the ablation: medians over replicas with 95 % intervals of the median.
+"""Markdown page of the ablation: conclusion, plot, and a table for each case.
 
-Intervals are percentiles of the medians of RESAMPLES bootstrap samples (Efron, Tibshirani, 1993), always
-drawn with the same seed. Ratios are medians of the ratio of each replica, which has the same noise, air and
-rotors in every flight.
+Values are medians over models and draws with 95 % intervals (two_level_interval).
+Ratios are medians of the ratio of each draw, which has the same noise, air and vehicles in every flight.
 """
 
-from collections.abc import Mapping, Sequence
-
-import numpy as np
-
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.ablation.ablation_cases import CASES, Case
+from q2q_sim.experiments.ablation.ablation_cases import CASES, SHIPPED, Case, Plant
+from q2q_sim.experiments.ablation.ablation_numbers import Numbers
+from q2q_sim.experiments.ablation.conclusion import MM, column, conclusion, ratio, words, worse_than_ignoring
 from q2q_sim.experiments.ablation.contenders import CONTENDERS
-from q2q_sim.experiments.ablation.trial import COLUMNS
+from q2q_sim.experiments.ablation.two_level_interval import median_interval
 
-RESAMPLES = 1000
-MM = 1e3
-"""Millimetres in a metre."""
-
-Cells = Mapping[str, Array]
-"""COLUMNS of each replica, (replicas, 6), by `key`."""
-
+SHOWN = CASES[:2]
+"""Cases of the conclusion and the plot."""
+READING = """\
+Values are medians over models and draws with 95 % intervals over both: models are resampled, and draws
+within each. Every draw has its own noise, losses, gusts, turbulence and vehicles; no model has seen a flight
+of the air that it flies in. *Under* is the rms height error of vehicles under another and for 1 s after,
+*clear* that of the same flight's vehicles under nobody for 3 s, *worst* the largest height error under
+another (`q2q_sim.monitors.exposure`). All vehicles are Crazyflies in the room `real` (26 ms of delay, noise,
+losses, outliers) with K_p 10 and K_d 5, as `table6_room` is flown with `--air`. What each controller knows:
+`q2q_sim.experiments.ablation.contenders`."""
 HEAD = (
-    "| controller | n | z RMSE, lower [mm] | under [mm] | clear air [mm] | worst [mm] "
-    "| energy above hover [N²s] | under / clear | worst over ignoring's |\n"
-    "|---|--:|--:|--:|--:|--:|--:|--:|--:|\n"
+    "| controller | under [mm] | clear [mm] | worst [mm] | under / clear | under / ignoring's "
+    "| worst, ignoring's / own | lowest vehicle, whole flight [mm] | energy above hover [N²s] |\n"
+    "|---|--:|--:|--:|--:|--:|--:|--:|--:|"
 )
 
 
-def key(case: Case, contender: str) -> str:
-    """Return the name of a cell."""
-    return f"{case.scenario}|{case.wake}|{contender}"
+def page(numbers: Numbers, command: str, picture: str, rest: str) -> str:
+    """Return the page; `picture` is the path of the plot from it, and `rest` says what is missing."""
+    parts = [
+        "# Ablation",
+        f"Made by `{command}`; do not edit.",
+        rest,
+        conclusion(numbers, SHOWN),
+        f"![Height errors of each controller in learned air]({picture})",
+        READING,
+        *(_section(numbers, case) for case in CASES),
+        "## Models",
+        *(_models(numbers, family) for family in numbers.models),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def page(cells: Cells, notes: Sequence[str], command: str) -> str:
-    """Return the page, without cases and contenders that have not been flown."""
-    parts = ["# Ablation\n", f"Made by `{command}`; do not edit.\n", *(f"{note}\n" for note in notes)]
-    for case in CASES:
-        rows = [_row(cells, case, contender) for contender in CONTENDERS if key(case, contender) in cells]
-        if rows:
-            parts.append(f"## {case.scenario}, {case.wake} wake\n\n{HEAD}" + "\n".join(rows) + "\n")
-    return "\n".join(parts)
+def _section(numbers: Numbers, case: Case) -> str:
+    rows = [_row(numbers, case, name) for name in CONTENDERS if numbers.cell(case, name) is not None]
+    if not rows:
+        return ""
+    worse = [f"{name} ({words(times, 2)})" for name, times in worse_than_ignoring(numbers, case)]
+    said = f"**Worse than ignoring** under another vehicle: {', '.join(worse)}." if worse else (
+        "No controller is worse than ignoring under another vehicle."
+    )  # fmt: skip
+    return "\n\n".join([f"## {case.title}", origin(numbers, case.plant), "\n".join([HEAD, *rows]), said])
 
 
-def median_interval(values: Array) -> tuple[float, float, float]:
-    """Return median and 95 % interval of `values` (n,) without NaN."""
-    known = values[np.isfinite(values)]
-    if known.size == 0:
-        return (np.nan, np.nan, np.nan)
-    rng = np.random.default_rng(0)
-    medians = np.median(rng.choice(known, (RESAMPLES, known.size)), axis=1)
-    low, high = np.percentile(medians, [2.5, 97.5])
-    return float(np.median(known)), float(low), float(high)
+def origin(numbers: Numbers, plant: Plant) -> str:
+    """Return what was flown in what: air and models, with the flights and family of each."""
+    flights, models = numbers.airs.get(plant.name, []), numbers.models_for(plant)
+    behind = sorted({one.name.partition(",")[0] for one in models})
+    learned = f"learned from {len(flights)} flights of the family {plant.family} ({_range(flights)})"
+    air = f"`{plant.name}`, {learned}" if plant == SHIPPED else learned
+    return (
+        f"**Air:** {air}: jet as a table, turbulence, gusts, torques. **Models:** {len(models)} Gaussian "
+        f"jets, each learned from a flight, or a part of one, of the family {plant.models} "
+        f"({_range(behind)}); {numbers.draws} draws with each."
+    )
 
 
-def ratio_to_clear_air(values: Array) -> Array:
-    """Return z RMSE under another over that in clear air, each replica of a cell (n, 6), (n,)."""
-    return np.asarray(values[:, COLUMNS.index("under")] / values[:, COLUMNS.index("clear")])
+def _models(numbers: Numbers, family: str) -> str:
+    head = "| learned from | strength [m/s²] | decay [1/m] | width [m] | spread [m/m] | travel speed [m/s] |"
+    rows = [
+        f"| {one.name} | {one.jet.strength:.2f} | {one.jet.decay_rate:.2f} | {one.jet.width:.3f} "
+        f"| {one.jet.spread:.3f} | {one.jet.travel_speed:.2f} |"
+        for one in numbers.models[family]
+    ]
+    return "\n".join([head, "|---|--:|--:|--:|--:|--:|", *rows])
 
 
-def worst_to_ignoring(cells: Cells, case: Case, contender: str) -> Array:
-    """Return the ignoring PD's worst error over this contender's, each replica, (n,)."""
-    column = COLUMNS.index("worst")
-    here, ignoring = cells[key(case, contender)], cells.get(key(case, "ignoring"))
-    if ignoring is None or len(ignoring) != len(here):
-        return np.full(len(here), np.nan)
-    return np.asarray(ignoring[:, column] / here[:, column])
+def _row(numbers: Numbers, case: Case, name: str) -> str:
+    def of(wanted: str) -> Array:
+        return column(numbers, case, name, wanted)
+
+    under, clear = of("under"), of("clear")
+    cells = [words(median_interval(MM * values), 1) for values in (under, clear, of("worst"))]
+    cells.append(words(median_interval(under / clear), 2))
+    if numbers.cell(case, "ignoring") is None:
+        cells += ["-", "-"]
+    else:
+        cells.append(words(ratio(numbers, case, (name, "ignoring"), "under"), 2))
+        cells.append(words(ratio(numbers, case, ("ignoring", name), "worst"), 1))
+    cells += [words(median_interval(MM * of("lower")), 1), words(median_interval(of("energy")), 3)]
+    return f"| {name} | " + " | ".join(cells) + " |"
 
 
-def _row(cells: Cells, case: Case, contender: str) -> str:
-    values = cells[key(case, contender)]
-    shown = [_cell(MM * values[:, COLUMNS.index(name)], 2) for name in ("lower", "under", "clear", "worst")]
-    shown.append(_cell(values[:, COLUMNS.index("energy")], 4))
-    shown.append(_cell(ratio_to_clear_air(values), 2))
-    factor = _cell(worst_to_ignoring(cells, case, contender), 1)
-    shown.append(factor if factor == "-" else f"1 / {factor}")
-    return f"| {contender} | {len(values)} | " + " | ".join(shown) + " |"
-
-
-def _cell(values: Array, digits: int) -> str:
-    middle, low, high = median_interval(values)
-    if not np.isfinite(middle):
-        return "-"
-    if len(values) == 1:
-        return f"{middle:.{digits}f}"
-    return f"{middle:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
+def _range(flights: list[str]) -> str:
+    return ", ".join(f"`{one}`" for one in flights)

@@ -1,4 +1,4 @@
-"""Flight of one contender in one case, with the metrics of every replica.
+"""Flight of one contender in one case, with the metrics of every draw.
 
 The closed loop is q2q_sim.loop's, with the contender as controller. Errors are true minus planned positions.
 
@@ -16,10 +16,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.downwash.jet import Jet
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.ablation.ablation_cases import Case, is_random, scenario_of, side_by_side
-from q2q_sim.experiments.ablation.contenders import BLIND, built
-from q2q_sim.experiments.ablation.learned_model import Learned
+from q2q_sim.air.room_air import RoomAir
+from q2q_sim.experiments.ablation.ablation_cases import Case, scenario_of, side_by_side
+from q2q_sim.experiments.ablation.contenders import CONTENDERS, Situation
 from q2q_sim.loop.assembly import TICK_S, Blocks, Options, blocks_of, plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.monitors.exposure import SETTLE, exposure
@@ -40,26 +41,37 @@ class Trace:
     """Commanded U1 [N], (T, n)."""
 
 
-def trial(case: Case, contender: str, learned: Learned, count: int) -> Array:
-    """Return COLUMNS of every replica, (count, 6); one row without randomness."""
-    one = scenario_of(case)
-    replicas = count if is_random(one) else 1
-    scenario = side_by_side(one, replicas)
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One flight of the ablation: draws side by side, all with one model and one seed."""
+
+    case: Case
+    contender: str
+    model: Jet
+    air: RoomAir
+    seed: int
+    draws: int
+
+
+def fly_trial(asked: Trial) -> Array:
+    """Return COLUMNS of every draw, (draws, 6)."""
+    one, contender = scenario_of(asked.case), CONTENDERS[asked.contender]
+    scenario = side_by_side(one, asked.draws)
     plan = plan_of(scenario)
-    controller = built(contender, (scenario, plan), learned, limited=case.limited)
-    blocks = replace(blocks_of(scenario, Options(), learned.model, plan), controller=controller)
-    trace = flown(scenario, blocks, aware=contender not in BLIND)
-    return measured(trace, len(one.names), one.vehicle.hover_thrust)
+    controller = contender.built(Situation(scenario, plan, asked.model))
+    blocks = replace(blocks_of(scenario, Options(), asked.model, plan), controller=controller)
+    options = FlightOptions("aware" if contender.aware else "ignoring", seed=asked.seed, air=asked.air)
+    return measured(flown(scenario, blocks, options), len(one.names), one.vehicle.hover_thrust)
 
 
-def flown(scenario: Scenario, blocks: Blocks, *, aware: bool) -> Trace:
+def flown(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Trace:
     """Return a flight of the blocks."""
-    flight = fly_blocks(scenario, blocks, FlightOptions("aware" if aware else "ignoring"))
+    flight = fly_blocks(scenario, blocks, options)
     return Trace(flight.true_pos, flight.true_pos[..., 2] - flight.ref_pos[..., 2], flight.thrust)
 
 
 def measured(trace: Trace, each: int, weight: float) -> Array:
-    """Return COLUMNS of every replica of `each` vehicles, (replicas, 6); NaN if none was under another.
+    """Return COLUMNS of every draw of `each` vehicles, (draws, 6); NaN if none was under another.
 
     `weight` is m g [N].
     """

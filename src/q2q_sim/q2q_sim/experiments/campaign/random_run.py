@@ -14,7 +14,7 @@ from q2q_sim.faults.faults import Fault, random_faults
 from q2q_sim.loop.assembly import Options
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
+from q2q_sim.scenarios.scenario import Scenario, document_in_air, scenario_from_document
 
 Document = dict[str, object]
 
@@ -87,7 +87,7 @@ def drawn(seed: int, air: str = "") -> Run:
     document = shortened(library.document(cut.scenario), cut if options.replan == "none" else cut.replanned())
     document["room"] = room
     if air:
-        document["air"] = air
+        document = {**document_in_air(document), "air": air, "room": room}
     most = scenario_from_document("drawn", document).vehicle.thrust_max
     document["overrides"] = {"pid": GAINS | {"thrust_max": most}, "mpc": {"thrust_max": most}}
     scenario = scenario_from_document("drawn", document)

@@ -23,7 +23,10 @@ CITATION = (
 LEAD = (
     f"The paper: {CITATION} Every table and figure of it that holds a number, from the project's own "
     "flights, all simulated. The paper's flights are not published: the downwash they are flown in is a "
-    "reconstruction from its tables, so absolute values may differ."
+    "reconstruction from its tables, so absolute values may differ. Controllers are given that downwash's "
+    "own law, as in the paper: these numbers reproduce the paper and are no claim about real air. For that, "
+    "the rows learned_air of Tables 6 and 7 fly the passage in air learned from recorded flights, with a "
+    "model learned from others."
 )
 HEAD = ("number", "where", "paper", "ours", "ratio", "unit", "why they differ")
 ROWS_A_PAGE = 18

@@ -20,7 +20,7 @@ from q2q_sim.experiments.paper.paper_page import as_json, write_page, write_pdf
 
 EXPERIMENTS = (
     Experiment("vehicle", ("table1",), 0.1, learning_tables.vehicle),
-    Experiment("pid", ("table6", "table7", "fig14"), 30.0, tracking_tables.pid),
+    Experiment("pid", ("table6", "table7", "fig14"), 36.0, tracking_tables.pid),
     Experiment("planning", ("table5", "fig10", "fig11"), 35.0, planning_tables.planning),
     Experiment("replanning", ("fig12", "fig13"), 15.0, planning_tables.replanning),
     Experiment(
@@ -29,7 +29,7 @@ EXPERIMENTS = (
         90.0,
         learning_tables.learning,
     ),
-    Experiment("mpc", ("table7", "fig15"), 60.0, tracking_tables.mpc),
+    Experiment("mpc", ("table7", "fig15"), 70.0, tracking_tables.mpc),
 )
 """In the order of execution: quick ones first."""
 

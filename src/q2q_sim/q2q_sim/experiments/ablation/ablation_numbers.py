@@ -1,0 +1,99 @@
+"""Numbers of the ablation in a file, saved after each flight, so that an interrupted run resumes."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from q2q_model.downwash.jet import Jet
+from q2q_model.files.model_file import ModelFile, decode, encode
+from q2q_model.signals.values import Array
+from q2q_sim.experiments.ablation.ablation_cases import Case, Plant
+from q2q_sim.experiments.ablation.learned_models import LearnedModel
+
+DIGITS = 5
+"""Significant digits that are kept."""
+
+
+@dataclass(slots=True)
+class Numbers:
+    """Finished flights, and what was learned for them."""
+
+    draws: int
+    """Draws with each model."""
+    models: dict[str, list[LearnedModel]] = field(default_factory=dict)
+    """By the family of their flights."""
+    airs: dict[str, list[str]] = field(default_factory=dict)
+    """Flights behind each air, by its plant's name."""
+    flights: dict[str, dict[int, Array]] = field(default_factory=dict)
+    """COLUMNS of each draw (draws, 6), by `key` and number of the model."""
+
+    def cell(self, case: Case, contender: str) -> Array | None:
+        """Return COLUMNS of all models and draws, (models, draws, 6); None unless all were flown."""
+        flown, wanted = self.flights.get(key(case, contender), {}), self.models_for(case.plant)
+        if not wanted or len(flown) < len(wanted):
+            return None
+        return np.array([flown[k] for k in range(len(wanted))])
+
+    def models_for(self, plant: Plant) -> Sequence[LearnedModel]:
+        """Return the models of a plant's controllers; none before they are learned."""
+        return self.models.get(plant.models, [])
+
+    def save(self, file: Path) -> None:
+        """Replace a file by these numbers."""
+        models = {
+            family: {one.name: encode(ModelFile(one.jet)) for one in learned}
+            for family, learned in self.models.items()
+        }
+        known = json.dumps({"draws": self.draws, "airs": self.airs, "models": models}, indent=1)
+        flights = ",\n".join(
+            f"  {json.dumps(name)}: {json.dumps({k: _rounded(flown[k]) for k in sorted(flown)})}"
+            for name, flown in sorted(self.flights.items())
+        )
+        file.parent.mkdir(parents=True, exist_ok=True)
+        fresh = file.with_suffix(".part")
+        text = f'{known[:-2]},\n "flights": {{\n{flights}\n }}\n}}\n'  # a line for each cell
+        fresh.write_text(text, encoding="utf-8")
+        fresh.replace(file)
+
+
+def key(case: Case, contender: str) -> str:
+    """Return the name of a cell."""
+    return f"{case.scenario}|{case.plant.name}|{contender}"
+
+
+def read(file: Path, draws: int) -> Numbers:
+    """Return the numbers in a file, empty if there is none; raise ValueError for other draws."""
+    if not file.is_file():
+        return Numbers(draws)
+    try:
+        body = json.loads(file.read_text(encoding="utf-8"))
+        found = Numbers(int(body["draws"]), airs={str(k): list(v) for k, v in body["airs"].items()})
+        found.models = {family: _models(texts) for family, texts in body["models"].items()}
+        found.flights = {
+            name: {int(k): np.array(rows, dtype=np.float64) for k, rows in flown.items()}
+            for name, flown in body["flights"].items()
+        }
+    except (KeyError, TypeError, AttributeError, ValueError) as wrong:
+        raise ValueError(f"{file} is not an ablation ({wrong}): remove it, or give another --json") from wrong
+    if found.draws != draws:
+        raise ValueError(
+            f"{file} holds {found.draws} seeds, not {draws}: give another --json, or --seeds {found.draws}"
+        )
+    return found
+
+
+def _rounded(rows: Array) -> list[list[float]]:
+    return [[float(f"{value:.{DIGITS}g}") for value in row] for row in rows]
+
+
+def _models(texts: Mapping[str, str]) -> list[LearnedModel]:
+    found = []
+    for name, text in texts.items():
+        jet = decode(text).interaction
+        if not isinstance(jet, Jet):
+            raise ValueError(f"{name} is no jet")  # noqa: TRY004  a bad document
+        found.append(LearnedModel(name, jet))
+    return found

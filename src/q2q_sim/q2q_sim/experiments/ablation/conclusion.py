@@ -1,0 +1,115 @@
+"""Conclusion of the ablation in three sentences, made from its numbers.
+
+The first names the controller with the least worst error and what it reaches, the second what knowing the
+downwash changes in controllers that differ in nothing else, the third what is worse than ignoring, and how
+far the models move the first one's result. Ratios are of the same draw.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.experiments.ablation.ablation_cases import Case
+from q2q_sim.experiments.ablation.ablation_numbers import Numbers
+from q2q_sim.experiments.ablation.contenders import CONTENDERS, TWINS
+from q2q_sim.experiments.ablation.trial import COLUMNS
+from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
+
+MM = 1e3
+"""Millimetres in a metre."""
+
+
+def conclusion(numbers: Numbers, cases: Sequence[Case]) -> str:
+    """Return three sentences on the cases that are flown whole; empty if none is."""
+    whole = [case for case in cases if all(numbers.cell(case, name) is not None for name in CONTENDERS)]
+    if not whole:
+        return ""
+    best = best_contender(numbers, whole)
+    sentences = (_reached(numbers, whole, best), _known(numbers, whole), _worse(numbers, whole, best))
+    return " ".join(sentences)
+
+
+def best_contender(numbers: Numbers, cases: Sequence[Case]) -> str:
+    """Return the contender with the least geometric mean over the cases of its median worst error."""
+
+    def size(name: str) -> float:
+        return float(np.mean([np.log(np.median(column(numbers, case, name, "worst"))) for case in cases]))
+
+    return min(CONTENDERS, key=size)
+
+
+def worse_than_ignoring(numbers: Numbers, case: Case) -> list[tuple[str, MedianInterval]]:
+    """Return the contenders whose rms error under another vehicle is above ignoring's, and by what ratio.
+
+    The whole interval of the ratio is above 1.
+    """
+    found = []
+    for name in CONTENDERS:
+        if numbers.cell(case, name) is not None and numbers.cell(case, "ignoring") is not None:
+            times = ratio(numbers, case, (name, "ignoring"), "under")
+            found += [(name, times)] if times.low > 1.0 else []
+    return found
+
+
+def column(numbers: Numbers, case: Case, contender: str, name: str) -> Array:
+    """Return a column of a cell that is flown whole, (models, draws)."""
+    cell = numbers.cell(case, contender)
+    if cell is None:
+        raise ValueError(f"{contender} is not flown whole in {case.title}")
+    return np.asarray(cell[..., COLUMNS.index(name)])
+
+
+def ratio(numbers: Numbers, case: Case, pair: tuple[str, str], name: str) -> MedianInterval:
+    """Return a column of one contender over that of another, draw by draw."""
+    first, second = (column(numbers, case, one, name) for one in pair)
+    return median_interval(first / second)
+
+
+def words(found: MedianInterval, digits: int) -> str:
+    """Return a median with its interval as text."""
+    return f"{found.middle:.{digits}f} ({found.low:.{digits}f} to {found.high:.{digits}f})"
+
+
+def _reached(numbers: Numbers, cases: Sequence[Case], best: str) -> str:
+    parts = []
+    for case in cases:
+        times = ratio(numbers, case, ("ignoring", best), "worst")
+        under, clear = (column(numbers, case, best, name) for name in ("under", "clear"))
+        rms, over = median_interval(MM * under), median_interval(under / clear)
+        parts.append(
+            f"in {_place(case)} {words(times, 1)} times smaller than ignoring's, with {words(rms, 0)} mm rms "
+            f"under another vehicle, {words(over, 1)} times that in clear air"
+        )
+    return f"**{best}** has the least worst height error: {'; '.join(parts)}."
+
+
+def _known(numbers: Numbers, cases: Sequence[Case]) -> str:
+    parts = []
+    for aware, blind in TWINS.items():
+        found = [words(ratio(numbers, case, (aware, blind), "under"), 2) for case in cases]
+        parts.append(f"{aware} {' and '.join(found)} times {blind}'s")
+    return (
+        "What a learned model is worth, as rms error under another vehicle over that of the same controller "
+        f"without one, in the same order: {'; '.join(parts)}."
+    )
+
+
+def _worse(numbers: Numbers, cases: Sequence[Case], best: str) -> str:
+    worse = [
+        f"{name} in {_place(case)} ({words(times, 2)} times)"
+        for case in cases
+        for name, times in worse_than_ignoring(numbers, case)
+    ]
+    said = f"Worse than ignoring under another vehicle: {', '.join(worse)}" if worse else (
+        "No controller is worse than ignoring under another vehicle"
+    )  # fmt: skip
+    spread = []
+    for case in cases:
+        each = MM * np.median(column(numbers, case, best, "under"), axis=1)
+        spread.append(f"{each.min():.0f} to {each.max():.0f} mm in {_place(case)}")
+    return f"{said}; from model to model, {best}'s median rms there goes from {' and from '.join(spread)}."
+
+
+def _place(case: Case) -> str:
+    return f"`{case.scenario}`"
