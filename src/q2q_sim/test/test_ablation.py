@@ -11,6 +11,7 @@ import pytest
 from q2q_model.downwash.jet import PAPER_LAW, Jet
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_sim.air.air_names import FLIGHTS
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir, WindTerm
 from q2q_sim.commands.ablation import main
@@ -130,13 +131,18 @@ def test_parts_of_a_flight_share_no_sample_and_leave_none(count: int, parts: int
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")
-def test_the_models_behind_the_page_are_those_that_the_flights_give(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("Q2Q_DATA", str(DATA))
-    family = SHIPPED.models
-    for one, other in zip(models_of(family), shipped().models[family], strict=True):
-        assert one.name == other.name
-        assert one.jet.strength == pytest.approx(other.jet.strength, rel=1e-3)
-        assert one.jet.width == pytest.approx(other.jet.width, rel=1e-3)
+def test_a_model_behind_the_page_is_the_one_that_its_flight_gives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name = "dc19_swap_ss_02"
+    monkeypatch.setenv("Q2Q_DATA", str(tmp_path))
+    (tmp_path / FLIGHTS).mkdir()
+    (tmp_path / FLIGHTS / f"{name}.parquet").symlink_to((DATA / FLIGHTS / f"{name}.parquet").resolve())
+    (found,) = models_of(SHIPPED.models)
+    (kept,) = (one for one in shipped().models[SHIPPED.models] if one.name == name)
+    assert found.name == name
+    assert found.jet.strength == pytest.approx(kept.jet.strength, rel=1e-3)
+    assert found.jet.width == pytest.approx(kept.jet.width, rel=1e-3)
 
 
 def test_absent_flights_are_named_with_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -182,9 +188,9 @@ def test_the_conclusion_follows_the_numbers() -> None:
 def test_the_page_has_a_row_for_what_was_flown_and_none_for_the_rest() -> None:
     made = numbers_of(ignoring=0.09)
     del made.flights[key(CASES[0], "explicit")][1]
-    text = page(made, "the command", "images/a.png", "1 row is missing")
+    text = page(made, "the command", "images/a.png")
     assert "the command" in text
-    assert "1 row is missing" in text
+    assert f"{9 * (len(CASES) - 2) + 1} rows of the tables are missing" in text
     assert text.count("\n| MPC observer |") == 2
     assert text.count("\n| explicit |") == 1
     assert "learned from 1 flights of the family dc21 (`dc21_x`)" in text
@@ -197,7 +203,7 @@ def test_numbers_are_kept_and_read_again(tmp_path: Path) -> None:
     assert (again.models, again.airs) == (made.models, made.airs)
     cell = again.cell(CASES[0], "ignoring")
     assert cell is not None
-    assert cell[1, 0, COLUMNS.index("under")] == pytest.approx(1.1 * 0.123456789, rel=1e-5)
+    assert cell[1, 0, COLUMNS.index("under")] == pytest.approx(1.1 * 0.123456789, rel=5e-5)  # five digits
     with pytest.raises(ValueError, match="holds 2 seeds, not 3"):
         read(file, 3)
     file.write_text("{}")
@@ -220,4 +226,4 @@ def test_the_page_of_an_unfinished_run_can_be_written_without_flying(tmp_path: P
 def test_the_page_in_the_documents_is_that_of_its_numbers() -> None:
     shown = (ROOT / "docs" / "ablation.md").read_text(encoding="utf-8")
     command = shown.split("`")[1]
-    assert page(shipped(), command, "images/ablation.png", "") == shown
+    assert page(shipped(), command, "images/ablation.png") == shown

@@ -74,10 +74,8 @@ def _fly(args: Namespace) -> FlightRun:
     request = request_of(args)
     own, flown = library.load(request.scenario), load_scenario(request)
     if flown.vehicle != own.vehicle and not request.vehicle:
-        said = (
-            f"fly: {request.scenario}: in air {request.air} by {flown.vehicle.name}, not {own.vehicle.name}"
-        )
-        print(f"{said} (`in_air` of the scenario)", file=sys.stderr)
+        by = f"{flown.vehicle.name}, not {own.vehicle.name} (`in_air` of the scenario)"
+        print(f"fly: {request.scenario}: in air {request.air} by {by}", file=sys.stderr)
     interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
         bag = args.bag or Path(scratch) / "bag"

@@ -64,8 +64,8 @@ CASES = (
     Case("table2_1"),
     Case("table2_3"),
 )
-"""Cases, the most important first. Of dc19 no triple was flown, so that its air is not that of a stack. Of the
-flights of Table 2, those of the least distance, 0.5 m, at either speed."""
+"""Cases, the most important first. Of dc19 no triple was flown, so that its air is not that of a stack. The
+flights of Table 2 are those of the least distance, 0.5 m, at either speed."""
 
 
 def scenario_of(case: Case) -> Scenario:

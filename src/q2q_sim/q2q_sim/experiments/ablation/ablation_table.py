@@ -28,8 +28,10 @@ HEAD = (
 )
 
 
-def page(numbers: Numbers, command: str, picture: str, rest: str) -> str:
-    """Return the page; `picture` is the path of the plot from it, and `rest` says what is missing."""
+def page(numbers: Numbers, command: str, picture: str) -> str:
+    """Return the page; `picture` is the path of the plot from it."""
+    missing = sum(numbers.cell(case, name) is None for case in CASES for name in CONTENDERS)
+    rest = f"{missing} rows of the tables are missing: run the same command again." if missing else ""
     parts = [
         "# Ablation",
         f"Made by `{command}`; do not edit.",

@@ -44,9 +44,7 @@ def write(numbers: Numbers, out: Path, command: str) -> None:
     picture = Path("images") / f"{out.stem}.png"
     (out.parent / picture.parent).mkdir(parents=True, exist_ok=True)
     ablation_figure(numbers, SHOWN).savefig(out.parent / picture, dpi=DPI)
-    missing = sum(numbers.cell(case, name) is None for case in CASES for name in CONTENDERS)
-    rest = f"{missing} rows of the tables are missing: run the same command again." if missing else ""
-    out.write_text(page(numbers, command, picture.as_posix(), rest), encoding="utf-8")
+    out.write_text(page(numbers, command, picture.as_posix()), encoding="utf-8")
 
 
 def _fill(numbers: Numbers, wanted: Sequence[Case], given: Namespace) -> None:
