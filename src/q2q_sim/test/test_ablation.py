@@ -25,9 +25,9 @@ from q2q_sim.experiments.ablation.conclusion import (
     ratio,
     worse_than_ignoring,
 )
+from q2q_sim.experiments.ablation.contender_flight import COLUMNS, Trace, flown, measured
 from q2q_sim.experiments.ablation.contenders import CONTENDERS, TWINS, Situation
 from q2q_sim.experiments.ablation.learned_models import LEAST, LearnedModel, models_of, parts_of
-from q2q_sim.experiments.ablation.trial import COLUMNS, Trace, flown, measured
 from q2q_sim.experiments.ablation.two_level_interval import median_interval
 from q2q_sim.loop.assembly import Options, blocks_of, plan_of
 from q2q_sim.loop.closed_loop import FlightOptions

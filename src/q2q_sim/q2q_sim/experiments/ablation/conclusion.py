@@ -12,8 +12,8 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.ablation.ablation_cases import Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
+from q2q_sim.experiments.ablation.contender_flight import COLUMNS
 from q2q_sim.experiments.ablation.contenders import CONTENDERS, TWINS
-from q2q_sim.experiments.ablation.trial import COLUMNS
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
 
 MM = 1e3

@@ -14,9 +14,9 @@ from q2q_sim.experiments.ablation.ablation_cases import CASES, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, key, read
 from q2q_sim.experiments.ablation.ablation_plot import ablation_figure
 from q2q_sim.experiments.ablation.ablation_table import SHOWN, page
+from q2q_sim.experiments.ablation.contender_flight import ContenderFlight, fly_contender
 from q2q_sim.experiments.ablation.contenders import CONTENDERS
 from q2q_sim.experiments.ablation.learned_models import air_of, models_of
-from q2q_sim.experiments.ablation.trial import Trial, fly_trial
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 DPI = 130
@@ -55,7 +55,7 @@ def _fill(numbers: Numbers, wanted: Sequence[Case], given: Namespace) -> None:
         asked = _missing(numbers, wanted)
         numbers.save(given.json)
         task = progress.add_task("flights", total=len(asked))
-        flights = {pool.submit(fly_trial, one): one for one in asked}
+        flights = {pool.submit(fly_contender, one): one for one in asked}
         try:
             for done in as_completed(flights):
                 one = flights[done]
@@ -67,7 +67,7 @@ def _fill(numbers: Numbers, wanted: Sequence[Case], given: Namespace) -> None:
             raise
 
 
-def _missing(numbers: Numbers, wanted: Sequence[Case]) -> list[Trial]:
+def _missing(numbers: Numbers, wanted: Sequence[Case]) -> list[ContenderFlight]:
     """Return the missing flights, and learn models and airs for them; a model's number is its seed."""
     asked = []
     for case in wanted:
@@ -80,5 +80,5 @@ def _missing(numbers: Numbers, wanted: Sequence[Case]) -> list[Trial]:
         if left:
             air = air_of(plant)
             numbers.airs[plant.name] = list(air.flights)
-            asked += [Trial(case, name, models[k].jet, air, k, numbers.draws) for k, name in left]
+            asked += [ContenderFlight(case, name, models[k].jet, air, k, numbers.draws) for k, name in left]
     return asked

@@ -14,8 +14,8 @@ from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.ablation.ablation_cases import PASSAGE, SHIPPED, Case
+from q2q_sim.experiments.ablation.contender_flight import COLUMNS, ContenderFlight, fly_contender
 from q2q_sim.experiments.ablation.learned_models import air_of
-from q2q_sim.experiments.ablation.trial import COLUMNS, Trial, fly_trial
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, drawn
 from q2q_sim.loop.assembly import Mode
 from q2q_sim.loop.closed_loop import FlightOptions, fly
@@ -65,7 +65,7 @@ def in_learned_air(group: str, contenders: Mapping[str, str]) -> dict[str, float
     """
     found, air = {}, air_of(SHIPPED)
     for suffix, contender in contenders.items():
-        rows = fly_trial(Trial(Case(PASSAGE, SHIPPED), contender, MEASURED_LAW, air, 0, DRAWS))
+        rows = fly_contender(ContenderFlight(Case(PASSAGE, SHIPPED), contender, MEASURED_LAW, air, 0, DRAWS))
         for name in ("under", "clear", "worst"):
             middle = float(np.median(rows[:, COLUMNS.index(name)]))
             found[f"{group}.learned_air_{name}_{suffix}"] = middle

@@ -42,7 +42,7 @@ class Trace:
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class ContenderFlight:
     """One flight of the ablation: draws side by side, all with one model and one seed."""
 
     case: Case
@@ -53,7 +53,7 @@ class Trial:
     draws: int
 
 
-def fly_trial(asked: Trial) -> Array:
+def fly_contender(asked: ContenderFlight) -> Array:
     """Return COLUMNS of every draw, (draws, 6)."""
     one, contender = scenario_of(asked.case), CONTENDERS[asked.contender]
     scenario = side_by_side(one, asked.draws)
