@@ -34,6 +34,7 @@ def ablation_figure(numbers: Numbers, cases: Sequence[Case]) -> Figure:
         panels = figure.subplots(len(cases), 1, sharex=True, squeeze=False)[:, 0]
     for axes, case in zip(panels, cases, strict=True):
         _draw(axes, numbers, case)
+    panels[0].set_xlim(left=0.0)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", fontsize=10, ncols=1)
     panels[-1].set_xlabel("height error [mm], median and 95 % interval")
@@ -57,5 +58,4 @@ def _draw(axes: Axes, numbers: Numbers, case: Case) -> None:
         )
     axes.set_yticks(np.arange(len(flown)), flown)
     axes.invert_yaxis()
-    axes.set_xlim(left=0.0)
     axes.set_title(f"{case.scenario}: air of {case.plant.family}, models of {case.plant.models}")

@@ -7,7 +7,15 @@ Ratios are medians of the ratio of each draw, which has the same noise, air and 
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.ablation.ablation_cases import CASES, SHIPPED, Case, Plant
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
-from q2q_sim.experiments.ablation.conclusion import MM, column, conclusion, ratio, words, worse_than_ignoring
+from q2q_sim.experiments.ablation.conclusion import (
+    MM,
+    column,
+    conclusion,
+    not_smaller,
+    ratio,
+    words,
+    worse_than_ignoring,
+)
 from q2q_sim.experiments.ablation.contenders import CONTENDERS
 from q2q_sim.experiments.ablation.two_level_interval import median_interval
 
@@ -38,7 +46,7 @@ def page(numbers: Numbers, command: str, picture: str) -> str:
         rest,
         conclusion(numbers, SHOWN),
         f"![Height errors of each controller in learned air]({picture})",
-        READING,
+        f"{READING} {_flights(numbers)}",
         *(_section(numbers, case) for case in CASES),
         "## Models",
         *(_models(numbers, family) for family in numbers.models),
@@ -46,14 +54,23 @@ def page(numbers: Numbers, command: str, picture: str) -> str:
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
+def _flights(numbers: Numbers) -> str:
+    count = sum(len(flown) for flown in numbers.flights.values())
+    return f"There are {count} flights, of 2 to 10 s of CPU each."
+
+
 def _section(numbers: Numbers, case: Case) -> str:
     rows = [_row(numbers, case, name) for name in CONTENDERS if numbers.cell(case, name) is not None]
     if not rows:
         return ""
+    if numbers.cell(case, "ignoring") is None:
+        return "\n\n".join([f"## {case.title}", origin(numbers, case.plant), "\n".join([HEAD, *rows])])
     worse = [f"{name} ({words(times, 2)})" for name, times in worse_than_ignoring(numbers, case)]
-    said = f"**Worse than ignoring** under another vehicle: {', '.join(worse)}." if worse else (
-        "No controller is worse than ignoring under another vehicle."
-    )  # fmt: skip
+    said = "No controller is worse than ignoring under another vehicle."
+    if worse:
+        said = f"**Worse than ignoring** under another vehicle: {', '.join(worse)}."
+    if alike := not_smaller(numbers, case):
+        said += f" Worst error **not shown to be smaller** than ignoring's: {', '.join(alike)}."
     return "\n\n".join([f"## {case.title}", origin(numbers, case.plant), "\n".join([HEAD, *rows]), said])
 
 

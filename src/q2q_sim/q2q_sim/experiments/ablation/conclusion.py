@@ -1,8 +1,8 @@
 """Conclusion of the ablation in three sentences, made from its numbers.
 
-The first names the controller with the least worst error and what it reaches, the second what knowing the
-downwash changes in controllers that differ in nothing else, the third what is worse than ignoring, and how
-far the models move the first one's result. Ratios are of the same draw.
+The first names the controller with the least worst error in each case, those that cannot be told from it, and
+what it reaches; the second what knowing the downwash changes in controllers that differ in nothing else; the
+third what is worse than ignoring, and how far the models move the result. Ratios are of the same draw.
 """
 
 from collections.abc import Sequence
@@ -25,18 +25,12 @@ def conclusion(numbers: Numbers, cases: Sequence[Case]) -> str:
     whole = [case for case in cases if all(numbers.cell(case, name) is not None for name in CONTENDERS)]
     if not whole:
         return ""
-    best = best_contender(numbers, whole)
-    sentences = (_reached(numbers, whole, best), _known(numbers, whole), _worse(numbers, whole, best))
-    return " ".join(sentences)
+    return " ".join((_reached(numbers, whole), _known(numbers, whole), _worse(numbers, whole)))
 
 
-def best_contender(numbers: Numbers, cases: Sequence[Case]) -> str:
-    """Return the contender with the least geometric mean over the cases of its median worst error."""
-
-    def size(name: str) -> float:
-        return float(np.mean([np.log(np.median(column(numbers, case, name, "worst"))) for case in cases]))
-
-    return min(CONTENDERS, key=size)
+def best_contender(numbers: Numbers, case: Case) -> str:
+    """Return the contender with the least median worst error."""
+    return min(CONTENDERS, key=lambda name: float(np.median(column(numbers, case, name, "worst"))))
 
 
 def worse_than_ignoring(numbers: Numbers, case: Case) -> list[tuple[str, MedianInterval]]:
@@ -50,6 +44,12 @@ def worse_than_ignoring(numbers: Numbers, case: Case) -> list[tuple[str, MedianI
             times = ratio(numbers, case, (name, "ignoring"), "under")
             found += [(name, times)] if times.low > 1.0 else []
     return found
+
+
+def not_smaller(numbers: Numbers, case: Case) -> list[str]:
+    """Return the contenders whose worst error is not shown to be smaller than ignoring's."""
+    others = [name for name in CONTENDERS if name != "ignoring" and numbers.cell(case, name) is not None]
+    return [one for one in others if ratio(numbers, case, (one, "ignoring"), "worst").high >= 1.0]
 
 
 def column(numbers: Numbers, case: Case, contender: str, name: str) -> Array:
@@ -71,17 +71,24 @@ def words(found: MedianInterval, digits: int) -> str:
     return f"{found.middle:.{digits}f} ({found.low:.{digits}f} to {found.high:.{digits}f})"
 
 
-def _reached(numbers: Numbers, cases: Sequence[Case], best: str) -> str:
+def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
     parts = []
     for case in cases:
+        best = best_contender(numbers, case)
+        alike = [
+            name
+            for name in CONTENDERS
+            if name != best and ratio(numbers, case, (name, best), "worst").low <= 1.0
+        ]
+        besides = f" (not told from it: {', '.join(alike)})" if alike else ""
         times = ratio(numbers, case, ("ignoring", best), "worst")
         under, clear = (column(numbers, case, best, name) for name in ("under", "clear"))
-        rms, over = median_interval(MM * under), median_interval(under / clear)
         parts.append(
-            f"in {_place(case)} {words(times, 1)} times smaller than ignoring's, with {words(rms, 0)} mm rms "
-            f"under another vehicle, {words(over, 1)} times that in clear air"
+            f"in {_place(case)} that of **{best}**{besides}, {words(times, 1)} times smaller than ignoring's, with "
+            f"{words(median_interval(MM * under), 0)} mm rms under another vehicle, "
+            f"{words(median_interval(under / clear), 1)} times that in clear air"
         )
-    return f"**{best}** has the least worst height error: {'; '.join(parts)}."
+    return f"The least worst height error is {'; '.join(parts)}."
 
 
 def _known(numbers: Numbers, cases: Sequence[Case]) -> str:
@@ -95,20 +102,21 @@ def _known(numbers: Numbers, cases: Sequence[Case]) -> str:
     )
 
 
-def _worse(numbers: Numbers, cases: Sequence[Case], best: str) -> str:
+def _worse(numbers: Numbers, cases: Sequence[Case]) -> str:
     worse = [
         f"{name} in {_place(case)} ({words(times, 2)} times)"
         for case in cases
         for name, times in worse_than_ignoring(numbers, case)
     ]
-    said = f"Worse than ignoring under another vehicle: {', '.join(worse)}" if worse else (
-        "No controller is worse than ignoring under another vehicle"
-    )  # fmt: skip
+    said = "No controller is worse than ignoring under another vehicle"
+    if worse:
+        said = f"Worse than ignoring under another vehicle: {', '.join(worse)}"
     spread = []
     for case in cases:
+        best = best_contender(numbers, case)
         each = MM * np.median(column(numbers, case, best, "under"), axis=1)
-        spread.append(f"{each.min():.0f} to {each.max():.0f} mm in {_place(case)}")
-    return f"{said}; from model to model, {best}'s median rms there goes from {' and from '.join(spread)}."
+        spread.append(f"{best}'s from {each.min():.0f} to {each.max():.0f} mm in {_place(case)}")
+    return f"{said}; from model to model, the median rms there goes: {', '.join(spread)}."
 
 
 def _place(case: Case) -> str:
