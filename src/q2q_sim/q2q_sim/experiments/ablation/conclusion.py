@@ -84,8 +84,8 @@ def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
         times = ratio(numbers, case, ("ignoring", best), "worst")
         under, clear = (column(numbers, case, best, name) for name in ("under", "clear"))
         parts.append(
-            f"in {_place(case)} that of **{best}**{besides}, {words(times, 1)} times smaller than ignoring's, "
-            f"with {words(median_interval(MM * under), 0)} mm rms under another vehicle, "
+            f"in {_place(case)} that of **{best}**{besides}, {words(times, 1)} times smaller than "
+            f"ignoring's, with {words(median_interval(MM * under), 0)} mm rms under another vehicle, "
             f"{words(median_interval(under / clear), 1)} times that in clear air"
         )
     return f"The least worst height error is {'; '.join(parts)}."
