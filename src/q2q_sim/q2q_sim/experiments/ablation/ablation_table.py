@@ -4,6 +4,8 @@ Values are medians over models and draws with 95 % intervals (two_level_interval
 Ratios are medians of the ratio of each draw, which has the same noise, air and vehicles in every flight.
 """
 
+from collections.abc import Sequence
+
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.ablation.ablation_cases import CASES, SHIPPED, Case, Plant
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
@@ -78,12 +80,13 @@ def origin(numbers: Numbers, plant: Plant) -> str:
     """Return what was flown in what: air and models, with the flights and family of each."""
     flights, models = numbers.airs.get(plant.name, []), numbers.models_for(plant)
     behind = sorted({one.name.partition(",")[0] for one in models})
-    learned = f"learned from {len(flights)} flights of the family {plant.family} ({_range(flights)})"
+    names = _without(plant.family, flights)
+    learned = f"learned from {len(flights)} flights of the family {plant.family} ({names})"
     air = f"`{plant.name}`, {learned}" if plant == SHIPPED else learned
     return (
         f"**Air:** {air}: jet as a table, turbulence, gusts, torques. **Models:** {len(models)} Gaussian "
         f"jets, each learned from a flight, or a part of one, of the family {plant.models} "
-        f"({_range(behind)}); {numbers.draws} draws with each."
+        f"({_without(plant.models, behind)}); {numbers.draws} draws with each."
     )
 
 
@@ -113,5 +116,6 @@ def _row(numbers: Numbers, case: Case, name: str) -> str:
     return f"| {name} | " + " | ".join(cells) + " |"
 
 
-def _range(flights: list[str]) -> str:
-    return ", ".join(f"`{one}`" for one in flights)
+def _without(family: str, flights: Sequence[str]) -> str:
+    """Return names of flights without that of their family."""
+    return ", ".join(one.removeprefix(f"{family}_") for one in flights)

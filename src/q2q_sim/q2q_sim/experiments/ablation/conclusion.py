@@ -21,11 +21,12 @@ MM = 1e3
 
 
 def conclusion(numbers: Numbers, cases: Sequence[Case]) -> str:
-    """Return three sentences on the cases that are flown whole; empty if none is."""
+    """Return three sentences, one a line, on the cases that are flown whole; empty if none is."""
     whole = [case for case in cases if all(numbers.cell(case, name) is not None for name in CONTENDERS)]
     if not whole:
         return ""
-    return " ".join((_reached(numbers, whole), _known(numbers, whole), _worse(numbers, whole)))
+    sentences = (_reached(numbers, whole), _known(numbers, whole), _worse(numbers, whole))
+    return "\n".join(f"- {sentence}" for sentence in sentences)
 
 
 def best_contender(numbers: Numbers, case: Case) -> str:
