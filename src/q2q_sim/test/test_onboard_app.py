@@ -37,10 +37,10 @@ EXACT = 65535 / CRAZYFLIE_2_0.full_pwm_thrust
 FLOWN = AppConditions(broadcast_loss=0.2, acc_noise=0.45, acc_bias=0.05)
 """Accelerometer as of the residual process: 0.2 m/s^2 at 100 Hz."""
 PASS = {
-    "duration": 8.0,
+    "duration": 5.5,
     "vehicles": {
-        "cf1": [{"t": 0, "pos": [0, -0.8, 1]}, {"t": 1, "pos": [0, -0.8, 1]}, {"t": 7, "pos": [0, 0.8, 1]}],
-        "cf2": [{"t": 0, "pos": [0, 0, 1.5]}, {"t": 8, "pos": [0, 0, 1.5]}],
+        "cf1": [{"t": 0, "pos": [0, -0.6, 1]}, {"t": 1, "pos": [0, -0.6, 1]}, {"t": 5, "pos": [0, 0.6, 1]}],
+        "cf2": [{"t": 0, "pos": [0, 0, 1.5]}, {"t": 5, "pos": [0, 0, 1.5]}],
     },
 }
 """One vehicle passes 0.5 m under another."""

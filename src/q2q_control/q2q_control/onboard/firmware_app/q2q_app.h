@@ -42,13 +42,14 @@ struct q2q_app {
   struct q2q_track track[Q2Q_VEHICLES];
   struct q2q_correction correction;
   float strength[Q2Q_VEHICLES]; /* s of each source */
-  float direct[Q2Q_VEHICLES];   /* downwash of each source alone [m/s^2] */
-  float thrust; /* of the rotors over the mass, after their lag [m/s^2] */
-  float eta;    /* prediction for the present [m/s^2] */
-  float ahead;  /* prediction for the time when the rotors will have answered [m/s^2] */
+  float direct[Q2Q_VEHICLES];   /* downwash of each source alone, as last predicted [m/s^2] */
+  float eta;                    /* prediction for the present [m/s^2] */
+  float ahead;                  /* prediction for the time when the rotors will have answered [m/s^2] */
+  float thrust;                 /* of the rotors over the mass, after their lag [m/s^2] */
   uint32_t last_us;
-  bool flying;         /* the rotors have carried the vehicle since the motors started */
-  uint8_t job, source; /* of the next step; the source whose strength was renewed last */
+  bool flying;    /* the rotors have carried the vehicle since the motors started */
+  uint8_t job;    /* of the next step */
+  uint8_t source; /* its strength was renewed last */
 };
 
 /* What one step of the controller knows. */
@@ -63,6 +64,7 @@ struct q2q_input {
 /* sizeof(struct q2q_app) and Q2Q_NEIGHBOURS, for callers of a shared library. */
 extern const uint32_t q2q_app_bytes, q2q_neighbours;
 
+/* Forget everything. */
 void q2q_reset(struct q2q_app *app);
 
 /* Return eta^ along z [m/s^2]: subtract it from the setpoint's acceleration. Call at the controller's rate. */
@@ -86,6 +88,8 @@ float q2q_residual(const struct q2q_correction *correction, float age_s);
 
 /* Broadcast of one vehicle, little endian: id, then position [mm], velocity [mm/s], body z x and y [1e-4]. */
 void q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PACKET_BYTES]);
+
+/* Write the motion in a broadcast; return its id. */
 uint8_t q2q_unpack(const uint8_t packet[Q2Q_PACKET_BYTES], struct q2q_motion *motion);
 
 #endif

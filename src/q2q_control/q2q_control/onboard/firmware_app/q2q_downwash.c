@@ -68,17 +68,22 @@ static float jet(const struct q2q_motion *source, const struct q2q_motion *at) {
   return (Q2Q_UPPER_RATIO * (1.0f - below) - below) * Q2Q_STRENGTH * decay * expf(exponent) * meeting;
 }
 
-static void look(struct scene *scene, const struct q2q_motion *own) {
+/* Place all vehicles where they are `lead_s` after now_us. */
+static void place(struct scene *scene, const struct q2q_app *app, const struct q2q_motion *own, uint32_t now_us,
+                  float lead_s) {
   float fastest = 0.0f;
+  scene->app = app;
+  scene->now_us = now_us;
+  scene->lead_s = lead_s;
   for (int k = 0; k < Q2Q_VEHICLES; ++k) {
-    const struct q2q_track *track = &scene->app->track[k];
-    scene->here[k] = k == 0 || q2q_heard(track, scene->now_us);
+    const struct q2q_track *track = &app->track[k];
+    scene->here[k] = k == 0 || q2q_heard(track, now_us);
     if (!scene->here[k]) continue;
     struct q2q_motion *now = &scene->now[k];
     if (k == 0)
-      q2q_motion_after(own, scene->lead_s, now);
+      q2q_motion_after(own, lead_s, now);
     else
-      q2q_motion_at(track, scene->now_us, -scene->lead_s, now);
+      q2q_motion_at(track, now_us, -lead_s, now);
     fastest = larger(fastest, now->vel[0] * now->vel[0] + now->vel[1] * now->vel[1] + now->vel[2] * now->vel[2]);
   }
   const float moved = Q2Q_MAX_DELAY * sqrtf(fastest);
@@ -132,17 +137,10 @@ static float absorbed(float direct, float middle, float taken) {
   return smaller(-Q2Q_ABSORPTION * taken / Q2Q_GRAVITY, 1.0f) * smaller(middle / direct, 1.0f);
 }
 
-static void set(struct scene *scene, const struct q2q_app *app, const struct q2q_motion *own, uint32_t now_us, float lead_s) {
-  scene->app = app;
-  scene->now_us = now_us;
-  scene->lead_s = lead_s;
-  look(scene, own);
-}
-
 float q2q_downwash(struct q2q_app *app, const struct q2q_motion *own, uint32_t now_us, float lead_s) {
   struct scene scene;
   float eta = 0.0f;
-  set(&scene, app, own, now_us, lead_s);
+  place(&scene, app, own, now_us, lead_s);
   for (int j = 1; j < Q2Q_VEHICLES; ++j) {
     app->direct[j] = in_reach(&scene, 0, j) ? pair(&scene, 0, j) : 0.0f;
     eta += app->strength[j] * app->direct[j];
@@ -151,10 +149,10 @@ float q2q_downwash(struct q2q_app *app, const struct q2q_motion *own, uint32_t n
 }
 
 void q2q_renew_strength(struct q2q_app *app, const struct q2q_motion *own, uint32_t now_us, int j) {
-  struct scene scene;
   app->strength[j] = 1.0f;
   if (app->direct[j] == 0.0f) return;
-  set(&scene, app, own, now_us, 0.0f);
+  struct scene scene;
+  place(&scene, app, own, now_us, 0.0f);
   float excess = thrust_ratio(&scene, j) - 1.0f, taken = 0.0f;
   for (int k = 0; k < Q2Q_VEHICLES; ++k) {
     if (in_reach(&scene, j, k)) excess += down(pair(&scene, j, k)) / Q2Q_GRAVITY;
