@@ -14,7 +14,7 @@ from q2q_control.mpc.prediction.downwash_horizon import (
 )
 from q2q_control.mpc.prediction.downwash_stages import (
     DELTA,
-    FAINT,
+    LEAST_DOWNWASH,
     DownwashHorizon,
     Tracks,
     bounding_boxes,
@@ -72,7 +72,7 @@ def downwash_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array
     law, above, below = (model.acceleration(rel + side * up, motion) for side in (0.0, 1.0, -1.0))
     within = np.hypot(now[:, 0], now[:, 1]) <= model.reach.horizontal
     within &= np.abs(now[:, 2]) <= model.reach.vertical
-    counts = within.any() and np.abs(law).max() > FAINT
+    counts = within.any() and np.abs(law).max() > LEAST_DOWNWASH
     share = tracks.weight[j][:, None]
     return law * share, (above - below) / (2.0 * DELTA) * share, bool(counts)
 

@@ -5,7 +5,7 @@ the past; after two rounds they have converged to 1e-4 m/s^2. Heights are errors
 (q2q_control.explicit.features). A source's position is that of a delay ago, by its speed at that stage.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from q2q_control.mpc.problem.input_bounds import FALL
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
-from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, at_rest, retarded_pairs
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -113,11 +113,17 @@ def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Arr
     path[..., 2] += errors
     here = 0.5 * (path[..., 1:, :] + path[..., :-1, :])
     vel = np.diff(path, axis=-2) / teacher.params.step
-    source = vel[..., ::-1, :, :]
     rel = here[..., ::-1, :, :] - here
-    if model.max_delay > 0.0:
-        rel = rel - source * model.delay(rel)[..., None]
-    motion = PairMotion(source, at_rest(rel).source_axis, vel)
+    now = SourceStates(
+        rel, vel[..., ::-1, :, :], at_rest(rel).source_axis
+    )  # as seen from the exposed vehicle
+    rel, motion = retarded_pairs(
+        model,
+        np.zeros_like(rel),
+        vel,
+        now,
+        lambda delay: replace(now, pos=now.pos - now.vel * delay[..., None]),
+    )
     nudge = np.array([0.0, 0.0, DELTA])
     eta, above, below = (model.acceleration(rel + side * nudge, motion)[..., 2] for side in (0.0, 1.0, -1.0))
     slope = (above - below) / (2.0 * DELTA)

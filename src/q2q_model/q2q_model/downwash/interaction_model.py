@@ -6,10 +6,18 @@ tau = delay(r_j(t) - r_i(t)),
 with b the body z axis: rotors drive air along -b, so a tilted source deflects its downwash.
 
 Vehicle i is exposed to the downwash of source j; rel_pos = pos_j - pos_i, so a source above has rel_pos
-z > 0. Laws take arrays of pairs of any batch shape and are stateless: past states come from `StateHistory`
-online and from the arrays of a flight offline.
+z > 0. Laws take arrays of pairs of any batch shape and are stateless. `retarded_pairs` applies the delay for
+all callers, which differ in what they know of a source's past:
+
+| caller | past of a source |
+|---|---|
+| q2q_model.downwash.predictor | states received |
+| q2q_model.identification.force.along_flight | the recorded flight |
+| q2q_control.mpc.prediction.downwash_horizon | positions received, then the predicted path |
+| q2q_control.explicit.teacher | constant velocity |
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -44,6 +52,18 @@ class PairMotion:
     """Velocity of i [m/s], world, (..., 3)."""
 
 
+@dataclass(frozen=True, slots=True)
+class SourceStates:
+    """States of the sources of pairs."""
+
+    pos: Array
+    """[m], world, (..., 3)."""
+    vel: Array
+    """[m/s], world, (..., 3)."""
+    axis: Array
+    """Body z, unit length, world, (..., 3)."""
+
+
 def at_rest(rel_pos: Array) -> PairMotion:
     """Return the motion of level vehicles at rest, one pair for each relative position (..., 3)."""
     still = np.zeros_like(rel_pos)
@@ -65,7 +85,31 @@ class InteractionModel(Protocol):
         """Return the transport delay tau [s], (...,), of downwash from a source at rel_pos [m], (..., 3)."""
 
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
-        """Return eta [m/s^2], world, (..., 3), for retarded rel_pos [m], (..., 3), and motion."""
+        """Return eta [m/s^2], world, (..., 3), of retarded pairs.
+
+        Args:
+            rel_pos: relative position [m], world, (..., 3).
+            motion: of the pairs; its arrays broadcast to rel_pos.
+        """
 
     def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return one standard deviation of the prediction [m/s^2], (..., 3); NaN where unknown."""
+
+
+def retarded_pairs(
+    model: InteractionModel, pos: Array, vel: Array, now: SourceStates, past: Callable[[Array], SourceStates]
+) -> tuple[Array, PairMotion]:
+    """Return rel_pos [m], (..., 3), and motion of pairs whose sources are as when their air left them.
+
+    Args:
+        model: gives the delay.
+        pos: of the exposed vehicles [m], world, (..., 3).
+        vel: of the exposed vehicles [m/s], world, (..., 3).
+        now: present sources, with which the delay is computed.
+        past: returns the sources a delay [s], (...,), ago; not called for a model without delay.
+    """
+    rel_pos = now.pos - pos
+    if model.max_delay > 0.0:
+        now = past(model.delay(rel_pos))
+        rel_pos = now.pos - pos
+    return rel_pos, PairMotion(now.vel, now.axis, vel)

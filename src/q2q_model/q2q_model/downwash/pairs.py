@@ -1,11 +1,10 @@
-"""Compiled loops of the predictor: pairs in reach, their relative motion, and the sum over sources.
+"""Compiled loops of the predictor: pairs in reach, and the sum over sources.
 
 | name | meaning [unit] |
 |---|---|
-| states | pos, vel [m, m/s], quat x y z w, track status of every vehicle, (n, 11) |
+| states | pos, vel [m, m/s], quat x y z w of every vehicle, (n, 10) |
 | now | pos, vel, body z of every vehicle, (n, 9) |
 | keys | n i + j of every pair in reach, vehicle i exposed to source j, (p,) |
-| pairs | rel_pos, velocity of j, body z of j, velocity of i, (4, p, 3) |
 """
 
 import math
@@ -16,14 +15,11 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.downwash.pairs_in_reach import sweep
-from q2q_model.signals.values import Array, InterferenceStatus, Status, TrackStatus
+from q2q_model.signals.values import Array, InterferenceStatus, Status
 
 Rows = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
-STATUS = 10
-"""Column of the track status."""
-_TRACKED = int(TrackStatus.TRACKED)
 _VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
 _STALE_SOURCE = int(InterferenceStatus.STALE_SOURCE)
 
@@ -79,36 +75,6 @@ def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) ->
         body_z(states[i], now[i, 6:])
     moved = max_delay * math.sqrt(fastest)  # distance a source may have moved since its air left it
     return sweep(pos, horizontal + moved, vertical + moved)
-
-
-@compiled
-def present_pairs(states: Array, now: Array, keys: Rows, pairs: Array, stale: Flags) -> None:
-    """Write the pairs at their present states, and `stale` (p,) of sources that are not tracked."""
-    for p in range(keys.size):
-        i, j = keys[p] // now.shape[0], keys[p] % now.shape[0]
-        stale[p] = states[j, STATUS] != _TRACKED
-        for k in range(3):
-            pairs[0, p, k] = now[j, k] - now[i, k]
-            pairs[1, p, k], pairs[2, p, k], pairs[3, p, k] = now[j, 3 + k], now[j, 6 + k], now[i, 3 + k]
-
-
-@compiled
-def delay_sources(now: Array, keys: Rows, past: Array, pairs: Array, stale: Flags) -> None:
-    """Replace sources by their state when their air left them, `past` (p, 9).
-
-    A source without a known past state is unchanged and flagged stale.
-    """
-    for p in range(keys.size):
-        i = keys[p] // now.shape[0]
-        whole = True
-        for k in range(6):
-            whole = whole and math.isfinite(past[p, k])
-        if not whole:
-            stale[p] = True
-            continue
-        for k in range(3):
-            pairs[0, p, k] = past[p, k] - now[i, k]
-            pairs[1, p, k], pairs[2, p, k] = past[p, 3 + k], past[p, 6 + k]
 
 
 @compiled

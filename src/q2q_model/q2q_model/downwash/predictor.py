@@ -21,13 +21,11 @@ observed for less than its delay counts with its first observed state.
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
+from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, retarded_pairs
 from q2q_model.downwash.pairs import (
     InteractionSums,
     PairInteractions,
-    delay_sources,
     find_pairs,
-    present_pairs,
     sum_over_sources,
 )
 from q2q_model.downwash.source_strength import (
@@ -40,7 +38,7 @@ from q2q_model.downwash.source_strength import (
 )
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.signals.repeated_stamp import is_repeated
-from q2q_model.signals.values import Array, Interference, Names, SwarmState, index_of
+from q2q_model.signals.values import Array, Interference, Names, SwarmState, TrackStatus, index_of
 
 _NO_PAIR = PairInteractions(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_))
 
@@ -68,14 +66,12 @@ class InteractionPredictor:
         """Return the downwash on every vehicle of `state`, in its order."""
         if is_repeated(self._last, state.t, state.names):
             return self._last
-        states = np.concatenate(
-            (state.pos, state.vel, state.quat, state.status[:, None]), axis=1, dtype=np.float64
-        )  # (n, 11)
+        states = np.concatenate((state.pos, state.vel, state.quat), axis=1, dtype=np.float64)  # (n, 10)
         model, now = self.model, np.empty((len(state.names), 9))
         reach, delay = model.reach, model.max_delay
         keys = find_pairs(states, now, (reach.horizontal, reach.vertical, delay))
         self._remember(state, now)
-        answers = self._answers(state.t, states, now, keys) if keys.size else _NO_PAIR
+        answers = self._answers(state, now, keys) if keys.size else _NO_PAIR
         acc, std = np.empty((2, *state.pos.shape))
         status = np.empty(len(state.names), dtype=np.uint8)
         sum_over_sources(keys, answers, states, reach.horizontal > 0.0, InteractionSums(acc, std, status))
@@ -93,19 +89,23 @@ class InteractionPredictor:
         if state.t > self._history.newest:
             self._history.push(state.t, now)
 
-    def _answers(self, t: float, states: Array, now: Array, keys: NDArray[np.intp]) -> PairInteractions:
+    def _answers(self, state: SwarmState, now: Array, keys: NDArray[np.intp]) -> PairInteractions:
         """Return the model's answers to the pairs of a tick."""
-        pairs, stale = np.empty((4, keys.size, 3)), np.empty(keys.size, dtype=np.bool_)
-        present_pairs(states, now, keys, pairs, stale)
-        if self.model.max_delay > 0.0:
-            left = t - self.model.delay(pairs[0])
-            delay_sources(now, keys, self._history.at(left, keys % len(now)), pairs, stale)
-        rel_pos, motion = pairs[0], PairMotion(pairs[1], pairs[2], pairs[3])
+        i, j = np.divmod(keys, len(now))
+        stale: NDArray[np.bool_] = np.not_equal(state.status[j], TrackStatus.TRACKED)
+
+        def past(delay: Array) -> SourceStates:
+            found = self._history.at(state.t - delay, j)
+            unknown = np.asarray(~np.isfinite(found[:, :6]).all(axis=1))
+            stale[unknown] = True
+            return _sources(np.where(unknown[:, None], now[j], found))
+
+        rel_pos, motion = retarded_pairs(self.model, now[i, :3], now[i, 3:6], _sources(now[j]), past)
         eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
         terms = source_terms(self.model)
         if terms != PAIRS_ALONE:
-            thrust = self._thrust_ratio(t, now, keys, terms)
-            share = strengths(*np.divmod(keys, len(now)), eta[:, 2:].copy(), thrust, terms)
+            thrust = self._thrust_ratio(state.t, now, keys, terms)
+            share = strengths(i, j, eta[:, 2:].copy(), thrust, terms)
             eta, deviation = share * eta, share * deviation
         return PairInteractions(eta, deviation, stale)
 
@@ -120,6 +120,10 @@ class InteractionPredictor:
         seen = np.minimum(after, self._history.newest) - np.maximum(before, self._history.oldest)
         ratio = thrust_ratio(vel[0], vel[1], seen)
         return np.where(np.isfinite(ratio) & (seen > 0.5 * HALF_SPAN_S), ratio, 1.0)[:, None]
+
+
+def _sources(states: Array) -> SourceStates:
+    return SourceStates(states[:, :3], states[:, 3:6], states[:, 6:])
 
 
 def _span(model: InteractionModel) -> float:

@@ -12,7 +12,7 @@ the air, so that between vehicles of the same kind its acceleration at the same 
     F = rho v_j^2 A_i,   F / m_i = g (m_j / A_j) / (m_i / A_i)
 
 The residual's deviation keeps its share, plus that by which such jets have missed the flights of a vehicle
-they were not fitted to, `DOUBT` (docs/real_flights.md).
+they were not fitted to, `SCALING_STD` (docs/real_flights.md).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -31,7 +31,7 @@ from q2q_model.vehicle.constants import GRAVITY
 
 AIR_DENSITY = 1.2
 """rho [kg/m^3], at 20 degrees and sea level."""
-DOUBT = 0.2
+SCALING_STD = 0.2
 """Deviation of a scaled jet, as a share of its downwash [-]; the large vehicle: 96 % within 1.96."""
 
 
@@ -83,5 +83,5 @@ def scaled_jet(jet: Jet, known: QuadrotorSize, new: QuadrotorSize, below: Quadro
         width=length * jet.width,
         range=length * jet.range,
         travel_speed=speed * jet.travel_speed,
-        relative_std=math.hypot(jet.relative_std, DOUBT),
+        relative_std=math.hypot(jet.relative_std, SCALING_STD),
     )

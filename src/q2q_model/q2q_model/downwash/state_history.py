@@ -7,6 +7,7 @@ are thus contiguous and in order of time, and appending one takes amortised cons
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
 FIRST_CAPACITY = 64
@@ -48,12 +49,7 @@ class StateHistory:
         Times outside the history take the oldest or the newest sample. NaN where a sample used is NaN.
         """
         stamps, samples = self._stamps[self._start : self._end], self._samples[self._start : self._end]
-        after = np.searchsorted(stamps, t).clip(1, max(stamps.size - 1, 1))
-        if stamps.size == 1:
-            return np.asarray(samples[0, vehicles])
-        before = after - 1
-        share = ((t - stamps[before]) / (stamps[after] - stamps[before])).clip(0.0, 1.0)[:, None]
-        return np.asarray((1.0 - share) * samples[before, vehicles] + share * samples[after, vehicles])
+        return states_at(stamps, samples, t, vehicles)
 
     def reordered(self, rows: NDArray[np.intp]) -> "StateHistory":
         """Return the history with other rows: row k is old row rows[k], or NaN where that is -1."""
@@ -71,3 +67,22 @@ class StateHistory:
         self._stamps[:held] = self._stamps[self._start : self._end].copy()
         self._samples[:held] = self._samples[self._start : self._end].copy()
         self._start, self._end = 0, held
+
+
+@compiled
+def states_at(times: Array, states: Array, t: Array, vehicles: NDArray[np.intp]) -> Array:
+    """Return rows (p, c) of states (K, n, c) at times t (p,) [s], linearly interpolated between times (K,).
+
+    Times outside take the first or the last state.
+    """
+    found = np.empty((t.size, states.shape[2]))
+    for p in range(t.size):
+        after = min(max(np.searchsorted(times, t[p]), 1), times.size - 1)
+        before, share = max(after - 1, 0), 0.0
+        if after > before:
+            share = (t[p] - times[before]) / (times[after] - times[before])
+            share = min(max(share, 0.0), 1.0)
+        for c in range(states.shape[2]):
+            one, other = states[before, vehicles[p], c], states[after, vehicles[p], c]
+            found[p, c] = (1.0 - share) * one + share * other
+    return found

@@ -6,7 +6,10 @@
 
 Readings: the downwash belongs in the second constraint and is missing in print; only the bound on U1 is
 given. So U2 to U4 are free, any twice differentiable phi, theta can be reached by (1)-(3), and these inputs
-and constraints can be dropped without changing the optimum.
+and constraints can be dropped without changing the optimum. (26) has no transport delay, and its eta depends
+on the relative position alone: `downwash` evaluates a law for pairs at rest at their present positions, and
+`collocation` interpolates the same law by a spline, of which CasADi knows the derivatives. All blocks that
+know a delay apply it by q2q_model.downwash.interaction_model.retarded_pairs.
 """
 
 from dataclasses import dataclass

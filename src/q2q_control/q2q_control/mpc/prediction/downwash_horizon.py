@@ -20,27 +20,25 @@ as the path is the predicted one.
 | s | weight | of a source's downwash [-], (n, N) |
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from q2q_control.mpc.prediction.downwash_stages import (
+    DELTA,
     DownwashHorizon,
     Pairs,
-    Places,
     Rows,
     Tracks,
     bounding_boxes,
-    delay_sources,
-    displace,
-    fill_places,
     sum_downwash,
     within_reach,
 )
-from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, Reach
+from q2q_model.downwash.interaction_model import InteractionModel, Reach, SourceStates, retarded_pairs
 from q2q_model.downwash.pairs_in_reach import pairs_in_reach
 from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_terms, strengths
+from q2q_model.downwash.state_history import states_at
 from q2q_model.signals.values import Array
 
 ALL_PAIRS = 4
@@ -107,11 +105,21 @@ def _all_pairs(n: int) -> Pairs:
 
 def _law_at_places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows) -> Array:
     """Return the downwash of pairs at each stage, and displaced by DELTA, (1 + 2 moves, pairs, N, 3)."""
-    shape = (1 + 2 * moves.size, pairs[0].size, tracks.axis.shape[1], 3)
-    places = Places(np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape))
-    fill_places(tracks, pairs, places)
-    if model.max_delay > 0.0:
-        delay_sources(tracks, pairs, model.delay(places.rel_pos[0]), places.rel_pos)
-    displace(places.rel_pos, moves)
-    motion = PairMotion(places.source_vel, places.source_axis, places.vel)
-    return model.acceleration(places.rel_pos, motion)
+    i, j = pairs
+    times = tracks.times[tracks.first :]
+    path = tracks.pos[tracks.first :].transpose(1, 0, 2)  # (n, N + 1, 3)
+    middle = 0.5 * (path[:, 1:] + path[:, :-1])
+    vel = (path[:, 1:] - path[:, :-1]) / (times[1:] - times[:-1])[:, None]
+    now = SourceStates(middle[j], vel[j], tracks.axis[j])
+
+    def past(delay: Array) -> SourceStates:
+        when = 0.5 * (times[1:] + times[:-1]) - delay  # (pairs, N)
+        pos = states_at(tracks.times, tracks.pos, when.ravel(), np.repeat(j, times.size - 1))
+        return replace(now, pos=pos.reshape(now.pos.shape))
+
+    rel_pos, motion = retarded_pairs(model, middle[i], vel[i], now, past)
+    places = np.tile(rel_pos, (1 + 2 * moves.size, 1, 1, 1))
+    for a, axis in enumerate(moves):
+        places[1 + 2 * a, ..., axis] += DELTA
+        places[2 + 2 * a, ..., axis] -= DELTA
+    return model.acceleration(places, motion)

@@ -20,7 +20,7 @@ Pairs = tuple[Rows, Rows]
 
 DELTA = 1e-3
 """Step of the differences [m]: a fiftieth of downwash's width errs by 1e-4 of the slope."""
-FAINT = 1e-4
+LEAST_DOWNWASH = 1e-4
 """Pairs whose downwash stays below this [m/s^2] on the whole horizon are dropped."""
 
 
@@ -50,18 +50,6 @@ class DownwashHorizon(NamedTuple):
     """(p,)"""
     slope: Array
     """[1/s^2], (p, N, 3, 3): row feels, column moves."""
-
-
-class Places(NamedTuple):
-    """Stages of pairs, and the same displaced by + and - DELTA along m axes."""
-
-    rel_pos: Array
-    """[m], (1 + 2 m, p, N, 3)."""
-    source_vel: Array
-    """[m/s], the same shape."""
-    source_axis: Array
-    vel: Array
-    """Of the vehicle that feels it [m/s]."""
 
 
 @compiled
@@ -104,52 +92,6 @@ def within_reach(path: Array, pairs: Pairs, reach: tuple[float, float]) -> Flags
 
 
 @compiled
-def fill_places(tracks: Tracks, pairs: Pairs, places: Places) -> None:
-    """Write the places of pairs, all of them not displaced."""
-    i, j = pairs
-    pos = tracks.pos
-    for p in range(i.size):
-        for k in range(places.rel_pos.shape[2]):
-            now, after = tracks.first + k, tracks.first + k + 1
-            step = tracks.times[after] - tracks.times[now]
-            for c in range(3):
-                source = 0.5 * (pos[after, j[p], c] + pos[now, j[p], c])
-                rel = source - 0.5 * (pos[after, i[p], c] + pos[now, i[p], c])
-                moved = (pos[after, j[p], c] - pos[now, j[p], c]) / step
-                own = (pos[after, i[p], c] - pos[now, i[p], c]) / step
-                for m in range(places.rel_pos.shape[0]):
-                    places.rel_pos[m, p, k, c], places.source_vel[m, p, k, c] = rel, moved
-                    places.source_axis[m, p, k, c], places.vel[m, p, k, c] = tracks.axis[j[p], k, c], own
-
-
-@compiled
-def delay_sources(tracks: Tracks, pairs: Pairs, delay: Array, rel_pos: Array) -> None:
-    """Overwrite rel_pos (m, p, N, 3) with the sources where they were a delay (p, N) [s] ago."""
-    times, pos = tracks.times, tracks.pos
-    i, j = pairs
-    for p in range(i.size):
-        for k in range(delay.shape[1]):
-            now, next_ = tracks.first + k, tracks.first + k + 1
-            when = 0.5 * (times[next_] + times[now]) - delay[p, k]
-            after = min(max(np.searchsorted(times, when), 1), times.size - 1)
-            share = (when - times[after - 1]) / (times[after] - times[after - 1])
-            share = min(max(share, 0.0), 1.0)
-            for c in range(3):
-                source = (1.0 - share) * pos[after - 1, j[p], c] + share * pos[after, j[p], c]
-                rel = source - 0.5 * (pos[next_, i[p], c] + pos[now, i[p], c])
-                for m in range(rel_pos.shape[0]):
-                    rel_pos[m, p, k, c] = rel
-
-
-@compiled
-def displace(rel_pos: Array, moves: Rows) -> None:
-    """Displace places 1, 2, ... by + and - DELTA along each axis of `moves`, in place."""
-    for a in range(moves.size):
-        rel_pos[1 + 2 * a, :, :, moves[a]] += DELTA
-        rel_pos[2 + 2 * a, :, :, moves[a]] -= DELTA
-
-
-@compiled
 def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: DownwashHorizon) -> Flags:
     """Add the downwash of pairs to `out.eta` and write their slopes; return the pairs that are not faint.
 
@@ -157,7 +99,7 @@ def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: 
     """
     strong = np.zeros(out.i.size, np.bool_)
     for p in range(out.i.size):
-        strong[p] = _largest(law[0, p]) > FAINT
+        strong[p] = _largest(law[0, p]) > LEAST_DOWNWASH
         if not strong[p]:
             continue
         i, j = out.i[p], out.j[p]

@@ -74,12 +74,12 @@ def correct_downwash(
     The predictor does not know where unseen vehicles were going, nor how hard any vehicle pushes.
     """
     status = np.append(interference.status, InterferenceStatus.NO_MODEL)
-    doubtful = status[index_of(tick.names, interference.names)] != InterferenceStatus.VALID
-    doubtful |= params.loading > 0.0
+    uncertain = status[index_of(tick.names, interference.names)] != InterferenceStatus.VALID
+    uncertain |= params.loading > 0.0
     eta = downwash.eta[: len(tick.names)]
     early = 0.5 + params.latency / params.step  # stages from now to the first one's middle
     now = eta[:, 0] - early * (eta[:, 1] - eta[:, 0])
-    tick.table[:, ETA] = np.where(doubtful[:, None], now, tick.table[:, ETA])
+    tick.table[:, ETA] = np.where(uncertain[:, None], now, tick.table[:, ETA])
 
 
 def future_reference(

@@ -32,7 +32,7 @@ class PlanMemory:
     """Last plan by vehicle name."""
 
     def __init__(self, steps: int, step: float) -> None:
-        """Hold plans of `steps` stages of `step` [s]."""
+        """Store plans of `steps` stages of `step` [s]."""
         self._steps, self._step = steps, step
         self.reset()
 

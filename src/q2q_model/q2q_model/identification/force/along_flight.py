@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.downwash.interaction_model import InteractionModel, PairMotion
+from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, retarded_pairs
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
     PAIRS_ALONE,
@@ -21,6 +21,7 @@ from q2q_model.downwash.source_strength import (
     strengths,
     thrust_ratio,
 )
+from q2q_model.downwash.state_history import states_at
 from q2q_model.signals.values import Array
 
 
@@ -76,11 +77,17 @@ def _add_pair(
 ) -> None:
     """Add the downwash of source pair[1] alone on pair[0] to `eta` (k, 3)."""
     i, j = pair
-    rel_pos = motion.pos[rows, j] - motion.pos[rows, i]
-    near = _in_reach(model, rel_pos, motion.vel[:, j])
-    pos, vel, axis = _delayed_state(model, motion, j, rows[near], rel_pos[near])
-    moving = PairMotion(source_vel=vel, source_axis=axis, vel=motion.vel[rows[near], i])
-    eta[near] += model.acceleration(pos - motion.pos[rows[near], i], moving)
+    near = _in_reach(model, motion.pos[rows, j] - motion.pos[rows, i], motion.vel[:, j])
+    ticks = rows[near]
+    now = SourceStates(motion.pos[ticks, j], motion.vel[ticks, j], motion.axis[ticks, j])
+    pairs = retarded_pairs(
+        model,
+        motion.pos[ticks, i],
+        motion.vel[ticks, i],
+        now,
+        lambda delay: _at(motion, j, motion.t[ticks] - delay),
+    )
+    eta[near] += model.acceleration(*pairs)
 
 
 def _thrust_ratio(
@@ -91,7 +98,7 @@ def _thrust_ratio(
     now = motion.t[rows]
     left = now - model.delay(motion.pos[rows, j] - motion.pos[rows, i])
     before, after = left - HALF_SPAN_S, np.minimum(left + HALF_SPAN_S, now)
-    return thrust_ratio(_at(motion, j, before)[1], _at(motion, j, after)[1], after - before)
+    return thrust_ratio(_at(motion, j, before).vel, _at(motion, j, after).vel, after - before)
 
 
 def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np.bool_]:
@@ -104,23 +111,8 @@ def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np
     return np.asarray((across2 <= wide * wide) & (np.abs(rel_pos[:, 2]) <= tall))
 
 
-def _delayed_state(
-    model: InteractionModel, motion: Motion, j: int, rows: NDArray[np.intp], rel_pos: Array
-) -> tuple[Array, Array, Array]:
-    """Return pos, vel and axis of j, (k, 3), at the time that air arriving at ticks `rows` left it."""
-    if model.max_delay == 0.0:
-        return motion.pos[rows, j], motion.vel[rows, j], motion.axis[rows, j]
-    return _at(motion, j, motion.t[rows] - model.delay(rel_pos))
-
-
-def _at(motion: Motion, j: int, when: Array) -> tuple[Array, Array, Array]:
-    """Return pos, vel and axis of j, (k, 3), interpolated at times (k,)."""
-    after = np.searchsorted(motion.t, when).clip(1, motion.t.size - 1)
-    before = after - 1
-    share = (when - motion.t[before]) / (motion.t[after] - motion.t[before])
-    share = share.clip(0.0, 1.0)[:, None]
-
-    def between(values: Array) -> Array:
-        return np.asarray((1.0 - share) * values[before, j] + share * values[after, j])
-
-    return between(motion.pos), between(motion.vel), between(motion.axis)
+def _at(motion: Motion, j: int, when: Array) -> SourceStates:
+    """Return vehicle j, interpolated at times (k,) [s]."""
+    t, row = np.ascontiguousarray(motion.t), np.full(when.size, j)
+    values = (np.ascontiguousarray(one) for one in (motion.pos, motion.vel, motion.axis))
+    return SourceStates(*(states_at(t, one, when, row) for one in values))
