@@ -49,7 +49,7 @@ class _Bench:
     stuck: set[Act] = field(default_factory=set)
     sent: list[Order] = field(default_factory=list)
     replies: list[tuple[Call, Reply]] = field(default_factory=list)
-    said: list[str] = field(default_factory=list)
+    log: list[str] = field(default_factory=list)
     outcome: Reply | None = None
 
     def __post_init__(self) -> None:
@@ -74,10 +74,10 @@ class _Bench:
                 self.procedure.accepts(self.setpoint_pos)
             self.procedure.update(self.observe(), self.outcome, self.t)
             self.outcome = None
-            for order in self.procedure.orders():
+            for order in self.procedure.state.take_orders():
                 self._obey(order)
-            self.replies += self.procedure.replies()
-            self.said += self.procedure.log_lines()
+            self.replies += self.procedure.state.take_replies()
+            self.log += self.procedure.state.take_log()
 
     def answer(self) -> Reply:
         assert len(self.replies) == 1, self.replies
@@ -129,7 +129,7 @@ def test_nothing_is_ordered_without_a_call() -> None:
     bench = _Bench()
     bench.wait(5.0)
     assert bench.procedure.step is Step.CHECKED
-    assert bench.said[-1] == "step checked: not checked: own estimate of cf1, cf2"
+    assert bench.log[-1] == "step checked: not checked: own estimate of cf1, cf2"
     assert bench.sent == []
 
 
@@ -198,16 +198,16 @@ BAD: list[tuple[dict[str, object], str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("given", "said"), BAD, ids=[said for _, said in BAD])
+@pytest.mark.parametrize(("given", "log"), BAD, ids=[log for _, log in BAD])
 def test_take_off_is_refused_with_vehicle_and_number_and_nobody_arms(
-    given: dict[str, object], said: str
+    given: dict[str, object], log: str
 ) -> None:
     bench = _Bench()
     for name, value in given.items():
         setattr(bench, name, value)
     answer = bench.asked(Call.TAKE_OFF)
     assert not answer.granted
-    assert re.search(said, answer.reason), answer.reason
+    assert re.search(log, answer.reason), answer.reason
     assert bench.sent == []
 
 
@@ -295,7 +295,7 @@ def test_a_setpoint_that_jumps_in_flight_is_not_flown_and_all_land() -> None:
     bench.setpoint_pos = bench.setpoint_pos + up(0.9)
     assert not bench.procedure.accepts(bench.setpoint_pos)
     bench.wait(6.0)
-    assert any("a setpoint jumped by 0.90 m" in line for line in bench.said)
+    assert any("a setpoint jumped by 0.90 m" in line for line in bench.log)
     assert bench.acts == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
@@ -304,7 +304,7 @@ def test_setpoints_that_stay_away_land_all() -> None:
     bench.ignore_signals = True
     bench.wait(8.0)
     assert bench.acts == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
-    assert any("no setpoint for 2.0" in line for line in bench.said)
+    assert any("no setpoint for 2.0" in line for line in bench.log)
 
 
 def test_land_takes_over_from_a_fly_that_is_under_way() -> None:

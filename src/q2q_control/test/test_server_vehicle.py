@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from q2q_control.crazyswarm.reported_vehicles import ARM_S, READ_S, ReportedVehicles
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.supervisor_info import READY
 from q2q_control.radio.crazyflies import params_set
@@ -82,3 +83,20 @@ def test_a_robots_parameters_go_before_its_types_and_those_before_the_ones_of_al
     found = params_set(DOCUMENT, name, by_type=by_type)
     assert found["stabilizer.controller"] == 2.0
     assert (found["ctrlMel.mass"], found.get("ctrlMel.massThrust")) == (mass, mass_thrust)
+
+
+def test_vehicles_have_armed_by_their_status_or_after_a_time_if_one_reports_none() -> None:
+    one, other = vehicle(), vehicle()
+    both = ReportedVehicles((one, other))
+    assert not both.armed(10.0, 10.0 + 0.9 * ARM_S)
+    assert both.armed(10.0, 10.0 + 1.1 * ARM_S)
+    one.take_status(4.0, READY, 10.1)
+    other.take_status(4.0, READY, 9.9)  # before the order
+    assert not both.armed(10.0, 10.0 + 1.1 * ARM_S)
+    other.take_status(4.0, READY, 10.2)
+    assert both.armed(10.0, 10.3)
+
+
+def test_parameters_are_read_once_a_period() -> None:
+    both = ReportedVehicles((vehicle(),))
+    assert [both.read_due(t) for t in (5.0, 5.0 + 0.5 * READ_S, 5.0 + READ_S)] == [True, False, True]

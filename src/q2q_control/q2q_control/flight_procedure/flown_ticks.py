@@ -28,7 +28,7 @@ def tick_topics(mode: str, *, aware: bool) -> dict[str, type[Signal]]:
     return {"reference_safe": SwarmSetpoint, **downwash}
 
 
-class Pilotage(Protocol):
+class ProcedureInputs(Protocol):
     """Inputs of the flight procedure."""
 
     def store_state(self, state: SwarmState) -> None:
@@ -58,7 +58,7 @@ class FlownTicks:
         self._join: TickJoin[Signal] = TickJoin(tuple(self._topics))
         self._health = health
         self._accepted = False
-        self.procedure: Pilotage | None = None
+        self.procedure: ProcedureInputs | None = None
         """Flight procedure; None permits no tick."""
 
     @property

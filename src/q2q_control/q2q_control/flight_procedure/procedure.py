@@ -43,7 +43,7 @@ class FlightProcedure:
 
     def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
         self._params, self._landing = params, landing
-        self._state = ProcedureState(params.settle_s, params.patience_s)
+        self.state = ProcedureState(params.settle_s, params.patience_s)
         self._stream = SetpointStream(params.jump, params.lost_s)
         self.ground = GroundCheck(params, landing)
         self._lands_after_glide = False
@@ -52,30 +52,30 @@ class FlightProcedure:
     @property
     def step(self) -> Step:
         """Return the step of the flight."""
-        return self._state.step
+        return self.state.step
 
     def call(self, call: Call, observation: Observation, t: float) -> Reply | None:
-        """Make a call at time t [s]; return its answer, or None if that comes later (`replies`)."""
+        """Make a call at time t [s]; return its reply, or None if that comes later (`state`)."""
         refusal = self._refusal(call, observation)
         if self._params.dry_run:
             acts = ", then ".join(str(self._order(act, observation)) for act in ACTS_OF[call])
             checks = refusal or unchecked(observation) or "all checks pass"
             text = f"dry run, nothing is sent; {checks}; {call.value} means: {acts}"
-            self._state.log.append(text)
+            self.state.log.append(text)
             return Reply(granted=not refusal, reason=text)
         if refusal:
-            self._state.log.append(f"{call.value} refused: {refusal}")
+            self.state.log.append(f"{call.value} refused: {refusal}")
             return Reply(granted=False, reason=refusal)
-        self._state.answer(granted=False, reason=f"{call.value} took over")
-        self._state.pending = call
+        self.state.answer(granted=False, reason=f"{call.value} took over")
+        self.state.pending = call
         self._begin(call, observation, t)
         return None
 
     def update(self, observation: Observation, outcome: Reply | None, t: float) -> None:
         """Update at time t [s]; `outcome` is that of the last order, None while it is unknown."""
         self._guard(observation, t)
-        if self._state.waiting is not None:
-            self._conclude(self._state.waiting, observation, outcome, t)
+        if self.state.waiting is not None:
+            self._conclude(self.state.waiting, observation, outcome, t)
             return
         follow = {
             Step.TAKE_OFF: self._climb,
@@ -91,24 +91,12 @@ class FlightProcedure:
         """Return whether to fly setpoints at these positions (n, 3) [m]; NaN is a vehicle without one."""
         return self._stream.accepts(setpoint_pos)
 
-    def orders(self) -> tuple[Order, ...]:
-        """Return and clear the orders to execute."""
-        return self._state.take_orders()
-
-    def replies(self) -> list[tuple[Call, Reply]]:
-        """Return and clear the answers to pending calls."""
-        return self._state.take_replies()
-
-    def log_lines(self) -> list[str]:
-        """Return and clear the log lines."""
-        return self._state.take_log()
-
     def _refusal(self, call: Call, observation: Observation) -> str:
         """Return why a call is refused; empty if it is granted."""
         refusal = step_refusal(call, self.step)
         if refusal:
             return refusal
-        if self._state.pending is call and call is not Call.EMERGENCY and not self._lands_after_glide:
+        if self.state.pending is call and call is not Call.EMERGENCY and not self._lands_after_glide:
             return f"{call.value} is under way"
         return check_refusal(call, observation, self._params, self._landing)
 
@@ -116,11 +104,11 @@ class FlightProcedure:
         again, self._lands_after_glide = self._lands_after_glide, False
         if call is Call.EMERGENCY:
             self._stream.on = False
-            self._state.enter(Step.STOPPED, t)
+            self.state.enter(Step.STOPPED, t)
             self._give(Act.CUT, observation, t)
         elif call in {Call.TAKE_OFF, Call.START}:
             self._joins = call is Call.START
-            self._state.enter(Step.ARMING, t, unchecked(observation) or "all checks passed")
+            self.state.enter(Step.ARMING, t, unchecked(observation) or "all checks passed")
             self._give(Act.ARM if self._joins else Act.WAIT, observation, t)
         elif call is Call.FLY:
             self._give(Act.GLIDE, observation, t)
@@ -132,14 +120,14 @@ class FlightProcedure:
     def _begin_landing(self, observation: Observation, t: float, *, again: bool) -> None:
         """Land; from a hold, or if vehicles overlap, after a glide, unless called `again`."""
         if self.step is Step.ARMING:
-            self._state.enter(Step.DISARMING, t)
+            self.state.enter(Step.DISARMING, t)
             self._give(Act.DISARM, observation, t)
             return
         overlap = apart_refusal(observation.names, observation.pos, self._params.apart)
         home = overlap or (self._params.land_home and self.step is Step.HOLD)
         flown = observation.plan is not None and self.step in {Step.GLIDE, Step.FLIGHT, Step.HOLD}
         if home and flown and not again:
-            self._state.log.append(f"{overlap or 'land'}: first a glide to the plan's first points")
+            self.state.log.append(f"{overlap or 'land'}: first a glide to the plan's first points")
             self._lands_after_glide = True
             self._give(Act.GLIDE if self.step is Step.HOLD else Act.BRAKE, observation, t)
             return
@@ -147,21 +135,21 @@ class FlightProcedure:
 
     def _land(self, observation: Observation, t: float, why: str = "") -> None:
         self._stream.stop()
-        self._state.enter(Step.LANDING, t, why)
+        self.state.enter(Step.LANDING, t, why)
         self._give(Act.STOP_STREAM, observation, t)
 
     def _give(self, act: Act, observation: Observation, t: float) -> None:
-        self._state.give(self._order(act, observation), t)
+        self.state.give(self._order(act, observation), t)
 
     def _order(self, act: Act, observation: Observation) -> Order:
         return order_of(act, observation, self._params, self._landing)
 
     def _conclude(self, order: Order, observation: Observation, outcome: Reply | None, t: float) -> None:
         """Handle the outcome of an order; one that is late is a failure."""
-        outcome = outcome or self._state.overdue(order, t)
+        outcome = outcome or self.state.overdue(order, t)
         if outcome is None:
             return
-        self._state.waiting = None
+        self.state.waiting = None
         if order.act is Act.DISARM:
             self._on_the_ground(observation, outcome, t)
         elif outcome.granted:
@@ -173,58 +161,58 @@ class FlightProcedure:
         if act is Act.WAIT:
             self._give(Act.ARM, observation, t)
         elif act is Act.ARM:
-            self._state.enter(Step.ARMING if self._joins else Step.TAKE_OFF, t)
+            self.state.enter(Step.ARMING if self._joins else Step.TAKE_OFF, t)
             self._give(Act.STREAM if self._joins else Act.TAKE_OFF, observation, t)
         elif act is Act.STREAM:
             self._stream.on = True
             if self._joins:
-                self._state.enter(Step.FLIGHT, t)
-                self._state.answer(granted=True, reason="flying the present setpoints")
+                self.state.enter(Step.FLIGHT, t)
+                self.state.answer(granted=True, reason="flying the present setpoints")
         elif act is Act.GLIDE:
-            self._state.enter(Step.GLIDE, t, reason)
+            self.state.enter(Step.GLIDE, t, reason)
         elif act is Act.START:
-            self._state.enter(Step.FLIGHT, t, reason)
-            self._state.answer(granted=True, reason=reason or "the plan has started")
+            self.state.enter(Step.FLIGHT, t, reason)
+            self.state.answer(granted=True, reason=reason or "the plan has started")
         elif act is Act.BRAKE:
-            self._state.enter(Step.HOLD, t)
+            self.state.enter(Step.HOLD, t)
         elif act is Act.STOP_STREAM:
             self._give(Act.LAND, observation, t)
         elif act is Act.CUT:
-            self._state.answer(granted=True, reason="motors stopped; restart the vehicles")
+            self.state.answer(granted=True, reason="motors stopped; restart the vehicles")
 
     def _fail(self, act: Act, observation: Observation, reason: str, t: float) -> None:
-        self._state.log.append(f"{act.value} failed: {reason}")
+        self.state.log.append(f"{act.value} failed: {reason}")
         if act in {Act.WAIT, Act.ARM}:
             self.ground.refusal = reason
-            self._state.enter(Step.DISARMING, t)
-            self._state.answer(granted=False, reason=reason)
+            self.state.enter(Step.DISARMING, t)
+            self.state.answer(granted=False, reason=reason)
             self._give(Act.DISARM, observation, t)
         elif act in {Act.TAKE_OFF, Act.STREAM}:  # vehicles may be in the air despite the failure
-            self._state.answer(granted=False, reason=f"{reason}; landing")
+            self.state.answer(granted=False, reason=f"{reason}; landing")
             self._land(observation, t, reason)
         elif act is Act.GLIDE and self._lands_after_glide:
             overlap = apart_refusal(observation.names, observation.pos, self._params.apart)
             if overlap:
-                self._state.answer(
+                self.state.answer(
                     granted=False, reason=f"{overlap}, and {reason}; land once more to land all the same"
                 )
             else:
                 self._land(observation, t, f"where they are: {reason}")
         elif act in {Act.STOP_STREAM, Act.LAND}:
             self._stream.on = self._stream.before
-            self._state.enter(Step.HOLD if self._stream.on else Step.HOVER, t, reason)
-            self._state.answer(granted=False, reason=f"{reason}; call land again, or emergency")
+            self.state.enter(Step.HOLD if self._stream.on else Step.HOVER, t, reason)
+            self.state.answer(granted=False, reason=f"{reason}; call land again, or emergency")
         else:
-            self._state.answer(granted=False, reason=reason)
+            self.state.answer(granted=False, reason=reason)
 
     def _climb(self, observation: Observation, t: float) -> None:
         height = self._params.ground + self._params.take_off_height
         off = at_height(observation, height, self._params, self._landing)
-        if self._state.rest.lasts(not off, t):
-            self._state.enter(Step.HOVER, t)
-            self._state.answer(granted=True, reason=f"hovering: {places(observation)}")
-        elif self._state.late(self._params.take_off_s, t):
-            self._state.answer(granted=False, reason=f"take-off failed: {off}; landing")
+        if self.state.rest.lasts(not off, t):
+            self.state.enter(Step.HOVER, t)
+            self.state.answer(granted=True, reason=f"hovering: {places(observation)}")
+        elif self.state.late(self._params.take_off_s, t):
+            self.state.answer(granted=False, reason=f"take-off failed: {off}; landing")
             self._land(observation, t, off)
 
     def _glide(self, observation: Observation, t: float) -> None:
@@ -233,20 +221,20 @@ class FlightProcedure:
             if not refusal:
                 self._joins = False
                 self._give(Act.STREAM, observation, t)
-            elif t - self._state.since > HAND_OVER_S:
-                self._state.enter(Step.HOVER, t, refusal)
-                self._state.answer(granted=False, reason=refusal)
+            elif t - self.state.since > HAND_OVER_S:
+                self.state.enter(Step.HOVER, t, refusal)
+                self.state.answer(granted=False, reason=refusal)
             return
         first = observation.first_points()
         arrived = setpoints_rest(observation, self._params, first)
         off = at_points(observation, first, self._params, self._landing)
-        if self._state.rest.lasts(arrived and not off, t):
+        if self.state.rest.lasts(arrived and not off, t):
             self._arrive(observation, t)
         elif not arrived:
-            self._state.since = t
-        elif self._state.late(0.0, t):
-            self._state.answer(granted=False, reason=f"glide failed: {off}; holding")
-            self._state.enter(Step.HOLD, t, off)
+            self.state.since = t
+        elif self.state.late(0.0, t):
+            self.state.answer(granted=False, reason=f"glide failed: {off}; holding")
+            self.state.enter(Step.HOLD, t, off)
 
     def _arrive(self, observation: Observation, t: float) -> None:
         if self._lands_after_glide:
@@ -255,47 +243,47 @@ class FlightProcedure:
             self._give(Act.START, observation, t)
 
     def _fly(self, observation: Observation, t: float) -> None:
-        over = observation.plan is not None and t - self._state.since > observation.plan.duration
+        over = observation.plan is not None and t - self.state.since > observation.plan.duration
         if over and setpoints_rest(observation, self._params):
-            self._state.enter(Step.HOLD, t, "the plan is over")
+            self.state.enter(Step.HOLD, t, "the plan is over")
 
     def _hold(self, observation: Observation, t: float) -> None:
         if not setpoints_rest(observation, self._params):
             return
-        if self._state.pending is Call.HOLD:
-            self._state.answer(granted=True, reason=f"holding: {places(observation)}")
-        elif self._state.pending is Call.LAND and self._lands_after_glide:
+        if self.state.pending is Call.HOLD:
+            self.state.answer(granted=True, reason=f"holding: {places(observation)}")
+        elif self.state.pending is Call.LAND and self._lands_after_glide:
             self._give(Act.GLIDE, observation, t)
 
     def _descend(self, observation: Observation, t: float) -> None:
         off = at_height(
             observation, self._params.ground, self._params, self._landing, self._params.near_ground
         )
-        if self._state.rest.lasts(not off, t):
-            self._state.enter(Step.DISARMING, t)
+        if self.state.rest.lasts(not off, t):
+            self.state.enter(Step.DISARMING, t)
             self._give(Act.DISARM, observation, t)
-        elif self._state.pending is Call.LAND and self._state.late(
+        elif self.state.pending is Call.LAND and self.state.late(
             self._order(Act.LAND, observation).duration, t
         ):
-            self._state.answer(
+            self.state.answer(
                 granted=False, reason=f"not on the ground: {off}; call land again, or emergency"
             )
 
     def _on_the_ground(self, observation: Observation, outcome: Reply, t: float) -> None:
         how = "disarmed" if outcome.granted else f"not disarmed: {outcome.reason}"
-        self._state.answer(granted=True, reason=f"on the ground: {places(observation)}; {how}")
-        self._state.enter(Step.CONNECTED, t, how)
+        self.state.answer(granted=True, reason=f"on the ground: {places(observation)}; {how}")
+        self.state.enter(Step.CONNECTED, t, how)
         self.ground.reset()
 
     def _stopped(self, observation: Observation, t: float) -> None:
         well = all(one.connected and one.locked is False for one in observation.vehicles)
-        if well and t - self._state.since > self._params.patience_s:
-            self._state.enter(Step.CONNECTED, t, "vehicles were restarted")
+        if well and t - self.state.since > self._params.patience_s:
+            self.state.enter(Step.CONNECTED, t, "vehicles were restarted")
 
     def _check_ground(self, observation: Observation, t: float) -> None:
         step = self.ground.update(self.step, observation, t) if self.step in ON_GROUND else None
         if step is not None:
-            self._state.enter(step, t, self.ground.refusal or self.ground.unchecked)
+            self.state.enter(step, t, self.ground.refusal or self.ground.unchecked)
 
     def _guard(self, observation: Observation, t: float) -> None:
         """Land if setpoints jump or are missing; follow vehicles that land by themselves."""
@@ -303,9 +291,9 @@ class FlightProcedure:
             return
         fault = self._stream.take_fault(observation.setpoint_age)
         if not any(one.flies for one in observation.vehicles):
-            self._stream.on, self._state.waiting = False, None
-            self._state.answer(granted=False, reason="no vehicle flies setpoints: all land by themselves")
-            self._state.enter(Step.LANDING, t, "by themselves")
+            self._stream.on, self.state.waiting = False, None
+            self.state.answer(granted=False, reason="no vehicle flies setpoints: all land by themselves")
+            self.state.enter(Step.LANDING, t, "by themselves")
         elif fault:
-            self._state.answer(granted=False, reason=f"{fault}: landing")
+            self.state.answer(granted=False, reason=f"{fault}: landing")
             self._land(observation, t, fault)

@@ -26,9 +26,6 @@ from q2q_control.ros.server_vehicles import ServerVehicles
 from q2q_model.node.reply import Reply
 from q2q_model.signals.stamps import stamp_from_time, stamp_parts
 
-ARM_S = 1.0
-"""Assumed duration of arming if vehicles do not report it [s]."""
-
 
 class CrazyswarmExecutor:
     """Clients of the server's services, and its vehicles."""
@@ -80,7 +77,7 @@ class CrazyswarmExecutor:
         The server answers an arming request at once; that vehicles have armed is seen in their status.
         """
         future = self._future
-        arming = self._act is Act.ARM and not self._armed(t)
+        arming = self._act is Act.ARM and not self._vehicles.armed(self._asked, t)
         if future is not None and future.done() and not arming:
             wrong = future.exception()
             self._reply = Reply(granted=wrong is None, reason="" if wrong is None else str(wrong))
@@ -91,11 +88,6 @@ class CrazyswarmExecutor:
     def reports(self) -> tuple[VehicleReport, ...]:
         """Return the report of every vehicle; they count as connected while the server runs."""
         return self._vehicles.reports(connected=self._arm.service_is_ready())
-
-    def _armed(self, t: float) -> bool:
-        """Return whether vehicles have armed since the order, by their status or after ARM_S."""
-        armed = self._vehicles.all_armed_since(self._asked)
-        return t - self._asked > ARM_S if armed is None else armed
 
 
 def _timed(kind: type, order: Order) -> object:

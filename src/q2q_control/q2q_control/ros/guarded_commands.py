@@ -36,7 +36,7 @@ class GuardedCommands:
         self._stamp_delay = StampDelayMonitor()
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._watch = TickWatch(self._guard, params) if live else None
-        self._setpoint_at: SwarmState | None = None
+        self._state: SwarmState | None = None
         self._silences = 0
 
     def update(
@@ -54,8 +54,8 @@ class GuardedCommands:
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
         if self._watch is not None:
-            wiring.listen("state", self._hear)
-            steady_timer(node, PERIOD_S, self._look)
+            wiring.listen("state", self._store_state)
+            steady_timer(node, PERIOD_S, self._check)
             if self._watch.params.hold_s > 0.0:
                 wiring.on_silence(self._watch.params.hold_s, self._on_silence)
 
@@ -69,9 +69,9 @@ class GuardedCommands:
     def _lateness(self, stamp: float) -> float:
         return self._stamp_delay.lateness(stamp, monotonic())
 
-    def _hear(self, _: int, state: Signal) -> None:
+    def _store_state(self, _: int, state: Signal) -> None:
         if isinstance(state, SwarmState):
-            self._setpoint_at = state
+            self._state = state
 
     def _count(self, _: int, command: SwarmCommand) -> None:
         self._wiring.health.fallbacks += int(command.status.max(initial=0) > CommandStatus.SATURATED)
@@ -79,12 +79,12 @@ class GuardedCommands:
     def _on_silence(self) -> None:
         self._silences += 1
         self._wiring.health.extra["silences"] = str(self._silences)
-        self._look(PERIOD_S)
+        self._check(PERIOD_S)
 
-    def _look(self, ahead: float = 0.0) -> None:
+    def _check(self, ahead: float = 0.0) -> None:
         """Send the command due now, or within `ahead` [s] if a writer is gone."""
         if self._watch is not None:
-            self._send(self._watch.due(self._setpoint_at, monotonic(), ahead))
+            self._send(self._watch.due(self._state, monotonic(), ahead))
 
     def _send(self, command: SwarmCommand | None) -> None:
         if command is not None:

@@ -45,7 +45,7 @@ class RadioNode:
             self._vehicles.executor,
             (declare(node, FlightProcedureParams()), landing),
         )
-        self._services.guard = self._other_radios
+        self._services.refuse_calls(self._other_radios)
         self._vehicles.ticks.procedure = self._services
         for topic, signal in tick_topics(params.mode, aware=params.aware).items():
             watch(node, topic, signal, limits.silent_s, self._on_silence)

@@ -19,6 +19,7 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.node import Node
 from rclpy.task import Future
 
+from q2q_control.crazyswarm.reported_vehicles import ReportedVehicles
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
@@ -27,8 +28,6 @@ from q2q_model.ros.topics.qos import OUTSIDE
 SERVER = "crazyflie_server"
 ONBOARD = "onboard"
 """Custom topic with a vehicle's own estimate; the mocap filter publishes `pose` and `odom`, too."""
-ASK_S = 1.0
-"""Period of reading parameters [s]."""
 
 
 class StatusMessage(Protocol):
@@ -45,7 +44,7 @@ class LogMessage(Protocol):
 
 
 class ServerVehicles:
-    """Vehicles of the server, and pending reads of their parameters."""
+    """Subscriptions to the server's vehicles, and pending reads of their parameters."""
 
     def __init__(self, node: Node, vehicles: tuple[ServerVehicle, ...]) -> None:
         """Subscribe to the vehicles' topics.
@@ -53,31 +52,30 @@ class ServerVehicles:
         Raises:
             ImportError: crazyflie_interfaces is missing.
         """
-        self._vehicles = vehicles
+        self._vehicles = ReportedVehicles(vehicles)
         status, log = find(CRAZYFLIE_PACKAGE, ("Status", "LogDataGeneric"))
         self._parameters = node.create_client(GetParameters, f"{SERVER}/get_parameters")
-        self._asked = -ASK_S
         self._answers: list[tuple[ServerVehicle, Future[GetParameters.Response]]] = []
         for one in vehicles:
             node.create_subscription(status, f"{one.name}/status", partial(_take_status, one), OUTSIDE)
             node.create_subscription(log, f"{one.name}/{ONBOARD}", partial(_take_estimate, one), OUTSIDE)
 
     def reports(self, *, connected: bool) -> tuple[VehicleReport, ...]:
-        """Return the report of every vehicle; read the server's parameters every ASK_S."""
+        """Return the report of every vehicle; read the server's parameters when they are due."""
         now = monotonic()
         for one, future in self._answers:
             if future.done() and future.exception() is None:
                 one.take_parameters(_known(one, future.result().values))
         self._answers = [answer for answer in self._answers if not answer[1].done()]
-        if now - self._asked >= ASK_S and self._parameters.service_is_ready():
-            self._asked = now
-            self._answers = [(one, self._parameters.call_async(_question(one))) for one in self._vehicles]
-        return tuple(one.report(now, connected=connected) for one in self._vehicles)
+        if self._parameters.service_is_ready() and self._vehicles.read_due(now):
+            self._answers = [
+                (one, self._parameters.call_async(_question(one))) for one in self._vehicles.vehicles
+            ]
+        return self._vehicles.reports(now, connected=connected)
 
-    def all_armed_since(self, t: float) -> bool | None:
-        """Return whether all report to be armed since time t [s]; None if one has never reported."""
-        armed = [one.armed_since(t) for one in self._vehicles]
-        return None if None in armed else all(armed)
+    def armed(self, ordered: float, t: float) -> bool:
+        """Return whether all vehicles have armed since time `ordered` [s]."""
+        return self._vehicles.armed(ordered, t)
 
 
 def _question(one: ServerVehicle) -> GetParameters.Request:

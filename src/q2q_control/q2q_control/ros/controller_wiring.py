@@ -1,0 +1,78 @@
+"""Wiring common to the nodes `pid` and `mpc`: parameters, inputs, guard, `command` and legacy topics out."""
+
+from dataclasses import dataclass
+
+from geometry_msgs.msg import Twist, Vector3
+from rclpy.node import Node
+
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.inputs.controller import Controller
+from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_control.ros.guarded_commands import GuardedCommands
+from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.constants import Vehicle
+from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerNodeParams:
+    """Parameters of a controller node, without the controller's."""
+
+    vehicle: str = tunable("crazyflie_2_0", "vehicle constants to use", read_only=True)
+    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
+    vehicles: tuple[str, ...] = tunable((), "vehicles to command; empty: all of the setpoint", read_only=True)
+    aware: bool = tunable(default=True, description="use the predicted downwash", read_only=True)
+    live: bool = tunable(
+        default=False, description="watch the wall clock and fall back if a tick is missing", read_only=True
+    )
+    legacy_hz: float = tunable(
+        10.0,
+        "largest rate of <name>/cmd_vel_legacy; 0: not published",
+        unit="Hz",
+        low=0.0,
+        high=1000.0,
+        read_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+
+class LegacyTopics:
+    """Publishers of `<name>/cmd_vel_legacy`, in Crazyswarm2's units (q2q_control.radio.rpyt_scale)."""
+
+    def __init__(self, node: Node, scale: LegacyScale, rate_hz: float, names: Names) -> None:
+        """Publish at most `rate_hz` times a second; `names` are the vehicles known in advance."""
+        self._scale = scale
+        self._writers = VehiclePublishers(node, {"cmd_vel_legacy": Twist}, rate_hz, names)
+
+    def publish(self, _: int, command: SwarmCommand) -> None:
+        """Publish the command of every vehicle, if one is due."""
+        if not self._writers.due(command.t, command.names):
+            return
+        for name, row in zip(command.names, legacy_setpoints(command, self._scale).tolist(), strict=True):
+            for writer in self._writers.read(name):
+                pitch, roll, yaw_rate, pwm = row
+                writer.publish(Twist(linear=Vector3(x=pitch, y=roll, z=pwm), angular=Vector3(z=yaw_rate)))
+
+
+def wire_controller(
+    node: Node, params: ControllerNodeParams, vehicle: Vehicle, controller: Controller
+) -> tuple[TickWiring[SwarmCommand], GuardedCommands]:
+    """Return the wiring of a tick, not yet started, and the guard of the controller."""
+    inputs: dict[str, type[Signal]] = {"state": SwarmState, "reference_safe": SwarmSetpoint}
+    if params.aware:
+        inputs["interference"] = Interference
+    wiring = TickWiring(node, inputs, ("command", SwarmCommand))
+    scale = LegacyScale(vehicle.full_pwm_thrust)
+    wiring.after_publish(LegacyTopics(node, scale, params.legacy_hz, params.vehicles).publish)
+    fallback = declare(node, FallbackParams())
+    guarded = GuardedCommands(controller, fallback, vehicle.hover_thrust, live=params.live)
+    guarded.wire(node, wiring)
+    return wiring, guarded
