@@ -39,7 +39,7 @@ PARAMS = MpcParams(latency=0.0, thrust_limited=True)
 
 @dataclass(frozen=True, slots=True)
 class Flight:
-    """Hold the signals of every tick, made before the clock starts."""
+    """Signals of every tick, made before the clock starts."""
 
     preview: SampledPreview
     ticks: list[tuple[SwarmState, SwarmSetpoint, Interference]]

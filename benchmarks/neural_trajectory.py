@@ -57,7 +57,7 @@ P = _tanh_polynomials()
 
 @dataclass(frozen=True, slots=True)
 class NeuralPlan:
-    """Hold where SLSQP ended."""
+    """End of SLSQP."""
 
     cost: float
     """(18), by the trapezoidal sum."""

@@ -97,8 +97,8 @@ def _flight(recording: Recording) -> _Flight:
     record = force_record(recording, CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
     if record is None or recording.log is None:
         raise ValueError(f"{recording.flight.name} has no measured force")
-    samples, said = force_samples(record), recording.log.column("fa_ff") / MASS
-    return _Flight(recording.flight.name, samples, [said[:, one.vehicle] for one in samples])
+    samples, lines = force_samples(record), recording.log.column("fa_ff") / MASS
+    return _Flight(recording.flight.name, samples, [lines[:, one.vehicle] for one in samples])
 
 
 def _samples(flights: Sequence[_Flight]) -> list[ForceSamples]:

@@ -1,11 +1,11 @@
-"""Hold one line of a benchmark: a figure of ours, beside a reference measured in the same run."""
+"""Line of a benchmark: a figure of q2q beside a reference measured in the same run."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Hold one figure."""
+    """Figure of a benchmark."""
 
     name: str
     value: float

@@ -1,7 +1,7 @@
-"""Read the project's documents: links, headings, and code blocks with what they tell the reader to do.
+"""Read the project's documents: links, headings, and code blocks and what the reader does with each.
 
 A block is fenced, or indented by four spaces. What it is shows by its language, or by how it begins: with a
-command, or with a YAML key. Where it goes is told by the paragraph before it:
+command, or with a YAML key. The paragraph before it says where it goes:
 
 | words before a block | the reader |
 |---|---|
@@ -23,7 +23,7 @@ from fresh_checkout import ROOT
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```|(?<=\n\n)((?:    [^\n]*\n|\n(?=    ))+)", re.MULTILINE | re.DOTALL)
-TOLD = re.compile(r"(Write|Append to|Replace `(\w+)` in) `([^`]+)`", re.IGNORECASE)
+ACTION = re.compile(r"(Write|Append to|Replace `(\w+)` in) `([^`]+)`", re.IGNORECASE)
 KEY = re.compile(r"[a-z_]+:(\s|$)")
 STARTS = ("scripts/", "ros2 ", "source ", "python ", "export ", "fastdds ", "LD_LIBRARY_PATH=")
 """What a line that is a command begins with."""
@@ -40,8 +40,8 @@ class Block:
     language: str
     """shell, yaml, json, python; empty for a drawing, or a language nobody runs."""
     text: str
-    told: str = ""
-    """write, append or replace; empty where the reader is told nothing."""
+    action: str = ""
+    """write, append or replace; empty if the reader runs it."""
     file: str = ""
     """Where it goes."""
     name: str = ""
@@ -61,7 +61,7 @@ class Command:
     text: str
     """As it is typed."""
     written: tuple[str, ...] = ()
-    """Files its document tells to write."""
+    """Files that its document has the reader write."""
 
     @property
     def where(self) -> str:
@@ -129,15 +129,15 @@ def blocks(document: Path) -> list[Block]:
     for found in BLOCK.finditer(text):
         body = found[2] if found[3] is None else dedent(found[3])
         before = text[: found.start()]
-        told = list(TOLD.finditer(before.rstrip().rpartition("\n\n")[2]))
-        action, name, file = told[-1].groups() if told else ("", "", "")
+        actions = list(ACTION.finditer(before.rstrip().rpartition("\n\n")[2]))
+        action, name, file = actions[-1].groups() if actions else ("", "", "")
         made.append(
             Block(
                 document=str(document.relative_to(ROOT)),
                 line=before.count("\n") + 1,
                 language=found[1] or _language(body),
                 text=body,
-                told=action.split()[0].lower() if action else "",
+                action=action.split()[0].lower() if action else "",
                 file=file,
                 name=name or "",
             )
@@ -150,7 +150,7 @@ def commands() -> list[Command]:
     found = []
     for document in documents():
         all_of_it = blocks(document)
-        written = tuple(block.file for block in all_of_it if block.told == "write")
+        written = tuple(block.file for block in all_of_it if block.action == "write")
         found += [
             Command(block.document, line, written)
             for block in all_of_it

@@ -1,4 +1,4 @@
-"""Hold a refactoring to recorded flights, bit for bit.
+"""Comparison of a refactoring with recorded flights, bit for bit.
 
     python test/flight_digests.py record FILE     # before: fly, and keep a digest of each flight
     python test/flight_digests.py compare FILE    # after: fly again; ends with 1 where a digest differs

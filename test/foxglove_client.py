@@ -25,14 +25,14 @@ HEAD = struct.Struct("<BIQ")
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """Hold one message of a channel."""
+    """Message of a channel."""
 
     log_time_ns: int
     payload: bytes
 
 
 class FoxgloveClient:
-    """Hold a connection. Use as a context manager."""
+    """Connection; a context manager."""
 
     def __init__(self, port: int, patience_s: float) -> None:
         """Connect; every wait ends with TimeoutError after `patience_s` [s]."""
@@ -57,11 +57,11 @@ class FoxgloveClient:
         """Subscribe to a topic once it is advertised; return the name of its schema."""
         while True:
             kind, data = self._frame()
-            told = json.loads(data) if kind == TEXT else {}
-            for channel in told.get("channels", []):
+            output = json.loads(data) if kind == TEXT else {}
+            for channel in output.get("channels", []):
                 if channel["topic"] == topic:
-                    wanted = {"op": "subscribe", "subscriptions": [{"id": 7, "channelId": channel["id"]}]}
-                    self._send(json.dumps(wanted).encode())
+                    expected = {"op": "subscribe", "subscriptions": [{"id": 7, "channelId": channel["id"]}]}
+                    self._send(json.dumps(expected).encode())
                     return str(channel["schemaName"])
 
     def poll(self, wait_s: float) -> Received | None:

@@ -40,7 +40,7 @@ from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.tools.compile_kernels import import_kernels
-from q2q_sim.view.scene import Glimpse, SceneBuilder, SceneParams
+from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
 
 SHORT_ROOM = library.load(str(ROOT / "test" / "scenarios" / "short_room.yaml"))
 RecordedSignal = list[dict[str, Signal]]
@@ -59,9 +59,9 @@ def flights() -> None:
     """Fly all there is to fly."""
     faulty = replace(SHORT_ROOM, faults=tuple(faults_in_turn(SHORT_ROOM)))
     for controller, replan in product(CONTROLLERS, REPLANNERS):
-        heard = flown(faulty, controller, replan)
-    drawn(heard)
-    controlled_explicitly(heard)
+        signals = flown(faulty, controller, replan)
+    drawn(signals)
+    controlled_explicitly(signals)
     flown(replace(library.load("table6"), duration=25.0), "mpc", "none")
     flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
     flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
@@ -82,29 +82,29 @@ def faults_in_turn(scenario: Scenario) -> list[Fault]:
 
 def flown(scenario: Scenario, controller: str, replan: str) -> RecordedSignal:
     """Fly without ROS; return what was heard at each tick."""
-    heard: RecordedSignal = []
+    signals: RecordedSignal = []
 
     def hear(topic: str, _: int, signal: Signal) -> None:
         if topic == "truth":
-            heard.append({})
-        heard[-1][topic] = signal
+            signals.append({})
+        signals[-1][topic] = signal
 
     known = find_model(scenario.model).interaction
     fly(scenario, FlightOptions(controller=controller, replan=replan, model=known, on_signal=hear))
-    return heard
+    return signals
 
 
-def drawn(heard: RecordedSignal) -> None:
+def drawn(signals: RecordedSignal) -> None:
     """Draw a flight as the view does."""
     builder = SceneBuilder(SceneParams())
-    for tick in heard:
+    for tick in signals:
         state, reference = tick["state"], tick["reference_safe"]
         assert isinstance(state, SwarmState)
         assert isinstance(reference, SwarmSetpoint)
-        builder.update(Glimpse(state, reference_safe=reference))
+        builder.update(SceneSignals(state, reference_safe=reference))
 
 
-def controlled_explicitly(heard: RecordedSignal) -> None:
+def controlled_explicitly(signals: RecordedSignal) -> None:
     """Distil an explicit law, fly it through encounters, and let it answer a flight."""
     rng = np.random.default_rng(0)
     known = find_model("paper_law").interaction
@@ -116,7 +116,7 @@ def controlled_explicitly(heard: RecordedSignal) -> None:
     setup = MpcSetup(solver=explicit_solver(law))
     block = Mpc(teacher.params, teacher.vehicle, teacher.model, setup)
     block.follow(resting_preview(SHORT_ROOM.names))
-    for tick in heard:
+    for tick in signals:
         state, reference = tick["state"], tick["reference_safe"]
         assert isinstance(state, SwarmState)
         assert isinstance(reference, SwarmSetpoint)

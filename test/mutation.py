@@ -142,9 +142,9 @@ def mutants(tree: ast.Module) -> Iterator[Mutant]:
     functions = _functions_of(tree)
     for node in [one for one in ast.walk(tree) if isinstance(one, MUTABLE) and id(one) not in declared]:
         kept = {name: list(part) if isinstance(part, list) else part for name, part in vars(node).items()}
-        said = ast.unparse(node)
+        lines = ast.unparse(node)
         if _mutate(node):
-            change = f"line {node.lineno}: {said} -> {ast.unparse(node)}"
+            change = f"line {node.lineno}: {lines} -> {ast.unparse(node)}"
             yield Mutant(change, functions.get(id(node), 0), ast.fix_missing_locations(tree))
         vars(node).update(kept)
 

@@ -28,10 +28,10 @@ def start(
 def wait_until_spinning(process: subprocess.Popen[str]) -> None:
     """Return once the process catches SIGINT and SIGTERM with its middleware running, or has ended."""
     status = Path(f"/proc/{process.pid}/status")
-    wanted = 1 << (signal.SIGINT - 1) | 1 << (signal.SIGTERM - 1)
+    expected = 1 << (signal.SIGINT - 1) | 1 << (signal.SIGTERM - 1)
     while process.poll() is None:
         line = next(line for line in status.read_text().splitlines() if line.startswith("SigCgt"))
-        if int(line.split()[1], 16) & wanted == wanted and _threads_of_dds(process.pid):
+        if int(line.split()[1], 16) & expected == expected and _threads_of_dds(process.pid):
             return
         try:
             process.wait(0.02)

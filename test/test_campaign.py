@@ -145,10 +145,10 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
     assert flown == [10, 11, 12, 13]
     assert campaign.main(["--runs", "4", "--air", "bent", *asked]) == 2
     assert flown == [10, 11, 12, 13]
-    said = capsys.readouterr()
-    assert "seeds of violations: [12]" in said.out
-    assert "tilt: cf1 at 1.00 s: 0.5" in said.err
-    assert "runs.jsonl holds runs in the air of each scenario: give another --out" in said.err
+    lines = capsys.readouterr()
+    assert "seeds of violations: [12]" in lines.out
+    assert "tilt: cf1 at 1.00 s: 0.5" in lines.err
+    assert "runs.jsonl holds runs in the air of each scenario: give another --out" in lines.err
 
 
 def test_an_air_that_cannot_be_flown_in_ends_a_campaign_before_its_first_run(
@@ -159,9 +159,9 @@ def test_an_air_that_cannot_be_flown_in_ends_a_campaign_before_its_first_run(
     out = tmp_path / "campaign"
     assert campaign.main(["--runs", "1", "--air", str(broken), "--out", str(out)]) == 2
     assert campaign.main(["--runs", "1", "--air", "lacking", "--out", str(out)]) == 2
-    said = capsys.readouterr()
-    assert "cut.air" in said.err
-    assert "no air 'lacking'" in said.err
+    lines = capsys.readouterr()
+    assert "cut.air" in lines.err
+    assert "no air 'lacking'" in lines.err
     assert not out.exists()
 
 

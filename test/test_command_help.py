@@ -96,9 +96,9 @@ def test_no_tool_parses_its_words_any_other_way():
 
 @pytest.mark.parametrize("tool", TOOLS)
 def test_help_has_an_example_and_a_wrong_word_an_answer(tool: str):
-    told = run(tool, "--help")
-    assert told.returncode == 0, told.stderr
-    assert "example:\n  " in told.stdout
+    output = run(tool, "--help")
+    assert output.returncode == 0, output.stderr
+    assert "example:\n  " in output.stdout
     wrong = run(tool, "x", "--out", "y", TOOLS[tool])
     assert wrong.returncode == 2
     assert any(words in wrong.stderr for words in ("did you mean --", "required", "invalid choice"))
@@ -116,17 +116,17 @@ def test_what_cannot_be_done_is_refused_in_one_line(words: str, status: int, say
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_a_scripts_help_sets_nothing_up(script: str):
     clean = {"PATH": "/usr/local/bin:/usr/bin:/bin", "HOME": "/nowhere"}
-    told = subprocess.run(
+    output = subprocess.run(
         ["bash", "-x", ROOT / "scripts" / script, "--help"],
         env=clean,
         capture_output=True,
         text=True,
         check=False,
     )
-    assert told.returncode == 0, told.stderr
-    assert "example:\n  " in told.stdout
-    assert "+ nothing_to_do" not in told.stderr
-    assert "scripts/setup --dev" not in told.stderr
+    assert output.returncode == 0, output.stderr
+    assert "example:\n  " in output.stdout
+    assert "+ nothing_to_do" not in output.stderr
+    assert "scripts/setup --dev" not in output.stderr
 
 
 @pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])

@@ -66,7 +66,7 @@ class _Node(StandInNode):
     def __init__(self, **given: object) -> None:
         super().__init__("crazyswarm", {"vehicles": NAMES, **given})
         self.out: dict[str, _Sent] = {}
-        self.said: list[str] = []
+        self.lines: list[str] = []
 
     def create_publisher(self, kind: type, topic: str, qos: object) -> _Sent:
         super().create_publisher(kind, topic, qos)
@@ -80,10 +80,10 @@ class _Node(StandInNode):
         return self
 
     def warning(self, line: str) -> None:
-        self.said.append(line)
+        self.lines.append(line)
 
     def info(self, line: str) -> None:
-        self.said.append(line)
+        self.lines.append(line)
 
     def reader(self, kind: type) -> object:
         return next(receive for found, receive in self.readers if found is kind)
@@ -200,11 +200,11 @@ def test_absent_packages_are_named_once_each_and_nothing_is_streamed(monkeypatch
     node.give(rehearsal(SwarmSetpoint, 0.0, NAMES))
     node.give(one_command())
     assert node.out["cf1/cmd_vel_legacy"].messages == []
-    assert [line.split()[0] for line in node.said] == [
+    assert [line.split()[0] for line in node.lines] == [
         "motion_capture_tracking_interfaces",
         "crazyflie_interfaces",
     ]
-    assert all("sudo apt install ros-jazzy-" in line for line in node.said)
+    assert all("sudo apt install ros-jazzy-" in line for line in node.lines)
 
 
 def test_robots_without_connection_are_left_alone_themselves_or_by_their_type() -> None:

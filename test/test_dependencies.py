@@ -88,9 +88,9 @@ def test_package_xml_names_what_the_code_imports_by_keys_that_exist(package: Pat
     modules = imports(package)
     unknown = modules - own - ROS_PACKAGES - KEYS.keys() - WITHOUT_KEY
     assert not unknown, f"no rosdep key is known here for {sorted(unknown)}: add it to KEYS or WITHOUT_KEY"
-    wanted = {KEYS.get(name, name) for name in modules - WITHOUT_KEY} | {"python3-pytest"}
+    expected = {KEYS.get(name, name) for name in modules - WITHOUT_KEY} | {"python3-pytest"}
     file = f"src/{package.name}/package.xml"
-    assert named(package) >= wanted, f"{file} lacks {sorted(wanted - named(package))}"
+    assert named(package) >= expected, f"{file} lacks {sorted(expected - named(package))}"
     keys = own | ROS_PACKAGES | set(KEYS.values()) | {"python3-pytest", "python3-hypothesis"}
     assert named(package) <= keys, f"{file}: {sorted(named(package) - keys)} are no keys known here"
 

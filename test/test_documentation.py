@@ -91,8 +91,8 @@ def test_a_page_that_is_missing_changed_or_of_no_node_is_out_of_date(tmp_path: P
     (tmp_path / "same.md").write_text("a")
     (tmp_path / "changed.md").write_text("b")
     (tmp_path / "left.md").write_text("c")
-    wanted = {"same.md": "a", "changed.md": "B", "missing.md": "d"}
-    assert out_of_date(wanted, tmp_path) == ["changed.md", "left.md", "missing.md"]
+    expected = {"same.md": "a", "changed.md": "B", "missing.md": "d"}
+    assert out_of_date(expected, tmp_path) == ["changed.md", "left.md", "missing.md"]
 
 
 def test_a_bar_in_a_cell_does_not_end_it():
@@ -176,8 +176,8 @@ def test_every_command_of_a_tool_is_understood_by_its_own_parser(command: Comman
 def tool(program: tuple[str, ...]) -> Callable[[list[str]], int] | None:
     """Return the `main` of a tool by the words that call it; None for a node or another program."""
     if program[0].startswith("scripts/"):
-        said = [line for line in (ROOT / program[0]).read_text().splitlines() if "python -m " in line]
-        module = said[0].partition("python -m ")[2].split()[0] if said else ""
+        lines = [line for line in (ROOT / program[0]).read_text().splitlines() if "python -m " in line]
+        module = lines[0].partition("python -m ")[2].split()[0] if lines else ""
     elif len(program) == 4:
         found = [one for one in entry_points(group="console_scripts") if one.name == program[3]]
         module = next((one.module for one in found if one.module.startswith(program[2])), "")
@@ -216,11 +216,11 @@ def known_words(program: tuple[str, ...]) -> str:
 
 def help_of(main: Callable[[list[str]], int]) -> str:
     """Return what a tool answers to --help, said in this process."""
-    told = StringIO()
-    with patch.dict(os.environ, COLUMNS="200"), redirect_stdout(told), pytest.raises(SystemExit) as ended:
+    output = StringIO()
+    with patch.dict(os.environ, COLUMNS="200"), redirect_stdout(output), pytest.raises(SystemExit) as ended:
         main(["--help"])
     assert ended.value.code == 0
-    return told.getvalue()
+    return output.getvalue()
 
 
 def _help_of_script(path: Path) -> str:

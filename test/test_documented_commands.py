@@ -1,4 +1,4 @@
-"""Every document is followed as it stands: files written, commands and snippets run in order at a clean desk.
+"""Every document is followed as it stands: files written, commands and snippets run, in a clean folder.
 
 A command must end with 0 and print no traceback. A flight that ends with 1 must be one whose verdict the
 document quotes. A node must come up and end with 0 on SIGINT. What is not run here stands in ELSEWHERE, with
@@ -11,10 +11,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
-from desk import Desk
 from documentation import Block, blocks, command_lines, commands, documents
 from fresh_checkout import ROOT
-from terminal import Answer, Terminal
+from shell_session import Answer, ShellSession
+from working_folder import WorkingFolder
 
 from q2q_sim.processes.domain import own_domain
 
@@ -64,40 +64,40 @@ def is_elsewhere(line: str) -> bool:
 
 @pytest.fixture
 def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator["Reader"]:
-    """Return a reader at a clean desk, in a ROS domain of their own."""
+    """Return a reader with a clean folder and a ROS domain of their own."""
     for name in ("ROS_DOMAIN_ID", "PYTHONPATH"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("MPLBACKEND", "agg")
     with own_domain() as domain:
         made = Reader(tmp_path, domain)
         yield made
-        made.terminal.close()
+        made.shell_session.close()
 
 
 class Reader:
     """Someone who follows a document to the letter."""
 
     def __init__(self, folder: Path, domain: int) -> None:
-        """Sit down at a clean desk."""
-        self.desk = Desk(folder)
-        self.terminal = Terminal(folder, os.environ)
+        """Lay out a clean folder."""
+        self.working_folder = WorkingFolder(folder)
+        self.shell_session = ShellSession(folder, os.environ)
         self._domain = domain
 
     def follow(self, document: Path) -> None:
         """Do all that a document says, in its order."""
         text = " ".join(document.read_text(encoding="utf-8").split())
         for block in blocks(document):
-            if block.told:
-                self.desk.put(block)
+            if block.action:
+                self.working_folder.put(block)
             elif block.language == "python":
                 for port in re.findall(r"udp://127\.0\.0\.1:(\d+)", block.text):
-                    self.terminal.await_port(int(port))
-                (self.desk.folder / "snippet.py").write_text(block.text)
-                look_at(self.terminal.run("python snippet.py"), block.where, text)
+                    self.shell_session.await_port(int(port))
+                (self.working_folder.folder / "snippet.py").write_text(block.text)
+                look_at(self.shell_session.run("python snippet.py"), block.where, text)
             elif block.language == "shell":
                 self._type(block, text)
-        for name in self.terminal.nodes:
-            look_at(self.terminal.end(name), f"{document}: {name}", text)
+        for name in self.shell_session.nodes:
+            look_at(self.shell_session.end(name), f"{document}: {name}", text)
 
     def _type(self, block: Block, text: str) -> None:
         for line in command_lines(block.text):
@@ -105,13 +105,13 @@ class Reader:
                 continue
             node = node_of(line)
             if node:
-                if node in self.terminal.nodes:
-                    look_at(self.terminal.end(node), f"{block.where}: {node}", text)
-                self.terminal.start(node, line)
-                self.terminal.await_spinning(node)
+                if node in self.shell_session.nodes:
+                    look_at(self.shell_session.end(node), f"{block.where}: {node}", text)
+                self.shell_session.start(node, line)
+                self.shell_session.await_spinning(node)
                 continue
             own = line.replace("ROS_DOMAIN_ID=42", f"ROS_DOMAIN_ID={self._domain}")  # others fly beside us
-            look_at(self.terminal.run(own), f"{block.where}: {line}", text)
+            look_at(self.shell_session.run(own), f"{block.where}: {line}", text)
 
 
 def node_of(line: str) -> str:
@@ -122,13 +122,13 @@ def node_of(line: str) -> str:
 
 def look_at(answer: Answer, where: str, document: str) -> None:
     """Fail where an answer is not what the document lets a reader expect."""
-    told = f"{where}\n{answer.said}"
-    assert "Traceback" not in answer.said, told
+    action = f"{where}\n{answer.output}"
+    assert "Traceback" not in answer.output, action
     if answer.status != 0:
-        verdicts = [line for line in answer.said.splitlines() if line.startswith("verdict: ")]
-        assert answer.status == 1, told
-        assert verdicts, told
-        assert all(one in document for one in verdicts), f"{told}\nthe document does not say so"
+        verdicts = [line for line in answer.output.splitlines() if line.startswith("verdict: ")]
+        assert answer.status == 1, action
+        assert verdicts, action
+        assert all(one in document for one in verdicts), f"{action}\nthe document does not say so"
 
 
 @pytest.mark.parametrize("document", FOLLOWED, ids=name_of)
@@ -145,28 +145,28 @@ def test_no_command_is_flown_twice() -> None:
     flights = [
         one for one in commands() if one.text.startswith("scripts/fly ") and not is_elsewhere(one.text)
     ]
-    told = {"--bag", "--json", "--list"}  # later commands need what these leave, or nothing flies
-    once = [one.words for one in flights if not told & set(one.words)]
+    action = {"--bag", "--json", "--list"}  # later commands need what these leave, or nothing flies
+    once = [one.words for one in flights if not action & set(one.words)]
     assert len(once) == len(set(once))
 
 
 def test_the_bare_command_of_a_node_page_starts_it_or_says_in_one_line_what_it_lacks(reader: Reader) -> None:
     pages = [one for one in commands() if one.document.startswith(PAGES)]
-    reader.terminal.run("source scripts/env.sh")
+    reader.shell_session.run("source scripts/env.sh")
     for one in pages:
         assert node_of(one.text) == Path(one.document).stem
-        reader.terminal.start(node_of(one.text), one.text)
-    for name in reader.terminal.nodes:
-        reader.terminal.await_spinning(name)
-    for name in reader.terminal.nodes:
-        answer = reader.terminal.end(name)
-        assert "Traceback" not in answer.said, answer.said
-        refused = answer.status == 2 and len(answer.said.strip().splitlines()) == 1
-        assert answer.status == 0 or refused, f"{name}\n{answer.said}"
+        reader.shell_session.start(node_of(one.text), one.text)
+    for name in reader.shell_session.nodes:
+        reader.shell_session.await_spinning(name)
+    for name in reader.shell_session.nodes:
+        answer = reader.shell_session.end(name)
+        assert "Traceback" not in answer.output, answer.output
+        refused = answer.status == 2 and len(answer.output.strip().splitlines()) == 1
+        assert answer.status == 0 or refused, f"{name}\n{answer.output}"
 
 
 def test_what_a_document_replaces_keeps_every_line_of_it_but_the_first() -> None:
-    for block in [one for document in documents() for one in blocks(document) if one.told == "replace"]:
+    for block in [one for document in documents() for one in blocks(document) if one.action == "replace"]:
         lines = (ROOT / block.file).read_text().splitlines()
         first = next(k for k, line in enumerate(lines) if line.startswith(block.name))
         last = next(k for k, line in enumerate(lines[first:], first) if line.startswith("}"))

@@ -26,7 +26,7 @@ from q2q_model.signals.values import SwarmCommand
 from q2q_model.trajectory import plan_file
 from q2q_planner.offline.minimum_snap.waypoints import swarm_from_document
 from q2q_sim.ros.absent_packages import standing_in
-from q2q_sim.ros.stand_in import Deaf, StandInNode
+from q2q_sim.ros.stand_in import NullEntity, StandInNode
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import scenario_from_document
 
@@ -46,16 +46,16 @@ numbers = st.one_of(
 words = st.one_of(st.sampled_from([*VEHICLES, "cf9", "", "cf1 ", "/", "é" * 50]), st.text(max_size=8))
 
 
-class Ear(Deaf):
+class Ear(NullEntity):
     """Keep what a node publishes."""
 
     def __init__(self) -> None:
-        self.heard: list[bytes] = []
+        self.received: list[bytes] = []
 
     def publish(self, message: object) -> None:
         """Keep a message's bytes."""
         if isinstance(message, bytes):
-            self.heard.append(message)
+            self.received.append(message)
 
 
 class Alive:
@@ -87,10 +87,10 @@ class Listening(StandInNode):
     def answer(self, stamp_ns: int) -> list[bytes]:
         """Feed a good tick and return what is published."""
         for ear in self.ears:
-            ear.heard.clear()
+            ear.received.clear()
         for kind, receive in self.receivers():
             receive(encode(rehearsal(kind, stamp_ns * 1e-9, VEHICLES), stamp_ns))
-        return [data for ear in self.ears for data in ear.heard]
+        return [data for ear in self.ears for data in ear.received]
 
 
 def built(name: str) -> tuple[Listening, object]:
@@ -221,12 +221,14 @@ def test_each_named_wrong_is_refused_by_its_topic_and_leaves_a_node_as_it_was(
 
 @settings(max_examples=50, deadline=None, derandomize=True)
 @given(
-    told=st.one_of(st.text(max_size=50), st.sampled_from(['{"format": "q2q model"}', "[]", "null", "1e999"]))
+    output=st.one_of(
+        st.text(max_size=50), st.sampled_from(['{"format": "q2q model"}', "[]", "null", "1e999"])
+    )
 )
-def test_a_model_that_is_none_is_left_and_the_last_one_flies_on(told: str) -> None:
+def test_a_model_that_is_none_is_left_and_the_last_one_flies_on(output: str) -> None:
     (node, _), (twin, _), tick = pair("q2q_model.interference")
     (take_up,) = [receive for message, receive in node.readers if message is String]
-    take_up(String(data=told))
+    take_up(String(data=output))
     tick[0] += TICK_NS
     for one, other in zip(node.answer(tick[0]), twin.answer(tick[0]), strict=True):
         _same(decode(one, _kind_of(one)), decode(other, _kind_of(other)))

@@ -48,7 +48,7 @@ real = st.one_of(
     st.floats(-2.0, 100.0), st.floats(), st.sampled_from([np.nan, np.inf, -np.inf, 1e300, 0.0, -0.0])
 )
 text = st.one_of(st.sampled_from(["", "none", "paper", "safe", "cf1"]), st.text(max_size=6)).filter(
-    lambda told: "\x00" not in told  # a C string ends there
+    lambda output: "\x00" not in output  # a C string ends there
 )
 
 
@@ -92,7 +92,7 @@ def values() -> st.SearchStrategy[ParameterValue]:
 
 
 class Real:
-    """Hold a real node that is never spun: what it hears and is asked, it is handed."""
+    """Node that is never spun: tests call its callbacks."""
 
     def __init__(self, name: str, folder: Path) -> None:
         package, executable = name.split(".")

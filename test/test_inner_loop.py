@@ -7,10 +7,10 @@ from fresh_checkout import Checkout
 
 
 def test_help_explains_the_inner_loop_in_five_lines_and_does_no_work(checkout: Checkout):
-    told = checkout.shell("scripts/test --help")
-    assert told.returncode == 0
-    assert sum(line.startswith("scripts/test") for line in told.stdout.splitlines()) == 5
-    assert "--changed" in told.stdout
+    output = checkout.shell("scripts/test --help")
+    assert output.returncode == 0
+    assert sum(line.startswith("scripts/test") for line in output.stdout.splitlines()) == 5
+    assert "--changed" in output.stdout
     assert not (checkout.root / ".venv").exists()
 
 

@@ -49,8 +49,8 @@ def test_set_up_has_compiled_every_kernel() -> None:
 
 def test_what_users_fly_calls_every_kernel_and_compiles_none() -> None:
     """A fresh process has the machine code of the set-up, and no other."""
-    told = json.loads(run(str(Path(__file__).with_name("fresh_flights.py"))))
-    assert told == {"compiled": [], "idle": []}
+    output = json.loads(run(str(Path(__file__).with_name("fresh_flights.py"))))
+    assert output == {"compiled": [], "idle": []}
 
 
 def test_every_kernel_computes_what_its_plain_form_does(tmp_path: Path) -> None:

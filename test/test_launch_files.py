@@ -124,7 +124,7 @@ def test_the_default_folder_is_dated():
 
 def test_every_argument_says_what_it_is_and_defaults_to_an_allowed_value():
     for one in (*SCENARIO_ARGUMENTS, *ROOM_ARGUMENTS, *CRAZYSWARM_ARGUMENTS, *COMMON_ARGUMENTS):
-        assert one.words
+        assert one.description
         assert not one.choices or one.default in one.choices
 
 
@@ -141,6 +141,6 @@ def test_the_launch_file_loads_and_declares_its_arguments(path: Path):
         "real_room": ROOM_ARGUMENTS,
         "crazyswarm": CRAZYSWARM_ARGUMENTS,
     }
-    wanted = (*of_file[path.name.partition(".")[0]], *COMMON_ARGUMENTS)
-    told = {one.name for one in module.generate_launch_description().get_launch_arguments()}
-    assert told == {one.name for one in wanted}
+    expected = (*of_file[path.name.partition(".")[0]], *COMMON_ARGUMENTS)
+    output = {one.name for one in module.generate_launch_description().get_launch_arguments()}
+    assert output == {one.name for one in expected}

@@ -40,11 +40,11 @@ def ros_words(parameters: list[str]) -> list[str]:
 
 def refusal(package: str, executable: str, parameters: list[str]) -> str:
     process = start(package, executable, ros_words(parameters))
-    _, said = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode == 2, said
-    assert "Traceback" not in said
-    assert len(said.strip().splitlines()) == 1, said
-    return said
+    _, lines = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2, lines
+    assert "Traceback" not in lines
+    assert len(lines.strip().splitlines()) == 1, lines
+    return lines
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -55,9 +55,9 @@ def test_a_node_ends_with_0_on_a_signal(
     process = start(package, executable, ros_words(parameters))
     wait_until_spinning(process)
     process.send_signal(number)
-    _, said = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode == 0, said
-    assert "Traceback" not in said
+    _, lines = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0, lines
+    assert "Traceback" not in lines
 
 
 def test_an_unknown_scenario_is_answered_with_the_nearest_right_one() -> None:
@@ -73,8 +73,8 @@ def test_a_parameter_there_is_not_is_answered_with_the_nearest_right_one(
 
 def test_bag_play_ends_when_the_bag_does() -> None:
     process = start("q2q_sim", "bag_play", ros_words([f"bag:={ROOT / 'bags/table2_1'}", "rate:=1000.0"]))
-    _, said = process.communicate(timeout=PATIENCE_S)
-    assert (process.returncode, said) == (0, "playback over\n")
+    _, lines = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, lines) == (0, "playback over\n")
 
 
 def test_bag_play_plays_a_bag_of_others_by_a_topic_map(tmp_path: Path) -> None:
@@ -83,20 +83,20 @@ def test_bag_play_plays_a_bag_of_others_by_a_topic_map(tmp_path: Path) -> None:
     assert "no topic /no_such" in refusal("q2q_sim", "bag_play", given)
     (tmp_path / "map.yaml").write_text("signals: {mocap: /mocap}")
     process = start("q2q_sim", "bag_play", ros_words([*given, "topics:=[mocap]"]))
-    _, said = process.communicate(timeout=PATIENCE_S)
-    assert (process.returncode, said) == (0, "playback over\n")
+    _, lines = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, lines) == (0, "playback over\n")
 
 
 def test_a_gain_out_of_range_is_refused_with_its_bounds() -> None:
-    said = refusal("q2q_control", "pid", ["k_p_z:=-3.0"])
-    assert "k_p_z" in said
-    assert "-3" in said
-    assert "0.0 to 200.0" in said
+    lines = refusal("q2q_control", "pid", ["k_p_z:=-3.0"])
+    assert "k_p_z" in lines
+    assert "-3" in lines
+    assert "0.0 to 200.0" in lines
 
 
 def test_an_unknown_vehicle_is_refused_with_the_known_ones() -> None:
-    said = refusal("q2q_control", "pid", ["vehicle:=jumbo"])
-    assert f"known are {', '.join(VEHICLES)}" in said
+    lines = refusal("q2q_control", "pid", ["vehicle:=jumbo"])
+    assert f"known are {', '.join(VEHICLES)}" in lines
 
 
 def test_a_model_file_cut_in_half_is_refused_by_name(tmp_path: Path) -> None:
@@ -112,9 +112,9 @@ def test_a_nan_waypoint_is_refused_naming_vehicle_and_waypoint(tmp_path: Path) -
     scenario = (Path(__file__).parent / "scenarios" / "short_room.yaml").read_text()
     broken = tmp_path / "broken.yaml"
     broken.write_text(scenario.replace("[0.0, -0.6, 1.4]", "[.nan, -0.6, 1.4]"))
-    said = refusal("q2q_sim", "simulator", [f"scenario:={broken}"])
-    assert "cf2" in said
-    assert "nan" in said.lower()
+    lines = refusal("q2q_sim", "simulator", [f"scenario:={broken}"])
+    assert "cf2" in lines
+    assert "nan" in lines.lower()
 
 
 def test_a_trajectory_without_a_plan_says_how_to_get_one() -> None:

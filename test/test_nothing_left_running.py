@@ -79,9 +79,9 @@ def test_a_flight_that_is_ended_leaves_no_node_behind(number: signal.Signals) ->
     flight = start_flight()
     nodes = nodes_of(flight)
     flight.send_signal(number)
-    _, said = flight.communicate(timeout=PATIENCE_S)
+    _, lines = flight.communicate(timeout=PATIENCE_S)
     assert all(ends(node) for node in nodes)
-    assert "Traceback" not in said
+    assert "Traceback" not in lines
     assert flight.returncode == (-signal.SIGKILL if number == signal.SIGKILL else 130)
 
 
@@ -89,10 +89,10 @@ def test_a_node_that_is_killed_in_flight_is_named_and_the_others_end() -> None:
     flight = start_flight()
     nodes = nodes_of(flight)
     os.kill(nodes[1], signal.SIGKILL)
-    _, said = flight.communicate(timeout=PATIENCE_S)
+    _, lines = flight.communicate(timeout=PATIENCE_S)
     assert all(ends(node) for node in nodes)
     assert flight.returncode == 1
-    assert "mocap_filter ended with status -9" in said
+    assert "mocap_filter ended with status -9" in lines
 
 
 def test_a_node_whose_parent_died_before_it_settled_does_not_run_on() -> None:

@@ -69,7 +69,7 @@ class _Link(CflibSender):
     firmware: Firmware
     params: Mapping[str, float]
     """What is set once connected."""
-    told: dict[str, object] = field(default_factory=dict)
+    reported: dict[str, object] = field(default_factory=dict)
     """What is told in place of the truth."""
 
     @property
@@ -90,7 +90,7 @@ class _Link(CflibSender):
             ),
             own_hover=OwnHover(*(float(self.firmware.parameters[name]) for name in OWN_PARAMETERS)),
         )
-        return replace(truth, **self.told)
+        return replace(truth, **self.reported)
 
     def keep_open(self) -> None:
         """Stay open."""
@@ -361,7 +361,7 @@ def test_a_thrust_scale_of_another_vehicle_refuses_the_take_off(monkeypatch: pyt
     """A stick for the wrong vehicle asks for less than hovers: the vehicle's own parameters tell."""
     flown = by_radio(monkeypatch)
     flown.room.wait(1.5)
-    flown.links["cf2"].told["own_hover"] = OwnHover(mass=0.034, mass_thrust=132000.0)
+    flown.links["cf2"].reported["own_hover"] = OwnHover(mass=0.034, mass_thrust=132000.0)
     refusal = flown.room.call(Call.TAKE_OFF)
     assert "cf2 would be sent 68 % of the thrust at which it hovers: within 15 %" in refusal.reason
     flown.room.wait(2.0)
@@ -490,12 +490,12 @@ REFUSED_BY_WHAT_THE_SERVER_TELLS = [
 ]
 
 
-@pytest.mark.parametrize(("told", "why"), REFUSED_BY_WHAT_THE_SERVER_TELLS)
+@pytest.mark.parametrize(("reported", "why"), REFUSED_BY_WHAT_THE_SERVER_TELLS)
 def test_the_bridge_refuses_the_take_off_by_what_the_server_tells(
-    monkeypatch: pytest.MonkeyPatch, told: dict[str, object], why: str
+    monkeypatch: pytest.MonkeyPatch, reported: dict[str, object], why: str
 ) -> None:
     room, server = by_bridge(monkeypatch, SHORT)
-    for name, value in told.items():
+    for name, value in reported.items():
         setattr(server, name, value)
     room.wait(1.5)
     assert why in room.call(Call.TAKE_OFF).reason

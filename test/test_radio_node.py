@@ -159,12 +159,12 @@ def specs(folder: Path) -> list[NodeSpec]:
 @pytest.fixture
 def watcher(tmp_path: Path) -> Iterator[_Watcher]:
     with own_domain(), Processes(tmp_path) as processes:
-        wanted = specs(tmp_path)
-        for spec in wanted:
+        demanded = specs(tmp_path)
+        for spec in demanded:
             processes.start(spec)
         made = _Watcher(processes)
         try:
-            for spec in wanted:
+            for spec in demanded:
                 made.wait_ready(spec.executable)
             yield made
         finally:
@@ -226,12 +226,12 @@ def test_parameters_of_the_node_are_checked() -> None:
 
 
 def test_a_parameter_that_a_vehicle_does_not_hold_is_named_with_both_values() -> None:
-    wanted = firmware_params(("locSrv.extPosStdDev=1e-3",), "setpoint")
+    demanded = firmware_params(("locSrv.extPosStdDev=1e-3",), "setpoint")
     held = {"stabilizer.controller": 2.0, "locSrv.extPosStdDev": float(np.float32(1e-3))}
-    assert not difference(wanted, held)
+    assert not difference(demanded, held)
     assert "its stabilizer.controller is 1, expected 2" in difference(
-        wanted, held | {"stabilizer.controller": 1.0}
+        demanded, held | {"stabilizer.controller": 1.0}
     )
     assert "its locSrv.extPosStdDev is nan, expected 0.001" in difference(
-        wanted, {"stabilizer.controller": 2.0}
+        demanded, {"stabilizer.controller": 2.0}
     )

@@ -59,7 +59,7 @@ class _Link(CflibSender):
 
 
 class _Road:
-    """Hold a room whose vehicles are flown over the air."""
+    """Room whose vehicles are flown by radio."""
 
     def __init__(self, scenario: Scenario, seed: int, positioning: str) -> None:
         self.room = Room(scenario, seed)
@@ -109,7 +109,7 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
         t = tick.frame.t
         state = blocks.mocap_filter.update(tick.frame)
         downwash = blocks.predictor.update(state)
-        wanted = setpoint_at(blocks.plan, t)
+        expected = setpoint_at(blocks.plan, t)
         aware = downwash if mode != "ignoring" else None
         pilot.watch(t)
         pilot.update_state(state, t)
@@ -118,11 +118,11 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
                 pilot.begin(Order(act), t)
                 pilot.watch(t)
         if by == "stick":
-            command = blocks.controller.update(state, wanted, aware)
+            command = blocks.controller.update(state, expected, aware)
             pilot.fly_rpyt(names, rpyt_setpoints(command, scale), t)
         else:
-            pilot.fly_full_states(names, full_states(wanted, aware), t)
-        errors.append(tick.truth.pos[:, 2] - wanted.pos[:, 2])
+            pilot.fly_full_states(names, full_states(expected, aware), t)
+        errors.append(tick.truth.pos[:, 2] - expected.pos[:, 2])
         road.advance()
     assert set(pilot.phases.values()) == {Phase.FLYING}
     return np.array(errors)

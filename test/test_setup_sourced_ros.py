@@ -100,8 +100,10 @@ def test_a_sourced_ros_is_used_with_its_own_rclpy_and_numpy(sourced: Checkout):
     assert not list((sourced.root / ".venv").glob("lib/*/site-packages/rclpy"))
     assert (sourced.root / ".venv/q2q/constraints.txt").read_text() == f"numpy=={np.__version__}\n"
 
-    told = sourced.shell("source scripts/env.sh && ros2 run toy where")
-    assert told.stdout.strip() == f"{sourced.root / '.venv'}|{rclpy.__file__}|{np.__version__}", told.stderr
+    output = sourced.shell("source scripts/env.sh && ros2 run toy where")
+    assert output.stdout.strip() == f"{sourced.root / '.venv'}|{rclpy.__file__}|{np.__version__}", (
+        output.stderr
+    )
 
     again = sourced.setup()
     assert (again.returncode, again.stderr) == (0, "")
@@ -123,8 +125,8 @@ def test_another_environment_that_imports_rclpy_can_play_the_sourced_ros(sourced
     sourced.tool("python3", f'exec "{sys.prefix}/bin/python3" "$@"')
     done = sourced.setup()
     assert done.returncode == 0, done.stderr
-    told = sourced.shell("source scripts/env.sh && ros2 run toy where")
-    assert told.stdout.split("|")[1] == rclpy.__file__, told.stderr
+    output = sourced.shell("source scripts/env.sh && ros2 run toy where")
+    assert output.stdout.split("|")[1] == rclpy.__file__, output.stderr
 
 
 def test_a_sourced_ros_that_cannot_build_messages_is_not_used(sourced: Checkout):

@@ -72,7 +72,7 @@ class Scene:
         live = [Parameter("live", value=True), Parameter("legacy_hz", value=0.0)]
         self.node = Untimed("pid", parameter_overrides=live)
         self.wiring = build(self.node)
-        self.heard: list[SwarmCommand] = []
+        self.received: list[SwarmCommand] = []
         kind = MESSAGES[SwarmCommand]
         self.node.create_subscription(kind, "command", self._hear, 10, raw=True)
         self._executor = make_executor()
@@ -80,7 +80,7 @@ class Scene:
         self.writer = subprocess.Popen([sys.executable, "-c", WRITER, str(promise_s)])
 
     def _hear(self, data: bytes) -> None:
-        self.heard.append(decode(data, SwarmCommand))
+        self.received.append(decode(data, SwarmCommand))
 
     def until(self, reached: Callable[[], bool], what: str) -> None:
         """Let callbacks run until something is so."""
@@ -91,7 +91,7 @@ class Scene:
 
     def worst(self) -> int:
         """Return the status of the last command, 0 before the first."""
-        return int(self.heard[-1].status.max()) if self.heard else 0
+        return int(self.received[-1].status.max()) if self.received else 0
 
     def close(self) -> None:
         """End writer and ROS."""
@@ -114,7 +114,7 @@ def scene(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> It
 def test_without_any_timer_the_death_of_a_writer_leads_down_the_ladder(
     scene: Scene, blow: signal.Signals
 ) -> None:
-    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.heard), "ticks")
+    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.received), "ticks")
     os.kill(scene.writer.pid, blow)
     params = FallbackParams()
     ladder = {
@@ -126,13 +126,13 @@ def test_without_any_timer_the_death_of_a_writer_leads_down_the_ladder(
         scene.now = age
         scene.until(lambda status=status: scene.worst() == status, status.name)
     assert int(scene.wiring.health.extra["silences"]) >= 3
-    stamps = [command.t for command in scene.heard]
+    stamps = [command.t for command in scene.received]
     assert stamps == sorted(stamps)
 
 
 @pytest.mark.parametrize("scene", [(0.0, pid_node.build)], indirect=True)
 def test_a_writer_that_promises_nothing_is_heard_all_the_same(scene: Scene) -> None:
-    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.heard), "ticks")
+    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.received), "ticks")
     assert scene.worst() <= CommandStatus.SATURATED
     assert "silences" not in scene.wiring.health.extra
 
@@ -141,16 +141,16 @@ def test_a_writer_that_promises_nothing_is_heard_all_the_same(scene: Scene) -> N
     "scene", [(0.0, pid_node.build), (0.0, mpc_node.build)], ids=["pid", "mpc"], indirect=True
 )
 def test_the_emergency_service_cuts_the_motors_of_a_running_controller_for_good(scene: Scene) -> None:
-    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.heard), "ticks")
-    assert scene.heard[-1].thrust.min() > 0.0
+    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.received), "ticks")
+    assert scene.received[-1].thrust.min() > 0.0
     client = scene.node.create_client(Empty, "all/emergency")
     scene.until(client.service_is_ready, "all/emergency")
     answer = client.call_async(Empty.Request())
     scene.until(answer.done, "answer")
     scene.until(lambda: scene.worst() == CommandStatus.CUT, "the cut")
-    scene.heard.clear()
-    scene.until(lambda: len(scene.heard) >= 100, "a second of ticks")
-    for command in scene.heard:
+    scene.received.clear()
+    scene.until(lambda: len(scene.received) >= 100, "a second of ticks")
+    for command in scene.received:
         assert command.thrust.tolist() == [0.0, 0.0]
         assert command.status.tolist() == [CommandStatus.CUT] * 2
 

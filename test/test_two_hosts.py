@@ -112,7 +112,7 @@ def _fly_apart(request: FlightRequest, folder: Path, more: dict[str, str]) -> No
         for spec in node_specs(scenario, request, folder / "desk", folder / "unused")
         if spec.executable in AT_THE_DESK
     ]
-    desk = []
+    working_folder = []
     for spec in specs:
         file = folder / "desk" / f"{spec.executable}.yaml"
         plain = {
@@ -121,15 +121,15 @@ def _fly_apart(request: FlightRequest, folder: Path, more: dict[str, str]) -> No
         file.write_text(yaml.safe_dump({"/**": {"ros__parameters": _nested(plain)}}))
         program = str(find_executable(spec.package, spec.executable))
         words = ["ip", "netns", "exec", DESK, program, "--ros-args", "--params-file", str(file)]
-        desk.append(subprocess.Popen(words, env=env))
+        working_folder.append(subprocess.Popen(words, env=env))
     try:
         (folder / "room").mkdir()
         words = ["ip", "netns", "exec", ROOM, sys.executable, "-c", IN_THE_ROOM]
         subprocess.run([*words, *asked, str(folder / "room")], env=env, check=True, timeout=PATIENCE_S)
     finally:
-        for process in desk:
+        for process in working_folder:
             process.terminate()
-        for process in desk:
+        for process in working_folder:
             process.wait(PATIENCE_S)
 
 

@@ -1,4 +1,4 @@
-"""Prove when the publishers of vehicles are made: before flight if known, else one vehicle a tick."""
+"""Time at which the publishers of vehicles are made: before flight if known, else one vehicle a tick."""
 
 from dataclasses import dataclass, field
 

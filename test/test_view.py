@@ -34,7 +34,7 @@ STEP = 20
 
 
 class Viewed(StandInNode):
-    """Hold what the view publishes."""
+    """Messages that the view publishes."""
 
     def __init__(self, **given: bool | float) -> None:
         super().__init__("view", given)

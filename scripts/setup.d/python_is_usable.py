@@ -1,4 +1,4 @@
-"""Say in one line why this Python cannot carry q2q; say nothing and exit 0 when it can.
+"""Print in one line why this Python cannot run q2q; print nothing and exit 0 if it can.
 
 Run by every candidate interpreter, so it must parse on old ones.
 """

@@ -1,4 +1,4 @@
-"""Prove that who is not seen loses the speed it had, and who is seen or level at rest is left alone."""
+"""Unobserved vehicles lose their last speed; observed ones and those level at rest are left alone."""
 
 from dataclasses import replace
 
@@ -69,10 +69,10 @@ def test_who_is_not_seen_comes_to_rest_whatever_its_heading(yaw: float, status: 
 def test_a_tilt_that_was_on_its_way_when_a_vehicle_was_lost_counts() -> None:
     block = DeadReckonedBraking()
     block.record_measured(state_at(0.0, np.zeros(2)), level_at(0.0, CommandStatus.OK, roll=-0.2))
-    told = block.update(state_at(TICK, np.zeros(2), age=TICK), level_at(TICK))
+    output = block.update(state_at(TICK, np.zeros(2), age=TICK), level_at(TICK))
     coming = GRAVITY * np.sin(0.2) * (LAG_S + TICK)  # m/s along y: a roll to the left
-    assert told.roll[0] == pytest.approx(np.arctan(coming / 0.5 / GRAVITY), rel=1e-9)
-    assert told.pitch[0] == 0.0
+    assert output.roll[0] == pytest.approx(np.arctan(coming / 0.5 / GRAVITY), rel=1e-9)
+    assert output.pitch[0] == 0.0
 
 
 def test_commands_that_are_computed_or_held_are_left_alone() -> None:
@@ -90,9 +90,9 @@ def test_a_vehicle_that_was_never_seen_stays_level() -> None:
     block = DeadReckonedBraking()
     for k in range(3):
         state = replace(state_at(k * TICK, np.zeros(2)), age=np.full(2, np.inf))
-        told = block.update(state, level_at(k * TICK))
-        np.testing.assert_array_equal(told.roll, 0.0)
-        np.testing.assert_array_equal(told.pitch, 0.0)
+        output = block.update(state, level_at(k * TICK))
+        np.testing.assert_array_equal(output.roll, 0.0)
+        np.testing.assert_array_equal(output.pitch, 0.0)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])

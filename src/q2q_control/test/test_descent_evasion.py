@@ -1,4 +1,4 @@
-"""Prove that who is seen beneath a vehicle that nobody sees leaves its column, smoothly, and comes back."""
+"""A vehicle observed below an unobserved one leaves its column, smoothly, and comes back."""
 
 from dataclasses import replace
 
@@ -49,8 +49,10 @@ def shifts(pos: np.ndarray, ticks: int, command: SwarmCommand, vel: np.ndarray |
     speed = np.zeros_like(pos) if vel is None else vel
     for k in range(ticks):
         sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
-        told = way.update(sent, state_of(sent.pos), command, {})
-        made.append(np.concatenate([told.pos - sent.pos, told.vel - sent.vel, told.acc - sent.acc], axis=1))
+        output = way.update(sent, state_of(sent.pos), command, {})
+        made.append(
+            np.concatenate([output.pos - sent.pos, output.vel - sent.vel, output.acc - sent.acc], axis=1)
+        )
     return np.array(made)
 
 
@@ -103,10 +105,10 @@ def test_a_setpoint_that_passes_beneath_goes_round(
     place = pos
     for k in range(400):
         sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
-        told = way.update(sent, state_of(place), flown(2, 0), {})
-        place = np.array([UPPER, told.pos[1]])
+        output = way.update(sent, state_of(place), flown(2, 0), {})
+        place = np.array([UPPER, output.pos[1]])
         if k > 200:
-            assert np.linalg.norm(told.pos[1, :2]) > REACH - 0.02
+            assert np.linalg.norm(output.pos[1, :2]) > REACH - 0.02
 
 
 def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
@@ -124,10 +126,10 @@ def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None
     moved = []
     for k in range(200, 700):
         sent = setpoint_of(k * TICK, pos)
-        told = way.update(sent, state_of(pos), flown(2), {})
-        moved.append(float(np.linalg.norm(told.pos[1] - pos[1])))
+        output = way.update(sent, state_of(pos), flown(2), {})
+        moved.append(float(np.linalg.norm(output.pos[1] - pos[1])))
     assert not way.active
-    assert told is sent
+    assert output is sent
     assert np.all(np.diff(moved) <= 1e-12)  # no overshoot
     assert np.diff(moved).min() > -0.4 * PACE * REACH * TICK  # nor a jump: w s / e at most
     way.update(setpoint_of(7.0, pos), state_of(pos), flown(2, 0), {})
@@ -176,8 +178,8 @@ def test_after_a_gap_between_ticks_a_setpoint_moves_as_in_a_tenth_of_a_second() 
     for gap in (0.1, 2.0):
         way = DescentEvasion()
         for t in (0.0, gap):
-            told = way.update(setpoint_of(t, pos), state_of(pos), flown(2, 0), {})
-        moved.append(told.pos[1, 0] - 0.1)
+            output = way.update(setpoint_of(t, pos), state_of(pos), flown(2, 0), {})
+        moved.append(output.pos[1, 0] - 0.1)
     assert moved[0] == moved[1] > 0.0
 
 
@@ -189,8 +191,8 @@ def test_who_was_never_placed_or_has_left_the_state_moves_nobody() -> None:
         way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {})
     alone = replace(state_of(pos[1:]), names=("cf2",))
     for k in range(50, 500):
-        told = way.update(setpoint_of(k * TICK, pos), alone, flown(2, 0), {})
-    np.testing.assert_array_equal(told.pos, pos)
+        output = way.update(setpoint_of(k * TICK, pos), alone, flown(2, 0), {})
+    np.testing.assert_array_equal(output.pos, pos)
 
 
 def test_way_is_made_where_the_blind_one_is_reckoned_to_be_not_where_it_was_seen() -> None:
@@ -199,7 +201,7 @@ def test_way_is_made_where_the_blind_one_is_reckoned_to_be_not_where_it_was_seen
     assert way.update(sent, state_of(pos), flown(2, 0), {}) is not None
     assert not way.active
     for k in range(1, 300):
-        told = way.update(
+        output = way.update(
             setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {"cf1": np.array([0.0, -0.3])}
         )
-    np.testing.assert_allclose(told.pos[1], [0.0, REACH - 0.3, 1.0], atol=0.01)
+    np.testing.assert_allclose(output.pos[1], [0.0, REACH - 0.3, 1.0], atol=0.01)

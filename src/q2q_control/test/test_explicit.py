@@ -134,7 +134,7 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
     model, stages = TEACHER.chain, PARAMS.steps
     shape = group_shape(2, (2,), (model, model, model), stages)
     shape = shape._replace(terminal=PARAMS.terminal * shape.terminal)
-    said = solve_situations(asked, TEACHER)
+    lines = solve_situations(asked, TEACHER)
     times, axis = np.arange(stages + 1) * PARAMS.step, np.tile([0.0, 0.0, 1.0], (2, stages, 1))
     bound = np.array([[0.0, 0.0, TEACHER.bounds[1]]] * 2)
     for k in range(20):
@@ -155,7 +155,7 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
             found = solve(joint_problem(shape, np.array([0, 1]), horizon, downwash), None, 60)
             path[..., 2] = found.states[:, 0::3].T
         # faint downwash is none there; they are below 1e-4 m/s^2
-        assert np.allclose(found.inputs[0], said.inputs[k], atol=5e-4)
+        assert np.allclose(found.inputs[0], lines.inputs[k], atol=5e-4)
 
 
 def test_downwashs_come_from_where_their_source_was():

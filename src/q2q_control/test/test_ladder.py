@@ -38,26 +38,26 @@ def test_then_the_vehicles_level_out_at_hover_thrust() -> None:
 
 
 def test_each_vehicle_lands_by_its_own_age_level_and_sinking() -> None:
-    told = descended(LAST, np.array([0.999, 1.0]), UP, PARAMS, 0.33)
-    assert told.status.tolist() == [CommandStatus.OK, CommandStatus.LAND]
-    assert told.thrust.tolist() == [0.3, pytest.approx(0.94 * 0.33)]
-    assert told.roll.tolist() == [0.1, 0.0]
-    assert told.pitch.tolist() == [0.2, 0.0]
-    assert told.yaw_rate.tolist() == [0.0, 0.0]
-    assert told.t == LAST.t
+    output = descended(LAST, np.array([0.999, 1.0]), UP, PARAMS, 0.33)
+    assert output.status.tolist() == [CommandStatus.OK, CommandStatus.LAND]
+    assert output.thrust.tolist() == [0.3, pytest.approx(0.94 * 0.33)]
+    assert output.roll.tolist() == [0.1, 0.0]
+    assert output.pitch.tolist() == [0.2, 0.0]
+    assert output.yaw_rate.tolist() == [0.0, 0.0]
+    assert output.t == LAST.t
 
 
 def test_a_vehicle_that_is_down_gets_nothing_at_all() -> None:
-    told = descended(LAST, np.array([0.0, 0.0]), np.array([True, False]), PARAMS, 0.33)
-    assert told.status.tolist() == [CommandStatus.CUT, CommandStatus.OK]
-    assert told.thrust.tolist() == [0.0, 0.4]
-    assert told.roll.tolist() == [0.0, -0.1]
-    assert told.yaw_rate.tolist() == [0.0, 1.0]
+    output = descended(LAST, np.array([0.0, 0.0]), np.array([True, False]), PARAMS, 0.33)
+    assert output.status.tolist() == [CommandStatus.CUT, CommandStatus.OK]
+    assert output.thrust.tolist() == [0.0, 0.4]
+    assert output.roll.tolist() == [0.0, -0.1]
+    assert output.yaw_rate.tolist() == [0.0, 1.0]
 
 
 def test_an_age_that_is_no_number_lands() -> None:
-    told = descended(LAST, np.array([np.nan, 0.0]), UP, PARAMS, 0.33)
-    assert told.status.tolist() == [CommandStatus.LAND, CommandStatus.OK]
+    output = descended(LAST, np.array([np.nan, 0.0]), UP, PARAMS, 0.33)
+    assert output.status.tolist() == [CommandStatus.LAND, CommandStatus.OK]
 
 
 def test_young_knowledge_changes_nothing() -> None:

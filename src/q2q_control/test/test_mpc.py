@@ -249,17 +249,17 @@ def test_a_solve_that_comes_too_late_is_replaced_by_the_shifted_plan_then_by_the
         return left[0] >= 0
 
     mpc = Mpc(IDEAL, TEXTBOOK_065, PAPER_LAW, MpcSetup(in_time=in_time, preview=preview))
-    said = []
+    lines = []
 
     def spoil(k: int, state: SwarmState) -> SwarmState:
-        said.append((mpc.report.shifted, mpc.report.pid))
+        lines.append((mpc.report.shifted, mpc.report.pid))
         left[0] = 0 if k >= 300 else 10**9
         return state
 
     errors, thrust = Air(preview).fly(mpc, 420, spoil)
-    assert said[300] == (0, 0)
-    assert said[305] == (2, 0)
-    assert said[340] == (0, 2)
+    assert lines[300] == (0, 0)
+    assert lines[305] == (2, 0)
+    assert lines[340] == (0, 2)
     assert np.isfinite(thrust).all()
     assert np.abs(errors).max() < 0.05
 

@@ -32,10 +32,10 @@ def section_sizes(folder: Path) -> dict[str, int]:
     """Return the bytes of text, data and bss of the core's objects."""
     subprocess.run([GCC, *ARM, "-c", *CORE], cwd=folder, check=True)
     objects = [name[:-1] + "o" for name in CORE]
-    said = subprocess.run(
+    lines = subprocess.run(
         ["arm-none-eabi-size", *objects], cwd=folder, check=True, capture_output=True, text=True
     ).stdout
-    rows = [line.split()[:3] for line in said.splitlines()[1:]]
+    rows = [line.split()[:3] for line in lines.splitlines()[1:]]
     return {name: sum(int(row[k]) for row in rows) for k, name in enumerate(("text", "data", "bss"))}
 
 
@@ -46,11 +46,11 @@ def emulated(folder: Path) -> list[int]:
     build = [GCC, *ARM, "-nostartfiles", script, "-I.", *sources, "-lm", "-lc", "-lgcc", "-o", "count.elf"]
     subprocess.run(build, cwd=folder, check=True)
     machine = ["-M", "mps2-an386", "-icount", "shift=0", "-nographic"]
-    said = subprocess.run(
+    lines = subprocess.run(
         [QEMU, *machine, "-semihosting-config", "enable=on,target=native", "-kernel", "count.elf"],
         cwd=folder, check=True, capture_output=True, text=True, timeout=60,
     )  # fmt: skip
-    return [int(word) for word in (said.stdout + said.stderr).split()]
+    return [int(word) for word in (lines.stdout + lines.stderr).split()]
 
 
 @needs_gcc

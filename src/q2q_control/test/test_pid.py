@@ -300,8 +300,8 @@ def test_seconds_of_saturation_wind_nothing_up():
 def test_yaw_turns_the_short_way_round_within_its_rate():
     state, setpoint, eta = swarm(("cf1",))
     turned = replace(state, quat=quat_from_euler([0.0], [0.0], [3.0]))
-    wanted = replace(setpoint, yaw=np.array([-3.0]))
-    command = Pid(PidParams(), TEXTBOOK_065).update(turned, wanted, eta)
+    demanded = replace(setpoint, yaw=np.array([-3.0]))
+    command = Pid(PidParams(), TEXTBOOK_065).update(turned, demanded, eta)
     assert command.yaw_rate[0] == pytest.approx(PidParams().k_yaw * (2.0 * np.pi - 6.0))
     away = Pid(PidParams(), TEXTBOOK_065).update(state, replace(setpoint, yaw=np.array([3.0])), eta)
     assert away.yaw_rate[0] == PidParams().yaw_rate_max

@@ -60,8 +60,8 @@ class _FakeLink:
     def send_rpyt(self, stick: RpytSetpoint) -> None:
         self.sent.append(stick)
 
-    def send_full_state(self, wanted: FullState) -> None:
-        self.sent.append(wanted)
+    def send_full_state(self, demanded: FullState) -> None:
+        self.sent.append(demanded)
 
     def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
         self.sent.append(("place", tuple(pos), tuple(quat)))
@@ -84,7 +84,7 @@ class _FakeLink:
 
 @dataclass
 class _Bench:
-    """Hold two vehicles' links and the pilot, at a time that tests move."""
+    """Links of two vehicles and the pilot, at a time set by tests."""
 
     links: dict[str, _FakeLink] = field(default_factory=lambda: {name: _FakeLink() for name in NAMES})
     t: float = 100.0
@@ -435,7 +435,7 @@ def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
 
 
 @pytest.mark.parametrize(
-    ("robots", "said"),
+    ("robots", "message"),
     [
         (None, "robots: got None"),
         ({"cf1": {"enabled": False}}, "none is enabled"),
@@ -448,6 +448,6 @@ def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
         ),
     ],
 )
-def test_wrong_crazyflies_are_refused_by_name(robots: object, said: str) -> None:
-    with pytest.raises(ValueError, match=said):
+def test_wrong_crazyflies_are_refused_by_name(robots: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         crazyflies_from_document({"robots": robots})

@@ -194,6 +194,6 @@ def test_unbounded_weights_place_the_poles_they_promise():
     feedback = (b @ p @ model.transition) / (model.input_weight[0] + b @ p @ b)
     closed = (model.transition - np.outer(b, feedback))[:2, :2]  # the acceleration has no memory
     placed = np.log(np.linalg.eigvals(closed)) / fine
-    wanted = np.roots([1.0, np.sqrt(2.0) * bandwidth, bandwidth**2])
+    expected = np.roots([1.0, np.sqrt(2.0) * bandwidth, bandwidth**2])
     # sampled at w h = 5e-4: poles err by a few times that
-    assert np.allclose(np.sort_complex(placed), np.sort_complex(wanted), rtol=5e-3)
+    assert np.allclose(np.sort_complex(placed), np.sort_complex(expected), rtol=5e-3)

@@ -45,7 +45,7 @@ Controller = Pid | ObservedPid | Mpc
 
 @dataclass(frozen=True)
 class Case:
-    """Hold what the controller believes, and what it is not shown."""
+    """Model of the controller, and signals withheld from it."""
 
     model: Jet = WAKE
     spoil: Spoil = lambda _, state: state

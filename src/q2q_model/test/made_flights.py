@@ -19,7 +19,7 @@ LOOP = AltitudeLoop(k_p=0.81, k_d=0.43, lag=0.1)
 
 @dataclass(frozen=True, slots=True)
 class Pass:
-    """Hold a flight: Q2 passes over Q1 at `speed` [m/s], `gap` [m] above it."""
+    """Flight in which Q2 passes over Q1 at `speed` [m/s], `gap` [m] above it."""
 
     name: str = "pass"
     gap: float = 0.5
@@ -77,8 +77,8 @@ def _fly(made: Pass, ticks: int) -> tuple[Array, Array, Array, Array]:
             pos[row, :, 1], pos[row, :, 2], vel[row, :, 2] = y, z, v
             vel[row, 1, 1] = made.speed if abs(y[1]) < 1.0 else 0.0
             lifts[row], etas[row] = lift, eta
-        wanted = loop.offset - loop.k_p * (z - ref) - loop.k_d * v
-        lift = lift + (1.0 - np.exp(-STEP / loop.lag)) * (wanted - lift) if loop.lag > 0.0 else wanted
+        expected = loop.offset - loop.k_p * (z - ref) - loop.k_d * v
+        lift = lift + (1.0 - np.exp(-STEP / loop.lag)) * (expected - lift) if loop.lag > 0.0 else expected
         v = v + STEP * (lift + eta)
         z = z + STEP * v
     return pos, vel, lifts, etas

@@ -1,4 +1,4 @@
-"""Prove that records, gains, lag and dev come out as they were put in."""
+"""Records, gains, lag and dev come out as they were put in."""
 
 from dataclasses import replace
 
@@ -41,10 +41,10 @@ def test_the_loops_exact_response_is_that_of_an_accurate_solver(loop: AltitudeLo
     start = np.array([[0.1], [-0.05]])
 
     def rate(when: float, x: np.ndarray) -> list[float]:
-        wanted = -loop.k_p * x[0] - loop.k_d * x[1] + loop.k_i * x[2] + loop.offset
+        demanded = -loop.k_p * x[0] - loop.k_d * x[1] + loop.k_i * x[2] + loop.offset
         downwash = np.interp(when, t, eta)
-        commanded_acc = x[3] if loop.lag else wanted
-        return [x[1], commanded_acc + downwash, -x[0], (wanted - x[3]) / loop.lag if loop.lag else 0.0]
+        commanded_acc = x[3] if loop.lag else demanded
+        return [x[1], commanded_acc + downwash, -x[0], (demanded - x[3]) / loop.lag if loop.lag else 0.0]
 
     settled = loop.offset - loop.k_p * 0.1 + loop.k_d * 0.05
     exact = {"rtol": 1e-9, "atol": 1e-11, "max_step": 0.05}

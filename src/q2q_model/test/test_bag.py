@@ -1,4 +1,4 @@
-"""Hold bags to round trips, to an independent reader and writer, and to honest errors."""
+"""Tests of bags: round trips, an independent reader and writer, errors that name the fault."""
 
 import io
 import os
@@ -198,8 +198,8 @@ def test_the_facts_of_a_flight_are_read_back_here_and_by_an_independent_reader(t
         assert reader.message_count == 0
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
         (record,) = make_reader(stream).iter_metadata()
-    told = yaml.safe_load(record.metadata["serialized_metadata"])["custom_data"]
-    assert told == {"vehicle": "textbook_065", "scenario": "table6", "seed": "3"}
+    output = yaml.safe_load(record.metadata["serialized_metadata"])["custom_data"]
+    assert output == {"vehicle": "textbook_065", "scenario": "table6", "seed": "3"}
 
 
 @pytest.mark.parametrize(
@@ -265,10 +265,10 @@ def test_strays_repeats_and_disorder_are_stated(tmp_path: Path):
         for tick in (4, 5):
             bag.write_signal("/state", 10 * STEP_NS, random_signal(SwarmState, tick, PAIR, rng))
             bag.write_signal("/command", 10 * STEP_NS, random_signal(SwarmCommand, tick, PAIR, rng))
-    with warnings.catch_warnings(record=True) as said:
+    with warnings.catch_warnings(record=True) as lines:
         warnings.simplefilter("always")
         flight = read_flight(tmp_path / "bag")
-    text = " | ".join(str(one.message) for one in said)
+    text = " | ".join(str(one.message) for one in lines)
     assert "1 of 2 messages on state match no tick" in text
     assert "command" not in text  # a live controller commands on after the last tick
     assert "1 stamps on mocap repeat" in text
@@ -344,7 +344,7 @@ def test_damaged_bytes_give_a_flight_or_a_bag_error_and_nothing_else(
         spoiled[place] = rng.integers(0, 256)
     if cut:
         del spoiled[int(rng.integers(0, len(spoiled))) :]
-    with TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as said:
+    with TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as lines:
         warnings.simplefilter("always")
         (Path(folder) / "bag").mkdir()
         (Path(folder) / "bag" / "bag_0.mcap").write_bytes(spoiled)
@@ -357,7 +357,7 @@ def test_damaged_bytes_give_a_flight_or_a_bag_error_and_nothing_else(
     complete = (
         set(flight.names) == set(PAIR) and len(flight.t) == 250 and not np.isnan(flight.mocap_pos).any()
     )
-    assert complete or any(issubclass(one.category, BagRepairWarning) for one in said)
+    assert complete or any(issubclass(one.category, BagRepairWarning) for one in lines)
 
 
 def _whole_bag() -> tuple[bytes, str]:

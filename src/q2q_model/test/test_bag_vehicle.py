@@ -57,7 +57,7 @@ def test_identify_and_evaluate_refuse_an_unknown_vehicle_in_one_sentence(
 ):
     bag = str(bag_of(tmp_path / "odd", "crazyflie_9"))
     assert identify.main([bag, "--out", str(tmp_path / "model.q2q")]) == 1
-    assert "identify: bag" in (said := capsys.readouterr().err)
-    assert "unknown vehicle 'crazyflie_9'" in said
+    assert "identify: bag" in (lines := capsys.readouterr().err)
+    assert "unknown vehicle 'crazyflie_9'" in lines
     assert evaluate.main([bag, "--model", "none"]) == 1
     assert "Traceback" not in capsys.readouterr().err

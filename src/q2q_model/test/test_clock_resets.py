@@ -5,8 +5,8 @@ from q2q_model.estimation.clock_resets import CONFIRM_STAMPS, ClockResetDetector
 
 def test_stamps_that_rise_for_long_enough_are_a_new_time() -> None:
     old = ClockResetDetector()
-    told = [old.rise(1.0 + k * 0.01) for k in range(13)]
-    assert told == [False] * 10 + [True] * 3
+    output = [old.rise(1.0 + k * 0.01) for k in range(13)]
+    assert output == [False] * 10 + [True] * 3
 
 
 def test_few_stamps_are_none_however_far_apart() -> None:

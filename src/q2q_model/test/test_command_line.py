@@ -24,17 +24,17 @@ def test_a_misspelt_word_is_answered_with_the_nearest_one(
     with pytest.raises(SystemExit) as ended:
         made().parse_args(words)
     assert ended.value.code == 2
-    told = capsys.readouterr().err
-    assert f"did you mean {hint}?" in told
-    assert told.count("\n") == 1
+    output = capsys.readouterr().err
+    assert f"did you mean {hint}?" in output
+    assert output.count("\n") == 1
 
 
 def test_a_wrong_number_gets_no_hint(capsys: pytest.CaptureFixture[str]):
     with pytest.raises(SystemExit):
         made().parse_args(["--seed", "x"])
-    told = capsys.readouterr().err
-    assert "invalid int value" in told
-    assert "did you mean" not in told
+    output = capsys.readouterr().err
+    assert "invalid int value" in output
+    assert "did you mean" not in output
 
 
 def test_help_shows_the_example(capsys: pytest.CaptureFixture[str]):

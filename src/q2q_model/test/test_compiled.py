@@ -1,4 +1,4 @@
-"""Prove that compiled code is kept, and that it is made again when anything it uses has changed."""
+"""Compiled code is kept, and that it is made again when anything it uses has changed."""
 
 import os
 import subprocess

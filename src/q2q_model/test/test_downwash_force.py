@@ -1,4 +1,4 @@
-"""Hold the scoring rule to rows made by hand, and what it finds to real flights."""
+"""Tests of the scoring rule on rows made by hand and on real flights."""
 
 import os
 from dataclasses import replace
@@ -127,14 +127,14 @@ def _real(path: Path) -> ForceRecord:
     table = parquet.read_table(path)
     names = tuple(sorted({name[:4] for name in table.column_names if name.startswith("cf")}))
 
-    def columns(*wanted: str) -> Array:
+    def columns(*expected: str) -> Array:
         return np.array(
-            [[table[f"{name}_{one}"].to_numpy() for one in wanted] for name in names], dtype=float
+            [[table[f"{name}_{one}"].to_numpy() for one in expected] for name in names], dtype=float
         )
 
     t = np.asarray(table["t"].to_numpy(), dtype=float)
-    wanted = (("x", "y", "z"), ("vx", "vy", "vz"), ("qx", "qy", "qz", "qw"))
-    pos, vel, quat = (columns(*some).transpose(2, 0, 1) for some in wanted)
+    expected = (("x", "y", "z"), ("vx", "vy", "vz"), ("qx", "qy", "qz", "qw"))
+    pos, vel, quat = (columns(*some).transpose(2, 0, 1) for some in expected)
     logged = ("faz_est", "gap", "pwm1", "pwm2", "pwm3", "pwm4")
     log = FlightLog(t, names, logged, ("",) * 6, columns(*logged).transpose(2, 0, 1))
     return push_of_log(path.stem, log, Motion(t, pos, vel, rotate(quat, np.array([0.0, 0.0, 1.0]))))

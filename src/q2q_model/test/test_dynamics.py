@@ -1,4 +1,4 @@
-"""Hold (1)-(9) to a rigid body that knows nothing of Euler angles."""
+"""Tests of (1)-(9) against a rigid body without Euler angles."""
 
 import numpy as np
 import pytest

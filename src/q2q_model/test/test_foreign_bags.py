@@ -1,4 +1,4 @@
-"""Hold the topic map to bags of others: per-vehicle poses, named poses of both versions, ROS 1, sqlite3."""
+"""Tests of the topic map on bags of other software: poses, named poses of both versions, ROS 1, sqlite3."""
 
 from pathlib import Path
 
@@ -225,7 +225,7 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path):
     file = tmp_path / "map.yaml"
     file.write_text("vehicles: {cf1: /a}\nposes: /poses\nrename: {cf231: cf2}\nstamps: receive\n")
     assert load_topic_map(file) == TopicMap({"cf1": "/a"}, "/poses", {"cf231": "cf2"}, {}, by_header=False)
-    for text, said in (
+    for text, lines in (
         ("vehicle: {cf1: /a}", "unknown vehicle; known are vehicles"),
         ("vehicles: [a]", "mapping of names to names"),
         ("stamps: wall\nposes: /p", "allowed are header, receive"),
@@ -235,5 +235,5 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path):
         ("{", "cannot be read"),
     ):
         file.write_text(text)
-        with pytest.raises(BagError, match=said):
+        with pytest.raises(BagError, match=lines):
             load_topic_map(file)

@@ -117,8 +117,8 @@ def test_a_flight_without_encounters_teaches_no_downwash_and_keeps_every_key(
     report = json.loads(out.with_suffix(".json").read_text())
     assert set(report) == PARTS
     assert report["gains"]["identifiable"] == {"k_p": False, "k_d": False}
-    said = capsys.readouterr().out.splitlines()
-    assert [line[:3] for line in said if line.endswith(": not identifiable from these flights")] == [
+    lines = capsys.readouterr().out.splitlines()
+    assert [line[:3] for line in lines if line.endswith(": not identifiable from these flights")] == [
         "K_p",
         "K_d",
     ]
@@ -133,9 +133,9 @@ def test_a_flight_without_encounters_teaches_no_downwash_and_keeps_every_key(
 def said_by_identify(bag: Path, capsys: pytest.CaptureFixture[str], *more: str) -> str:
     """Return the one line that identify says of wrong input."""
     assert identify.main([*more, str(bag), "--out", str(bag.parent / "m.q2q")]) == 1
-    said = capsys.readouterr().err.strip().splitlines()
-    assert len(said) == 1, said
-    return said[0]
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1, lines
+    return lines[0]
 
 
 @needs_bags
@@ -164,8 +164,8 @@ def test_wrong_input_is_named_in_one_line(tmp_path: Path, capsys: pytest.Capture
     twice = str(write(tmp_path / "twice", flight))
     assert "given twice" in said_by_identify(tmp_path / "twice", capsys, twice)
     (tmp_path / "bad.yaml").write_text("vehicle: {}")
-    said = said_by_identify(tmp_path / "twice", capsys, "--topics", str(tmp_path / "bad.yaml"))
-    assert "unknown vehicle" in said
+    lines = said_by_identify(tmp_path / "twice", capsys, "--topics", str(tmp_path / "bad.yaml"))
+    assert "unknown vehicle" in lines
 
 
 @needs_bags

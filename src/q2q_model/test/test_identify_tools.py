@@ -111,9 +111,9 @@ def test_wrong_input_of_identify_is_one_line_without_a_traceback(
     words: list[str], says: str, capsys: pytest.CaptureFixture[str]
 ):
     assert identify.main(words) == 1
-    said = capsys.readouterr().err.strip().splitlines()
-    assert len(said) == 1
-    assert says in said[0]
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1
+    assert says in lines[0]
 
 
 @pytest.mark.parametrize("words", [["--out", "m.q2q"], ["bag", "--live", "--out", "m.q2q"], ["bag"]])

@@ -1,4 +1,4 @@
-"""Prove the training loss (16), its gradient, and that fits find the downwash that flew."""
+"""Tests of the training loss (16), its gradient, and that fits find the downwash that flew."""
 
 from dataclasses import replace
 

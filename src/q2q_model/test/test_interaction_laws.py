@@ -1,4 +1,4 @@
-"""Hold the interaction laws to their equations, their signs and each other."""
+"""Tests of the interaction laws: equations, signs, and agreement with each other."""
 
 from dataclasses import replace
 

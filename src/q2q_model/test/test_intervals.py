@@ -1,4 +1,4 @@
-"""Hold intervals to what they claim: 95 % of them contain the truth, under noise like that of real flights.
+"""Tests of intervals: 95 % of them contain the truth, under noise like that of real flights.
 
 The push under a wake of real Crazyflies leaves 0.35 to 0.5 m/s^2 rms around the best law, correlated over
 80 ms; here it is an Ornstein-Uhlenbeck process on flights with a known jet.

@@ -60,5 +60,5 @@ from std_msgs.msg import String
 String.__class__.__import_type_support__()
 print(numba.njit(lambda x: 2.0 * x)(3.0), [name for name in {UNUSED} if name in sys.modules])
 """
-    told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert told.stdout == "6.0 []\n"
+    output = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert output.stdout == "6.0 []\n"

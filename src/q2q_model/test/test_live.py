@@ -1,4 +1,4 @@
-"""Prove that a wrong model is put right while flying, and only as far as it may."""
+"""A wrong model is put right while flying, and only as far as it may."""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Prove that the growth of downwash with its source's thrust is found where it is, and 0 where it is not."""
+"""The growth of downwash with its source's thrust is found where it is, and 0 where it is not."""
 
 import numpy as np
 import pytest

@@ -24,20 +24,20 @@ def test_the_command_is_published_before_what_led_to_it() -> None:
 
 
 def test_every_listener_hears_every_signal_in_the_order_of_posting() -> None:
-    bus, heard = LocalBus(("a", "b")), []
+    bus, received = LocalBus(("a", "b")), []
     bus.listen("a", lambda stamp, value: bus.post("b", stamp + 10, value, lambda: None))
-    bus.listen("a", lambda stamp, _: heard.append(("a", stamp)))
-    bus.listen("b", lambda stamp, _: heard.append(("b", stamp)))
+    bus.listen("a", lambda stamp, _: received.append(("a", stamp)))
+    bus.listen("b", lambda stamp, _: received.append(("b", stamp)))
     for stamp in (1, 2):
         bus.post("a", stamp, signal(0.0), lambda: None)
-    assert heard == [("a", 1), ("b", 11), ("a", 2), ("b", 12)]
+    assert received == [("a", 1), ("b", 11), ("a", 2), ("b", 12)]
 
 
 def test_a_listener_that_fails_loses_neither_publication_nor_the_next_signal() -> None:
-    bus, heard, world = LocalBus(("a",)), [], []
+    bus, received, world = LocalBus(("a",)), [], []
 
     def take(stamp: int, _: object) -> None:
-        heard.append(stamp)
+        received.append(stamp)
         if stamp == 1:
             raise ValueError("bad")
 
@@ -45,11 +45,11 @@ def test_a_listener_that_fails_loses_neither_publication_nor_the_next_signal() -
     with pytest.raises(ValueError, match="bad"):
         bus.post("a", 1, signal(0.0), lambda: world.append(1))
     bus.post("a", 2, signal(0.0), lambda: world.append(2))
-    assert (heard, world) == ([1, 2], [1, 2])
+    assert (received, world) == ([1, 2], [1, 2])
 
 
 def test_a_topic_from_outside_is_read_once_for_all() -> None:
-    bus, heard = LocalBus(("state",)), []
+    bus, received = LocalBus(("state",)), []
     assert [
         bus.needs_subscription("mocap"),
         bus.needs_subscription("mocap"),
@@ -57,6 +57,6 @@ def test_a_topic_from_outside_is_read_once_for_all() -> None:
     ] == [True, False, False]
     assert not bus.carries("mocap")
     for name in ("filter", "trajectory"):
-        bus.listen("mocap", lambda stamp, _, name=name: heard.append((name, stamp)))
+        bus.listen("mocap", lambda stamp, _, name=name: received.append((name, stamp)))
     bus.post("mocap", 3, signal(0.0))
-    assert heard == [("filter", 3), ("trajectory", 3)]
+    assert received == [("filter", 3), ("trajectory", 3)]

@@ -63,13 +63,13 @@ def test_an_outlier_that_freezes_is_no_jump(length: int) -> None:
 @pytest.mark.parametrize("back", [0.2, 0.48, 0.9])
 def test_a_clock_that_is_set_back_is_followed_within_0_12_s(back: float) -> None:
     block = flown(200)
-    told = []
+    output = []
     for tick in range(200, 220):
         state = block.update(frame(tick, truth(tick), tick * TICK - back))
         followed = block.report.clock_resets == 1 and list(state.status) == [TRACKED, TRACKED]
-        told.append(followed and bool(np.abs(state.pos - truth(tick)).max() < 5e-3))
-    assert told.index(True) <= 12
-    assert all(told[told.index(True) :])
+        output.append(followed and bool(np.abs(state.pos - truth(tick)).max() < 5e-3))
+    assert output.index(True) <= 12
+    assert all(output[output.index(True) :])
     assert block.report.clock_resets == 1
     np.testing.assert_allclose(state.pos, truth(219), atol=5e-3)
 

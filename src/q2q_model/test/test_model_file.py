@@ -1,4 +1,4 @@
-"""Hold the model file to a round trip and to one clear error for everything that is wrong."""
+"""Tests of the model file: round trip, and one clear error for every fault."""
 
 import json
 from pathlib import Path

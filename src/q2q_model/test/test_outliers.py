@@ -1,4 +1,4 @@
-"""Hold the batch rule of section 2.2 to synthetic tracks, and to real flights where they are present."""
+"""Tests of the batch rule of section 2.2 against synthetic tracks and real flights."""
 
 import os
 from pathlib import Path

@@ -96,8 +96,8 @@ def test_a_track_takes_anothers_samples_as_often_as_it_was_right_and_is_then_con
     made, seen = flown(6), []
     for k in range(6, 24):
         verdict = made.update(k * DT, PLACES[::-1].copy(), NOBODY)
-        said = {"lent": verdict.lent, "new": verdict.restarted, "own": verdict.accepted}
-        seen.append(next((word for word, whose in said.items() if whose.all()), "none"))
+        lines = {"lent": verdict.lent, "new": verdict.restarted, "own": verdict.accepted}
+        seen.append(next((word for word, whose in lines.items() if whose.all()), "none"))
         assert verdict.lent.all() or not verdict.lent.any()
         if verdict.lent.all():
             np.testing.assert_allclose(verdict.pos, PLACES, atol=1e-9)
@@ -106,12 +106,12 @@ def test_a_track_takes_anothers_samples_as_often_as_it_was_right_and_is_then_con
 
 def test_a_jump_that_lasts_is_believed_with_the_velocity_it_has() -> None:
     made = flown(6)
-    told = []
+    output = []
     for k in range(6, 15):  # 0.125 s are 8 ticks
         place = PLACES[0] + [0.0, 2.0, (k - 6) * DT]  # 1 m/s upwards
         verdict = offered(made, k * DT, place)
-        told.append(bool(verdict.restarted[0]))
-    assert told == [False] * 8 + [True]
+        output.append(bool(verdict.restarted[0]))
+    assert output == [False] * 8 + [True]
     np.testing.assert_allclose(verdict.pos[0], place, atol=1e-12)
     np.testing.assert_allclose(verdict.vel[0], [0.0, 0.0, 1.0], atol=1e-12)
     assert verdict.trusted.tolist() == [True, True]

@@ -1,4 +1,4 @@
-"""Hold the online predictor to the law summed by hand, and to its promises on bad input."""
+"""Tests of the online predictor against the law summed by hand, and of its answers to bad input."""
 
 from dataclasses import replace
 

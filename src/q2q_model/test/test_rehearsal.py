@@ -1,4 +1,4 @@
-"""Prove that a rehearsal walks the ways of real ticks, for a swarm of any size."""
+"""A rehearsal walks the ways of real ticks, for a swarm of any size."""
 
 import numpy as np
 import pytest

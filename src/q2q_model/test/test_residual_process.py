@@ -1,4 +1,4 @@
-"""Prove the fit of the residual process, and the correction of predictions by measured pushes."""
+"""Tests of the fit of the residual process, and the correction of predictions by measured pushes."""
 
 from dataclasses import replace
 

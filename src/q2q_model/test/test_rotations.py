@@ -1,4 +1,4 @@
-"""Hold quaternions and Euler angles to their definitions, for every batch shape."""
+"""Tests of quaternions and Euler angles against their definitions, for every batch shape."""
 
 import numpy as np
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""Hold rows read all at once to the messages read one by one."""
+"""Tests of rows read all at once against the messages read one by one."""
 
 import sys
 from pathlib import Path

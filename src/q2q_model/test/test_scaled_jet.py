@@ -1,4 +1,4 @@
-"""Prove the scaling of a jet to another airframe by momentum theory."""
+"""Tests of the scaling of a jet to another airframe by momentum theory."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +10,7 @@ from q2q_model.commands.scale_model import main
 from q2q_model.downwash.interaction_model import at_rest
 from q2q_model.downwash.jet import MOVING_LAW
 from q2q_model.downwash.level_set import LevelSet, level_set
-from q2q_model.downwash.scaled_jet import AIR_DENSITY, CRAZYFLIE, DOUBT, QuadrotorSize, scaled_jet
+from q2q_model.downwash.scaled_jet import AIR_DENSITY, CRAZYFLIE, SCALING_STD, QuadrotorSize, scaled_jet
 from q2q_model.files.model_file import ModelFile, load, save
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.vehicle.constants import GRAVITY
@@ -28,7 +28,7 @@ def test_the_induced_velocity_carries_the_weight() -> None:
 def test_a_jet_scaled_to_its_own_airframe_differs_in_its_doubt_alone() -> None:
     same = scaled_jet(MOVING_LAW, CRAZYFLIE, CRAZYFLIE)
     assert replace(same, relative_std=MOVING_LAW.relative_std) == MOVING_LAW
-    assert same.relative_std > DOUBT
+    assert same.relative_std > SCALING_STD
 
 
 def test_vehicles_of_one_kind_feel_the_same_at_the_same_place_over_their_size() -> None:

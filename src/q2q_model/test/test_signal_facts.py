@@ -33,14 +33,14 @@ def state(status: tuple[TrackStatus, ...]) -> SwarmState:
 
 def test_a_state_tells_its_tracks_its_age_and_the_closest_pair():
     tracked, coasting = TrackStatus.TRACKED, TrackStatus.COASTING
-    told = facts(state((tracked, coasting, tracked)))
-    assert (told["coasting"], told["lost"], told["age_max_s"]) == ("1", "0", "0.25")
-    assert told["separation_m"] == "0.1"
+    output = facts(state((tracked, coasting, tracked)))
+    assert (output["coasting"], output["lost"], output["age_max_s"]) == ("1", "0", "0.25")
+    assert output["separation_m"] == "0.1"
 
 
 def test_a_lost_vehicle_is_close_to_nobody():
-    told = facts(state((TrackStatus.TRACKED, TrackStatus.TRACKED, TrackStatus.LOST)))
-    assert told["separation_m"] == "0.5"
+    output = facts(state((TrackStatus.TRACKED, TrackStatus.TRACKED, TrackStatus.LOST)))
+    assert output["separation_m"] == "0.5"
 
 
 def test_a_vehicle_alone_or_unknown_has_no_pair():
@@ -56,10 +56,10 @@ def test_the_smallest_separation_is_that_of_the_closest_of_all_pairs(offset: flo
     pos[41] = pos[3] + [0.0, 0.03, 0.04]
     pos[11] = np.nan
     pairs = [(i, j) for i in range(60) for j in range(i)]
-    wanted = min(d for i, j in pairs if (d := float(np.linalg.norm(pos[i] - pos[j]))) == d)
-    assert wanted == pytest.approx(0.05, rel=1e-12)
+    expected = min(d for i, j in pairs if (d := float(np.linalg.norm(pos[i] - pos[j]))) == d)
+    assert expected == pytest.approx(0.05, rel=1e-12)
     # 1e4 m away a coordinate holds 2e-12 m
-    assert smallest_separation(pos + offset) == pytest.approx(wanted, abs=1e-15 + 1e-15 * offset)
+    assert smallest_separation(pos + offset) == pytest.approx(expected, abs=1e-15 + 1e-15 * offset)
 
 
 def test_a_downwash_tells_its_largest_length():
@@ -67,8 +67,8 @@ def test_a_downwash_tells_its_largest_length():
     status = np.array(
         [InterferenceStatus.NO_MODEL, InterferenceStatus.STALE_SOURCE, InterferenceStatus.VALID]
     )
-    told = facts(Interference(t=0.0, names=NAMES, acc=acc, std=acc, status=status.astype(np.uint8)))
-    assert told == {"downwash_max_m_s2": "5", "stale_sources": "1", "no_model": "1"}
+    output = facts(Interference(t=0.0, names=NAMES, acc=acc, std=acc, status=status.astype(np.uint8)))
+    assert output == {"downwash_max_m_s2": "5", "stale_sources": "1", "no_model": "1"}
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_a_downwash_tells_its_largest_length():
 def test_a_command_tells_what_is_saturated_and_what_is_in_fallback(
     status: CommandStatus, saturated: str, in_fallback: str
 ):
-    told = facts(
+    output = facts(
         SwarmCommand(
             t=0.0,
             names=NAMES,
@@ -89,7 +89,7 @@ def test_a_command_tells_what_is_saturated_and_what_is_in_fallback(
             status=np.full(3, status, dtype=np.uint8),
         )
     )
-    assert told == {"saturated": saturated, "in_fallback": in_fallback}
+    assert output == {"saturated": saturated, "in_fallback": in_fallback}
 
 
 def test_a_signal_without_facts_tells_nothing():

@@ -1,4 +1,4 @@
-"""Prove the strengths of sources in stacks: closed forms, and two implementations that agree."""
+"""Tests of the strengths of sources in stacks: closed forms, and two implementations that agree."""
 
 from dataclasses import replace
 

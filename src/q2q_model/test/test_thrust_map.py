@@ -61,7 +61,7 @@ def test_the_textbook_vehicle_has_a_map_of_its_own() -> None:
 
 
 @pytest.mark.parametrize(
-    ("vehicle", "firmware", "told"),
+    ("vehicle", "firmware", "output"),
     [
         ("crazyflie_2_0", "2025", "known are stock, thrust_upgrade, stock_2025_09, stock_2025_02"),
         ("crazyflie_brushless", "thrust_upgrade", "known are stock, stock_2025_09"),
@@ -69,9 +69,9 @@ def test_the_textbook_vehicle_has_a_map_of_its_own() -> None:
     ],
 )
 def test_a_firmware_that_a_vehicle_does_not_have_is_refused_with_those_it_has(
-    vehicle: str, firmware: str, told: str
+    vehicle: str, firmware: str, output: str
 ) -> None:
-    with pytest.raises(ValueError, match=f"firmware '{firmware}' of {vehicle}: {told}"):
+    with pytest.raises(ValueError, match=f"firmware '{firmware}' of {vehicle}: {output}"):
         vehicle_by_name(vehicle, firmware)
 
 

@@ -1,4 +1,4 @@
-"""Hold the paper's training in torch and the exact loss to each other."""
+"""The paper's training in torch agrees with the exact loss."""
 
 import numpy as np
 import pytest

@@ -66,8 +66,8 @@ def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_may_have_come(
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([4.0, 4.125])
     pos = np.array([[place, 0.0, 0.0], [np.nan] * 3])
     absent = Unmatched(absent=np.array([False, True]), rejected=np.array([True, False]))
-    told = Reacquisition(2, LIMITS).ambiguous(4.25, pos, (last, when), absent)
-    assert told.tolist() == [doubtful, False]
+    output = Reacquisition(2, LIMITS).ambiguous(4.25, pos, (last, when), absent)
+    assert output.tolist() == [doubtful, False]
 
 
 @pytest.mark.parametrize(("place", "doubtful"), [(1.25, True), (0.75, False)])

@@ -9,7 +9,7 @@ from q2q_model.tunable import check_bounds, tunable, with_overrides
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """Hold two parameters."""
+    """Two parameters."""
 
     gain: float = tunable(1.0, "a gain", unit="1/s", low=0.0, high=2.0)
     mode: str = tunable("a", "a choice", choices=("a", "b"))

@@ -1,4 +1,4 @@
-"""Hold the zones' signed distances to closed forms and to brute force."""
+"""Tests of the zones' signed distances against closed forms and brute force."""
 
 import numpy as np
 import pytest

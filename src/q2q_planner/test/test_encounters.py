@@ -69,8 +69,8 @@ def test_references_that_nobody_moves_are_judged_inside_and_silent() -> None:
     assert verdict.clearance == pytest.approx(-PARAMS.eps, abs=0.01)
     assert verdict.shift == 0.0
     assert verdict.arrived
-    said = np.array([SetpointStatus.PROMISE_BROKEN, SetpointStatus.NOMINAL], dtype=np.uint8)
-    told = judge([replace(one, status=said) for one in references], encounter, PARAMS)
-    assert told.zone_time == verdict.zone_time
-    assert told.silent_time == 0.0
-    assert told.broken
+    lines = np.array([SetpointStatus.PROMISE_BROKEN, SetpointStatus.NOMINAL], dtype=np.uint8)
+    output = judge([replace(one, status=lines) for one in references], encounter, PARAMS)
+    assert output.zone_time == verdict.zone_time
+    assert output.silent_time == 0.0
+    assert output.broken

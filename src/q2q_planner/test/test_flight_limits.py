@@ -10,7 +10,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.flight_limits import (
     FlightLimits,
     allocate_times,
-    check_flyable,
+    check_feasible,
     peak_norm,
     timed_document,
     with_limits_of,
@@ -55,9 +55,9 @@ def test_more_thrust_than_there_is_names_vehicle_waypoint_and_bound() -> None:
     with pytest.raises(
         ValueError, match=r"cf1, after waypoint 1 .*N of thrust, crazyflie_2_0 has at most 0.439 N"
     ):
-        check_flyable(minimum_snap_plan(steep), steep, CRAZYFLIE_2_0)
+        check_feasible(minimum_snap_plan(steep), steep, CRAZYFLIE_2_0)
     calm = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 2))))]
-    check_flyable(minimum_snap_plan(calm), calm, CRAZYFLIE_2_0)
+    check_feasible(minimum_snap_plan(calm), calm, CRAZYFLIE_2_0)
 
 
 def test_limits_are_cut_to_what_thrust_allows() -> None:

@@ -94,9 +94,9 @@ def test_a_plan_with_any_entry_replaced_is_read_or_refused(
         document[key] = value
     else:
         document["vehicles"][0][inner] = value
-    text, said = json.dumps(document), ""
+    text, lines = json.dumps(document), ""
     try:
         plan, _ = decode(text, "fuzzed")
     except ValueError as refusal:
-        said = str(refusal)
-    assert said.startswith("fuzzed is not a plan: ") if said else np.isfinite(plan.duration)
+        lines = str(refusal)
+    assert lines.startswith("fuzzed is not a plan: ") if lines else np.isfinite(plan.duration)

@@ -30,23 +30,23 @@ def test_without_avoidance_it_writes_the_infimum_and_says_not_certified(
 ) -> None:
     out, facts = tmp_path / "plan.json", tmp_path / "facts.json"
     assert main([str(crossing), "--no-avoid", "--out", str(out), "--json", str(facts)]) == 0
-    told = json.loads(facts.read_text())
-    assert set(told) == {"snap_cost", "snap_infimum", "certified", "clearance_m", "cpu_ms", "vehicles"}
-    assert told["snap_cost"] == told["snap_infimum"] == pytest.approx(1.02115e-3, rel=2e-6)
-    assert told["certified"] is False
-    assert told["clearance_m"] < 0.0
-    assert told["vehicles"] == 2
+    output = json.loads(facts.read_text())
+    assert set(output) == {"snap_cost", "snap_infimum", "certified", "clearance_m", "cpu_ms", "vehicles"}
+    assert output["snap_cost"] == output["snap_infimum"] == pytest.approx(1.02115e-3, rel=2e-6)
+    assert output["certified"] is False
+    assert output["clearance_m"] < 0.0
+    assert output["vehicles"] == 2
     assert load(out).names == ("cf1", "cf2")
 
 
 def test_with_avoidance_it_is_certified_in_plan_file_and_json(crossing: Path, tmp_path: Path) -> None:
     out, facts = tmp_path / "plan.json", tmp_path / "facts.json"
     assert main([str(crossing), "--out", str(out), "--json", str(facts)]) == 0
-    told = json.loads(facts.read_text())
+    output = json.loads(facts.read_text())
     plan, known = load_with_facts(out)
-    assert told["certified"] is plan.certified is True
-    assert told["snap_infimum"] < told["snap_cost"] <= 1.04 * told["snap_infimum"]
-    assert told["clearance_m"] == known.clearance > 0.0
+    assert output["certified"] is plan.certified is True
+    assert output["snap_infimum"] < output["snap_cost"] <= 1.04 * output["snap_infimum"]
+    assert output["clearance_m"] == known.clearance > 0.0
     assert known.zone == "cylinder eps 0.1 m, d 1.1 m"
 
 
@@ -112,9 +112,11 @@ def test_the_zone_is_chosen_by_what_it_spares(
     out, facts = tmp_path / "plan.json", tmp_path / "facts.json"
     asked = [str(crossing), "--out", str(out), "--model", "paper_law", "--cut"]
     assert main([*asked, "0.5", "--json", str(facts), "--starts", "1"]) == 0
-    told = json.loads(facts.read_text())
-    assert told["certified"] is True
-    assert told["snap_cost"] <= 1.1 * told["snap_infimum"]  # half of the downwash costs less than 88 % of it
+    output = json.loads(facts.read_text())
+    assert output["certified"] is True
+    assert (
+        output["snap_cost"] <= 1.1 * output["snap_infimum"]
+    )  # half of the downwash costs less than 88 % of it
     assert "avoids 5" in capsys.readouterr().out  # 50 to 60 %
     assert main([*asked, "1.5"]) == 1
     assert "cut = 1.5: allowed is 0 to 1" in capsys.readouterr().err
@@ -155,7 +157,7 @@ def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "arguments", "said"),
+    ("text", "arguments", "message"),
     [
         (SECTION_4_1.replace("20,", ".nan,"), [], "cf1, waypoint 1: t = nan"),
         (SECTION_4_1.replace("t: 20", "t: 0"), [], "cf1, waypoint 1: t = 0.0 s coincides"),
@@ -175,13 +177,13 @@ def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_planned_is_said_in_one_line(
-    text: str, arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str, arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, out = tmp_path / "bad.yaml", tmp_path / "plan.json"
     path.write_text(text)
     assert main([str(path), "--out", str(out), *arguments]) == 1
     error = capsys.readouterr().err
-    assert said in error
+    assert message in error
     assert error.startswith("plan: ")
     assert "Traceback" not in error
     assert not out.exists()

@@ -72,7 +72,7 @@ def test_a_plan_without_vehicles_or_with_one_name_twice_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("durations", "coefficients", "said"),
+    ("durations", "coefficients", "message"),
     [
         (np.array([0.0]), np.zeros((1, 4, 2)), "above 0 s"),
         (np.array([1.0]), np.full((1, 4, 2), np.nan), "not finite"),
@@ -81,7 +81,7 @@ def test_a_plan_without_vehicles_or_with_one_name_twice_is_refused() -> None:
     ],
 )
 def test_a_trajectory_that_is_none_is_refused(
-    durations: np.ndarray, coefficients: np.ndarray, said: str
+    durations: np.ndarray, coefficients: np.ndarray, message: str
 ) -> None:
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=message):
         Trajectory(durations, coefficients)

@@ -71,22 +71,24 @@ def test_who_was_pushed_and_is_alone_again_goes_back_by_the_tracking_law(away: f
         vel + np.array([[0.02, 0.04, -0.06]]),
         np.array([[0.3, 0.2, 0.1]]),
     )
-    told = replanner.update(reference, None)
-    np.testing.assert_allclose(told.pos, pos, atol=1e-15)
-    np.testing.assert_allclose(told.vel, vel, atol=1e-15)
-    wanted = reference.acc + PARAMS.k_d * (reference.vel - told.vel) + PARAMS.k_p * (reference.pos - told.pos)
-    size = float(np.linalg.norm(wanted))
+    output = replanner.update(reference, None)
+    np.testing.assert_allclose(output.pos, pos, atol=1e-15)
+    np.testing.assert_allclose(output.vel, vel, atol=1e-15)
+    expected = (
+        reference.acc + PARAMS.k_d * (reference.vel - output.vel) + PARAMS.k_p * (reference.pos - output.pos)
+    )
+    size = float(np.linalg.norm(expected))
     assert (size > PARAMS.acc_max) == (away > 0.0)
-    np.testing.assert_allclose(told.acc, wanted * min(1.0, PARAMS.acc_max / size), rtol=1e-12)
-    assert told.status.tolist() == [SetpointStatus.SHIFTED]
+    np.testing.assert_allclose(output.acc, expected * min(1.0, PARAMS.acc_max / size), rtol=1e-12)
+    assert output.status.tolist() == [SetpointStatus.SHIFTED]
 
 
 def test_who_was_pushed_is_not_put_onto_its_reference_at_the_next_tick() -> None:
     replanner = SafeReplanner(PARAMS)
     first = replanner.update(closing(1.0, 0.6), None)
     pos, vel = first.pos + TICK * first.vel + 0.5 * TICK**2 * first.acc, first.vel + TICK * first.acc
-    told = replanner.update(setpoint(TICK, PAIR, pos + SNAP_POS / 4.0, vel), None)
-    np.testing.assert_allclose(told.pos, pos, atol=1e-12)
+    output = replanner.update(setpoint(TICK, PAIR, pos + SNAP_POS / 4.0, vel), None)
+    np.testing.assert_allclose(output.pos, pos, atol=1e-12)
 
 
 def test_a_pair_that_is_pushed_too_late_brakes_as_it_was_proven_to() -> None:
@@ -145,8 +147,8 @@ def flown(*, company: bool) -> list[SwarmSetpoint]:
     replanner, answers = SafeReplanner(PARAMS), []
     for k in range(520):
         t, swarm = k * TICK, company and k % 2 == 0
-        heard = late_stranger(t, company=company and k < 465)  # forgotten 0.1 s later
-        answer = replanner.update(own(t, company=swarm), heard)
+        received = late_stranger(t, company=company and k < 465)  # forgotten 0.1 s later
+        answer = replanner.update(own(t, company=swarm), received)
         pos, vel, acc, status = answer.pos[-1:], answer.vel[-1:], answer.acc[-1:], answer.status[-1:]
         answers.append(replace(answer, names=("cf1",), pos=pos, vel=vel, acc=acc, status=status))
     return answers

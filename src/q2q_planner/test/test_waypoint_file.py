@@ -17,7 +17,7 @@ TWO = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1]}], cf2: [{
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", "the file: got None, expected a mapping"),
         ("vehicles:", "vehicles: got None, expected a mapping"),
@@ -50,14 +50,14 @@ TWO = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1]}], cf2: [{
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(
-    text: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, out = tmp_path / "bad.yaml", tmp_path / "plan.json"
     path.write_text(text)
     assert main([str(path), "--out", str(out)]) == 1
     error = capsys.readouterr().err
     assert error.startswith(f"plan: {path}: ")
-    assert said in error
+    assert message in error
     assert error.count("\n") == 1
     assert not out.exists()
 
@@ -108,11 +108,11 @@ def test_any_text_is_read_or_refused_in_one_line(tmp_path_factory: pytest.TempPa
 
 def assert_read_or_refused(path: Path) -> None:
     swarm: tuple[VehicleWaypoints, ...] = ()
-    said = ""
+    message = ""
     try:
         swarm = read_waypoints(path, LIMITS, "stop_and_go")
     except ValueError as refusal:
-        said = str(refusal)
-    assert swarm or said.startswith(str(path))
-    assert "\n" not in said
-    assert len(said) < len(str(path)) + 300  # whatever was given is not told in full
+        message = str(refusal)
+    assert swarm or message.startswith(str(path))
+    assert "\n" not in message
+    assert len(message) < len(str(path)) + 300  # whatever was given is not told in full

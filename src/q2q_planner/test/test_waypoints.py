@@ -18,10 +18,10 @@ def test_a_waypoint_with_nan_names_vehicle_waypoint_and_coordinate() -> None:
 
 
 @pytest.mark.parametrize(
-    ("t", "said"), [(5.0, "coincides"), (4.0, "before the previous"), (5.0 + 1e-6, "at least 0.001 s")]
+    ("t", "message"), [(5.0, "coincides"), (4.0, "before the previous"), (5.0 + 1e-6, "at least 0.001 s")]
 )
-def test_times_that_do_not_rise_are_refused(t: float, said: str) -> None:
-    with pytest.raises(ValueError, match=rf"cf1, waypoint 2: .*{said}"):
+def test_times_that_do_not_rise_are_refused(t: float, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"cf1, waypoint 2: .*{message}"):
         VehicleWaypoints("cf1", (Waypoint(0.0, HERE), Waypoint(5.0, HERE), Waypoint(t, HERE)))
 
 
@@ -50,7 +50,7 @@ def test_a_document_becomes_the_waypoints_it_says() -> None:
 
 
 @pytest.mark.parametrize(
-    ("document", "said"),
+    ("document", "message"),
     [
         (None, "the file: got None, expected a mapping"),
         ({"vehicles": {"cf1": 3}}, "cf1: got 3, expected a list"),
@@ -63,6 +63,6 @@ def test_a_document_becomes_the_waypoints_it_says() -> None:
         ({"vehicles": {"cf1": [{"t": 0, "pos": [1, 2, 3], "yw": 0}]}}, "unknown key 'yw'"),
     ],
 )
-def test_a_malformed_document_is_refused_where_it_is_wrong(document: object, said: str) -> None:
-    with pytest.raises(ValueError, match=said):
+def test_a_malformed_document_is_refused_where_it_is_wrong(document: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         swarm_from_document(document)

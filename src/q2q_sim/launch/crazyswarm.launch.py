@@ -19,7 +19,7 @@ from q2q_sim.launching.launch_plan import CRAZYSWARM_ARGUMENTS, YES, crazyswarm_
 
 
 def server(given: Mapping[str, str]) -> list[LaunchDescriptionEntity]:
-    """Return Crazyswarm2's own launch file; its server hears our filtered poses."""
+    """Return Crazyswarm2's own launch file; its server receives our filtered poses."""
     file = Path(get_package_share_directory("crazyflie"), "launch", "launch.py")
     twin = given["twin"] == YES
     arguments = {
@@ -36,5 +36,5 @@ def server(given: Mapping[str, str]) -> list[LaunchDescriptionEntity]:
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return server, bridge and nodes; `--show-args` tells the arguments."""
+    """Return server, bridge and nodes; `--show-args` lists the arguments."""
     return describe(CRAZYSWARM_ARGUMENTS, crazyswarm_nodes, others=server)

@@ -9,5 +9,5 @@ from q2q_sim.launching.launch_plan import ROOM_ARGUMENTS, room_nodes
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the nodes between motion capture and radio; `--show-args` tells the arguments."""
+    """Return the nodes between motion capture and radio; `--show-args` lists the arguments."""
     return describe(ROOM_ARGUMENTS, room_nodes, {"mocap": "mocap"})

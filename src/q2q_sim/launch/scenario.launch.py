@@ -6,5 +6,5 @@ from q2q_sim.launching.launch_plan import SCENARIO_ARGUMENTS, scenario_nodes
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the simulator's room and the nodes that fly in it; `--show-args` tells the arguments."""
+    """Return the simulator's room and the nodes that fly in it; `--show-args` lists the arguments."""
     return describe(SCENARIO_ARGUMENTS, scenario_nodes)

@@ -1,4 +1,4 @@
-"""Prove air files and names: round trip, and every refusal in one sentence that says what to do."""
+"""Tests of air files and names: round trip, and every refusal in one sentence that says what to do."""
 
 import json
 from pathlib import Path

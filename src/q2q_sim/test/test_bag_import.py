@@ -1,4 +1,4 @@
-"""Hold the import of real flights to its table: nothing changes on the way through the bag."""
+"""Tests of the import of real flights against its table: nothing changes on the way through the bag."""
 
 import os
 import struct
@@ -103,7 +103,7 @@ def test_a_lone_vehicle_has_plain_columns_and_differences_where_nothing_is_logge
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"t": None}, "has no column t"),
         ({"t": np.zeros(40)}, "must begin at 0 or later and increase; row 1 of 40"),
@@ -111,9 +111,9 @@ def test_a_lone_vehicle_has_plain_columns_and_differences_where_nothing_is_logge
         ({"cf50_x": None, "cf51_x": None}, "neither x nor <vehicle>_x"),
     ],
 )
-def test_a_table_that_is_no_flight_is_named(change: dict[str, Array | None], said: str):
+def test_a_table_that_is_no_flight_is_named(change: dict[str, Array | None], message: str):
     columns = {name: change.get(name, values) for name, values in _columns().items()}
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=message):
         flight_table({name: values for name, values in columns.items() if values is not None})
 
 
@@ -123,7 +123,7 @@ def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureF
     (tmp_path / "flight.txt").write_text("")
     _write_csv(_columns(), tmp_path / "good.csv")
     (tmp_path / "there").mkdir()
-    for file, out, said in (
+    for file, out, message in (
         ("none.csv", "bag", "no flight at"),
         ("flight.txt", "bag", "neither .parquet nor .csv"),
         ("words.csv", "bag", "is not a table of numbers"),
@@ -132,7 +132,7 @@ def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureF
     ):
         assert main([str(tmp_path / file), "--out", str(tmp_path / out)]) == 1
         error = capsys.readouterr().err
-        assert said in error
+        assert message in error
         assert error.count("\n") == 1
     assert not (tmp_path / "bag").exists()
 

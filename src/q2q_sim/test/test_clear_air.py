@@ -1,4 +1,4 @@
-"""Prove that the room `real` disturbs a hovering Crazyflie as much as real rooms do."""
+"""The room `real` disturbs a hovering Crazyflie as much as real rooms do."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Prove that the blocks together fly the paper's Table 6, and obey physics whatever the controller does."""
+"""The blocks together fly the paper's Table 6, and obey physics whatever the controller does."""
 
 from dataclasses import replace
 from functools import cache

@@ -41,22 +41,22 @@ def test_on_one_core_all_share_it() -> None:
 def test_timers_run_beside_the_chain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
-    (told,) = profile_environment(tmp_path, beside_chain(21, {0, 1, 3})).values()
-    assert f"<affinity>{0b1010}</affinity>" in Path(told).read_text()
+    (output,) = profile_environment(tmp_path, beside_chain(21, {0, 1, 3})).values()
+    assert f"<affinity>{0b1010}</affinity>" in Path(output).read_text()
 
 
 def test_the_middleware_reads_the_profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
     core = max(os.sched_getaffinity(0))
-    told = subprocess.run(
+    output = subprocess.run(
         [sys.executable, "-c", TELL_TIMERS],
         env={**os.environ, **profile_environment(tmp_path, {core})},
         capture_output=True,
         text=True,
         check=True,
     )
-    assert told.stdout.split() == [str(core)]
+    assert output.stdout.split() == [str(core)]
 
 
 def test_a_profile_of_the_users_own_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

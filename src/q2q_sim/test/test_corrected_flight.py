@@ -1,4 +1,4 @@
-"""Prove in closed loop that predictions corrected by accelerometers make up for a wrong model."""
+"""In closed loop, predictions corrected by accelerometers make up for a wrong model."""
 
 from dataclasses import replace
 

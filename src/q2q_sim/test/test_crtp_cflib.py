@@ -34,7 +34,7 @@ CAN_FLY, LOCKED = 8, 64
 
 @dataclass(frozen=True, slots=True)
 class OpenRoom:
-    """Hold a room that flies in a process of its own."""
+    """Room that flies in its own process."""
 
     process: subprocess.Popen[str]
     uris: tuple[str, ...]
@@ -79,7 +79,7 @@ def logger(scf: SyncCrazyflie) -> SyncLogger:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """Hold what a log packet says: place [m], and the supervisor's bits."""
+    """Content of a log packet: position [m] and the supervisor's bits."""
 
     x: float
     y: float
@@ -88,7 +88,7 @@ class Seen:
 
 
 class Flight:
-    """Hold one vehicle's flight: every log packet is one step, and none may be missing."""
+    """Flight of one vehicle: every log packet is one step, and none may be missing."""
 
     def __init__(self, scf: SyncCrazyflie) -> None:
         self.cf = scf.cf

@@ -254,19 +254,19 @@ def test_a_log_is_read_entry_by_entry(stage: Stage) -> None:
 
 
 def test_a_parameter_calls_back_whenever_it_is_set(stage: Stage) -> None:
-    told, twice = [], Event()
+    output, twice = [], Event()
     with stage.crazyflie() as scf:
         scf.wait_for_params()
 
         def note(_: str, value: str) -> None:
-            told.append(value)
-            if told[-2:] == ["2", "1"]:
+            output.append(value)
+            if output[-2:] == ["2", "1"]:
                 twice.set()
 
         scf.cf.param.add_update_callback(group="stabilizer", name="estimator", cb=note)
         scf.cf.param.set_value("stabilizer.estimator", 2)
         scf.cf.param.set_value("stabilizer.estimator", 1)
-        assert twice.wait(ANSWER_S), told
+        assert twice.wait(ANSWER_S), output
 
 
 def test_every_parameter_is_fetched_and_one_is_set_and_read_back(stage: Stage) -> None:

@@ -45,8 +45,8 @@ TABLE = {
     ],
 )
 def test_a_parameter_that_a_vehicle_cannot_be_given_is_named_with_the_reason(asked: str, why: str) -> None:
-    wanted = firmware_params(("locSrv.extPosStdDev=0.001", asked), "command")
-    assert unsettable(wanted, TABLE) == {asked.partition("=")[0]: why}
+    expected = firmware_params(("locSrv.extPosStdDev=0.001", asked), "command")
+    assert unsettable(expected, TABLE) == {asked.partition("=")[0]: why}
 
 
 def test_what_a_vehicle_can_be_given_is_not_refused() -> None:
@@ -61,9 +61,9 @@ def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so(tmp_path
         held = pilot.firmware().parameters
 
         def is_known() -> bool:
-            told = link.health()
+            output = link.health()
             taken = held["locSrv.extQuatStdDev"] == pytest.approx(0.07)
-            return taken and told.connected and told.own_hover is not None
+            return taken and output.connected and output.own_hover is not None
 
         try:
             fly_until(is_known, pilot, endpoint)

@@ -161,12 +161,12 @@ WRITABLE = [number for number, one in enumerate(TABLE) if one.kind == "float" an
 @settings(deadline=None, max_examples=60)
 @given(st.sampled_from(WRITABLE), HUGE, st.sampled_from([7, 8, 9, 10]), HUGE, st.sampled_from([1, 2]))
 def test_senseless_gains_and_setpoints_never_make_the_room_no_number(
-    parameter: int, gain: float, kind: int, wanted: float, controller: int
+    parameter: int, gain: float, kind: int, demanded: float, controller: int
 ) -> None:
     pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [0.05, 0.0, 1.5, 0.0]]))
     vehicle = pilot.fleet.vehicles[0]
     vehicle.firmware.parameters.set("stabilizer.controller", controller)
     pilot.fly(0.4)
     vehicle.handle(b"\x2e" + struct.pack("<Hf", parameter, gain))
-    pilot.fly(0.4, lambda _: vehicle.handle(b"\x7c" + struct.pack("<Bffff", kind, *[wanted] * 4)))
+    pilot.fly(0.4, lambda _: vehicle.handle(b"\x7c" + struct.pack("<Bffff", kind, *[demanded] * 4)))
     assert np.isfinite(pilot.swarm.state[:, :CEILING]).all()

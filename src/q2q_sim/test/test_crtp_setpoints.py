@@ -75,8 +75,8 @@ def test_flightmode_parameters_change_what_the_stick_means(
 ) -> None:
     grounded.firmware().parameters.set(parameter, value)
     Commander(grounded.wire()).send_setpoint(3.0, 4.0, 5.0, 32767)
-    for name, wanted in expected.items():
-        assert getattr(commanded(grounded), name) == pytest.approx(wanted)
+    for name, demanded in expected.items():
+        assert getattr(commanded(grounded), name) == pytest.approx(demanded)
 
 
 @settings(

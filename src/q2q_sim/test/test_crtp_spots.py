@@ -24,9 +24,9 @@ def test_a_swarm_whose_paths_begin_above_each_other_starts_apart(name: str) -> N
     spots = room.swarm.state[:, :2]
     assert nearest(spots) >= SPACING - 1e-9
     assert (room.swarm.state[:, 2] == 0.0).all()
-    wanted = np.array([one.points[0][:2] for one in scenario.waypoints])
-    np.testing.assert_array_equal(spots[::2], wanted[::2])  # the lower ring stands below its waypoints
-    moved = np.linalg.norm(spots[1::2] - wanted[1::2], axis=1)
+    expected = np.array([one.points[0][:2] for one in scenario.waypoints])
+    np.testing.assert_array_equal(spots[::2], expected[::2])  # the lower ring stands below its waypoints
+    moved = np.linalg.norm(spots[1::2] - expected[1::2], axis=1)
     assert (moved > 0.0).all()
     assert moved.max() <= 3.0 * SPACING
 

@@ -50,8 +50,8 @@ def test_every_entry_of_a_table_is_what_cflib_reads(
     grounded: Pilot, port: int, element: type, count: int
 ) -> None:
     info = ask(grounded, bytes([port << 4 | 0x0C, 3]))
-    told, crc = struct.unpack("<HI", info[1:7])
-    assert told == count
+    output, crc = struct.unpack("<HI", info[1:7])
+    assert output == count
     assert crc == (log_table if port == 5 else parameters).CONTENTS.crc
     for number in range(count):
         item = ask(grounded, bytes([port << 4 | 0x0C, 2]) + struct.pack("<H", number))
@@ -242,10 +242,10 @@ def test_clients_find_the_lights_card_decks_and_loops_that_they_ask_for() -> Non
 
 
 def test_decks_of_the_build_are_told_as_attached() -> None:
-    told = Pilot(np.zeros((1, 4)), build=Build(decks=("bcFlow2", "bcUSD"))).firmware().parameters
-    attached = {one.name for one in TABLE if one.group == "deck" and told[one.name] == 1}
+    output = Pilot(np.zeros((1, 4)), build=Build(decks=("bcFlow2", "bcUSD"))).firmware().parameters
+    attached = {one.name for one in TABLE if one.group == "deck" and output[one.name] == 1}
     assert attached == {"deck.bcFlow2", "deck.bcUSD"}
-    assert told["usd.canLog"] == 1
+    assert output["usd.canLog"] == 1
 
 
 def test_a_deck_that_no_firmware_knows_is_refused_with_those_it_knows() -> None:
@@ -255,11 +255,11 @@ def test_a_deck_that_no_firmware_knows_is_refused_with_those_it_knows() -> None:
 
 def test_logs_of_the_cascade_are_what_it_is_asked_for_and_asks_for() -> None:
     pilot = Pilot(np.array([[0.0, 0.0, 1.0, math.pi / 2]]))
-    wanted = Setpoint(
+    expected = Setpoint(
         x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.3, 0.1, 1.2), attitude_deg=(0.0, 0.0, 90.0)
     )
     pilot.fly(1.0)  # arms
-    pilot.fly(0.05, pilot.hold(wanted))
+    pilot.fly(0.05, pilot.hold(expected))
     log = {f"{one.group}.{one.name}": one.read(pilot.firmware()) for one in VARIABLES}
     # turned to the left by 90 degrees: the vehicle's ahead is y, its left is -x
     np.testing.assert_allclose([log[f"posCtl.target{axis}"] for axis in "XYZ"], [0.1, -0.3, 1.2], atol=1e-3)

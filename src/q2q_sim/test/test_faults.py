@@ -1,4 +1,4 @@
-"""Prove that faults strike what, when and whom they say, and nothing else."""
+"""Faults strike what, when and whom they say, and nothing else."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Hold the mocap filter and the batch rule against the simulated VICON, which tells what it injected."""
+"""Tests of the mocap filter and the batch rule with the simulated VICON, which reports what it injected."""
 
 import numpy as np
 

@@ -35,14 +35,14 @@ def moved(since: float, until: float, vehicle: int, to: tuple[float, float, floa
     return pos
 
 
-def told(flight: Flight, missed: int | None = None) -> str:
+def output(flight: Flight, missed: int | None = None) -> str:
     verdict = verdict_of(flight, AROUND, missed)
     assert verdict.ok == str(verdict).startswith("ok")
     return str(verdict)
 
 
 def test_a_flight_that_goes_as_it_is_sent_is_ok() -> None:
-    assert told(flown()) == "ok: 10.0 s flown to the end"
+    assert output(flown()) == "ok: 10.0 s flown to the end"
 
 
 @pytest.mark.parametrize(
@@ -54,15 +54,15 @@ def test_a_flight_that_goes_as_it_is_sent_is_ok() -> None:
     ],
 )
 def test_what_goes_wrong_is_named_with_who_and_when(where: tuple[float, float, float], words: str) -> None:
-    assert told(flown(moved(5.6, 5.8, 1, where))) == words
+    assert output(flown(moved(5.6, 5.8, 1, where))) == words
 
 
 def test_a_vehicle_sent_to_the_floor_does_not_hit_it() -> None:
     path = HOVER.copy()
     path[:, 1, 2] = np.clip(0.5 * T, 0.0, 1.0)  # a take-off 0.15 m behind its setpoint
     behind = np.maximum(path - [0.0, 0.0, 0.08], 0.0)
-    assert told(flown(behind, path)).startswith("ok")
-    assert told(flown(path * [1.0, 1.0, 0.0], path)).startswith("cf1 hit the floor at 0.0 s")
+    assert output(flown(behind, path)).startswith("ok")
+    assert output(flown(path * [1.0, 1.0, 0.0], path)).startswith("cf1 hit the floor at 0.0 s")
 
 
 def test_commands_that_end_before_the_flight_are_told_first_as_they_came_first() -> None:
@@ -70,43 +70,43 @@ def test_commands_that_end_before_the_flight_are_told_first_as_they_came_first()
     status[T > 3.995] = np.nan
     fallen = moved(5.0, 20.0, 0, (0.0, 0.0, 0.0))
     words = "commands ended at 4.0 s of 10.0 s; cf1 hit the floor at 5.0 s; 600 of 1000 ticks were missed"
-    assert told(flown(fallen, status=status)) == words
+    assert output(flown(fallen, status=status)) == words
 
 
 def test_a_hundredth_of_the_ticks_may_be_missed_and_no_more() -> None:
-    assert told(flown(), missed=10).startswith("ok")
-    assert told(flown(), missed=11) == "11 of 1000 ticks were missed"
-    assert told(flown(), missed=999).startswith("999 of 1000")
+    assert output(flown(), missed=10).startswith("ok")
+    assert output(flown(), missed=11) == "11 of 1000 ticks were missed"
+    assert output(flown(), missed=999).startswith("999 of 1000")
 
 
 def test_ticks_without_a_command_are_counted_where_nobody_else_counted_them() -> None:
     status = np.zeros((TICKS, 2))
     status[100:140] = np.nan
-    assert told(flown(status=status)) == "40 of 1000 ticks were missed"
+    assert output(flown(status=status)) == "40 of 1000 ticks were missed"
 
 
 def test_an_emergency_stop_and_a_blind_landing_are_told() -> None:
     cut = np.zeros((TICKS, 2))
     cut[T > 6.995] = CommandStatus.CUT
-    assert told(flown(status=cut)) == "cf1's motors were cut at 7.0 s; cf2's motors were cut at 7.0 s"
+    assert output(flown(status=cut)) == "cf1's motors were cut at 7.0 s; cf2's motors were cut at 7.0 s"
     landing = np.zeros((TICKS, 2))
     landing[T > 6.995, 1] = CommandStatus.LAND
-    assert told(flown(status=landing)).startswith("ok")  # seen again before it was down
-    assert told(flown(moved(8.0, 20.0, 1, (0.0, 1.0, 0.0)), status=landing)) == "cf2 landed blind at 8.0 s"
+    assert output(flown(status=landing)).startswith("ok")  # seen again before it was down
+    assert output(flown(moved(8.0, 20.0, 1, (0.0, 1.0, 0.0)), status=landing)) == "cf2 landed blind at 8.0 s"
 
 
 def test_what_was_not_recorded_is_not_judged_and_told() -> None:
     nowhere = np.full_like(HOVER, np.nan)
-    no_plan = told(flown(ref_pos=nowhere))
+    no_plan = output(flown(ref_pos=nowhere))
     assert no_plan == "ok: 10.0 s flown to the end; not judged: floor and room (no reference recorded)"
-    assert "floor, room and distances" in told(flown(true_pos=nowhere))
-    assert "missed ticks" in told(flown(status=np.full((TICKS, 2), np.nan)))
+    assert "floor, room and distances" in output(flown(true_pos=nowhere))
+    assert "missed ticks" in output(flown(status=np.full((TICKS, 2), np.nan)))
 
 
 def test_the_filtered_positions_are_judged_where_nobody_knows_the_truth() -> None:
     recorded = flown(true_pos=np.full_like(HOVER, np.nan))
     fallen = replace(recorded, pos=moved(5.6, 5.8, 1, (0.0, 1.0, 0.0)))
-    assert told(fallen) == "cf2 hit the floor at 5.6 s"
+    assert output(fallen) == "cf2 hit the floor at 5.6 s"
 
 
 def test_several_flights_are_told_in_one_line_by_their_names() -> None:

@@ -1,4 +1,4 @@
-"""Prove what inertial sensors read, and how the air and the rotors disturb."""
+"""Tests of what inertial sensors read, and how the air and the rotors disturb."""
 
 import numpy as np
 import pytest

@@ -5,7 +5,7 @@ import pytest
 
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.flight_clock import FlightClock
-from q2q_sim.loop.lockstep import CommandGate, Patience
+from q2q_sim.loop.lockstep import CommandGate, ResendTimer
 
 
 def command(names: tuple[str, ...], thrust: float) -> SwarmCommand:
@@ -54,18 +54,18 @@ def test_a_command_for_a_vehicle_that_does_not_exist_is_refused_by_name() -> Non
 
 
 def test_a_lost_tick_is_asked_for_again_and_then_given_up_and_the_next_ones_sooner() -> None:
-    patience = Patience(again_s=0.25, give_up_s=10.0)
-    patience.begin(0.0)
-    assert not patience.asks_again(0.2)
-    assert patience.asks_again(0.3)
-    assert not patience.asks_again(0.4)
-    assert not patience.gives_up(9.9)
-    assert patience.gives_up(10.0)
-    patience.begin(10.0)
-    assert patience.gives_up(10.3)
-    patience.answered()
-    patience.begin(11.0)
-    assert not patience.gives_up(20.0)
+    resend = ResendTimer(again_s=0.25, give_up_s=10.0)
+    resend.begin(0.0)
+    assert not resend.is_due(0.2)
+    assert resend.is_due(0.3)
+    assert not resend.is_due(0.4)
+    assert not resend.has_expired(9.9)
+    assert resend.has_expired(10.0)
+    resend.begin(10.0)
+    assert resend.has_expired(10.3)
+    resend.answered()
+    resend.begin(11.0)
+    assert not resend.has_expired(20.0)
 
 
 def test_the_flight_clock_reports_percentiles_of_the_ticks_that_were_answered() -> None:

@@ -1,4 +1,4 @@
-"""Prove the figures of a flight on flights made by hand."""
+"""Tests of the figures of a flight on flights made by hand."""
 
 import json
 from dataclasses import replace

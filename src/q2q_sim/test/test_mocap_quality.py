@@ -22,7 +22,7 @@ def test_a_perfect_room_shows_every_vehicle_in_every_frame_at_100_hz(perfect: Fl
     assert quality.rate_hz == pytest.approx(100.0)
     assert quality.seen_share == 1.0
     assert quality.longest_gap_s == pytest.approx(0.01)
-    assert quality.disbelieved == 0
+    assert quality.rejected == 0
 
 
 def test_a_hole_and_an_outlier_are_counted_for_the_vehicle_that_has_them(perfect: Flight) -> None:
@@ -32,8 +32,8 @@ def test_a_hole_and_an_outlier_are_counted_for_the_vehicle_that_has_them(perfect
     quality = mocap_quality(replace(perfect, mocap_pos=mocap))
     assert quality["cf2"].longest_gap_s == pytest.approx(0.21)
     assert quality["cf2"].seen_share == pytest.approx(0.9)
-    assert quality["cf2"].disbelieved == 1
-    assert quality["cf1"].disbelieved == 0
+    assert quality["cf2"].rejected == 1
+    assert quality["cf1"].rejected == 0
 
 
 def test_a_vehicle_that_was_never_seen_is_said_to_be_so(perfect: Flight) -> None:

@@ -63,7 +63,7 @@ def row_at(pos: Numbers = ZERO, vel: Numbers = ZERO, angles: Numbers = ZERO, rat
     return row
 
 
-def vee_of_mellinger(row: Array, wanted: Setpoint, gains: Parameters) -> tuple[float, Array]:
+def vee_of_mellinger(row: Array, demanded: Setpoint, gains: Parameters) -> tuple[float, Array]:
     """Return thrust and moments [PWM] by the matrices of Mellinger and Kumar, in numpy, without memory."""
 
     def gain(name: str) -> float:
@@ -71,19 +71,21 @@ def vee_of_mellinger(row: Array, wanted: Setpoint, gains: Parameters) -> tuple[f
 
     kp = np.array([gain("kp_xy"), gain("kp_xy"), gain("kp_z")])
     kd = np.array([gain("kd_xy"), gain("kd_xy"), gain("kd_z")])
-    acc = np.array(wanted.acc) + np.array([0.0, 0.0, GRAVITY])
+    acc = np.array(demanded.acc) + np.array([0.0, 0.0, GRAVITY])
     force = (
-        gain("mass") * acc + kp * (np.array(wanted.pos) - row[:3]) + kd * (np.array(wanted.vel) - row[3:6])
+        gain("mass") * acc
+        + kp * (np.array(demanded.pos) - row[:3])
+        + kd * (np.array(demanded.vel) - row[3:6])
     )
     z = force / np.linalg.norm(force)
-    yaw = math.radians(wanted.attitude_deg[2])
+    yaw = math.radians(demanded.attitude_deg[2])
     y = np.cross(z, [math.cos(yaw), math.sin(yaw), 0.0])
     y /= np.linalg.norm(y)
     want = np.column_stack([np.cross(y, z), y, z])
     have = matrix_from_quat(row[QUAT])
     error = want.T @ have - have.T @ want
     e_r = np.array([error[2, 1], error[0, 2], error[1, 0]])
-    e_w = np.radians(wanted.rate_deg) - row[RATE]
+    e_w = np.radians(demanded.rate_deg) - row[RATE]
     k_r = np.array([gain("kR_xy"), gain("kR_xy"), gain("kR_z")])
     k_w = np.array([gain("kw_xy"), gain("kw_xy"), gain("kw_z")])
     return gain("massThrust") * float(force @ have[:, 2]), -k_r * e_r + k_w * e_w
@@ -118,12 +120,12 @@ def test_mellinger_is_the_matrix_law_where_it_has_no_memory(
 
 def torque_for(setpoint: Setpoint, row: Array, gains: Parameters) -> Array:
     """Return thrust [N] and torques [N m] that the motors are asked for."""
-    memory, wanted, forces = np.zeros(MEMORY_WIDTH), setpoint_row(setpoint, Power()), np.zeros(4)
+    memory, demanded, forces = np.zeros(MEMORY_WIDTH), setpoint_row(setpoint, Power()), np.zeros(4)
     if gains["stabilizer.controller"] == MELLINGER:
-        mellinger(row, NO_DRIFT, wanted, gains.gains(), memory)
+        mellinger(row, NO_DRIFT, demanded, gains.gains(), memory)
     else:
-        cascade((row, NO_DRIFT, wanted), gains.gains(), memory, True)  # noqa: FBT003
-    drive_motors(wanted, memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
+        cascade((row, NO_DRIFT, demanded), gains.gains(), memory, True)  # noqa: FBT003
+    drive_motors(demanded, memory, frame_row(airframe_of(CRAZYFLIE_2_0)), forces)
     return wrench_of(forces, rotor_frame(CRAZYFLIE_2_0))
 
 
@@ -132,10 +134,10 @@ def torque_for(setpoint: Setpoint, row: Array, gains: Parameters) -> Array:
 def test_torques_turn_towards_the_wanted_attitude(controller: int, axis: int, sign: float) -> None:
     """Legacy pitch is nose up: minus theta; roll and yaw are as everywhere."""
     gains = parameters(stabilizer__controller=controller)
-    wanted = [0.0, 0.0, 0.0]
-    wanted[axis] = 5.0
+    demanded = [0.0, 0.0, 0.0]
+    demanded[axis] = 5.0
     setpoint = Setpoint(
-        roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.ABS, attitude_deg=tuple(wanted), thrust_pwm=33000.0
+        roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.ABS, attitude_deg=tuple(demanded), thrust_pwm=33000.0
     )
     _, *torque = torque_for(setpoint, row_at(), gains)
     assert sign * torque[axis] > 1e-6

@@ -62,13 +62,13 @@ def test_pieces_meet_position_velocity_acceleration_and_yaw_at_both_ends(
     start: Goal, end: Goal, duration: float
 ) -> None:
     piece = piece_between(start, end, duration)
-    for tau, wanted in ((0.0, start), (duration, end)):
+    for tau, demanded in ((0.0, start), (duration, end)):
         goal = goal_at(piece, tau)
         size = 1e-9 * (1.0 + 1e4 / duration**2)  # rounding of terms of up to 1e4 m
-        np.testing.assert_allclose(goal.pos, wanted.pos, atol=size)
-        np.testing.assert_allclose(goal.vel, wanted.vel, atol=size)
-        np.testing.assert_allclose(goal.acc, wanted.acc, atol=size)
-        assert goal.yaw == pytest.approx(wanted.yaw, abs=size)
+        np.testing.assert_allclose(goal.pos, demanded.pos, atol=size)
+        np.testing.assert_allclose(goal.vel, demanded.vel, atol=size)
+        np.testing.assert_allclose(goal.acc, demanded.acc, atol=size)
+        assert goal.yaw == pytest.approx(demanded.yaw, abs=size)
 
 
 def test_a_piece_of_no_duration_is_at_its_end_at_once() -> None:
@@ -99,7 +99,7 @@ def test_body_rates_are_those_of_the_turning_thrust() -> None:
 
 def test_states_follow_the_commands() -> None:
     planner = Planner()
-    planner.tell(np.array([1.0, 2.0, 0.0]), np.zeros(3), 0.5)
+    planner.set_state(np.array([1.0, 2.0, 0.0]), np.zeros(3), 0.5)
     assert planner.goal(0.0) is None
     assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == PlannerAnswer.OK
     assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == PlannerAnswer.WRONG_STATE
@@ -129,7 +129,7 @@ def test_go_to_starts_from_the_goal_of_the_moment_and_turns_the_shorter_way() ->
 
 def test_relative_and_linear_go_to() -> None:
     planner = Planner()
-    planner.tell(np.array([1.0, 1.0, 1.0]), np.zeros(3), 0.2)
+    planner.set_state(np.array([1.0, 1.0, 1.0]), np.zeros(3), 0.2)
     planner.go_to(Target((1.0, 0.0, 0.0), 0.3, 2.0, relative=True, linear=True), 0.0)
     middle = planner.goal(0.7)
     np.testing.assert_allclose(middle.pos, [1.35, 1.0, 1.0])
@@ -151,7 +151,7 @@ def test_trajectories_are_shifted_turned_slowed_and_reversed() -> None:
     np.testing.assert_allclose(back.goal(6.0).vel[0], -1.0)
     np.testing.assert_allclose(back.goal(99.0).pos[0], 0.0)
     planner = Planner()
-    planner.tell(np.array([1.0, 1.0, 1.0]), np.zeros(3), math.pi / 2)
+    planner.set_state(np.array([1.0, 1.0, 1.0]), np.zeros(3), math.pi / 2)
     planner.follow(Piecewise(pieces, 0.0), from_here=True, turned=True)
     np.testing.assert_allclose(planner.goal(2.0).pos, [1.0, 3.0, 1.0], atol=2 * YAW_32)  # along the nose: y
     np.testing.assert_allclose(planner.goal(2.0).vel, [0.0, 1.0, 0.0], atol=YAW_32)
@@ -163,7 +163,7 @@ def test_a_turned_trajectory_is_shifted_by_its_unturned_start_and_backwards_not_
     here = np.array([5.0, 6.0, 1.0])
     for backwards in (False, True):
         planner = Planner()
-        planner.tell(here, np.zeros(3), 0.3 + math.pi / 2)
+        planner.set_state(here, np.zeros(3), 0.3 + math.pi / 2)
         planner.follow(Piecewise((Piece(2.0, line),), 0.0, backwards=backwards), from_here=True, turned=True)
         start, later = planner.goal(0.0), planner.goal(1.0)
         if backwards:  # starts at its end, here, and keeps its direction and its yaw

@@ -81,7 +81,7 @@ def test_half_a_second_without_setpoint_levels_out_and_two_cut_the_motors() -> N
     tilted = Setpoint(
         roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, attitude_deg=(8.0, 0.0, 0.0), thrust_pwm=46000
     )
-    pilot.firmware().obey(tilted)
+    pilot.firmware().accept(tilted)
     pilot.fly(0.5)
     assert state(pilot) == State.FLYING
     assert pilot.firmware().flown.attitude_deg[0] == 8.0
@@ -105,7 +105,7 @@ def test_levelling_out_keeps_the_rates_of_roll_and_pitch_and_drifts_under_mellin
     firmware.parameters.set("stabilizer.controller", 2)
     pilot.fly(1.0, pilot.hold(HOVER))
     turning = replace(HOVER, rate_deg=(0.0, 20.0, 30.0), attitude_deg=(0.0, 0.0, 5.0))
-    firmware.obey(turning)
+    firmware.accept(turning)
     pilot.fly(0.5 + LOOK_S)
     assert state(pilot) == State.LEVEL_OUT
     off = Mode.DISABLE
@@ -121,7 +121,7 @@ def test_a_setpoint_is_flown_one_step_after_the_supervisor_lets_the_vehicle_fly(
     pilot = Pilot(np.zeros((1, 4)))
     firmware, lift = pilot.firmware(), Setpoint(roll=Mode.ABS, pitch=Mode.ABS, thrust_pwm=20000.0)
     while state(pilot) != State.READY_TO_FLY:
-        firmware.obey(lift)
+        firmware.accept(lift)
         first, others = firmware.tick()
     assert (first[SET_THRUST], others[SET_THRUST]) == (0.0, 20000.0)
     first, others = firmware.tick()

@@ -1,4 +1,4 @@
-"""Prove flights in a wake of a user's class: when it is asked, what it is told, and what is refused."""
+"""Tests of flights in a wake of a user's class: when it is called, its inputs, and refused answers."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -25,11 +25,11 @@ class SideWind:
     def reset(self, setup: AirSetup) -> None:
         """Forget what it was told."""
         self.setup = setup
-        self.told: list[Sources] = []
+        self.seen: list[Sources] = []
 
     def push(self, now: Sources) -> Push:
         """Return a push."""
-        self.told.append(now)
+        self.seen.append(now)
         n = self.setup.count
         return Push(np.tile([0.5, 0.0, -0.2], (n, 1)), np.zeros((n, 3)))
 
@@ -99,10 +99,10 @@ def test_a_wake_is_asked_once_a_step_with_the_state_before_it() -> None:
     swarm.downwash()
     _hover(swarm, 5)
     swarm.downwash()
-    np.testing.assert_allclose([now.t for now in wake.told], 0.002 * np.arange(6), atol=1e-15)
-    np.testing.assert_array_equal(wake.told[0].pos, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
-    np.testing.assert_array_equal(wake.told[5].vel, swarm.state[:, VEL])
-    np.testing.assert_allclose(wake.told[0].thrust, CRAZYFLIE_2_0.hover_thrust)
+    np.testing.assert_allclose([now.t for now in wake.seen], 0.002 * np.arange(6), atol=1e-15)
+    np.testing.assert_array_equal(wake.seen[0].pos, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
+    np.testing.assert_array_equal(wake.seen[5].vel, swarm.state[:, VEL])
+    np.testing.assert_allclose(wake.seen[0].thrust, CRAZYFLIE_2_0.hover_thrust)
     # under a constant push the vehicle moves by a t^2 / 2
     moved = swarm.state[0, POS] - [0.0, 0.0, 1.0]
     np.testing.assert_allclose(moved, 0.5 * 0.01**2 * np.array([0.5, 0.0, -0.2]), rtol=1e-9, atol=1e-15)
@@ -127,9 +127,9 @@ def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
     scenario = replace(library.load("table6"), duration=0.3, air=f"{HERE}:NotANumber")
     with pytest.raises(
         AirError, match=r":NotANumber: acc of vehicle 0 at 0.100 s is \[nan nan nan\]"
-    ) as said:
+    ) as lines:
         fly(scenario, FlightOptions(mode="ignoring"))
-    assert "\n" not in str(said.value)
+    assert "\n" not in str(lines.value)
 
 
 @pytest.mark.parametrize(
@@ -152,4 +152,4 @@ def test_a_class_that_cannot_be_flown_in_is_refused_before_the_flight(name: str,
 def test_a_wake_is_tried_and_then_reset() -> None:
     wake = SideWind()
     CheckedWake(wake).reset(AirSetup(CRAZYFLIE_2_0, 2, 0.002, 0))
-    assert wake.told == []
+    assert wake.seen == []

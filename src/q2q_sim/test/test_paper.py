@@ -118,11 +118,11 @@ def test_a_number_without_a_place_is_refused(tmp_path: Path):
 
 
 def test_rows_keep_the_contract_and_say_null_for_what_is_not_a_number():
-    told = as_json(
+    output = as_json(
         chosen(NUMBERS, "table1"),
         [ExperimentOutcome({"table1.takeoff_weight": 34.0, "table1.size": math.nan})],
     )
-    first = json.loads(json.dumps(told, allow_nan=False))["rows"]
+    first = json.loads(json.dumps(output, allow_nan=False))["rows"]
     assert set(first[0]) == {"id", "paper", "ours", "unit", "note"}
     of = {row["id"]: row["ours"] for row in first}
     assert of["table1.takeoff_weight"] == 34.0
@@ -206,5 +206,5 @@ def test_the_citation_file_names_the_same_paper():
         f"{one['given-names'][0]}. {one.get('name-particle', '')} {one['family-names']}"
         for one in paper_cited["authors"]
     ]
-    told = f"{', '.join(' '.join(name.split()) for name in names)}: {paper_cited['title']}. "
-    assert f"{told}{paper_cited['journal']} {paper_cited['volume']} ({paper_cited['year']})." == CITATION
+    output = f"{', '.join(' '.join(name.split()) for name in names)}: {paper_cited['title']}. "
+    assert f"{output}{paper_cited['journal']} {paper_cited['volume']} ({paper_cited['year']})." == CITATION

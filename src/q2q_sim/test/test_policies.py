@@ -1,4 +1,4 @@
-"""Prove that each policy sees its own breach, and that a flight without one keeps them all."""
+"""Each policy sees its own breach, and that a flight without one keeps them all."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -32,7 +32,7 @@ Change = Callable[[RecordedSignal], RecordedSignal]
 
 
 @cache
-def heard() -> tuple[RecordedSignal, ...]:
+def received() -> tuple[RecordedSignal, ...]:
     """Return what a flight of three vehicles without faults says."""
     found: list[RecordedSignal] = []
     options = FlightOptions(
@@ -46,7 +46,7 @@ def heard() -> tuple[RecordedSignal, ...]:
 
 
 def broken(change: Change, around: Circumstances = AROUND) -> set[str]:
-    return {one.policy for one in judge(evidence_of(map(change, heard())), around)}
+    return {one.policy for one in judge(evidence_of(map(change, received())), around)}
 
 
 def changed(kind: type, since: float, until: float, **columns: Callable[[np.ndarray], np.ndarray]) -> Change:
@@ -79,7 +79,7 @@ def test_a_flight_without_faults_keeps_every_policy() -> None:
 
 
 def test_two_vehicles_that_touch_break_the_separation_and_who_strays_the_room() -> None:
-    at = heard()[0].signal
+    at = received()[0].signal
     assert isinstance(at, SwarmState)
     near = only(
         "truth", changed(SwarmState, 3.0, 3.1, pos=with_row(0, at.pos[1] + np.array([0.0, 0.10, 0.0])))
@@ -108,7 +108,7 @@ def test_a_vehicle_whose_marker_is_moved_may_be_so_much_farther() -> None:
 
     def around(size: float, start: float = 2.9) -> Circumstances:
         return replace(
-            AROUND, faults=(Fault("jump", start, 0.3, vehicles=heard()[0].signal.names, size=size),)
+            AROUND, faults=(Fault("jump", start, 0.3, vehicles=received()[0].signal.names, size=size),)
         )
 
     assert "room" in broken(away, around(0.2))
@@ -117,7 +117,7 @@ def test_a_vehicle_whose_marker_is_moved_may_be_so_much_farther() -> None:
 
 
 def test_a_vehicle_in_the_zone_breaks_it_only_where_it_was_sent_clear_of_it() -> None:
-    at = heard()[0].signal
+    at = received()[0].signal
     assert isinstance(at, SwarmState)
     below = at.pos[1] - np.array([0.0, 0.0, 0.6])
     stray = only("truth", changed(SwarmState, 3.0, 3.1, pos=with_row(0, below)))
@@ -192,7 +192,7 @@ def test_who_is_missing_is_not_judged_while_two_may_be_taken_for_each_other() ->
         around = replace(AROUND, faults=(fault,))
         return "action" in broken(lambda one: unmarked(gone(one)), around)
 
-    names = heard()[0].signal.names[:2]
+    names = received()[0].signal.names[:2]
     assert not under(Fault("swap", 2.0, 0.15, vehicles=names))  # over 0.95 s before the last frame without it
     assert under(Fault("swap", 1.8, 0.15, vehicles=names))  # 1.15 s before
     assert under(Fault("jump", 2.0, 0.15, vehicles=names, size=0.1))  # another place, but its own name
@@ -200,8 +200,8 @@ def test_who_is_missing_is_not_judged_while_two_may_be_taken_for_each_other() ->
 
 def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
     # a clock ahead shows stamps to come; set right again, it shows the same stamps without the vehicle
-    blind = [changed(MocapFrame, 3.0, 3.2, pos=with_row(0, np.nan))(one) for one in heard()]
-    ahead = [one for one in heard() if one.topic == "mocap" and 3.0 <= one.signal.t < 3.195]
+    blind = [changed(MocapFrame, 3.0, 3.2, pos=with_row(0, np.nan))(one) for one in received()]
+    ahead = [one for one in received() if one.topic == "mocap" and 3.0 <= one.signal.t < 3.195]
     unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
     assert "action" in {one.policy for one in judge(evidence_of(map(unmarked, blind)), AROUND)}
     assert "action" not in {one.policy for one in judge(evidence_of(map(unmarked, [*ahead, *blind])), AROUND)}
@@ -211,7 +211,7 @@ def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
     def told_late(one: RecordedSignal) -> RecordedSignal:
         return replace(one, at=one.at + 100.0)
 
-    silent = [one for one in heard() if not (one.topic == "command" and 3.0 <= one.signal.t < 3.065)]
+    silent = [one for one in received() if not (one.topic == "command" and 3.0 <= one.signal.t < 3.065)]
     assert {one.policy for one in judge(evidence_of(silent), AROUND)} == set()
     (found,) = judge(evidence_of(map(told_late, silent)), AROUND)
     assert found.policy == "silence"
@@ -242,7 +242,7 @@ def test_a_vehicle_that_does_not_come_back_breaks_the_return_once_it_had_its_tim
 
 def test_a_violation_tells_who_when_and_how_much() -> None:
     change = changed(SwarmCommand, 3.0, 3.01, roll=with_row(2, 0.5))
-    (found,) = judge(evidence_of(map(change, heard())), AROUND)
+    (found,) = judge(evidence_of(map(change, received())), AROUND)
     assert (found.policy, found.who, found.limit) == ("tilt", "cf3", 0.36)
     assert found.t == pytest.approx(3.0)
     assert found.value == pytest.approx(0.5, abs=0.1)
@@ -258,7 +258,7 @@ def test_a_bag_is_judged_as_its_signals_are(tmp_path: Path, capsys: pytest.Captu
     change = changed(SwarmCommand, 3.0, 3.01, roll=with_row(2, 0.5))
     for name, edit in (("good", lambda one: one), ("bad", change)):
         with BagWriter(tmp_path / name) as writer:
-            for one in map(edit, heard()):
+            for one in map(edit, received()):
                 writer.write_signal(f"/{one.topic}", round(one.at * 1e9), one.signal)
     assert tool.main([str(tmp_path / "good")]) == 0
     assert "keeps separation, zone" in capsys.readouterr().out

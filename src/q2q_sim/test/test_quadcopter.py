@@ -1,4 +1,4 @@
-"""Prove one vehicle's motion against closed forms and conservation laws."""
+"""Tests of one vehicle's motion against closed forms and conservation laws."""
 
 import math
 

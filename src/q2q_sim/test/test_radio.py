@@ -1,4 +1,4 @@
-"""Prove what vehicles obey: delays, losses, the thrust lock and the firmware's watchdog."""
+"""Tests of the commands that vehicles apply: delays, losses, the thrust lock and the firmware's watchdog."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ def _radio(params: RadioParams, n: int = 1, seed: int = 0, vehicle: Vehicle = ST
 
 
 def _tick(radio: Radio, k: int) -> np.ndarray:
-    return radio.obeyed(k * TICK_NS, STEP_NS, STEPS)[:, 0]
+    return radio.applied(k * TICK_NS, STEP_NS, STEPS)[:, 0]
 
 
 def test_a_perfect_radio_hands_over_what_was_asked_at_once() -> None:
@@ -55,9 +55,9 @@ def test_without_packets_it_levels_after_half_a_second_and_cuts_after_two() -> N
     radio.send(0, ROW, _command(0.5, roll=0.2), CLEAR)
     first = {"tilted": 0, "level": 0, "cut": 0}
     for k in range(250):
-        obeyed = _tick(radio, k)[0]
-        kind = "cut" if obeyed[0] == 0.0 else "level" if obeyed[1] == 0.0 else "tilted"
-        assert obeyed[0] in {0.0, 0.5}  # thrust stays until it is cut
+        applied = _tick(radio, k)[0]
+        kind = "cut" if applied[0] == 0.0 else "level" if applied[1] == 0.0 else "tilted"
+        assert applied[0] in {0.0, 0.5}  # thrust stays until it is cut
         first[kind] += 1
     # the watchdog is looked at once a tick: the tick after 0.5 s and after 2 s
     assert first == {"tilted": 51, "level": 150, "cut": 49}
@@ -68,46 +68,46 @@ def test_after_a_cut_thrust_stays_locked_until_a_packet_without_thrust() -> None
     radio.send(0, ROW, _command(0.5), CLEAR)
     _tick(radio, 0)
     _tick(radio, 300)
-    for k, thrust, obeyed in ((301, 0.5, 0.0), (302, 0.0, 0.0), (303, 0.5, 0.5)):
+    for k, thrust, applied in ((301, 0.5, 0.0), (302, 0.0, 0.0), (303, 0.5, 0.5)):
         radio.send(k * TICK_NS, ROW, _command(thrust), CLEAR)
-        assert _tick(radio, k)[-1, 0] == obeyed
+        assert _tick(radio, k)[-1, 0] == applied
 
 
 def test_a_locked_vehicle_keeps_its_motors_off_until_unlocked() -> None:
     radio = _radio(RadioParams(unlocked=False))
     assert _tick(radio, 0)[0, 0] == 0.0
-    for k, thrust, obeyed in ((1, 0.4, 0.0), (2, 0.0, 0.0), (3, 0.4, 0.4)):
+    for k, thrust, applied in ((1, 0.4, 0.0), (2, 0.0, 0.0), (3, 0.4, 0.4)):
         radio.send(k * TICK_NS, ROW, _command(thrust), CLEAR)
-        assert _tick(radio, k)[-1, 0] == obeyed
+        assert _tick(radio, k)[-1, 0] == applied
 
 
 def test_lost_packets_leave_the_last_command_and_are_as_many_as_said() -> None:
     n, ticks, loss = 50, 200, 0.3
     radio = _radio(RadioParams(loss=loss), n=n)
-    heard = 0
+    received = 0
     for k in range(ticks):
         radio.send(k * TICK_NS, np.arange(n), _command(0.1 + 0.001 * k, n=n), CLEAR)
-        heard += int((radio.obeyed(k * TICK_NS, STEP_NS, STEPS)[-1, :, 0] == 0.1 + 0.001 * k).sum())
-    share = heard / (n * ticks)
+        received += int((radio.applied(k * TICK_NS, STEP_NS, STEPS)[-1, :, 0] == 0.1 + 0.001 * k).sum())
+    share = received / (n * ticks)
     assert share == pytest.approx(1.0 - loss, abs=4.0 * np.sqrt(loss * (1.0 - loss) / (n * ticks)))  # 4 sigma
 
 
 def test_a_slower_radio_sends_as_many_packets_as_it_can() -> None:
     radio = _radio(RadioParams(rate=60.0))
-    heard = set()
+    received = set()
     for k in range(1000):
         radio.send(k * TICK_NS, ROW, _command(0.1 + 0.0001 * k), CLEAR)
-        heard.add(float(_tick(radio, k)[-1, 0]))
-    assert len(heard) == pytest.approx(600, abs=1)
+        received.add(float(_tick(radio, k)[-1, 0]))
+    assert len(received) == pytest.approx(600, abs=1)
 
 
 def test_quantised_packets_carry_whole_pwm_and_32_bit_degrees() -> None:
     radio = _radio(RadioParams(quantised=True), vehicle=CRAZYFLIE_2_0)
     radio.send(0, ROW, _command(0.4321, roll=0.1), CLEAR)
-    obeyed = _tick(radio, 0)[0]
-    assert obeyed[0] == pytest.approx(58995 / 65535 * 0.48)  # 0.4321 / 0.48 * 65535 = 58995.15
-    assert obeyed[1] == pytest.approx(0.1, rel=2.0**-24)
-    assert obeyed[1] != 0.1
+    applied = _tick(radio, 0)[0]
+    assert applied[0] == pytest.approx(58995 / 65535 * 0.48)  # 0.4321 / 0.48 * 65535 = 58995.15
+    assert applied[1] == pytest.approx(0.1, rel=2.0**-24)
+    assert applied[1] != 0.1
     radio.send(TICK_NS, ROW, _command(0.48 * 999 / 65535), CLEAR)
     assert _tick(radio, 1)[0, 0] == 0.0  # below the firmware's least thrust
 
@@ -122,10 +122,10 @@ def test_no_stick_carries_more_than_60000_pwm() -> None:
 def test_a_burst_for_some_vehicles_leaves_the_others_alone() -> None:
     radio = _radio(RadioParams(), n=3)
     radio.send(0, np.array([2, 0]), _command(0.5, n=2), CLEAR)
-    np.testing.assert_array_equal(radio.obeyed(0, STEP_NS, STEPS)[0, :, 0], [0.5, HOVER, 0.5])
+    np.testing.assert_array_equal(radio.applied(0, STEP_NS, STEPS)[0, :, 0], [0.5, HOVER, 0.5])
 
 
 def test_a_jammed_vehicle_hears_nothing_and_the_others_all() -> None:
     radio = _radio(RadioParams(), n=3)
     radio.send(0, np.arange(3), _command(0.5, n=3), np.array([False, True, False]))
-    np.testing.assert_array_equal(radio.obeyed(0, STEP_NS, STEPS)[0, :, 0], [0.5, HOVER, 0.5])
+    np.testing.assert_array_equal(radio.applied(0, STEP_NS, STEPS)[0, :, 0], [0.5, HOVER, 0.5])

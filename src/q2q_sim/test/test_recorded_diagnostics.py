@@ -10,10 +10,10 @@ from q2q_model.node.health import Level
 from q2q_sim.ros.recorded_diagnostics import TOPIC, recorded_lives
 
 
-def bag_of(folder: Path, told: list[tuple[str, Level, str]]) -> Path:
+def bag_of(folder: Path, output: list[tuple[str, Level, str]]) -> Path:
     writer = BagWriter(folder / "bag")
     writer.add_topic(TOPIC, "diagnostic_msgs/msg/DiagnosticArray")
-    for k, (name, level, rate) in enumerate(told):
+    for k, (name, level, rate) in enumerate(output):
         values = [KeyValue(key="rate_hz", value=rate), KeyValue(key="last_refusal", value="")]
         status = DiagnosticStatus(name=name, level=bytes([level]), values=values)
         writer.write_raw(TOPIC, k, serialize_message(DiagnosticArray(status=[status])))
@@ -22,9 +22,9 @@ def bag_of(folder: Path, told: list[tuple[str, Level, str]]) -> Path:
 
 
 def test_a_node_is_as_bad_as_its_worst_second_and_tells_its_last_values(tmp_path: Path):
-    told = [("/pid", Level.OK, "99"), ("/pid", Level.WARN, "80"), ("/pid", Level.STALE, "0")]
-    (life,) = recorded_lives(bag_of(tmp_path, told))
-    assert (life.node, life.seconds, life.troubled, life.worst) == ("/pid", 3, 1, Level.WARN)
+    output = [("/pid", Level.OK, "99"), ("/pid", Level.WARN, "80"), ("/pid", Level.STALE, "0")]
+    (life,) = recorded_lives(bag_of(tmp_path, output))
+    assert (life.node, life.seconds, life.warned, life.worst) == ("/pid", 3, 1, Level.WARN)
     assert life.values == "rate_hz 0"
 
 

@@ -1,4 +1,4 @@
-"""Prove the room's manners: the same numbers again, nothing moved by a refusal, late effects of commands."""
+"""Tests of the room: repeatability, nothing moved by a refusal, late effects of commands."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Prove the air of a room: every term against its closed form, and the kernel against plain numpy."""
+"""Tests of the air of a room: every term against its closed form, and the kernel against plain numpy."""
 
 import math
 from dataclasses import replace
@@ -25,7 +25,7 @@ from q2q_sim.air.room_air import (
 )
 from q2q_sim.air.unit_processes import RESIDUAL, OrnsteinUhlenbeck, PlayedBack
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.loop.scenario_air import weather_of
+from q2q_sim.loop.scenario_air import ambient_of_air
 from q2q_sim.plant.quadcopter import ETA, POS, QUAT, ROTORS, TORQUE, TX, TY, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
@@ -282,13 +282,13 @@ def test_motors_of_a_room_give_all_of_their_headroom() -> None:
 def test_wind_and_offsets_have_their_sizes() -> None:
     own = VehicleTerm(0.2, 0.1, 0.07, headroom=2.0, headroom_per_volt=0.0, discharge_v_per_s=0.0)
     air = RoomAir(wind=WindTerm((0.3, -0.2, 0.1), gust_std_mps2=0.05, gust_time_s=0.2), vehicle=own)
-    weather = weather_of(air, 2000, 0.01, seed=3)
-    pushes = np.array([weather.drive()[:, :3] for _ in range(50)])
+    ambient = ambient_of_air(air, 2000, 0.01, seed=3)
+    pushes = np.array([ambient.drive()[:, :3] for _ in range(50)])
     # 2000 draws: 2 % of a deviation for the mean, 1.6 % for the deviation; five times that
     np.testing.assert_allclose(pushes.mean(axis=(0, 1)), [0.3, -0.2, 0.1 + 0.2], atol=0.012)
     np.testing.assert_allclose(pushes[..., :2].std(axis=(0, 1)), 0.05, rtol=0.08)
-    assert weather.offset.std() == pytest.approx(0.1, rel=0.08)
-    assert np.abs(weather.push(np.zeros((2000, 3))).mean(axis=0)[2] - 0.1) < 0.01  # offsets are no air
+    assert ambient.offset.std() == pytest.approx(0.1, rel=0.08)
+    assert np.abs(ambient.push(np.zeros((2000, 3))).mean(axis=0)[2] - 0.1) < 0.01  # offsets are no air
 
 
 WHOLE = RoomAir(

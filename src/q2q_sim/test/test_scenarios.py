@@ -1,4 +1,4 @@
-"""Prove that scenarios load, mean what the paper says, and refuse what is wrong by name."""
+"""Scenarios load, mean what the paper says, and refuse what is wrong by name."""
 
 from pathlib import Path
 

@@ -12,7 +12,7 @@ from q2q_model.node.rehearsal import rehearsal
 from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.scenarios import library
-from q2q_sim.view.scene import BREACHED, CLEAR, COASTING, LOST, Glimpse, SceneBuilder, SceneParams
+from q2q_sim.view.scene import BREACHED, CLEAR, COASTING, LOST, SceneBuilder, SceneParams, SceneSignals
 from q2q_sim.view.shapes import arrow_quat
 
 NAMES = ("cf1", "cf2")
@@ -34,7 +34,7 @@ def apart() -> Array:
 
 def test_every_vehicle_is_drawn_where_it_is_and_as_it_leans():
     quat = quat_from_euler(np.array([0.1, 0.0]), np.array([0.0, -0.2]), np.array([1.0, 2.0]))
-    scene = SceneBuilder(SceneParams()).update(Glimpse(state(0.0, apart(), quat)))
+    scene = SceneBuilder(SceneParams()).update(SceneSignals(state(0.0, apart(), quat)))
     boxes = scene.group("vehicle")
     assert [box.points[0] for box in boxes] == [tuple(row) for row in apart().tolist()]
     assert [box.quat for box in boxes] == [tuple(row) for row in quat.tolist()]
@@ -43,15 +43,17 @@ def test_every_vehicle_is_drawn_where_it_is_and_as_it_leans():
 
 def test_the_zone_has_the_size_of_the_cylinder_and_turns_red_when_another_is_in_it():
     builder = SceneBuilder(SceneParams())
-    clear = builder.update(Glimpse(state(0.0, apart()))).group("zone")
+    clear = builder.update(SceneSignals(state(0.0, apart()))).group("zone")
     assert clear[0].size == (0.2, 0.2, 2.2)  # the paper's I(0.1, 1.1): diameter and height
     assert {zone.colour for zone in clear} == {CLEAR}
     above = np.array([[0.0, 0.0, 1.0], [0.05, 0.0, 1.5]])
-    assert {zone.colour for zone in builder.update(Glimpse(state(0.1, above))).group("zone")} == {BREACHED}
+    assert {zone.colour for zone in builder.update(SceneSignals(state(0.1, above))).group("zone")} == {
+        BREACHED
+    }
 
 
 def test_one_vehicle_is_in_nobodys_zone():
-    scene = SceneBuilder(SceneParams()).update(Glimpse(state(0.0, np.array([[0.0, 0.0, 1.0]]))))
+    scene = SceneBuilder(SceneParams()).update(SceneSignals(state(0.0, np.array([[0.0, 0.0, 1.0]]))))
     assert scene.group("zone")[0].colour == CLEAR
 
 
@@ -59,7 +61,7 @@ def test_air_falls_at_the_speed_of_the_downwash_along_the_body_of_when_it_left()
     builder = SceneBuilder(SceneParams(wake_speed=5.0, d=1.0))
     tilted = quat_from_euler(np.array([0.3]), np.array([0.0]), np.array([0.0]))
     for t, x in ((0.0, 0.0), (0.1, 0.2), (0.2, 0.4)):
-        scene = builder.update(Glimpse(state(t, np.array([[x, 0.0, 2.0]]), tilted)))
+        scene = builder.update(SceneSignals(state(t, np.array([[x, 0.0, 2.0]]), tilted)))
     axis = rotate(tilted[0], np.array([0.0, 0.0, 1.0]))
     expected = [np.array([0.4 - 0.2 * k, 0.0, 2.0]) - axis * 5.0 * 0.1 * k for k in range(3)]
     np.testing.assert_allclose(scene.group("wake")[0].points, expected, atol=ROUNDING)
@@ -68,7 +70,7 @@ def test_air_falls_at_the_speed_of_the_downwash_along_the_body_of_when_it_left()
 def test_air_older_than_its_way_through_the_zone_is_gone():
     builder = SceneBuilder(SceneParams(wake_speed=5.0, d=1.0))  # 0.2 s through the zone
     for tick in range(100):
-        scene = builder.update(Glimpse(state(0.01 * tick, np.array([[0.0, 0.0, 2.0]]))))
+        scene = builder.update(SceneSignals(state(0.01 * tick, np.array([[0.0, 0.0, 2.0]]))))
     assert min(z for _, _, z in scene.group("wake")[0].points) >= 1.0 - ROUNDING
 
 
@@ -77,7 +79,7 @@ def test_a_force_starts_at_the_vehicle_and_is_as_long_as_the_downwash_is_strong(
     downwash = Interference(0.0, NAMES, eta, np.full((2, 3), np.nan), np.zeros(2, dtype=np.uint8))
     (arrow,) = (
         SceneBuilder(SceneParams(force_scale=0.5))
-        .update(Glimpse(state(0.0, apart()), downwash))
+        .update(SceneSignals(state(0.0, apart()), downwash))
         .group("force")
     )
     assert arrow.row == 0  # the other's downwash is too small to be seen
@@ -87,7 +89,7 @@ def test_a_force_starts_at_the_vehicle_and_is_as_long_as_the_downwash_is_strong(
 def test_signals_are_matched_by_name_not_by_row():
     eta = np.array([[0.0, 0.0, -2.0], [0.0, 0.0, 0.0]])
     downwash = Interference(0.0, ("cf2", "cf1"), eta, np.full((2, 3), np.nan), np.zeros(2, dtype=np.uint8))
-    (arrow,) = SceneBuilder(SceneParams()).update(Glimpse(state(0.0, apart()), downwash)).group("force")
+    (arrow,) = SceneBuilder(SceneParams()).update(SceneSignals(state(0.0, apart()), downwash)).group("force")
     assert arrow.row == 1
 
 
@@ -95,7 +97,7 @@ def test_the_plan_is_drawn_whole_and_passes_its_waypoints():
     scenario = library.load("table6")
     builder = SceneBuilder(SceneParams())
     builder.take_plan(minimum_snap_plan(scenario.waypoints, scenario.reading))
-    lines = builder.update(Glimpse(state(0.0, apart()))).group("plan")
+    lines = builder.update(SceneSignals(state(0.0, apart()))).group("plan")
     for line, vehicle in zip(lines, scenario.waypoints, strict=True):
         for waypoint in vehicle.waypoints:
             gap = np.linalg.norm(np.array(line.points) - np.array(waypoint.pos), axis=1).min()
@@ -109,7 +111,7 @@ def test_the_path_of_the_replanner_keeps_only_the_recent_past():
         safe = rehearsal(SwarmSetpoint, t, NAMES)
         assert isinstance(safe, SwarmSetpoint)
         safe.pos[:, 0] = t
-        scene = builder.update(Glimpse(state(t, apart()), reference_safe=safe))
+        scene = builder.update(SceneSignals(state(t, apart()), reference_safe=safe))
     xs = [x for x, _, _ in scene.group("replanned")[0].points]
     assert 1.99 - ROUNDING <= xs[0] <= 2.1
     assert np.all(np.diff(xs) > 0.1 - 1e-6)
@@ -118,20 +120,20 @@ def test_the_path_of_the_replanner_keeps_only_the_recent_past():
 def test_a_jump_back_in_time_starts_the_trails_anew():
     builder = SceneBuilder(SceneParams())
     for t in (5.0, 5.1, 0.0):
-        scene = builder.update(Glimpse(state(t, apart())))
+        scene = builder.update(SceneSignals(state(t, apart())))
     assert scene.group("flown") == ()
 
 
 @pytest.mark.parametrize(("status", "colour"), [(TrackStatus.COASTING, COASTING), (TrackStatus.LOST, LOST)])
 def test_a_vehicle_that_is_not_tracked_looks_so(status: TrackStatus, colour: tuple[float, ...]):
-    scene = SceneBuilder(SceneParams()).update(Glimpse(state(0.0, apart(), status=status)))
+    scene = SceneBuilder(SceneParams()).update(SceneSignals(state(0.0, apart(), status=status)))
     assert scene.group("vehicle")[0].colour == colour
 
 
 def test_a_vehicle_that_is_nowhere_is_not_drawn():
     pos = apart()
     pos[0] = np.nan
-    scene = SceneBuilder(SceneParams()).update(Glimpse(state(0.0, pos)))
+    scene = SceneBuilder(SceneParams()).update(SceneSignals(state(0.0, pos)))
     assert {shape.row for shape in scene.shapes} == {1}
 
 

@@ -1,4 +1,4 @@
-"""Hold the compiled swarm and its plain numpy twin to the same numbers."""
+"""The compiled swarm and its plain numpy twin give the same numbers."""
 
 import numpy as np
 import pytest

@@ -29,7 +29,7 @@ def recorded(folder: Path, facts: FlightFacts | None) -> Path:
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def bag_with_facts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a bag that says what flew, as `fly` records it."""
     facts = facts_of(SCENARIO, FlightRequest("table6"))
     return recorded(tmp_path_factory.mktemp("told") / "flight", facts)
@@ -51,7 +51,7 @@ def numbers(bag: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, *more: str
 
 
 def test_a_report_needs_no_vehicle_where_the_bag_names_it(
-    told: Path,
+    bag_with_facts: Path,
     silent: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -59,7 +59,7 @@ def test_a_report_needs_no_vehicle_where_the_bag_names_it(
 ) -> None:
     by_name = numbers(silent, tmp_path, monkeypatch, "--vehicle", "textbook_065")
     capsys.readouterr()
-    assert numbers(told, tmp_path, monkeypatch) == by_name
+    assert numbers(bag_with_facts, tmp_path, monkeypatch) == by_name
     assert not capsys.readouterr().err
     assert numbers(silent, tmp_path, monkeypatch) != by_name
     assert "does not name its vehicle: crazyflie_2_0 is assumed" in capsys.readouterr().err
@@ -67,12 +67,12 @@ def test_a_report_needs_no_vehicle_where_the_bag_names_it(
 
 
 def test_policies_judge_a_bag_by_the_vehicle_it_names(
-    told: Path, silent: Path, capsys: pytest.CaptureFixture[str]
+    bag_with_facts: Path, silent: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert policies.main([str(told)]) == 0
+    assert policies.main([str(bag_with_facts)]) == 0
     assert not capsys.readouterr().err
     assert policies.main([str(silent)]) == 1  # 6.4 N are more than a Crazyflie has
-    assert "policies: " in (said := capsys.readouterr()).err
-    assert "crazyflie_2_0 is assumed" in said.err
-    assert "thrust: cf1" in said.out
-    assert policies.main([str(told), "--vehicle", "crazyflie_2_0"]) == 1
+    assert "policies: " in (lines := capsys.readouterr()).err
+    assert "crazyflie_2_0 is assumed" in lines.err
+    assert "thrust: cf1" in lines.out
+    assert policies.main([str(bag_with_facts), "--vehicle", "crazyflie_2_0"]) == 1

@@ -1,4 +1,4 @@
-"""Prove what frames show: noise as large as said, every fault marked, every stream on its own."""
+"""Tests of what frames show: noise as large as said, every fault marked, every stream on its own."""
 
 from dataclasses import replace
 

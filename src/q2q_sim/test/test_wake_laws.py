@@ -1,4 +1,4 @@
-"""Prove the true downwash: signs, the written laws, delay, and what the sources did."""
+"""Tests of the true downwash: signs, the written laws, delay, and what the sources did."""
 
 import math
 

@@ -90,8 +90,8 @@ def _quarters(wrench: Array, frame: RotorFrame) -> tuple[Array, Array, Array]:
 
 def _share_in_box(base: Array, add: Array, top: float) -> Array:
     """Return the largest k in 0..1 with 0 <= base + k add <= top, (..., 1); base lies in the box."""
-    room = np.where(add > 0.0, top - base, base)
-    return _share(np.abs(add), room)
+    margin = np.where(add > 0.0, top - base, base)
+    return _share(np.abs(add), margin)
 
 
 def _largest_share(tilt: Array, yaw: Array, top: float) -> Array:
@@ -103,9 +103,9 @@ def _largest_share(tilt: Array, yaw: Array, top: float) -> Array:
     return np.asarray(np.min(share, axis=-2))
 
 
-def _share(wanted: Array, room: Array) -> Array:
+def _share(demand: Array, margin: Array) -> Array:
     """Return the largest k in 0..1 with k wanted <= room along the last axis, (..., 1)."""
-    positive_room = np.maximum(room, 0.0)  # rounding may leave it slightly below 0
-    tight = wanted > positive_room
-    share = np.where(tight, positive_room / np.where(tight, wanted, 1.0), 1.0)
+    positive_margin = np.maximum(margin, 0.0)  # rounding may leave it slightly below 0
+    tight = demand > positive_margin
+    share = np.where(tight, positive_margin / np.where(tight, demand, 1.0), 1.0)
     return np.asarray(np.min(share, axis=-1, keepdims=True))

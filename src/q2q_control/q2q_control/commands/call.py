@@ -15,9 +15,9 @@ EXAMPLE = """  ros2 run q2q_control call take_off
   ros2 run q2q_control call emergency --node crazyswarm"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Make one call; return the exit status."""
-    return run_command(parser(), _prepare, words, interrupted="interrupted; the call goes on")
+    return run_command(parser(), _prepare, argv, interrupted="interrupted; the call goes on")
 
 
 def _prepare(_: Namespace) -> Work:

@@ -19,9 +19,9 @@ EXAMPLE = """  ros2 run q2q_control export_app --model measured_law --out app/
   ros2 run q2q_control export_app --model model.q2q --out app/ --vehicle crazyflie_2_1"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Export the app of the command line; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

@@ -43,12 +43,12 @@ class _Shift:
 
     pos: Array = field(default_factory=lambda: np.zeros(2))
     vel: Array = field(default_factory=lambda: np.zeros(2))
-    asides: dict[str, Array] = field(default_factory=dict)
+    directions: dict[str, Array] = field(default_factory=dict)
     """u for each vehicle that is evaded."""
 
-    def follow(self, wanted: Array, wanted_vel: Array, dt: float) -> Array:
+    def follow(self, target: Array, target_vel: Array, dt: float) -> Array:
         """Integrate over dt [s]; return the acceleration [m/s^2], (2,)."""
-        acc = PACE**2 * (wanted - self.pos) + 2.0 * PACE * (wanted_vel - self.vel)
+        acc = PACE**2 * (target - self.pos) + 2.0 * PACE * (target_vel - self.vel)
         self.vel = self.vel + acc * dt
         self.pos = self.pos + self.vel * dt
         return acc
@@ -56,7 +56,7 @@ class _Shift:
     @property
     def over(self) -> bool:
         """Return whether the evasion has ended and the setpoint is no longer shifted."""
-        return not self.asides and float(np.abs(self.pos).max() + np.abs(self.vel).max()) < AT_REST
+        return not self.directions and float(np.abs(self.pos).max() + np.abs(self.vel).max()) < AT_REST
 
 
 class DescentEvasion:
@@ -83,7 +83,7 @@ class DescentEvasion:
         Args:
             setpoint: reference of the tick.
             state: of a lost vehicle, the last accepted height is used.
-            flown: command of the last tick; its status tells which vehicles fly blind.
+            flown: command of the last tick; its status shows which vehicles fly blind.
             places: horizontal positions of these, dead-reckoned [m], (2,) each.
         """
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
@@ -104,13 +104,15 @@ class DescentEvasion:
         """Assign a direction to every new pair of evading and descending vehicle."""
         known = set(blind) & set(names)
         for shift in self._shifts.values():
-            shift.asides = {name: aside for name, aside in shift.asides.items() if name in known}
+            shift.directions = {
+                name: direction for name, direction in shift.directions.items() if name in known
+            }
         gone = np.isin(names, blind)
         for j in np.flatnonzero(gone & np.isfinite(pos).all(axis=1)):
             for i in np.flatnonzero(~gone & _is_beneath(pos, pos[j])):
                 shift = self._shifts.setdefault(names[i], _Shift())
-                if names[j] not in shift.asides:
-                    shift.asides[names[j]] = _aside(pos[:, :2], int(i), int(j))
+                if names[j] not in shift.directions:
+                    shift.directions[names[j]] = _evasion_direction(pos[:, :2], int(i), int(j))
 
     def _moved(self, setpoint: SwarmSetpoint, reckoned: Mapping[str, Array], dt: float) -> SwarmSetpoint:
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
@@ -118,13 +120,13 @@ class DescentEvasion:
             shift = self._shifts.get(name)
             if shift is None:
                 continue
-            wanted, wanted_vel = np.zeros(2), np.zeros(2)
-            for other, aside in shift.asides.items():
-                lacking = REACH - float((setpoint.pos[row, :2] + wanted - reckoned[other]) @ aside)
-                if lacking > 0.0:
-                    wanted += lacking * aside
-                    wanted_vel -= float((setpoint.vel[row, :2] + wanted_vel) @ aside) * aside
-            acc[row, :2] += shift.follow(wanted, wanted_vel, dt)
+            target, target_vel = np.zeros(2), np.zeros(2)
+            for other, direction in shift.directions.items():
+                shortfall = REACH - float((setpoint.pos[row, :2] + target - reckoned[other]) @ direction)
+                if shortfall > 0.0:
+                    target += shortfall * direction
+                    target_vel -= float((setpoint.vel[row, :2] + target_vel) @ direction) * direction
+            acc[row, :2] += shift.follow(target, target_vel, dt)
             pos[row, :2] += shift.pos
             vel[row, :2] += shift.vel
         return replace(setpoint, pos=pos, vel=vel, acc=acc)
@@ -136,7 +138,7 @@ def _is_beneath(pos: Array, other: Array) -> NDArray[np.bool_]:
     return np.asarray(near & (pos[:, 2] < other[2] - BENEATH))
 
 
-def _aside(xy: Array, i: int, j: int) -> Array:
+def _evasion_direction(xy: Array, i: int, j: int) -> Array:
     """Return the direction in which vehicle i evades j, (2,): away from j, or from other vehicles."""
     away = np.arctan2(*(xy[i] - xy[j])[::-1])
     angles = away + np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)

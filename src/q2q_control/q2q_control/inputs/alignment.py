@@ -22,7 +22,7 @@ from q2q_model.signals.values import (
     index_of,
 )
 
-ABSURD = 1e4
+LARGEST_VALUE = 1e4
 """Bound on plausible positions, velocities, accelerations and angles [SI]."""
 QUAT_SLACK = 0.1
 """Largest difference of a usable quaternion's squared length from 1 [-]."""
@@ -103,7 +103,7 @@ def mark_usable(table: Array, usable: NDArray[np.bool_]) -> None:
         row = table[i]
         whole, length = row[TRACK] != _LOST, 0.0
         for k in range(ETA_AT):
-            whole = whole and abs(row[k]) < ABSURD  # False for NaN
+            whole = whole and abs(row[k]) < LARGEST_VALUE  # False for NaN
         for k in range(QUAT_AT, QUAT_AT + 4):
             length += row[k] * row[k]
         usable[i] = whole and abs(length - 1.0) < QUAT_SLACK
@@ -111,5 +111,5 @@ def mark_usable(table: Array, usable: NDArray[np.bool_]) -> None:
             row[:] = 0.0
             row[QUAT_AT + 3] = 1.0  # level: the quaternion's w
         for k in range(ETA_AT, ETA_AT + 3):
-            if not abs(row[k]) < ABSURD:
+            if not abs(row[k]) < LARGEST_VALUE:
                 row[k] = 0.0

@@ -34,7 +34,7 @@ class RadioNodeParams:
     )
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
         if len(self.vehicles) != len(self.uris):
             raise ValueError(f"{len(self.vehicles)} vehicles and {len(self.uris)} uris: each needs its own")

@@ -96,8 +96,8 @@ def other_publishers(node: str, publishers: Sequence[Sequence[str]]) -> str:
         publishers: the publishing nodes of each topic.
     """
     found = {name for names in publishers for name in names}
-    namesakes = {node} if max(map(len, publishers), default=0) > 1 and found <= {node} else set()
-    return ", ".join(sorted((found - {node}) | namesakes))
+    same_name = {node} if max(map(len, publishers), default=0) > 1 and found <= {node} else set()
+    return ", ".join(sorted((found - {node}) | same_name))
 
 
 def _open_links(params: RadioNodeParams) -> dict[str, CflibLink]:

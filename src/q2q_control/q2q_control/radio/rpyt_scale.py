@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array, SwarmCommand
-from q2q_model.vehicle.thrust_map import PWM_FULL, PWM_STICK_MAX
+from q2q_model.vehicle.thrust_map import PWM_FULL, RPYT_PWM_MAX
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +37,6 @@ class LegacyScale:
 
 def legacy_setpoints(command: SwarmCommand, scale: LegacyScale) -> Array:
     """Return pitch [deg], roll [deg], yaw rate [deg/s], thrust [PWM] of every vehicle, (n, 4)."""
-    pwm = np.clip(np.round(scale.pwm_of(command.thrust)), 0, PWM_STICK_MAX)
+    pwm = np.clip(np.round(scale.pwm_of(command.thrust)), 0, RPYT_PWM_MAX)
     angles = np.degrees([command.pitch, command.roll, command.yaw_rate])  # (3, n)
     return np.column_stack([*angles, pwm])

@@ -52,10 +52,10 @@ class CommandLine(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}{self._hint(message)}; see --help\n")
 
     def _hint(self, message: str) -> str:
-        near = nearest(unknown_words(message), self.words())
+        near = nearest(unknown_arguments(message), self.vocabulary())
         return f"; did you mean {near}?" if near else ""
 
-    def words(self) -> list[str]:
+    def vocabulary(self) -> list[str]:
         """Return every option and choice of this command line."""
         options = [word for action in self._actions for word in action.option_strings]
         choices = [str(word) for action in self._actions for word in action.choices or ()]
@@ -65,7 +65,7 @@ class CommandLine(argparse.ArgumentParser):
 def run_command(
     line: CommandLine,
     prepare: Callable[[Namespace], Work],
-    words: Sequence[str] | None = None,
+    argv: Sequence[str] | None = None,
     *,
     interrupted: str = "interrupted",
     refused: int = 1,
@@ -75,13 +75,13 @@ def run_command(
     Args:
         line: parser.
         prepare: checks the parsed arguments (raises UsageError, ValueError, OSError), imports, and returns
-            the work. The namespace also contains the unparsed arguments as `words`.
-        words: arguments (None: sys.argv); those from `--ros-args` on are ignored.
+            the work. The namespace also contains the unparsed arguments as `argv`.
+        argv: arguments (None: sys.argv); those from `--ros-args` on are ignored.
         interrupted: message after Ctrl-C; the status is 130.
         refused: exit status after a ValueError or OSError.
     """
-    own = without_ros(words)
-    args = line.parse_args(own, Namespace(words=own))
+    own = without_ros(argv)
+    args = line.parse_args(own, Namespace(argv=own))
     try:
         with warnings_in_one_line(line.prog):
             with ending_at_once(INTERRUPTED), lean_imports():
@@ -118,15 +118,15 @@ def require_existing(what: str, *paths: Path) -> None:
 
 def without_ros(arguments: Sequence[str] | None) -> list[str]:
     """Return the arguments of a program (None: sys.argv) up to those for ROS."""
-    words = sys.argv[1:] if arguments is None else list(arguments)
-    return words[: words.index(ROS_ARGS)] if ROS_ARGS in words else words
+    argv = sys.argv[1:] if arguments is None else list(arguments)
+    return argv[: argv.index(ROS_ARGS)] if ROS_ARGS in argv else argv
 
 
-def unknown_words(message: str) -> list[str]:
+def unknown_arguments(message: str) -> list[str]:
     """Return the unknown arguments in an argparse message, without their values."""
     unknown = UNKNOWN.search(message)
-    words = unknown[1].split() if unknown else WRONG_CHOICE.findall(message)
-    return [word.partition("=")[0] for word in words]
+    wrong = unknown[1].split() if unknown else WRONG_CHOICE.findall(message)
+    return [word.partition("=")[0] for word in wrong]
 
 
 def nearest(wrong: list[str], known: list[str]) -> str:

@@ -21,9 +21,9 @@ from q2q_model.files.model_choice import check_model
 EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --json scores.json"
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Run `evaluate`; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

@@ -15,9 +15,9 @@ EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json 
   ros2 run q2q_model identify --live --model model.q2q --out refined.q2q"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Run `identify`; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

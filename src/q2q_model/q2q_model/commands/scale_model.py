@@ -18,9 +18,9 @@ EXAMPLE = """  ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --r
       --below-mass 0.032 --below-rotor-radius 0.0225 --out over_small.q2q"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Run `scale_model`; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

@@ -107,7 +107,7 @@ class AttitudeTracks:
         tracks, params = self._tracks, self._params
         turn = quat_between(tracks.quat, quat)
         present = ~np.isnan(turn[:, 3])
-        near = tracks.seen & self._believable(t, turn)
+        near = tracks.seen & self._plausible(t, turn)
         rejected = present & ~near & tracks.seen
         tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
         lasting = t - tracks.rejected_since >= params.reacquire_s - SAME_INSTANT
@@ -120,7 +120,7 @@ class AttitudeTracks:
         tracks.seen[accepted] = True
         return rejected & ~accepted
 
-    def _believable(self, t: float, turn: Array) -> Mask:
+    def _plausible(self, t: float, turn: Array) -> Mask:
         """Return which turns since the last accepted attitude, (n, 4), pass the gate, (n,)."""
         elapsed = np.minimum(t, self._tracks.rejected_since) - self._tracks.time
         largest = self._params.turn_max + self._params.turn_rate_max * elapsed
@@ -163,7 +163,7 @@ def follow(t: float, measured: Array, params: AttitudeGateParams, tracks: Attitu
         if not _absent(measured[i]) and not (
             _turn(tracks.quat[i], measured[i], turn) > 0.0
             and elapsed <= params.coast_s
-            and _is_believable(turn, elapsed, params)
+            and _is_plausible(turn, elapsed, params)
         ):
             return False
     for i in range(len(measured)):
@@ -200,7 +200,7 @@ def _turn(last: Array, measured: Array, turn: Array) -> float:
 
 
 @compiled
-def _is_believable(turn: Array, elapsed: float, params: AttitudeGateParams) -> bool:
+def _is_plausible(turn: Array, elapsed: float, params: AttitudeGateParams) -> bool:
     """Return whether a turn within `elapsed` [s] passes the gate."""
     largest = params.turn_max + params.turn_rate_max * elapsed
     return bool(abs(turn[3]) >= math.cos(0.5 * min(largest, math.pi)))

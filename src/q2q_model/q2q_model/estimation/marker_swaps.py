@@ -12,7 +12,7 @@ from q2q_model.signals.values import Array
 
 
 def swapped_sources(
-    measured: Array, expected: Array, gate: Array, rejected: Mask, needy: Mask
+    measured: Array, expected: Array, gate: Array, rejected: Mask, missing: Mask
 ) -> NDArray[np.intp]:
     """Return for each track the row of another name's sample that fits it, (n,); -1 where there is none.
 
@@ -21,10 +21,10 @@ def swapped_sources(
         expected: Predicted positions [m], (n, 3).
         gate: Largest believable distance between the two [m], (n,).
         rejected: Samples rejected by the track of their own name, (n,).
-        needy: Tracks without an accepted sample, (n,).
+        missing: Tracks without an accepted sample, (n,).
     """
     source = np.full(len(gate), -1, dtype=np.intp)
-    rows, tracks = np.flatnonzero(rejected), np.flatnonzero(needy)
+    rows, tracks = np.flatnonzero(rejected), np.flatnonzero(missing)
     distance = np.linalg.norm(expected[tracks, None] - measured[None, rows], axis=-1)
     distance[(distance > gate[tracks, None]) | (tracks[:, None] == rows)] = np.inf
     for _ in range(min(len(rows), len(tracks))):

@@ -1,6 +1,6 @@
 """Gates of a position sample, with the thresholds of q2q_model.flights.outliers.
 
-A sample r of a vehicle last measured at p, tau ago, and predicted at p- with variance S is believed if it
+A sample r of a vehicle last measured at p, tau ago, and predicted at p- with variance S is accepted if it
 passes every gate:
 
 | gate | condition |

@@ -161,8 +161,8 @@ class PositionTracks:
         rejected = present & ~own & ~began
         source = np.where(own | began, rows, -1)
         if rejected.any():
-            needy = tracks.seen & ~at.lost & ~own & ~began & (tracks.borrowed < tracks.own)
-            borrowed = swapped_sources(at.samples, at.state[:, 0], at.reach, rejected, needy)
+            missing = tracks.seen & ~at.lost & ~own & ~began & (tracks.borrowed < tracks.own)
+            borrowed = swapped_sources(at.samples, at.state[:, 0], at.reach, rejected, missing)
             source = np.where(borrowed >= 0, borrowed, source)
             rejected &= (source < 0) & ~np.isin(rows, borrowed)
         self._reacquisition.forget(source >= 0)
@@ -173,7 +173,7 @@ class PositionTracks:
         return Association(np.where(jumped, rows, source), began, jumped)
 
     def _jumped(self, t: float, samples: Array, unmatched: Unmatched) -> Mask:
-        """Return the tracks whose rejected samples are believed, (n,)."""
+        """Return the tracks whose rejected samples are accepted, (n,)."""
         if not unmatched.rejected.any():
             return unmatched.rejected
         tracks, params = self._tracks, self._params

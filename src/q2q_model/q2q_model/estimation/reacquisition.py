@@ -1,4 +1,4 @@
-"""Reacquisition after a true jump: rejected samples that stay together are believed.
+"""Reacquisition after a true jump: rejected samples that stay together are accepted.
 
 Each track has at most one candidate, the place where its rejected samples gather. A rejected sample joins
 the candidate if the vehicle could have moved there, |r - r_last| <= jump_max + speed_max (t - t_last);
@@ -14,7 +14,7 @@ from q2q_model.flights.outliers import Mask, OutlierThresholds
 from q2q_model.signals.values import Array
 
 CONFIRM_SAMPLES = 3
-"""Least number of samples of a believed jump, whatever their rate."""
+"""Least number of samples of an accepted jump, whatever their rate."""
 SAME_INSTANT = 1e-9
 """Rounding of a time in float64 [s]."""
 CANDIDATE = np.dtype(
@@ -55,7 +55,7 @@ class Reacquisition:
         self._candidates["samples"][tracks] = 0
 
     def offer(self, t: float, pos: Array, rejected: Mask, patience: Array) -> Mask:
-        """Add rejected samples pos [m] (n, 3) at t [s]; return which candidates are now believed, (n,).
+        """Add rejected samples pos [m] (n, 3) at t [s]; return which candidates are now accepted, (n,).
 
         `patience` (n,) is how long each candidate must have lasted [s].
         """

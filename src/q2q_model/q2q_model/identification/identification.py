@@ -97,7 +97,7 @@ def identify(
     """Return gains, zone and model of flights; `on_step` is called with the name of each step at its start.
 
     Raises:
-        ValueError: a flight lacks data that a step needs; the message says what to record.
+        ValueError: a flight lacks data that a step needs; the message names what to record.
     """
     on_step("records")
     records = [recorded_altitudes(one, params.vehicle) for one in recordings]

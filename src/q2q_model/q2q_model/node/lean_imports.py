@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from importlib import import_module
 
 UNUSED = ("coverage", "cffi", "rosidl_generator_py.generate_py_impl")
-LOOKED_FOR_LATER = {"numba": "numba.core.typing.cffi_utils", "rclpy": "rosidl_generator_py"}
+DEFERRED_MODULES = {"numba": "numba.core.typing.cffi_utils", "rclpy": "rosidl_generator_py"}
 """Modules that a package imports on first use, and that then look for UNUSED ones."""
 
 
@@ -25,7 +25,7 @@ def lean_imports() -> Iterator[None]:
     sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]  # typeshed knows modules only
     try:
         yield
-        for package, module in LOOKED_FOR_LATER.items():
+        for package, module in DEFERRED_MODULES.items():
             if package in sys.modules:
                 import_module(module)
     finally:

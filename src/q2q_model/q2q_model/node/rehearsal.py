@@ -9,7 +9,7 @@ from q2q_model.signals.values import Array, MocapFrame, Names, Status, SwarmStat
 
 SPACING = 0.5
 """Vertical distance between the vehicles [m], small enough for downwash."""
-STOREYS = 4
+LAYERS = 4
 """Vehicles per vertical stack; stacks stand side by side within the room."""
 DRIFT = 0.01
 """Speed [m/s]: a pose repeated bit for bit counts as an old frame."""
@@ -53,8 +53,8 @@ def _values(column: Column, vehicles: int) -> Array | Status:
     shape = (vehicles,) if column.width == 1 else (vehicles, column.width)
     values = np.zeros(shape)
     if column.attribute == "pos":
-        stack, storey = np.divmod(np.arange(vehicles), STOREYS)
-        values[:, 0], values[:, 2] = 0.2 * SPACING * stack, SPACING * (1 + storey)
+        stack, layer = np.divmod(np.arange(vehicles), LAYERS)
+        values[:, 0], values[:, 2] = 0.2 * SPACING * stack, SPACING * (1 + layer)
     if column.attribute == "quat":
         values[:, 3] = 1.0
     return values

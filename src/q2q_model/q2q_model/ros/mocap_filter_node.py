@@ -30,7 +30,7 @@ class MocapFilterNodeParams:
     )
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 

@@ -19,7 +19,7 @@ from q2q_model.vehicle.thrust_map import (
     BRUSHLESS_MOTOR,
     MOTOR_THRUST,
     PWM_FULL,
-    PWM_STICK_MAX,
+    RPYT_PWM_MAX,
     STOCK,
     motor_thrust,
 )
@@ -58,7 +58,7 @@ class Vehicle:
     @property
     def rpyt_thrust_max(self) -> float:
         """Return the largest collective thrust of an RPYT setpoint [N]."""
-        return min(self.thrust_max, self.full_pwm_thrust * PWM_STICK_MAX / PWM_FULL)
+        return min(self.thrust_max, self.full_pwm_thrust * RPYT_PWM_MAX / PWM_FULL)
 
 
 CRAZYFLIE_2_0 = Vehicle(
@@ -115,7 +115,7 @@ TEXTBOOK_065 = Vehicle(
     rotor_inertia=6.0e-5,  # the same
     drag_to_thrust=0.024,  # the same: 7.5e-7 / 3.13e-5
     thrust_max=12.753,  # twice its weight: OS4's thrust-to-weight ratio
-    full_pwm_thrust=12.753 * PWM_FULL / PWM_STICK_MAX,  # the largest RPYT setpoint gives thrust_max
+    full_pwm_thrust=12.753 * PWM_FULL / RPYT_PWM_MAX,  # the largest RPYT setpoint gives thrust_max
     thrust_lag=0.0,  # none in the paper's simulation
 )
 

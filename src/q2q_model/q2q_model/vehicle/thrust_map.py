@@ -21,7 +21,7 @@ from collections.abc import Mapping
 
 PWM_FULL = 65535
 """Full duty of a motor [PWM]."""
-PWM_STICK_MAX = 60000
+RPYT_PWM_MAX = 60000
 """Largest thrust that the Crazyflie's commander accepts in an RPYT setpoint [PWM]."""
 MASS_THRUST = 132000.0
 """Default of ctrlMel.massThrust on every build: motor PWM per newton of collective thrust [1/N]."""

@@ -19,9 +19,9 @@ waypoints.yaml:
   vehicles: {cf1: [{t: 0, pos: [-1, 0, 0]}, {t: 20, pos: [0, 0, 2.5]}, {t: 50, pos: [1, 0, 0]}], cf2: [..]}"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Plan from the command line; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

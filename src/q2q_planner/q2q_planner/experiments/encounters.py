@@ -240,9 +240,9 @@ def judge(
     pos = _between(flown, tick)  # (ticks, BETWEEN, n, 3)
     i, j = np.triu_indices(pos.shape[2], 1)
     distance = Cylinder(params.eps, params.d).signed_distance(pos[:, :, i] - pos[:, :, j])
-    said = np.array([one.status == SetpointStatus.PROMISE_BROKEN for one in flown])
+    reported = np.array([one.status == SetpointStatus.PROMISE_BROKEN for one in flown])
     inside = distance < 0.0  # (ticks, BETWEEN, pairs)
-    silent = inside & ~(said[:, i] | said[:, j])[:, None]
+    silent = inside & ~(reported[:, i] | reported[:, j])[:, None]
     last = setpoint_at(encounter.plan, flown[-1].t)
     moved = [one.pos[:, :2] - setpoint_at(encounter.plan, one.t).pos[:, :2] for one in flown]
     return EncounterVerdict(
@@ -251,7 +251,7 @@ def judge(
         conditions_hold=conditions_hold(encounter, params),
         zone_time=float(inside.any(axis=2).mean(axis=1).sum() * tick),
         silent_time=float(silent.any(axis=2).mean(axis=1).sum() * tick),
-        broken=bool(said.any()),
+        broken=bool(reported.any()),
         clearance=float(distance.min()),
         arrived=bool(np.abs(flown[-1].pos - last.pos).max() < NEAR) if _all_clear(last.pos) else None,
         shift=float(np.sqrt((np.array(moved) ** 2).sum(-1)).max()),

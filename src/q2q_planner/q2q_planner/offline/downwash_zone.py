@@ -70,8 +70,8 @@ class DownwashPlan:
     @property
     def cut(self) -> float:
         """Return the least relative reduction of a vehicle's height error; 1 if all errors are HARMLESS."""
-        harmed = self.after > HARMLESS
-        return float((1.0 - self.after[harmed] / self.before[harmed]).min(initial=1.0))
+        affected = self.after > HARMLESS
+        return float((1.0 - self.after[affected] / self.before[affected]).min(initial=1.0))
 
 
 def avoid_downwash(

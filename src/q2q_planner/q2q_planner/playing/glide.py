@@ -41,7 +41,7 @@ class GlideParams:
     glide_d: float = tunable(1.1, "half height of this cylinder", unit="m", low=0.01, high=10.0)
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
@@ -75,8 +75,8 @@ def _one_by_one(
     """Return a certified plan for each vehicle's turn, the others at rest; None if one has no path."""
     now, legs = here.copy(), []
     for row in order:
-        ways = (_turn(names, now, (row, there[row]), terms[0], aside) for aside in ASIDE)
-        leg = next((plan for plan in ways if certify(plan, terms[1]).holds), None)
+        candidates = (_turn(names, now, (row, there[row]), terms[0], aside) for aside in ASIDE)
+        leg = next((plan for plan in candidates if certify(plan, terms[1]).holds), None)
         if leg is None:
             return None
         legs.append(leg)
@@ -94,11 +94,11 @@ def _turn(names: Names, now: Array, goal: tuple[int, Array], params: GlideParams
     if aside != 0.0 and length > 0.0:
         points.insert(1, 0.5 * (start + end) + aside * across / length)
     times = np.cumsum([0.0, *(_duration(one, other, params) for one, other in pairwise(points))])
-    ways = [
+    candidates = [
         _way(name, points, times.tolist()) if row == mover else _way(name, [now[row]] * 2, [0.0, times[-1]])
         for row, name in enumerate(names)
     ]
-    return minimum_snap_plan(ways)
+    return minimum_snap_plan(candidates)
 
 
 def _joined(names: Names, legs: Sequence[SwarmPlan]) -> SwarmPlan:

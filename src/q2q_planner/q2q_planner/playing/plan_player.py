@@ -87,8 +87,8 @@ class PlanPlayer:
         far = np.linalg.norm(here[:, :3] - self._first()[:, :3], axis=1)
         row = int(far.argmax())
         if self.played is None or far[row] > AT_FIRST:
-            told = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m from its first point"
-            return Reply(granted=False, reason=f"{told}: glide first")
+            state = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m from its first point"
+            return Reply(granted=False, reason=f"{state}: glide first")
         self.played = Played(self._plan, self._now())
         return Reply(granted=True, reason=f"the plan has started and takes {self._plan.duration:.1f} s")
 
@@ -135,8 +135,8 @@ class PlanPlayer:
         speed = np.linalg.norm(last.vel, axis=1)
         if speed.max() > AT_REST:
             row = int(speed.argmax())
-            told = f"{last.names[row]}'s reference moves at {speed[row]:.2f} m/s"
-            return Reply(granted=False, reason=f"{told}: hold first")
+            state = f"{last.names[row]}'s reference moves at {speed[row]:.2f} m/s"
+            return Reply(granted=False, reason=f"{state}: hold first")
         return np.column_stack([last.pos, last.yaw])
 
     def _first(self) -> Array:

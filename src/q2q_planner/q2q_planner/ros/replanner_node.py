@@ -30,7 +30,7 @@ class ReplannerNodeParams:
     law: str = tunable("paper", "law that moves the setpoints", choices=("paper", SAFE), read_only=True)
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 

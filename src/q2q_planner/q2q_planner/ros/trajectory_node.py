@@ -41,7 +41,7 @@ class TrajectoryParams:
     wait: bool = tunable(default=False, description="wait for calls before playing the plan", read_only=True)
 
     def __post_init__(self) -> None:
-        """Refuse values out of bounds."""
+        """Check the bounds."""
         check_bounds(self)
 
 
@@ -54,21 +54,21 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         )
     plan = plan_file.load(Path(params.plan))
     player = PlanPlayer(plan, params.start, declare(node, GlideParams()), wait=params.wait)
-    told = _Told(player, node.create_publisher(Plan, "plan", LATCHED))
+    played = _PlayedPlan(player, node.create_publisher(Plan, "plan", LATCHED))
     if player.played is not None:  # known before the first tick, in time for previews
-        note_latched(node, told.publisher)
-    told.tell()
+        note_latched(node, played.publisher)
+    played.publish()
     if params.wait:
         waiting = node.create_publisher(Plan, "next_plan", LATCHED)
         waiting.publish(encode_plan(plan, 0))
         note_latched(node, waiting)
     calls = {"wait": player.wait, "glide": player.glide, "start": player.start, "hold": player.hold}
     for name, act in calls.items():
-        node.create_service(Trigger, f"~/{name}", told.answering(act))
+        node.create_service(Trigger, f"~/{name}", played.service(act))
 
     def update(frame: MocapFrame) -> SwarmSetpoint:
         setpoint = player.update(frame)
-        told.tell()
+        played.publish()
         return setpoint
 
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
@@ -77,29 +77,29 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
     return wiring
 
 
-class _Told:
-    """What has been told of the plan that is played."""
+class _PlayedPlan:
+    """Publisher of the plan that is played."""
 
     def __init__(self, player: PlanPlayer, publisher: Publisher) -> None:
         self.publisher = publisher
         self._player = player
         self._last: Played | None = None
 
-    def tell(self) -> None:
-        """Publish what is played, where it has changed."""
+    def publish(self) -> None:
+        """Publish the plan if it has changed."""
         played = self._player.played
         if played is not None and played is not self._last:
             self.publisher.publish(encode_plan(played.plan, played.start_ns))
         self._last = played
 
-    def answering(
+    def service(
         self, act: Callable[[], Reply]
     ) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
-        """Return the callback of a service that acts, and tells what is played then."""
+        """Return the callback of a service that acts, then publishes the plan if it has changed."""
 
         def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
             reply = act()
-            self.tell()
+            self.publish()
             response.success, response.message = reply.granted, reply.reason
             return response
 

@@ -17,7 +17,7 @@ from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
 from q2q_planner.offline.certificate import Certificate, certify
 from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
-from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_flyable, with_limits_of
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_feasible, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.tools.export import write_samples, write_uploads
@@ -113,7 +113,7 @@ def run(asked: Namespace) -> int:
     swarm, before = swarm_of(asked), process_time()
     zone, words = zone_of(asked, swarm)
     made = planned(asked, swarm, zone, before)
-    check_flyable(made.plan, swarm, vehicle_by_name(asked.vehicle))
+    check_feasible(made.plan, swarm, vehicle_by_name(asked.vehicle))
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     plan_file.save(asked.out, made.plan, facts)

@@ -16,10 +16,10 @@ EXAMPLE = """  ros2 run q2q_sim ablation --json docs/ablation.json --out docs/ab
   ros2 run q2q_sim ablation --seeds 2 --only stack3 --json out/stack3.json --out out/stack3.md"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Fly missing flights and write the page; return the exit status."""
     what = "interrupted; run the same command to resume from the numbers in --json"
-    return run_command(parser(), _prepare, words, interrupted=what)
+    return run_command(parser(), _prepare, argv, interrupted=what)
 
 
 def _prepare(_: Namespace) -> Work:

@@ -12,9 +12,9 @@ EXAMPLE = """\
   ros2 run q2q_sim bag_import cf1_00 cf2_00 --out flight"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Convert the table of the command line; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

@@ -19,10 +19,10 @@ EXAMPLE = """  scripts/campaign --runs 20
   DASK_SCHEDULER_ADDRESS=tcp://host:8786 scripts/campaign --runs 20000 --engine dask"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Fly the campaign of the command line; return the exit status."""
     return run_command(
-        parser(), _prepare, words, interrupted="interrupted; run the same command to resume", refused=2
+        parser(), _prepare, argv, interrupted="interrupted; run the same command to resume", refused=2
     )
 
 

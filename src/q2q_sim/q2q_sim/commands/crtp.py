@@ -13,9 +13,9 @@ from q2q_model.vehicle.thrust_map import FIRMWARES
 from q2q_sim.scenarios import scenario_files
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Open the room of the command line; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

@@ -13,9 +13,9 @@ from pathlib import Path
 from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Fly the demonstration; return the exit status."""
-    return run_command(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
+    return run_command(parser(), _prepare, argv, interrupted="interrupted; all nodes are ended")
 
 
 def _prepare(_: Namespace) -> Work:

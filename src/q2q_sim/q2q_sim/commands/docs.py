@@ -14,9 +14,9 @@ from q2q_model.commands.command_line import CommandLine, Work, run_command
 OUT = Path("docs/nodes")
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Write or check the pages; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(_: Namespace) -> Work:

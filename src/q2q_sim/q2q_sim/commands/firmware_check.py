@@ -18,9 +18,9 @@ TABLES = ("controllers", "planner", "supervisor", "mixer", "compensation")
 """Value of --json without a file."""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Compare with the tables of the command line; return the exit status."""
-    return run_command(parser(), _prepare, words, refused=2)
+    return run_command(parser(), _prepare, argv, refused=2)
 
 
 def _prepare(args: Namespace) -> Work:

@@ -21,9 +21,9 @@ EXAMPLE = """  scripts/fly --list
   scripts/fly --real dc19_swap_ss_02"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Fly the scenario of the command line; return the exit status."""
-    return run_command(parser(), _prepare, words, interrupted="interrupted; all nodes are ended")
+    return run_command(parser(), _prepare, argv, interrupted="interrupted; all nodes are ended")
 
 
 def _prepare(args: Namespace) -> Work:
@@ -140,10 +140,10 @@ def _add_output(made: CommandLine) -> None:
     made.add_argument("--real", metavar="FLIGHT", help="replay a recorded flight of Q2Q_DATA instead")
 
 
-def _either(made: argparse.ArgumentParser, yes: str, no: str, words: str, *, default: bool | None) -> None:
+def _either(made: argparse.ArgumentParser, yes: str, no: str, text: str, *, default: bool | None) -> None:
     group = made.add_mutually_exclusive_group()
     name = yes.replace("-", "_")
-    group.add_argument(f"--{yes}", dest=name, action="store_true", default=default, help=words)
+    group.add_argument(f"--{yes}", dest=name, action="store_true", default=default, help=text)
     group.add_argument(f"--{no}", dest=name, action="store_false", help=f"not --{yes}")
 
 

@@ -16,9 +16,9 @@ EXAMPLE = """  ros2 run q2q_sim learn_air flights/ --out room.air
   ros2 run q2q_sim learn_air bags/table2_* stack.parquet --out room.air --json room.json"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Learn the air; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

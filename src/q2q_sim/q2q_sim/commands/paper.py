@@ -15,10 +15,10 @@ EXAMPLE = """  scripts/paper
   scripts/paper --only table6,fig10 --json out/paper.json"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Reproduce the paper; return the exit status."""
     what = "interrupted; run the same command to resume"
-    return run_command(parser(), _prepare, words, interrupted=what)
+    return run_command(parser(), _prepare, argv, interrupted=what)
 
 
 def _prepare(args: Namespace) -> Work:

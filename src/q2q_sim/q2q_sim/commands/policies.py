@@ -13,9 +13,9 @@ EXAMPLE = """  ros2 run q2q_sim policies out/fly/bag
   ros2 run q2q_sim policies out/campaign/violations/17 --scenario out/campaign/violations/17.yaml --json"""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Check the bags of the command line; return the exit status."""
-    return run_command(parser(), _prepare, words, refused=2)
+    return run_command(parser(), _prepare, argv, refused=2)
 
 
 def _prepare(args: Namespace) -> Work:

@@ -12,9 +12,9 @@ from q2q_model.commands.command_line import CommandLine, Work, require_existing,
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Write the report of the command line; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

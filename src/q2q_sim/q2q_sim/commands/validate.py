@@ -19,9 +19,9 @@ FEWEST, MOST = 3, 200
 """Draws of a flight: a band needs three, and 200 take ten times as long as the default."""
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Validate the air of the command line; return the exit status."""
-    return run_command(parser(), _prepare, words)
+    return run_command(parser(), _prepare, argv)
 
 
 def _prepare(args: Namespace) -> Work:

@@ -115,6 +115,6 @@ class Pilot:
         def each(_: float) -> None:
             for vehicle in self.fleet.vehicles:
                 vehicle.handle(ECHO)
-                vehicle.firmware.obey(setpoint)
+                vehicle.firmware.accept(setpoint)
 
         return each

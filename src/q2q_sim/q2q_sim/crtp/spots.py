@@ -13,9 +13,9 @@ SPACING = 0.4
 """Smallest distance of two spots [m]: twice a Crazyflie with guards, and clearance."""
 
 
-def apart(wanted: Array) -> Array:
-    """Return spots (n, 2) at least SPACING apart, each as near to `wanted` (n, 2) [m] as the order allows."""
-    spots = np.array(wanted, dtype=np.float64)
+def apart(desired: Array) -> Array:
+    """Return spots (n, 2) at least SPACING apart, as near to `desired` (n, 2) [m] as the order allows."""
+    spots = np.array(desired, dtype=np.float64)
     grid = _grid(len(spots))
     for k in range(1, len(spots)):
         if _room(spots[k : k + 1], spots[:k])[0]:

@@ -76,7 +76,7 @@ class CrtpEndpoint:
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._sockets = _open_all(names, base_port)
-        self._bell, self._ringer = socket.socketpair()
+        self._wake_reader, self._wake_writer = socket.socketpair()
         self._thread = threading.Thread(target=self._run, name="crtp", daemon=True)
         self._thread.start()
 
@@ -104,9 +104,9 @@ class CrtpEndpoint:
     def close(self) -> None:
         """End the thread and close the ports."""
         self._ended.set()
-        self._ringer.send(b"\0")
+        self._wake_writer.send(b"\0")
         self._thread.join()
-        for one in (*self._sockets, self._bell, self._ringer):
+        for one in (*self._sockets, self._wake_reader, self._wake_writer):
             one.close()
 
     def fly(self, drive: Array) -> None:
@@ -119,7 +119,7 @@ class CrtpEndpoint:
 
     def _run(self) -> None:
         with selectors.DefaultSelector() as selector:
-            selector.register(self._bell, selectors.EVENT_READ)
+            selector.register(self._wake_reader, selectors.EVENT_READ)
             for row, one in enumerate(self._sockets):
                 selector.register(one, selectors.EVENT_READ, data=row)
             while not self._ended.is_set():

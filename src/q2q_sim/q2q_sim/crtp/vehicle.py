@@ -43,7 +43,7 @@ LOCAL = "local"
 class _Session:
     """State of a client."""
 
-    heard_ms: int
+    last_packet_ms: int
     logs: LogBlocks = field(default_factory=LogBlocks)
 
 
@@ -101,10 +101,10 @@ class CrtpVehicle:
         """Return the datagrams due to clients now: logs and console messages."""
         self._forget_silent()
         words, self.firmware.console = self.firmware.console, ""
-        spoken = [datagram_of(one) for one in _console(words)]
+        console = [datagram_of(one) for one in _console(words)]
         sent: list[tuple[Hashable, bytes]] = []
         for client, session in self._sessions.items():
-            sent += [(client, word) for word in spoken]
+            sent += [(client, word) for word in console]
             sent += [(client, datagram_of(block)) for block in session.logs.due(self.firmware)]
         return sent
 
@@ -126,10 +126,10 @@ class CrtpVehicle:
         known = self._sessions.get(client)
         now = self.firmware.now_ms
         if known is not None:
-            known.heard_ms = now
+            known.last_packet_ms = now
             return known
         if len(self._sessions) >= MOST_CLIENTS:
-            del self._sessions[min(self._sessions, key=lambda one: self._sessions[one].heard_ms)]
+            del self._sessions[min(self._sessions, key=lambda one: self._sessions[one].last_packet_ms)]
         self._sessions[client] = _Session(now)
         if len(self._sessions) > 1:
             self.firmware.console += f"Q2Q: {len(self._sessions)} clients; all may command\n"
@@ -137,7 +137,7 @@ class CrtpVehicle:
 
     def _forget_silent(self) -> None:
         limit = self.firmware.now_ms - SILENCE_MS
-        silent = [one for one, session in self._sessions.items() if session.heard_ms < limit]
+        silent = [one for one, session in self._sessions.items() if session.last_packet_ms < limit]
         for client in silent:
             del self._sessions[client]
         locked = self.firmware.supervisor.state == State.LOCKED

@@ -62,9 +62,9 @@ class Estimator:
         """Return the variances of position [m^2] and velocity [m^2/s^2], (6,)."""
         return np.asarray(self._variances.T.ravel())
 
-    def forget(self, believed: Array, true_pos: Array) -> None:
-        """Reset to an estimate at rest at `believed` [m]."""
-        self.drift[:3], self.drift[3:] = believed - true_pos, 0.0
+    def forget(self, initial_pos: Array, true_pos: Array) -> None:
+        """Reset to an estimate at rest at `initial_pos` [m]."""
+        self.drift[:3], self.drift[3:] = initial_pos - true_pos, 0.0
         self._cov[:] = 0.0
         self._variances[:, 0], self._variances[:, 1] = START_STD**2, START_VEL_STD**2
 

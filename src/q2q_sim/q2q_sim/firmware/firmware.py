@@ -15,8 +15,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.commander.commander import Commander, Priority
 from q2q_sim.firmware.commander.planner import MOVING, Planner, PlanState
-from q2q_sim.firmware.commander.polynomial import Goal
-from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
+from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three, setpoint_of
 from q2q_sim.firmware.controllers.attitude_of import DEG, legacy_degrees
 from q2q_sim.firmware.controllers.choice import FirmwareController, chosen, refusal_of, start_controller
 from q2q_sim.firmware.controllers.columns import MOTOR, SETPOINT_WIDTH, Power, setpoint_row
@@ -157,8 +156,8 @@ class Firmware:
 
     def reset_estimate(self) -> None:
         """Reset the position estimate to kalman.initialX, Y, Z."""
-        believed = np.array([float(self.parameters[f"kalman.initial{axis}"]) for axis in "XYZ"])
-        self.estimator.forget(believed, self.rows.state[POS])
+        initial = np.array([float(self.parameters[f"kalman.initial{axis}"]) for axis in "XYZ"])
+        self.estimator.forget(initial, self.rows.state[POS])
 
     def locate(self, measured: Three, quat: tuple[float, float, float, float] | None = None) -> None:
         """Fuse an external position [m], world, and log its attitude."""
@@ -168,7 +167,7 @@ class Firmware:
         if not self.build.positioning_deck:
             self._correct(np.array(measured))
 
-    def obey(self, setpoint: Setpoint) -> None:
+    def accept(self, setpoint: Setpoint) -> None:
         """Accept a client's setpoint and drop the plan being flown."""
         self.requested = setpoint
         if self.commander.offer(setpoint, Priority.CLIENT, self.now_ms):
@@ -176,7 +175,7 @@ class Firmware:
 
     def relax(self) -> None:
         """Let the high-level commander take over from the present position."""
-        self._tell_planner()
+        self._update_planner()
         self.commander.relax()
 
     def tick(self) -> Array:
@@ -260,17 +259,17 @@ class Firmware:
         if not self.supervisor.may_fly:
             if self.planner.state in MOVING:
                 self.planner.stop()
-            self._tell_planner()
+            self._update_planner()
             return
         goal = self.planner.goal(self.seconds)
         if goal is None:
-            self._tell_planner()
+            self._update_planner()
         if self.planner.state != PlanState.DISABLED:
-            wanted = STOP if goal is None else _setpoint_of(goal)
-            self.commander.offer(wanted, Priority.HIGH_LEVEL, self.now_ms)
+            setpoint = STOP if goal is None else setpoint_of(goal)
+            self.commander.offer(setpoint, Priority.HIGH_LEVEL, self.now_ms)
 
-    def _tell_planner(self) -> None:
-        self.planner.tell(self.pos, self.vel, math.radians(self.attitude_deg[2]))
+    def _update_planner(self) -> None:
+        self.planner.set_state(self.pos, self.vel, math.radians(self.attitude_deg[2]))
 
     def _supervise(self) -> None:
         x, y, z = self.specific_force_g.tolist()
@@ -282,21 +281,3 @@ class Firmware:
         )
         self.console += self.supervisor.update(look, self.parameters)
         self.info = supervisor_info(self.supervisor, self.planner, self.seconds)
-
-
-def _setpoint_of(goal: Goal) -> Setpoint:
-    px, py, pz = goal.pos.tolist()
-    vx, vy, vz = goal.vel.tolist()
-    ax, ay, az = goal.acc.tolist()
-    p, q, r = np.degrees(goal.ang_vel_body).tolist()
-    return Setpoint(
-        x=Mode.ABS,
-        y=Mode.ABS,
-        z=Mode.ABS,
-        yaw=Mode.ABS,
-        pos=(px, py, pz),
-        vel=(vx, vy, vz),
-        acc=(ax, ay, az),
-        attitude_deg=(0.0, 0.0, math.degrees(goal.yaw)),
-        rate_deg=(p, q, r),
-    )

@@ -18,7 +18,7 @@ class Bench:
     """Firmware of a vehicle that is clamped, level."""
 
     def __init__(self, start: Array, *, auto_arming: bool) -> None:
-        """Hold the vehicle at `start`: x, y, z [m], yaw [rad], (4,)."""
+        """Place the vehicle at `start`: x, y, z [m], yaw [rad], (4,)."""
         airframe = airframe_of(CRAZYFLIE_2_0)
         self._state = state_at_rest(start[None], 0.0)[0]
         self._memory, self._frame = fresh_memory(1), frame_row(airframe)[None]

@@ -26,7 +26,7 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
     made = folder / "replayed"
     specs = node_specs(bag, model, made, read_flight(bag).names)
     with running_nodes(specs, folder) as running:
-        running.processes.excuse(PLAYER)  # it exits after the bag
+        running.processes.expect_exit(PLAYER)  # it exits after the bag
         running.director.start(PLAYER)
         running.director.wait_playback()
     return read_flight(made)

@@ -55,9 +55,9 @@ def running_nodes(
                 names = [name for spec in specs for name in spec.nodes]
                 director.wait_wired(names, WIRING_TIMEOUT_S, meanwhile)
                 yield RunningNodes(processes, director)
-                director.wait_drained(_recorder_last(specs, processes.excused))
+                director.wait_drained(_recorder_last(specs, processes.may_exit))
 
 
-def _recorder_last(specs: Sequence[NodeSpec], excused: frozenset[str]) -> list[str]:
-    there = [name for spec in specs if spec.executable not in excused for name in spec.nodes]
+def _recorder_last(specs: Sequence[NodeSpec], may_exit: frozenset[str]) -> list[str]:
+    there = [name for spec in specs if spec.executable not in may_exit for name in spec.nodes]
     return sorted(there, key=lambda name: name == RECORDER)

@@ -97,7 +97,7 @@ class _Progress:
             return
         self._looks += 1
         if self._looks == 0:
-            self._processes.excuse(self._spec.executable)
+            self._processes.expect_exit(self._spec.executable)
             self._send(signal.SIGKILL if self._strike.how == "kill" else signal.SIGSTOP)
         elif self._looks == LOOKS:
             self._come_back()
@@ -116,5 +116,5 @@ class _Progress:
 def _patient(spec: NodeSpec, waiting: Waiting) -> NodeSpec:
     if spec.executable != "simulator":
         return spec
-    patience = {"again_s": waiting.again_s, "give_up_s": waiting.give_up_s}
-    return replace(spec, parameters={**spec.parameters, **patience})
+    timeouts = {"again_s": waiting.again_s, "give_up_s": waiting.give_up_s}
+    return replace(spec, parameters={**spec.parameters, **timeouts})

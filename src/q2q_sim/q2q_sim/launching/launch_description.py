@@ -37,7 +37,7 @@ def describe(
 
 def _declared(one: Argument) -> DeclareLaunchArgument:
     return DeclareLaunchArgument(
-        one.name, default_value=one.default, description=one.words, choices=list(one.choices) or None
+        one.name, default_value=one.default, description=one.description, choices=list(one.choices) or None
     )
 
 

@@ -29,7 +29,7 @@ class Argument:
 
     name: str
     default: str
-    words: str
+    description: str
     choices: tuple[str, ...] = ()
 
 
@@ -56,7 +56,7 @@ ROOM_ARGUMENTS = (
     Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
     Argument("vehicle", "crazyflie_2_0", "vehicle constants"),
     Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
-    Argument("model", "measured_law", MODEL.words),
+    Argument("model", "measured_law", MODEL.description),
     FOLDER,
     VIEW,
     FOXGLOVE,
@@ -75,7 +75,7 @@ CRAZYSWARM_ARGUMENTS = (
     Argument("poses_version", "1", "as in motion_capture.yaml: 2 is NamedPoseArrayV2", ("1", "2")),
     Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
     Argument("scenario", "table6", "with twin: scenario of the vehicles and the wake"),
-    Argument("model", "measured_law", MODEL.words),
+    Argument("model", "measured_law", MODEL.description),
     FOLDER,
     VIEW,
     FOXGLOVE,
@@ -122,7 +122,7 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         "vehicle": given["vehicle"],
     }
     return [
-        *_road(given, folder, FlightFacts(vehicle=given["vehicle"], model=given["model"])),
+        *_control_loop(given, folder, FlightFacts(vehicle=given["vehicle"], model=given["model"])),
         *(pid if by_stick else []),
         NodeSpec("q2q_control", "radio", radio),
         *_viewers(given),
@@ -146,7 +146,7 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     }
     room: dict[str, ParameterValue] = {"scenario": given["scenario"], "crtp": True}
     return [
-        *_road(given, folder, _twin_facts(given)),
+        *_control_loop(given, folder, _twin_facts(given)),
         NodeSpec("q2q_control", "crazyswarm", bridge),
         *([NodeSpec("q2q_sim", "simulator", room)] if twin else []),
         *_viewers(given),
@@ -189,7 +189,7 @@ def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
     )
 
 
-def _road(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[NodeSpec]:
+def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[NodeSpec]:
     """Return recorder and nodes of a real room; the trajectory waits for its service call."""
     promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
     return [

@@ -7,7 +7,7 @@
 | next_ns | when each vehicle may be sent the next packet [ns], (n,) |
 | received_ns | when each vehicle received the last one [ns], (n,) |
 | locked | vehicles whose thrust is locked, (n,) |
-| obeyed | setpoint of each vehicle, columns as `what`, (n, 4) |
+| applied | setpoint of each vehicle, columns as `what`, (n, 4) |
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ Flying = tuple[Nanoseconds, Array]
 Sent = tuple[Rows, Nanoseconds, Flags, Nanoseconds]
 """Vehicle of each command; next_ns; lost packets, (n,); delay beyond the latency [ns], (n,)."""
 Onboard = tuple[Nanoseconds, Flags, Array]
-"""received_ns, locked, obeyed."""
+"""received_ns, locked, applied."""
 
 
 @compiled
@@ -67,13 +67,13 @@ def put(
 @compiled
 def watch(onboard: Onboard, now_ns: int) -> None:
     """Level vehicles that have received nothing for 0.5 s and cut their motors after 2 s."""
-    received_ns, locked, obeyed = onboard
+    received_ns, locked, applied = onboard
     for i in range(received_ns.size):
         silent_ns = now_ns - received_ns[i]
         if silent_ns > LEVEL_AFTER_NS:
-            obeyed[i, 1:] = 0.0
+            applied[i, 1:] = 0.0
         if silent_ns > CUT_AFTER_NS:
-            obeyed[i, 0] = 0.0
+            applied[i, 0] = 0.0
             locked[i] = True
 
 
@@ -89,12 +89,12 @@ def deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int]
         out: setpoints, (steps, n, 4).
     """
     when, what = flying
-    received_ns, locked, obeyed = onboard
+    received_ns, locked, applied = onboard
     now_ns, step_ns = clock
     watch(onboard, now_ns)
     steps, left = out.shape[0], 0
     for s in range(steps):
-        out[s] = obeyed
+        out[s] = applied
     for k in range(count):
         arrival_ns, row = when[k, 0], when[k, 1]
         if arrival_ns > now_ns + (steps - 1) * step_ns:
@@ -107,5 +107,5 @@ def deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int]
             out[s, row] = what[k]
             if locked[row]:
                 out[s, row, 0] = 0.0
-    obeyed[:] = out[steps - 1]
+    applied[:] = out[steps - 1]
     return left

@@ -62,9 +62,9 @@ class Radio:
         self._in_time = np.zeros(n, dtype=np.int64)
         self._flying = np.zeros((n, 2), dtype=np.int64), np.zeros((n, 4))  # packets in the air; they grow
         self._count = 0  # of them
-        locked, obeyed = np.full(n, not params.unlocked), np.zeros((n, 4))
-        obeyed[:, 0] = np.where(locked, 0.0, at_start)
-        self._onboard = np.zeros(n, dtype=np.int64), locked, obeyed
+        locked, applied = np.full(n, not params.unlocked), np.zeros((n, 4))
+        applied[:, 0] = np.where(locked, 0.0, at_start)
+        self._onboard = np.zeros(n, dtype=np.int64), locked, applied
         sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
         put(
             self._flying, 0, (np.zeros((4, 0)), self._rpyt_thrust_max), sent, (0, 0, 0)
@@ -82,7 +82,7 @@ class Radio:
         sent = rows, self._next_ns, jammed | self._lost(), self._late_ns()
         self._count = put(self._flying, self._count, asked, sent, (now_ns, self._gap_ns, self._latency_ns))
 
-    def obeyed(self, now_ns: int, step_ns: int, steps: int) -> Array:
+    def applied(self, now_ns: int, step_ns: int, steps: int) -> Array:
         """Return the setpoint of each vehicle in each physics step of the tick, (steps, n, 4)."""
         out = np.empty((steps, len(self._next_ns), 4))
         self._count = deliver(self._flying, self._count, self._onboard, (now_ns, step_ns), out)

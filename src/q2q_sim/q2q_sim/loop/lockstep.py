@@ -40,7 +40,7 @@ class CommandGate:
         return stamp_ns == self._stamp_ns if self._exact else stamp_ns > self._done_ns
 
 
-class Patience:
+class ResendTimer:
     """Time-outs of lockstep: when to publish a frame again, and when to fly on without a command.
 
     The frame of a stalled tick is published again every `again_s`. After `give_up_s` without an answer the
@@ -62,14 +62,14 @@ class Patience:
         """Record that the tick was answered."""
         self._limit = self._give_up_s
 
-    def gives_up(self, now: float) -> bool:
+    def has_expired(self, now: float) -> bool:
         """Return whether the tick is missed."""
         if now - self._since < self._limit:
             return False
         self._limit = self._again_s
         return True
 
-    def asks_again(self, now: float) -> bool:
+    def is_due(self, now: float) -> bool:
         """Return whether the tick's frame should be published again."""
         if now - self._asked < self._again_s:
             return False

@@ -28,7 +28,7 @@ from q2q_model.signals.values import (
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.link.radio import Radio, RadioParams, Rows
-from q2q_sim.loop.scenario_air import air_of, disturbed, weather_of
+from q2q_sim.loop.scenario_air import air_of, ambient_of_air, ambient_of_scenario
 from q2q_sim.plant.quadcopter import ACC
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 from q2q_sim.scenarios.scenario import Scenario
@@ -76,7 +76,11 @@ class Room:
         self._vicon = Vicon(scenario.vicon, n, TICK_S, seed)
         self._imu = Imu(scenario.imu, n, seed)
         replaced = scenario.air or air is not None
-        self._weather = weather_of(flown, n, TICK_S, seed) if replaced else disturbed(scenario, TICK_S, seed)
+        self._ambient = (
+            ambient_of_air(flown, n, TICK_S, seed)
+            if replaced
+            else ambient_of_scenario(scenario, TICK_S, seed)
+        )
         self._faults = FaultInjection(scenario.faults, scenario.names, TICK_NS, seed)
         hover = np.where(start[:, 2] > 0.0, vehicle.hover_thrust, 0.0)
         self._radio = Radio(_with_camera_latency(scenario), hover, vehicle, seed)
@@ -125,8 +129,8 @@ class Room:
         now_ns = self._tick * TICK_NS
         if command is not None:
             self._radio.send(now_ns, self._rows_of(command), command, self._faults.jammed(now_ns))
-        obeyed = self._radio.obeyed(now_ns, TICK_NS // STEPS, STEPS)
-        self._swarm.step(obeyed, self._faults.weakened(self._weather.drive(), now_ns))
+        applied = self._radio.applied(now_ns, TICK_NS // STEPS, STEPS)
+        self._swarm.step(applied, self._faults.weakened(self._ambient.drive(), now_ns))
         self._tick += 1
         self._seen = None
 
@@ -138,7 +142,7 @@ class Room:
     def fly(self, move: Callable[[Array], None]) -> None:
         """Advance by one tick in which `move` steps the swarm with the disturbance's drive (n, 7)."""
         self.capture()
-        move(self._weather.drive())
+        move(self._ambient.drive())
         self._tick += 1
         self._seen = None
 
@@ -165,7 +169,7 @@ class Room:
             raise ValueError(f"command for {who} is not finite: {values[bad][0]}; send finite numbers")
 
     def _true_downwash(self, truth: SwarmState) -> Interference:
-        push = self._weather.push(self._swarm.downwash())
+        push = self._ambient.push(self._swarm.downwash())
         return Interference(t=truth.t, names=truth.names, acc=push, std=self._exact, status=self._valid)
 
 

@@ -1,7 +1,7 @@
 """Flight of a room through nodes: what to publish after the start, a command and each timer event.
 
-In lockstep the command of a tick starts the next one; without it, the time-outs of `Patience` apply. In live
-flight, and with the vehicles' own firmware, ticks follow every 10 ms.
+In lockstep the command of a tick starts the next one; without it, the time-outs of `ResendTimer` apply. In
+live flight, and with the vehicles' own firmware, ticks follow every 10 ms.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
 from q2q_sim.air.air_names import AirError
 from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
-from q2q_sim.loop.lockstep import CommandGate, Patience
+from q2q_sim.loop.lockstep import CommandGate, ResendTimer
 from q2q_sim.loop.room import TICK_S, Room, Tick
 from q2q_sim.loop.simulator_params import SimulatorParams
 from q2q_sim.scenarios.scenario import Scenario
@@ -81,7 +81,7 @@ class RoomFlight:
         self._firmware = firmware
         self._lockstep = params.pace == "lockstep" and firmware is None
         self._gate = CommandGate(room.names, exact=self._lockstep)
-        self._patience = Patience(params.again_s, params.give_up_s)
+        self._resend = ResendTimer(params.again_s, params.give_up_s)
         self._reader = SignalReader(SwarmCommand)
         self._command: SwarmCommand | None = None
         self._tick: Tick | None = None
@@ -114,7 +114,7 @@ class RoomFlight:
         if command is None or not self.is_flying or self._command is not None:
             return NOTHING
         self.clock.command_in(self._wall_clock())
-        self._patience.answered()
+        self._resend.answered()
         self._command = command
         return self._advance() if self._lockstep else NOTHING
 
@@ -123,9 +123,9 @@ class RoomFlight:
         if self._tick is None:
             return NOTHING
         now = self._wall_clock()
-        if not self._lockstep or self._patience.gives_up(now):
+        if not self._lockstep or self._resend.has_expired(now):
             return self._advance()
-        return Output((_frame(self._tick),)) if self._patience.asks_again(now) else NOTHING
+        return Output((_frame(self._tick),)) if self._resend.is_due(now) else NOTHING
 
     def _advance(self) -> Output:
         self.health.ticks += 1
@@ -162,7 +162,7 @@ class RoomFlight:
         self._tick = tick = self._room.capture()
         self._gate.expect(tick.frame_stamp_ns)
         now = self._wall_clock()
-        self._patience.begin(now)
+        self._resend.begin(now)
         self.clock.frame_out(now)
         truths = (
             StampedSignal("truth", tick.truth, tick.stamp_ns),

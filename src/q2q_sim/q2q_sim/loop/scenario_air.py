@@ -31,28 +31,28 @@ def air_words(scenario: Scenario) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Weather:
+class AmbientDisturbance:
     """What the vehicles of a flight feel wherever they are."""
 
     disturbance: Disturbance
     offset: Array
     """Vertical acceleration of each vehicle by its own offset [m/s^2], (n,)."""
-    whole: bool
+    recorded: bool
     """Whether the wind is part of the recorded push of the air."""
 
     def drive(self) -> Array:
         """Return the drive of this tick, (n, 7), and advance the wind by one tick."""
         drive = self.disturbance.step()
-        if self.whole:
+        if self.recorded:
             drive[:, 2] += self.offset
         return drive
 
     def push(self, downwash: Array) -> Array:
         """Return the whole push of the air now [m/s^2], world, (n, 3), given that of downwash and ground."""
-        return downwash + self.disturbance.wind if self.whole else downwash
+        return downwash + self.disturbance.wind if self.recorded else downwash
 
 
-def weather_of(air: FlownAir, count: int, tick: float, seed: int) -> Weather:
+def ambient_of_air(air: FlownAir, count: int, tick: float, seed: int) -> AmbientDisturbance:
     """Return the weather of `count` vehicles in an air; `tick` is the period of its gusts [s]."""
     own, mean, params = None, STILL, DisturbanceParams()
     if isinstance(air, RoomAir):
@@ -62,10 +62,10 @@ def weather_of(air: FlownAir, count: int, tick: float, seed: int) -> Weather:
             params = DisturbanceParams(air_std=air.wind.gust_std_mps2, air_time=air.wind.gust_time_s)
     drawn = stream(seed, "vehicle offset").standard_normal(count)
     offset = np.zeros(count) if own is None else own.offset_mean_mps2 + own.offset_std_mps2 * drawn
-    return Weather(Disturbance(params, count, tick, seed, mean), offset, whole=True)
+    return AmbientDisturbance(Disturbance(params, count, tick, seed, mean), offset, recorded=True)
 
 
-def disturbed(scenario: Scenario, tick: float, seed: int) -> Weather:
+def ambient_of_scenario(scenario: Scenario, tick: float, seed: int) -> AmbientDisturbance:
     """Return the weather of a scenario's disturbance; it is not part of the recorded push."""
     n = len(scenario.names)
-    return Weather(Disturbance(scenario.disturbance, n, tick, seed), np.zeros(n), whole=False)
+    return AmbientDisturbance(Disturbance(scenario.disturbance, n, tick, seed), np.zeros(n), recorded=False)

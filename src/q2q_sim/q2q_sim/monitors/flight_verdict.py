@@ -23,7 +23,7 @@ from q2q_sim.monitors.metrics import tick_of
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
 from q2q_sim.monitors.policies.closeness import separation
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.floor import floor, touches
+from q2q_sim.monitors.policies.floor import floor, touches_floor
 from q2q_sim.monitors.policies.flown import evidence_of_flight
 from q2q_sim.monitors.policies.tracking import room
 
@@ -100,17 +100,17 @@ def verdict_line(flights: Sequence[tuple[str, FlightVerdict]]) -> str:
 
 
 def _words(broken: Violation) -> str:
-    said = f"{broken.who} {WORDS[broken.policy]} at {broken.t:.1f} s"
+    text = f"{broken.who} {WORDS[broken.policy]} at {broken.t:.1f} s"
     if broken.policy == "floor":
-        return said
+        return text
     measure = "apart" if broken.policy == "separation" else "from its setpoint"
-    return f"{said}, {broken.value:.2f} m {measure}"
+    return f"{text}, {broken.value:.2f} m {measure}"
 
 
 def _sent_down(evidence: Evidence, circumstances: Circumstances) -> Iterator[Finding]:
     """Yield the vehicles that their controller brought to the floor, away from their plan."""
     status = evidence.command_status
-    landed = touches(evidence, circumstances.limits)
+    landed = touches_floor(evidence, circumstances.limits)
     for row, name in enumerate(evidence.names):
         ends = {
             "motors were cut": status[:, row] == CommandStatus.CUT,

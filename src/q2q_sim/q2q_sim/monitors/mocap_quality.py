@@ -9,7 +9,7 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 
-DISBELIEF = 0.02
+REJECTED_OFFSET = 0.02
 """Distance from the filtered state beyond which a measurement counts as rejected [m]: ten times VICON's
 dynamic error of 2 mm (Merriaux et al., A study of Vicon system positioning performance, Sensors 2017)."""
 
@@ -24,7 +24,7 @@ class MocapQuality:
     """Fraction of all frames with the vehicle."""
     longest_gap_s: float
     """Longest time between two frames with the vehicle."""
-    disbelieved: int
+    rejected: int
     """Measurements that the filter did not follow."""
 
 
@@ -42,5 +42,5 @@ def _of(flight: Flight, row: int) -> MocapQuality:
         rate_hz=float(1.0 / np.median(gaps)) if len(gaps) else 0.0,
         seen_share=float(seen.mean()) if len(seen) else 0.0,
         longest_gap_s=float(gaps.max()) if len(gaps) else float("inf"),
-        disbelieved=int((offset[np.isfinite(offset)] > DISBELIEF).sum()),
+        rejected=int((offset[np.isfinite(offset)] > REJECTED_OFFSET).sum()),
     )

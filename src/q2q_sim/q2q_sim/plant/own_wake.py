@@ -13,7 +13,7 @@ class OwnWake:
         """Reset the wake; raise AirError if it fails in a trial."""
         self._wake = wake if isinstance(wake, CheckedWake) else CheckedWake(wake)
         self._step = setup.step
-        self._told = -1
+        self._acted_at = -1
         self._wake.reset(setup)
 
     def act(self, state: Array, steps: int) -> None:
@@ -22,12 +22,12 @@ class OwnWake:
         Raises:
             AirError: the class fails, or its answer cannot be flown in.
         """
-        if steps == self._told:
+        if steps == self._acted_at:
             return
         push = self._wake.push(_sources(state, steps * self._step))
         state[:, ETA_X], state[:, ETA_Y], state[:, ETA] = push.acc.T
         state[:, TORQUE] = push.torque
-        self._told = steps
+        self._acted_at = steps
 
 
 def _sources(state: Array, t: float) -> Sources:

@@ -61,7 +61,7 @@ class Processes:
         self._folder = folder
         self._environment = environment or {}
         self._running: dict[str, BaseProcess] = {}
-        self._excused: set[str] = set()
+        self._may_exit: set[str] = set()
 
     def __enter__(self) -> Self:
         """Return the set of processes."""
@@ -92,17 +92,17 @@ class Processes:
         )
 
     @property
-    def excused(self) -> frozenset[str]:
+    def may_exit(self) -> frozenset[str]:
         """Return the nodes that may have ended."""
-        return frozenset(self._excused)
+        return frozenset(self._may_exit)
 
-    def excuse(self, executable: str) -> None:
+    def expect_exit(self, executable: str) -> None:
         """Allow a node to end from now on."""
-        self._excused.add(executable)
+        self._may_exit.add(executable)
 
     def expect(self, executable: str) -> None:
         """Allow a node to end no longer."""
-        self._excused.discard(executable)
+        self._may_exit.discard(executable)
 
     def pid(self, executable: str) -> int:
         """Return a node's process id."""
@@ -112,11 +112,11 @@ class Processes:
         return pid
 
     def check(self) -> None:
-        """Raise NodeDiedError if a node has ended that is not excused."""
+        """Raise NodeDiedError if a node has ended that was not expected to."""
         for name, process in self._running.items():
-            if name not in self._excused and process.exitcode is not None:
-                words = self._last_words(name)
-                raise NodeDiedError(f"{name} ended with status {process.exitcode}: {words}")
+            if name not in self._may_exit and process.exitcode is not None:
+                output = self._last_output(name)
+                raise NodeDiedError(f"{name} ended with status {process.exitcode}: {output}")
 
     def end(self) -> dict[str, int]:
         """Send SIGINT to every node, wait, kill those that remain; return the exit statuses."""
@@ -130,7 +130,7 @@ class Processes:
     def _log(self, name: str) -> Path:
         return self._folder / f"{name}.log"
 
-    def _last_words(self, name: str) -> str:
+    def _last_output(self, name: str) -> str:
         lines = [line for line in self._log(name).read_text(errors="replace").splitlines() if line.strip()]
         return lines[-1] if lines else "no output"
 

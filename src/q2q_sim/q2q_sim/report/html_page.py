@@ -60,8 +60,8 @@ def _part(part: Grid | Sequence[Picture] | str) -> str:
 
 
 def _table(grid: Grid) -> str:
-    wordy = [any(len(cell) >= WORDS for cell in column) for column in zip(*grid.rows, strict=True)]
-    kinds = [' class="words"' if words else "" for words in wordy or [False] * len(grid.head)]
+    long_text = [any(len(cell) >= WORDS for cell in column) for column in zip(*grid.rows, strict=True)]
+    kinds = [' class="words"' if words else "" for words in long_text or [False] * len(grid.head)]
     lines = [_line("td", kinds, row) for row in grid.rows]
     head = _line("th", kinds, grid.head)
     return f"<table><thead>{head}</thead><tbody>{''.join(lines)}</tbody></table>"

@@ -27,7 +27,7 @@ from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.loop.lockstep import Patience
+from q2q_sim.loop.lockstep import ResendTimer
 from q2q_sim.loop.playback import Playback
 from q2q_sim.loop.topics import TYPE_NAMES
 
@@ -81,7 +81,7 @@ class Player:
         self._messages: Iterator[RawMessage] = iter(())
         self._next: RawMessage | None = None
         self._tick: RawMessage | None = None
-        self._patience = Patience(again_s=AGAIN_S, give_up_s=float("inf"))
+        self._resend = ResendTimer(again_s=AGAIN_S, give_up_s=float("inf"))
         self._health = Health()
         publish_health(node, self._health)
         self._playback = Playback(0, 0.0, self._params.rate)
@@ -135,11 +135,11 @@ class Player:
             self._play_tick()
 
     def _on_stall(self) -> None:
-        if self._tick is not None and self._patience.asks_again(monotonic()):
+        if self._tick is not None and self._resend.is_due(monotonic()):
             self._writers[self._tick.topic].publish(self._tick.data)
 
     def _play_tick(self) -> None:
-        self._patience.begin(monotonic())
+        self._resend.begin(monotonic())
         self._tick = None
         while self._next is not None:
             message = self._next

@@ -47,17 +47,17 @@ class Recorder:
         self._health = Health()
         self._by_header = params.stamps == "header"
         self._writer = BagWriter(Path(params.bag), facts=facts_from_text(params.facts))
-        for topic, kind in (_house(params.topics) | _extra(params.extra)).items():
+        for topic, kind in (_signal_types(params.topics) | _extra(params.extra)).items():
             whole = node.resolve_topic_name(topic)
             self._writer.add_topic(whole, kind)
-            node.create_subscription(_class_of(kind), topic, self._taker(whole), RECORD, raw=True)
+            node.create_subscription(_class_of(kind), topic, self._storing(whole), RECORD, raw=True)
         publish_health(node, self._health)
 
     def close(self) -> None:
         """Close the bag."""
         self._writer.close()
 
-    def _taker(self, topic: str) -> Callable[[bytes], None]:
+    def _storing(self, topic: str) -> Callable[[bytes], None]:
         def take(data: bytes) -> None:
             stamp = header_stamp_ns(data) if self._by_header else time_ns()
             self._writer.write_raw(topic, stamp, data)
@@ -66,7 +66,7 @@ class Recorder:
         return take
 
 
-def _house(chosen: tuple[str, ...]) -> dict[str, str]:
+def _signal_types(chosen: tuple[str, ...]) -> dict[str, str]:
     unknown = [topic for topic in chosen if topic not in TYPE_NAMES]
     if unknown:
         raise ValueError(f"parameter topics: no {', '.join(unknown)}; there are {', '.join(TYPE_NAMES)}")

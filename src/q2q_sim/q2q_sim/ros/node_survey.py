@@ -34,7 +34,7 @@ VEHICLE = "cf1"
 ANY_VEHICLE = "<name>"
 SCENARIO = "table6"
 
-Way = dict[str, ParameterValue]
+Configuration = dict[str, ParameterValue]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class NodeInterface:
 
     package: str
     executable: str
-    words: str
+    description: str
     """The node module's docstring."""
     ports: tuple[tuple[RecordedPort, str], ...]
     """Each with the parameters it requires; empty for always."""
@@ -64,11 +64,11 @@ def node_modules(package: str) -> list[str]:
         return [name for name in named if "main" in vars(import_module(f"{package}.ros.{name}"))]
 
 
-def ways(executable: str, folder: Path) -> list[Way]:
+def configurations(executable: str, folder: Path) -> list[Configuration]:
     """Return start configurations of a node that differ in topics or parameters, with files in `folder`."""
-    link: Way = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
-    bridged: Way = {"vehicles": (VEHICLE,)}
-    known: dict[str, list[Way]] = {
+    link: Configuration = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
+    bridged: Configuration = {"vehicles": (VEHICLE,)}
+    known: dict[str, list[Configuration]] = {
         "trajectory": [
             {"plan": str(folder / "plan.json"), "wait": True},
             {"plan": str(folder / "plan.json"), "wait": False},
@@ -130,22 +130,24 @@ def _surveyed(package: str, name: str) -> NodeInterface:
         folder = Path(scratch)
         plan_file.save(folder / "plan.json", assembly.plan_of(library.load(SCENARIO)))
         _write_bag(folder / "bag")
-        chosen = ways(executable, folder)
-        built = [_built(module, executable, way) for way in chosen]
+        chosen = configurations(executable, folder)
+        built = [_built(module, executable, configuration) for configuration in chosen]
     return NodeInterface(
         package=package,
         executable=executable,
-        words=(module.__doc__ or "").strip(),
+        description=(module.__doc__ or "").strip(),
         ports=tuple(_ports(built, chosen)),
         parameters=tuple(
-            {one.name: (one, node.heeds(one.name)) for node in built for one in node.parameters}.values()
+            {
+                one.name: (one, node.is_settable(one.name)) for node in built for one in node.parameters
+            }.values()
         ),
     )
 
 
-def _built(module: ModuleType, executable: str, way: Way) -> StandInNode:
+def _built(module: ModuleType, executable: str, configuration: Configuration) -> StandInNode:
     """Return the stand-in on which `main` of a node module has built its node, after one tick."""
-    node = StandInNode(executable, way)
+    node = StandInNode(executable, configuration)
     with ExitStack() as stack:
         stack.enter_context(standing_in())
         if executable in HARDWARE:
@@ -195,25 +197,26 @@ def _write_bag(folder: Path) -> None:
     writer.close()
 
 
-def _ports(built: list[StandInNode], chosen: list[Way]) -> list[tuple[RecordedPort, str]]:
+def _ports(built: list[StandInNode], chosen: list[Configuration]) -> list[tuple[RecordedPort, str]]:
     """Return every port once, with the parameters that it requires."""
-    owners: dict[RecordedPort, list[Way]] = {}
-    for node, way in zip(built, chosen, strict=True):
+    owners: dict[RecordedPort, list[Configuration]] = {}
+    for node, configuration in zip(built, chosen, strict=True):
         for port in dict.fromkeys(_of_any_vehicle(port) for port in node.ports):
-            owners.setdefault(port, []).append(way)
+            owners.setdefault(port, []).append(configuration)
     return [
-        (port, "" if len(having) == len(chosen) else _told(having, chosen)) for port, having in owners.items()
+        (port, "" if len(having) == len(chosen) else _distinction(having, chosen))
+        for port, having in owners.items()
     ]
 
 
-def _told(having: list[Way], chosen: list[Way]) -> str:
+def _distinction(having: list[Configuration], chosen: list[Configuration]) -> str:
     """Return the parameters shared by these configurations and no other; empty if there is no other."""
-    lacking = [way for way in chosen if way not in having]
+    lacking = [configuration for configuration in chosen if configuration not in having]
     if not lacking:
         return ""
-    shared = {key: value for key, value in having[0].items() if all(way.get(key) == value for way in having)}
-    telling = {key: value for key, value in shared.items() if all(way.get(key) != value for way in lacking)}
-    return ", ".join(f"`{key}`: {_plain(value)}" for key, value in telling.items())
+    shared = {key: value for key, value in having[0].items() if all(one.get(key) == value for one in having)}
+    distinct = {key: value for key, value in shared.items() if all(one.get(key) != value for one in lacking)}
+    return ", ".join(f"`{key}`: {_plain(value)}" for key, value in distinct.items())
 
 
 def _plain(value: ParameterValue) -> str:
@@ -224,5 +227,5 @@ def _of_any_vehicle(port: RecordedPort) -> RecordedPort:
     if not port.name.startswith(f"{VEHICLE}/"):
         return port
     return RecordedPort(
-        port.way, f"{ANY_VEHICLE}/{port.name.removeprefix(VEHICLE + '/')}", port.kind, port.quality
+        port.direction, f"{ANY_VEHICLE}/{port.name.removeprefix(VEHICLE + '/')}", port.kind, port.quality
     )

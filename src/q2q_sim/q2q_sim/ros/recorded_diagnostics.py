@@ -23,7 +23,7 @@ class NodeLife:
     node: str
     seconds: int
     """Number of its reports."""
-    troubled: int
+    warned: int
     """Number of reports with level WARN or ERROR."""
     worst: Level
     """The worst of OK, WARN and ERROR; STALE if it never ticked."""
@@ -46,6 +46,6 @@ def recorded_lives(bag: Path) -> tuple[NodeLife, ...]:
 
 def _life(node: str, reports: list[tuple[Level, str]]) -> NodeLife:
     levels = [level for level, _ in reports]
-    awake = [level for level in levels if level != Level.STALE]
-    troubled = sum(level in (Level.WARN, Level.ERROR) for level in levels)
-    return NodeLife(node, len(reports), troubled, max(awake, default=Level.STALE), reports[-1][1])
+    reported = [level for level in levels if level != Level.STALE]
+    warned = sum(level in (Level.WARN, Level.ERROR) for level in levels)
+    return NodeLife(node, len(reports), warned, max(reported, default=Level.STALE), reports[-1][1])

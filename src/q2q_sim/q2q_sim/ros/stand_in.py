@@ -23,8 +23,8 @@ Receive = Callable[..., None]
 class RecordedPort:
     """One topic or service of a node."""
 
-    way: str
-    """reads, publishes or serves."""
+    direction: str
+    """reads, publishes, serves or calls."""
     name: str
     kind: str
     """package/msg/Type or package/srv/Type."""
@@ -38,7 +38,7 @@ class Declared:
 
     name: str
     default: object
-    words: str
+    description: str
     """Description with unit."""
     allowed: str
     """Description of the allowed values; empty for any of its type."""
@@ -60,7 +60,7 @@ class Update:
     value: object
 
 
-class Deaf:
+class NullEntity:
     """Publisher, reader, logger or timer that does nothing."""
 
     topic_name = ""
@@ -96,34 +96,34 @@ class StandInNode:
         """Take the node's name and the parameters a user would have set."""
         self._name = name
         self._given = given
-        self.context = Deaf()
+        self.context = NullEntity()
         self.ports: list[RecordedPort] = []
         self.parameters: list[Declared] = []
         self.readers: list[tuple[type, Receive]] = []
         self._changed: list[Callable[[list[Update]], SetParametersResult]] = []
 
-    def create_publisher(self, kind: type, topic: str, qos: QoSProfile | int) -> Deaf:
+    def create_publisher(self, kind: type, topic: str, qos: QoSProfile | int) -> NullEntity:
         """Record a published topic."""
         self.ports.append(RecordedPort("publishes", topic, type_name(kind, "msg"), quality(qos)))
-        return Deaf()
+        return NullEntity()
 
     def create_subscription(
         self, kind: type, topic: str, receive: Receive, qos: QoSProfile | int, **_: object
-    ) -> Deaf:
+    ) -> NullEntity:
         """Record a subscribed topic and its callback."""
         self.ports.append(RecordedPort("reads", topic, type_name(kind, "msg"), quality(qos)))
         self.readers.append((kind, receive))
-        return Deaf()
+        return NullEntity()
 
-    def create_service(self, kind: type, name: str, _: Receive) -> Deaf:
+    def create_service(self, kind: type, name: str, _: Receive) -> NullEntity:
         """Record a service."""
         self.ports.append(RecordedPort("serves", name, type_name(kind, "srv"), ""))
-        return Deaf()
+        return NullEntity()
 
-    def create_client(self, kind: type, name: str) -> Deaf:
+    def create_client(self, kind: type, name: str) -> NullEntity:
         """Record a service client."""
         self.ports.append(RecordedPort("calls", name, type_name(kind, "srv"), ""))
-        return Deaf()
+        return NullEntity()
 
     def create_timer(self, _: float, __: Callable[[], None], **___: object) -> None:
         """Return a timer that never fires."""
@@ -144,13 +144,13 @@ class StandInNode:
         """Record a callback for parameters set in flight."""
         self._changed.append(changed)
 
-    def heeds(self, name: str) -> bool:
+    def is_settable(self, name: str) -> bool:
         """Return whether a parameter takes effect in flight: whether the node refuses an invalid value."""
         return any(_refuses(changed, Update(name, None)) for changed in self._changed)
 
-    def get_logger(self) -> Deaf:
+    def get_logger(self) -> NullEntity:
         """Return a logger without output."""
-        return Deaf()
+        return NullEntity()
 
     def get_name(self) -> str:
         """Return the node's name."""
@@ -189,10 +189,9 @@ def quality(qos: QoSProfile | int) -> str:
     """Return a description of a quality of service; a bare depth is reliable and volatile, as in rclpy."""
     if isinstance(qos, int):
         return f"reliable, volatile, depth {qos}"
-    words = (qos.reliability.name, qos.durability.name)
+    policies = ", ".join(one.name.lower().replace("_", " ") for one in (qos.reliability, qos.durability))
     terms = {"deadline": qos.deadline, "lease": qos.liveliness_lease_duration}
     asked = [
         f", {word} {term.nanoseconds * 1e-9:g} s" for word, term in terms.items() if term.nanoseconds > 0
     ]
-    words_told = ", ".join(word.lower().replace("_", " ") for word in words)
-    return f"{words_told}, depth {qos.depth}{''.join(asked)}"
+    return f"{policies}, depth {qos.depth}{''.join(asked)}"

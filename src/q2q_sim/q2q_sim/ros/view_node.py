@@ -25,7 +25,7 @@ from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.ros.scene_markers import marker_array
 from q2q_sim.view.foxglove_server import FoxgloveScene
-from q2q_sim.view.scene import Glimpse, SceneBuilder, SceneParams
+from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
 
 INPUTS: dict[str, type[Signal]] = {
     "state": SwarmState,
@@ -100,17 +100,17 @@ class View:
         self._last[topic] = value
         if not isinstance(value, SwarmState) or not self._due(value.t):
             return
-        scene = self._builder.update(glimpse(value, self._last))
+        scene = self._builder.update(scene_signals(value, self._last))
         self._markers.publish(marker_array(scene, stamp_ns))
         if self.foxglove is not None:
             self.foxglove.show(scene, stamp_ns)
         self._health.ticks += 1
 
 
-def glimpse(state: SwarmState, last: dict[str, Signal]) -> Glimpse:
+def scene_signals(state: SwarmState, last: dict[str, Signal]) -> SceneSignals:
     """Return the last signal of each kind with a state."""
     downwash, planned, safe = (last.get(topic) for topic in ("interference", "reference", "reference_safe"))
-    return Glimpse(
+    return SceneSignals(
         state,
         downwash if isinstance(downwash, Interference) else None,
         planned if isinstance(planned, SwarmSetpoint) else None,

@@ -150,7 +150,7 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
         reading=reading,
         wake=str(entries.get("wake", "none")),
         air=str(entries.get("air", "")),
-        air_without=_words(entries.get("air_without", []), "air_without"),
+        air_without=_strings(entries.get("air_without", []), "air_without"),
         in_air=scenario_from_document(name, document_in_air(entries), plan) if "in_air" in entries else None,
         model=str(entries.get("model", "none")),
         vicon=overridden(room.vicon, entries.get("vicon", {}), "vicon"),
@@ -277,7 +277,7 @@ def _reading(value: object) -> Reading:
     return READINGS[value]
 
 
-def _words(value: object, where: str) -> tuple[str, ...]:
+def _strings(value: object, where: str) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
         raise ValueError(f"{where} = {value!r}: a list of names is expected")
     return tuple(value)

@@ -17,7 +17,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.report.figures import COLOURS, REFERENCE_COLOUR
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.view.scene import Glimpse, SceneBuilder, SceneParams
+from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
 from q2q_sim.view.shapes import Scene, Shape, ShapeKind
 
 OUT = Path("docs/images")
@@ -54,7 +54,7 @@ def scene_at(scenario: Scenario, flight: Flight, t: float) -> Scene:
     builder = SceneBuilder(SceneParams(force_scale=FORCE_SCALE))
     builder.take_plan(plan_of(scenario))
     last = int(np.searchsorted(flight.t, t))
-    scenes = [builder.update(_glimpse(flight, tick)) for tick in range(last + 1)]
+    scenes = [builder.update(_scene_signals(flight, tick)) for tick in range(last + 1)]
     return scenes[-1]
 
 
@@ -97,7 +97,7 @@ def _draw_altitudes(figure: Figure, flights: dict[str, Flight]) -> None:
     axes.legend(loc="lower right")
 
 
-def _glimpse(flight: Flight, tick: int) -> Glimpse:
+def _scene_signals(flight: Flight, tick: int) -> SceneSignals:
     t, count = float(flight.t[tick]), len(flight.names)
     state = SwarmState(
         t=t,
@@ -116,4 +116,4 @@ def _glimpse(flight: Flight, tick: int) -> Glimpse:
         std=np.zeros((count, 3)),
         status=np.zeros(count, dtype=np.uint8),
     )
-    return Glimpse(state, interference)
+    return SceneSignals(state, interference)

@@ -18,14 +18,14 @@ MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then 
 
 def run(args: Namespace) -> int:
     """Write or check the pages; return the exit status."""
-    wanted = pages(survey())
-    stale = out_of_date(wanted, args.out)
+    current = pages(survey())
+    stale = out_of_date(current, args.out)
     if args.check:
         for name in stale:
             print(f"docs: {args.out / name} is out of date: run scripts/docs", file=sys.stderr)
         return 1 if stale else 0
-    write(wanted, args.out)
-    print(f"docs: {len(wanted)} pages in {args.out}, {len(stale)} new or changed")
+    write(current, args.out)
+    print(f"docs: {len(current)} pages in {args.out}, {len(stale)} new or changed")
     if args.images:
         print(*(f"docs: {path}" for path in write_images()), sep="\n")
     return 0
@@ -36,26 +36,30 @@ def pages(nodes: Sequence[NodeInterface]) -> dict[str, str]:
     return {f"{node.executable}.md": page(node) for node in nodes} | {"README.md": index(nodes)}
 
 
-def out_of_date(wanted: dict[str, str], folder: Path) -> list[str]:
-    """Return the pages in `folder` that are missing, differ from `wanted`, or belong to no node."""
+def out_of_date(current: dict[str, str], folder: Path) -> list[str]:
+    """Return the pages in `folder` that are missing, differ from `current`, or belong to no node."""
     there = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.md")}
-    return sorted(name for name in {*wanted, *there} if wanted.get(name) != there.get(name))
+    return sorted(name for name in {*current, *there} if current.get(name) != there.get(name))
 
 
-def write(wanted: dict[str, str], folder: Path) -> None:
+def write(current: dict[str, str], folder: Path) -> None:
     """Write every page and delete pages of removed nodes."""
     folder.mkdir(parents=True, exist_ok=True)
     for path in folder.glob("*.md"):
-        if path.name not in wanted:
+        if path.name not in current:
             path.unlink()
-    for name, text in wanted.items():
+    for name, text in current.items():
         (folder / name).write_text(text, encoding="utf-8")
 
 
 def index(nodes: Sequence[NodeInterface]) -> str:
     """Return the list of the nodes."""
     rows = [
-        (f"[`{node.executable}`]({node.executable}.md)", f"`{node.package}`", node.words.splitlines()[0])
+        (
+            f"[`{node.executable}`]({node.executable}.md)",
+            f"`{node.package}`",
+            node.description.splitlines()[0],
+        )
         for node in nodes
     ]
     return f"{MADE}\n# Nodes\n\n{table(('node', 'package', 'what it does'), rows)}"
@@ -64,12 +68,12 @@ def index(nodes: Sequence[NodeInterface]) -> str:
 def page(node: NodeInterface) -> str:
     """Return a node's page."""
     command = f"    ros2 run {node.package} {node.executable}"
-    topics = [_port_row(port, when) for port, when in node.ports if port.way != "serves"]
-    services = [_port_row(port, when)[1:] for port, when in node.ports if port.way == "serves"]
-    parameters = [_parameter_row(one, heeded=heeded) for one, heeded in node.parameters]
+    topics = [_port_row(port, when) for port, when in node.ports if port.direction != "serves"]
+    services = [_port_row(port, when)[1:] for port, when in node.ports if port.direction == "serves"]
+    parameters = [_parameter_row(one, settable=settable) for one, settable in node.parameters]
     return "\n".join(
         [
-            f"{MADE}\n# {node.executable}\n\n{node.words}\n\n{command}\n\n## Topics\n",
+            f"{MADE}\n# {node.executable}\n\n{node.description}\n\n{command}\n\n## Topics\n",
             table(("", "topic", "type", "quality of service", "only with"), topics),
             "## Services\n",
             table(("service", "type", "", "only with"), services),
@@ -95,12 +99,12 @@ def _in_cell(text: str) -> str:
 
 
 def _port_row(port: RecordedPort, when: str) -> tuple[str, ...]:
-    return port.way, f"`{port.name}`", f"`{port.kind}`", port.quality, when
+    return port.direction, f"`{port.name}`", f"`{port.kind}`", port.quality, when
 
 
-def _parameter_row(one: Declared, *, heeded: bool) -> tuple[str, ...]:
-    changes = "may change" if heeded and not one.read_only else "fixed"
-    return f"`{one.name}`", f"`{_default(one.default)}`", one.allowed, changes, one.words
+def _parameter_row(one: Declared, *, settable: bool) -> tuple[str, ...]:
+    changes = "may change" if settable and not one.read_only else "fixed"
+    return f"`{one.name}`", f"`{_default(one.default)}`", one.allowed, changes, one.description
 
 
 def _default(default: object) -> str:

@@ -46,7 +46,7 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
     samples = force_samples(push_of_log(name, log, motion))
     found = scored(samples, flight.eta[at, :, 2])
     picture = figures.save(draw(samples, log.names, flight.eta[at, :, 2]), OUT / f"{name}.png")
-    tell(name, chosen, found)
+    print_score(name, chosen, found)
     print(f"plot: {picture}")
     if json_file:
         json_file.write_text(json.dumps({"flight": name, "model": chosen, **asdict(found)}, indent=1) + "\n")
@@ -60,7 +60,7 @@ def scored(samples: Sequence[ForceSamples], eta_z: Array) -> ForceScore:
     return pooled(y, misses, samples)
 
 
-def tell(name: str, model: str, found: ForceScore) -> None:
+def print_score(name: str, model: str, found: ForceScore) -> None:
     """Print the score."""
     if found.r2_exposed is None or found.rmse_exposed_mps2 is None:
         print(f"{name}: no sample lies under another vehicle; nothing to score")

@@ -153,7 +153,7 @@ def _mocap(one: Reported) -> list[tuple[str, ...]]:
             f"{quality.rate_hz:.1f}",
             f"{100.0 * quality.seen_share:.2f}",
             _text(quality.longest_gap_s),
-            str(quality.disbelieved),
+            str(quality.rejected),
         )
         for name, quality in one.quality.items()
     ]
@@ -162,7 +162,7 @@ def _mocap(one: Reported) -> list[tuple[str, ...]]:
 def _nodes(flights: Sequence[Reported]) -> list[Grid]:
     """Return the table of the nodes; none if no bag has `/diagnostics`."""
     rows = [
-        (one.flight.name, life.node, str(life.seconds), str(life.troubled), life.worst.name, life.values)
+        (one.flight.name, life.node, str(life.seconds), str(life.warned), life.worst.name, life.values)
         for one in flights
         for life in one.lives
     ]

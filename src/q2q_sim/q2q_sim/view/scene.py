@@ -82,7 +82,7 @@ class SceneParams:
 
 
 @dataclass(frozen=True, slots=True)
-class Glimpse:
+class SceneSignals:
     """Signals at one time; missing ones are not drawn."""
 
     state: SwarmState
@@ -113,7 +113,7 @@ class SceneBuilder:
             times = np.arange(0.0, curve.duration + PLAN_STEP, PLAN_STEP).clip(max=curve.duration)
             self._plans[name] = tuple(point_of(row) for row in curve.at(times)[:, :3])
 
-    def update(self, seen: Glimpse) -> Scene:
+    def update(self, seen: SceneSignals) -> Scene:
         """Return the scene at the time of `seen.state`; call in order of time."""
         state = seen.state
         known = [row for row in range(len(state.names)) if np.isfinite(state.pos[row]).all()]
@@ -154,7 +154,7 @@ class SceneBuilder:
             for row, bad in zip(known, inside.tolist(), strict=True)
         ]
 
-    def _forces(self, seen: Glimpse, row: int) -> list[Shape]:
+    def _forces(self, seen: SceneSignals, row: int) -> list[Shape]:
         eta = _of(seen.interference, seen.state.names[row])
         if eta is None or not np.linalg.norm(eta) >= FORCE_SHOWN:
             return []
@@ -162,16 +162,16 @@ class SceneBuilder:
         ends = (point_of(tail), point_of(tail + self._params.force_scale * eta))
         return [Shape(ShapeKind.ARROW, "force", row, FORCE, ends, (THICK, 0.0, 0.0))]
 
-    def _paths(self, seen: Glimpse, known: list[int]) -> list[Shape]:
+    def _paths(self, seen: SceneSignals, known: list[int]) -> list[Shape]:
         made = []
         for row in known:
             name, own = seen.state.names[row], COLOURS[row % len(COLOURS)]
             planned = self._trail("plan", name, seen.state.t, _setpoint_of(seen.reference, name))
             safe = self._trail("replanned", name, seen.state.t, _setpoint_of(seen.reference_safe, name))
             flown = self._trail("flown", name, seen.state.t, seen.state.pos[row])
-            faint = (*own[:3], 0.35)
+            pale = (*own[:3], 0.35)
             made += [
-                Shape(ShapeKind.LINE, "plan", row, faint, self._plans.get(name, planned), (THIN, 0.0, 0.0)),
+                Shape(ShapeKind.LINE, "plan", row, pale, self._plans.get(name, planned), (THIN, 0.0, 0.0)),
                 Shape(ShapeKind.LINE, "replanned", row, REPLANNED, safe, (THIN, 0.0, 0.0)),
                 Shape(ShapeKind.LINE, "flown", row, own, flown, (THIN, 0.0, 0.0)),
             ]

@@ -102,11 +102,7 @@ def _process(parts: Sequence[_Part]) -> ResidualProcess | None:
     correlation = sums[:, 0] / sums[:, 1] / size
     try:
         (share, time), _ = curve_fit(
-            lambda h, c, t: c * np.exp(-h / t),
-            LAGS,
-            correlation,
-            (0.8, 0.08),
-            bounds=([0.0, 0.01], [1.0, 5.0]),
+            _decaying, LAGS, correlation, (0.8, 0.08), bounds=([0.0, 0.01], [1.0, 5.0])
         )
     except RuntimeError:  # no convergence
         return None

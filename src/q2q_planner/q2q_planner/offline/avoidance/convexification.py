@@ -29,7 +29,7 @@ SOFTEST = 0.1
 HARDEN = 0.3
 """Factor on the softness from step to step."""
 FEWEST_SAMPLES = 64
-HOPELESS = 0.2
+DEEPEST = 0.2
 """Depth, in radii, beyond which denser samples do not help."""
 
 
@@ -85,7 +85,7 @@ def search(problem: Problem, start: Start) -> Attempt:
         steps += taken
         plan = _bent_plan(problem, bends)
         proof = certify(plan, problem.lathe)
-        if proof.holds or proof.clearance < -HOPELESS * problem.lathe.eps:
+        if proof.holds or proof.clearance < -DEEPEST * problem.lathe.eps:
             break
         spacing, side, softness = 0.5 * spacing, np.ones_like(side), HARD
     return Attempt(plan, proof, plan_cost(plan), steps)

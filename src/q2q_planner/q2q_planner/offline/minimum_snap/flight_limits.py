@@ -78,7 +78,7 @@ def peak_norm(trajectory: Trajectory, derivative: int, offset: Array | None = No
         length = np.tile(0.5 * length[near], 2)
 
 
-def check_flyable(plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: Vehicle) -> None:
+def check_feasible(plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: Vehicle) -> None:
     """Raise ValueError with vehicle, waypoint and bound if a trajectory needs too much thrust."""
     for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
         peak = peak_norm(trajectory, 2, np.array([0.0, 0.0, GRAVITY]))
@@ -130,7 +130,7 @@ def timed_document(document: object, limits: FlightLimits, reading: Reading = "s
 
 
 def _timed_rows(rows: object, limits: FlightLimits, reading: Reading) -> object:
-    if not isinstance(rows, list) or len(rows) < 2 or not all(_wants_time(row) for row in rows):
+    if not isinstance(rows, list) or len(rows) < 2 or not all(_lacks_time(row) for row in rows):
         return rows
     if not all(abs(value) <= FARTHEST for row in rows for value in row["pos"]):  # also NaN
         return [{**row, "t": float(index)} for index, row in enumerate(rows)]  # for the reader to refuse
@@ -139,7 +139,7 @@ def _timed_rows(rows: object, limits: FlightLimits, reading: Reading) -> object:
     return [{**row, "t": float(t)} for row, t in zip(rows, times, strict=True)]
 
 
-def _wants_time(row: object) -> bool:
+def _lacks_time(row: object) -> bool:
     if not isinstance(row, Mapping) or "t" in row:
         return False
     pos = row.get("pos")

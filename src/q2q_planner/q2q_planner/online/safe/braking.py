@@ -136,12 +136,12 @@ def _motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, 
         first = min(when[row], motions.hold[row])
         speed = _speed(vel[row], acc[row], first)
         late = min(when[row] - first, speed / brake)
-        way = late - 0.5 * brake * late * late / speed if speed > 0.0 else 0.0
+        distance = late - 0.5 * brake * late * late / speed if speed > 0.0 else 0.0
         left = max(0.0, 1.0 - brake * late / speed) if speed > 0.0 else 0.0
         for axis in range(3):
             rate = vel[row, axis] + acc[row, axis] * first
             begun = pos[row, axis] + vel[row, axis] * first + 0.5 * acc[row, axis] * first * first
-            there[row, axis] = begun + rate * way
+            there[row, axis] = begun + rate * distance
             moving[row, axis] = rate * left
     return there, moving
 

@@ -28,7 +28,7 @@ class Pairs(NamedTuple):
 class StoppingSpace(NamedTuple):
     """Space that each row may need."""
 
-    ways: Array
+    stopping_distances: Array
     """Stopping distance with all growth [m], (rows,)."""
     growth: Array
     """g0 [m] and g1 [m/s], (rows, 2)."""
@@ -64,7 +64,7 @@ def broad_phase(pos: Array, vel: Array, room: StoppingSpace, limits: SweepLimits
 
 @compiled
 def _sweep(pos: Array, vel: Array, order: Rows, room: StoppingSpace, limits: SweepLimits) -> Pairs:
-    ways, growth = room.ways, room.growth
+    stopping_distances, growth = room.stopping_distances, room.growth
     first, second = np.empty(4 * len(order), np.intp), np.empty(4 * len(order), np.intp)
     count = 0
     for a in range(len(order)):
@@ -84,7 +84,7 @@ def _sweep(pos: Array, vel: Array, order: Rows, room: StoppingSpace, limits: Swe
             closing += max(0.0, -(x * u + y * v) / across) if side > 0.0 else 0.0
             closing += growth[i, 1] + growth[j, 1]
             if (
-                h > ways[i] + ways[j]
+                h > stopping_distances[i] + stopping_distances[j]
                 and 2.0 * limits.pole * closing + limits.push < limits.pole * limits.pole * h
             ):
                 continue

@@ -83,13 +83,13 @@ def _near_pairs(new: Motions, old: Motions, pairs: Pairs, law: BrakingLaw) -> Ro
     longest = max(_stopping_time(new, law.brake), _stopping_time(old, law.brake))
     rate = new.growth[:, 1].max()
     late = rate * (longest + 2.0 * rate / law.brake)
-    ways = np.maximum(_reach(new, law.brake), _reach(old, law.brake)) + late
+    stopping_distances = np.maximum(_reach(new, law.brake), _reach(old, law.brake)) + late
     found = np.empty(pairs.i.size, np.intp)
     count = 0
     for row in range(pairs.i.size):
         i, j = pairs.i[row], pairs.j[row]
         x, y = new.pos[i, 0] - new.pos[j, 0], new.pos[i, 1] - new.pos[j, 1]
-        far = ways[i] + ways[j]
+        far = stopping_distances[i] + stopping_distances[j]
         if np.sqrt(x * x + y * y) - law.eps > far or abs(new.pos[i, 2] - new.pos[j, 2]) - law.d > far:
             continue
         found[count] = row

@@ -96,10 +96,10 @@ class SafeReplanner:
         growth = own_uncertainty(committed, known, params)
         external = self._last_known.external(names, setpoint.t, params.forget)
         committed, traffic = traffic_at(committed, setpoint, growth, external, params)
-        wanted, pushed = _wanted(committed, setpoint, traffic, params)
+        desired, pushed = _desired(committed, setpoint, traffic, params)
         self._recognise(names, external.names)
-        choice = _choice(committed, traffic, wanted, self._proven, params)
-        self._committed = _decided(committed, wanted, choice, pushed, params.hold)
+        choice = _choice(committed, traffic, desired, self._proven, params)
+        self._committed = _decided(committed, desired, choice, pushed, params.hold)
         broken = ((choice == BROKEN) | off_trajectory(committed, known, params)) & params.enabled
         self._answer = _answer(setpoint, self._committed, broken, params.acc_max)
         return self._answer
@@ -115,7 +115,7 @@ class SafeReplanner:
         self._known, self._proven = (own, external), proven
 
 
-def _wanted(
+def _desired(
     committed: CommittedMotion, setpoint: SwarmSetpoint, traffic: TrafficTable, params: SafeReplannerParams
 ) -> tuple[Array, Mask]:
     """Return the swarm's wanted accelerations (n, 3), and which vehicles the barrier changed (n,)."""
@@ -142,7 +142,7 @@ def _wanted(
 def _choice(
     committed: CommittedMotion,
     traffic: TrafficTable,
-    wanted: Array,
+    desired: Array,
     proven: Proven,
     params: SafeReplannerParams,
 ) -> Choices:
@@ -150,7 +150,7 @@ def _choice(
     if not (params.enabled and len(traffic.pairs.i)):
         return np.full(traffic.own, NEW, dtype=np.int8)
     own, acc = traffic.own, np.zeros_like(traffic.pos)
-    acc[:own] = wanted
+    acc[:own] = desired
     new = Motions(traffic.pos, traffic.vel, acc, np.full(len(acc), params.hold), traffic.growth)
     certain = traffic.growth[:own] * np.array([1.0, 0.0])  # a proven motion needs no growth rate
     going = committed.pos, committed.vel, committed.acc, committed.hold, certain
@@ -172,13 +172,13 @@ def _limited(acc: Array, most: float) -> Array:
 
 
 def _decided(
-    committed: CommittedMotion, wanted: Array, choice: Choices, pushed: Mask, hold: float
+    committed: CommittedMotion, desired: Array, choice: Choices, pushed: Mask, hold: float
 ) -> CommittedMotion:
     """Return the motion that the swarm commits to."""
     fresh = choice != OLD
     return replace(
         committed,
-        acc=np.where(fresh[:, None], wanted, committed.acc),
+        acc=np.where(fresh[:, None], desired, committed.acc),
         hold=np.where(fresh, hold, committed.hold),
         on_reference=committed.on_reference & fresh & ~pushed,
         pushed=pushed | ~fresh,

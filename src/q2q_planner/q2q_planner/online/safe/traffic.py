@@ -150,20 +150,25 @@ def _with_pairs(
     )
     if len(whole.pos) < 2:
         return whole
-    ways, speed = _ways_to_rest(whole, params)
+    stopping, speed = _stopping_distances(whole, params)
     closing = 2.0 * speed + 2.0 * float(whole.growth[:, 1].max())
     approach = 2.0 * closing / params.approach + 2.0 * params.acc_max / params.approach**2
     reach = (
-        params.eps + params.margin + 2.0 * max(float(ways.max()), float(whole.growth[:, 0].max()) + approach)
+        params.eps
+        + params.margin
+        + 2.0 * max(float(stopping.max()), float(whole.growth[:, 0].max()) + approach)
     )
     limits = SweepLimits(whole.own, params.eps, params.d, reach, params.approach, 2.0 * params.acc_max)
-    return replace(whole, pairs=broad_phase(whole.pos, whole.vel, StoppingSpace(ways, whole.growth), limits))
+    return replace(
+        whole,
+        pairs=broad_phase(whole.pos, whole.vel, StoppingSpace(stopping, whole.growth), limits),
+    )
 
 
-def _ways_to_rest(traffic: TrafficTable, params: SafeReplannerParams) -> tuple[Array, float]:
+def _stopping_distances(traffic: TrafficTable, params: SafeReplannerParams) -> tuple[Array, float]:
     """Return the stopping distance of each row with growth [m], (rows,), and the largest speed [m/s]."""
     fast = np.sqrt((traffic.vel**2).sum(-1)) + params.acc_max * params.hold
     top, rate = float(fast.max()), 2.0 * float(traffic.growth[:, 1].max())
     rest = params.hold + (top + rate) / params.acc_max
-    way = fast * (params.hold + 0.5 * fast / params.acc_max)
-    return way + traffic.growth[:, 0] + traffic.growth[:, 1] * rest, top
+    distance = fast * (params.hold + 0.5 * fast / params.acc_max)
+    return distance + traffic.growth[:, 0] + traffic.growth[:, 1] * rest, top

@@ -47,7 +47,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     if packet.channel == META and kind == NOTIFY_STOP:
         firmware.relax()
     if packet.channel == SETPOINT:
-        firmware.obey(_setpoint(kind, packet.data[1:], firmware.parameters))
+        firmware.accept(_setpoint(kind, packet.data[1:], firmware.parameters))
     return []
 
 

@@ -53,7 +53,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     return [packet.answer(packet.data[:3].ljust(3, b"\0") + bytes([answer]))]
 
 
-def _obeys(firmware: Firmware, mask: float) -> bool:
+def _addressed(firmware: Firmware, mask: float) -> bool:
     return mask == 0 or bool(int(mask) & int(firmware.parameters["hlCommander.groupmask"]))
 
 
@@ -63,7 +63,7 @@ def _flying(act: Callable[[Firmware, bytes], PlannerAnswer]) -> Callable[[Firmwa
     def guarded(firmware: Firmware, data: bytes) -> PlannerAnswer:
         if not firmware.supervisor.may_fly:
             return PlannerAnswer.BLOCKED
-        return act(firmware, data) if _obeys(firmware, byte(data, 0)) else PlannerAnswer.OK
+        return act(firmware, data) if _addressed(firmware, byte(data, 0)) else PlannerAnswer.OK
 
     return guarded
 
@@ -74,7 +74,7 @@ def _set_mask(firmware: Firmware, data: bytes) -> PlannerAnswer:
 
 
 def _stop(firmware: Firmware, data: bytes) -> PlannerAnswer:
-    return firmware.planner.stop() if _obeys(firmware, byte(data, 0)) else PlannerAnswer.OK
+    return firmware.planner.stop() if _addressed(firmware, byte(data, 0)) else PlannerAnswer.OK
 
 
 def _vertical(data: bytes) -> Vertical:

@@ -60,7 +60,7 @@ def value_in(kind: NumberType, data: bytes) -> Value:
     value = read(kind.layout, data)[0]
     if not math.isfinite(value):
         raise MalformedError(f"value {value}: must be finite")
-    return int(value) if kind.whole else value
+    return int(value) if kind.integer else value
 
 
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:

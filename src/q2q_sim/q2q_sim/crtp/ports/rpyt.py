@@ -1,4 +1,4 @@
-"""Port 3: roll, pitch, yaw rate and thrust, as from a stick.
+"""Port 3: RPYT setpoints (roll, pitch, yaw rate, thrust).
 
 Source: firmware: modules/src/crtp_commander_rpyt.c. Three floats and a uint16:
 
@@ -20,7 +20,7 @@ import struct
 from dataclasses import replace
 from typing import NamedTuple
 
-from q2q_model.vehicle.thrust_map import PWM_STICK_MAX
+from q2q_model.vehicle.thrust_map import RPYT_PWM_MAX
 from q2q_sim.crtp.packets.fields import read
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.firmware.commander.commander import Priority
@@ -33,12 +33,12 @@ PWM_MIN = 1000
 """MIN_THRUST."""
 MIDDLE = 32767.0
 """Thrust of zero climb rate under althold; twice it is 1 m/s."""
-STICK_PER_SPEED = 30.0
-"""Stick angle for 1 m/s under poshold [deg]."""
+ANGLE_PER_SPEED = 30.0
+"""Angle for 1 m/s under poshold [deg]."""
 
 
-class Stick(NamedTuple):
-    """Fields of a packet, as sent."""
+class Rpyt(NamedTuple):
+    """Fields of an RPYT setpoint, as sent."""
 
     roll: float
     pitch: float
@@ -55,31 +55,32 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
         firmware.thrust_locked = True
     if thrust == 0:
         firmware.thrust_locked = False
-    stick = Stick(roll, pitch, yaw, thrust)
-    firmware.obey(_setpoint(stick, firmware.requested, firmware.parameters, locked=firmware.thrust_locked))
+    rpyt = Rpyt(roll, pitch, yaw, thrust)
+    firmware.accept(_setpoint(rpyt, firmware.requested, firmware.parameters, locked=firmware.thrust_locked))
     return []
 
 
-def _setpoint(stick: Stick, last: Setpoint, mode: Parameters, *, locked: bool) -> Setpoint:
-    pwm = 0.0 if locked or stick.thrust < PWM_MIN else min(stick.thrust, float(PWM_STICK_MAX))
-    return _turning(stick, _tilting(stick, _lifting(stick, replace(last, thrust_pwm=pwm), mode), mode), mode)
+def _setpoint(rpyt: Rpyt, last: Setpoint, mode: Parameters, *, locked: bool) -> Setpoint:
+    pwm = 0.0 if locked or rpyt.thrust < PWM_MIN else min(rpyt.thrust, float(RPYT_PWM_MAX))
+    made = _with_height(rpyt, replace(last, thrust_pwm=pwm), mode)
+    return _with_yaw(rpyt, _with_tilt(rpyt, made, mode), mode)
 
 
-def _lifting(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
+def _with_height(rpyt: Rpyt, made: Setpoint, mode: Parameters) -> Setpoint:
     if not mode.flag("flightmode.althold"):
         return replace(made, z=Mode.DISABLE)
-    climb = (stick.thrust - MIDDLE) / MIDDLE
+    climb = (rpyt.thrust - MIDDLE) / MIDDLE
     return replace(made, z=Mode.VELOCITY, vel=(*made.vel[:2], climb), thrust_pwm=0.0)
 
 
-def _tilting(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
+def _with_tilt(rpyt: Rpyt, made: Setpoint, mode: Parameters) -> Setpoint:
     if mode.flag("flightmode.poshold"):
-        return _moving(stick, made)
-    if mode.flag("flightmode.posSet") and stick.thrust != 0:
-        return _placed(stick, made)
+        return _with_velocity(rpyt, made)
+    if mode.flag("flightmode.posSet") and rpyt.thrust != 0:
+        return _with_position(rpyt, made)
     by_angle = mode.flag("flightmode.stabModeRoll"), mode.flag("flightmode.stabModePitch")
-    roll, roll_rate = (stick.roll, 0.0) if by_angle[0] else (0.0, stick.roll)
-    pitch, pitch_rate = (stick.pitch, 0.0) if by_angle[1] else (0.0, stick.pitch)
+    roll, roll_rate = (rpyt.roll, 0.0) if by_angle[0] else (0.0, rpyt.roll)
+    pitch, pitch_rate = (rpyt.pitch, 0.0) if by_angle[1] else (0.0, rpyt.pitch)
     return replace(
         made,
         x=Mode.DISABLE,
@@ -92,19 +93,19 @@ def _tilting(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
     )
 
 
-def _moving(stick: Stick, made: Setpoint) -> Setpoint:
+def _with_velocity(rpyt: Rpyt, made: Setpoint) -> Setpoint:
     return replace(
         made,
         x=Mode.VELOCITY,
         y=Mode.VELOCITY,
         roll=Mode.DISABLE,
         pitch=Mode.DISABLE,
-        vel=(stick.pitch / STICK_PER_SPEED, stick.roll / STICK_PER_SPEED, made.vel[2]),
+        vel=(rpyt.pitch / ANGLE_PER_SPEED, rpyt.roll / ANGLE_PER_SPEED, made.vel[2]),
         attitude_deg=(0.0, 0.0, made.attitude_deg[2]),
     )
 
 
-def _placed(stick: Stick, made: Setpoint) -> Setpoint:
+def _with_position(rpyt: Rpyt, made: Setpoint) -> Setpoint:
     return replace(
         made,
         x=Mode.ABS,
@@ -113,17 +114,17 @@ def _placed(stick: Stick, made: Setpoint) -> Setpoint:
         roll=Mode.DISABLE,
         pitch=Mode.DISABLE,
         yaw=Mode.ABS,
-        pos=(-stick.pitch, stick.roll, stick.thrust / 1000.0),
-        attitude_deg=(0.0, 0.0, stick.yaw),
+        pos=(-rpyt.pitch, rpyt.roll, rpyt.thrust / 1000.0),
+        attitude_deg=(0.0, 0.0, rpyt.yaw),
         thrust_pwm=0.0,
     )
 
 
-def _turning(stick: Stick, made: Setpoint, mode: Parameters) -> Setpoint:
+def _with_yaw(rpyt: Rpyt, made: Setpoint, mode: Parameters) -> Setpoint:
     if mode.flag("flightmode.posSet"):
         return made
     roll, pitch, _ = made.attitude_deg
     if mode.flag("flightmode.stabModeYaw"):
         still = (*made.rate_deg[:2], 0.0)
-        return replace(made, yaw=Mode.ABS, attitude_deg=(roll, pitch, stick.yaw), rate_deg=still)
-    return replace(made, yaw=Mode.VELOCITY, rate_deg=(*made.rate_deg[:2], -stick.yaw))
+        return replace(made, yaw=Mode.ABS, attitude_deg=(roll, pitch, rpyt.yaw), rate_deg=still)
+    return replace(made, yaw=Mode.VELOCITY, rate_deg=(*made.rate_deg[:2], -rpyt.yaw))

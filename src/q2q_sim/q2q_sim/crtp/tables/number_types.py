@@ -19,11 +19,11 @@ class NumberType:
     """Code in the parameter table; None if it cannot be a parameter."""
     high: float
     """Largest value."""
-    whole: bool = True
+    integer: bool = True
 
     def packed(self, value: float) -> bytes:
         """Return a value as the firmware casts it: integers towards zero and modulo the width."""
-        if not self.whole:
+        if not self.integer:
             return self.layout.pack(value if abs(value) <= self.high else math.copysign(math.inf, value))
         bits = 8 * self.layout.size
         wrapped = int(value if math.isfinite(value) else 0.0) % (1 << bits)
@@ -43,8 +43,8 @@ TYPES = {
     "int8": _integer("b", 4, 0x00),
     "int16": _integer("h", 5, 0x01),
     "int32": _integer("i", 6, 0x02),
-    "float": NumberType(struct.Struct("<f"), 7, 0x06, 3.4028234e38, whole=False),
-    "fp16": NumberType(struct.Struct("<e"), 8, None, 65504.0, whole=False),
+    "float": NumberType(struct.Struct("<f"), 7, 0x06, 3.4028234e38, integer=False),
+    "fp16": NumberType(struct.Struct("<e"), 8, None, 65504.0, integer=False),
 }
 """C type to its NumberType."""
 

@@ -33,7 +33,7 @@ def run(given: Namespace) -> int:
     numbers = read(given.json, given.seeds)
     if not given.table_only:
         _fill(numbers, [case for case in CASES if not given.only or case.scenario in given.only], given)
-    words = [word for word in given.words if word != TABLE_ONLY]
+    words = [word for word in given.argv if word != TABLE_ONLY]
     write(numbers, given.out, f"ros2 run q2q_sim ablation {shlex.join(words)}")
     print(f"page: {given.out}\nnumbers: {given.json}")
     return 0

@@ -81,7 +81,7 @@ class Planner:
         self._trajectory: Piecewise | None = None
         self._here = resting(np.zeros(3), 0.0)
 
-    def tell(self, pos: Array, vel: Array, yaw: float) -> None:
+    def set_state(self, pos: Array, vel: Array, yaw: float) -> None:
         """Set the estimated position, from which plans start when idle."""
         self._here = Goal(pos, vel, np.zeros(3), yaw, np.zeros(3))
 

@@ -3,8 +3,13 @@
 Source: firmware: modules/interface/stabilizer_types.h (setpoint_t, stab_mode_t).
 """
 
+import math
 from dataclasses import dataclass
 from enum import IntEnum
+
+import numpy as np
+
+from q2q_sim.firmware.commander.polynomial import Goal
 
 Three = tuple[float, float, float]
 Four = tuple[float, float, float, float]
@@ -52,3 +57,22 @@ class Setpoint:
 
 STOP = Setpoint()
 """Motors off."""
+
+
+def setpoint_of(goal: Goal) -> Setpoint:
+    """Return the full-state setpoint of a goal of the high-level commander."""
+    px, py, pz = goal.pos.tolist()
+    vx, vy, vz = goal.vel.tolist()
+    ax, ay, az = goal.acc.tolist()
+    p, q, r = np.degrees(goal.ang_vel_body).tolist()
+    return Setpoint(
+        x=Mode.ABS,
+        y=Mode.ABS,
+        z=Mode.ABS,
+        yaw=Mode.ABS,
+        pos=(px, py, pz),
+        vel=(vx, vy, vz),
+        acc=(ax, ay, az),
+        attitude_deg=(0.0, 0.0, math.degrees(goal.yaw)),
+        rate_deg=(p, q, r),
+    )

@@ -10,9 +10,9 @@ from q2q_sim.monitors.policies.evidence import Evidence
 BLIND = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
 DOWN = (CommandStatus.LAND, CommandStatus.CUT)
 """Commands that send a vehicle to the floor, whatever its setpoint."""
-LYING = ("jump", "swap", "clock_jump")
+UNDETECTABLE = ("jump", "swap", "clock_jump")
 """Steady sensor errors that no filter can detect: a displaced marker looks like a displaced vehicle."""
-BELIEVED_S = 1.0
+RECOVERY_S = 1.0
 """Longest time after a steady error until the true track is accepted again [s]."""
 
 Mask = NDArray[np.bool_]
@@ -33,16 +33,16 @@ def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
     return _lately(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
 
 
-def lied_to(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
+def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
     """Return which vehicles have a steady sensor error, or had less than `after` [s] before, (T, n)."""
-    lied = np.zeros((len(evidence.t), len(evidence.names)), dtype=np.bool_)
+    mask = np.zeros((len(evidence.t), len(evidence.names)), dtype=np.bool_)
     for fault in faults:
-        if fault.kind in LYING:
+        if fault.kind in UNDETECTABLE:
             early = abs(fault.size) if fault.kind == "clock_jump" else 0.0
             end = fault.start + fault.duration
             times = (evidence.t >= fault.start - early) & (evidence.t <= end + early + after)
-            lied |= times[:, None] & _struck(evidence, fault)
-    return lied
+            mask |= times[:, None] & _struck(evidence, fault)
+    return mask
 
 
 def misplaced(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
@@ -50,19 +50,19 @@ def misplaced(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
     moved = np.zeros((len(evidence.t), len(evidence.names)))
     for fault in faults:
         if fault.kind == "jump":
-            moved += abs(fault.size) * lied_to(evidence, (fault,), BELIEVED_S)
+            moved += abs(fault.size) * misled(evidence, (fault,), RECOVERY_S)
     return moved
 
 
 def undated(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
     """Return the ticks whose stamps a clock jump may have given to frames of other times, (T,)."""
     jumps = tuple(fault for fault in faults if fault.kind == "clock_jump")
-    return np.asarray(lied_to(evidence, jumps, 0.0).any(axis=1))
+    return np.asarray(misled(evidence, jumps, 0.0).any(axis=1))
 
 
 def misnamed(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
     """Return which vehicles may be mistaken for each other after a recent swap, (T, n)."""
-    return lied_to(evidence, tuple(fault for fault in faults if fault.kind == "swap"), BELIEVED_S)
+    return misled(evidence, tuple(fault for fault in faults if fault.kind == "swap"), RECOVERY_S)
 
 
 def _lately(evidence: Evidence, when: Mask, settle: float) -> Mask:

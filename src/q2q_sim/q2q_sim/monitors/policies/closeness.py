@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.monitors.policies.blindness import blind_lately, lied_to
+from q2q_sim.monitors.policies.blindness import blind_lately, misled
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
 
@@ -40,7 +40,7 @@ def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """
     found = []
     settle = circumstances.limits.settle
-    lost = blind_lately(evidence, settle) | lied_to(evidence, circumstances.faults, settle)
+    lost = blind_lately(evidence, settle) | misled(evidence, circumstances.faults, settle)
     for i, j in _pairs(evidence):
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))

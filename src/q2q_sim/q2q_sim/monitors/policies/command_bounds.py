@@ -22,4 +22,4 @@ def tilt(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 
 def numbers(evidence: Evidence, _: Circumstances) -> list[Violation]:
     """Return the topics with numbers that are not finite."""
-    return [Violation("numbers", what, float("nan"), float("nan"), 0.0) for what in evidence.nonsense]
+    return [Violation("numbers", what, float("nan"), float("nan"), 0.0) for what in evidence.not_finite]

@@ -63,7 +63,7 @@ class Evidence:
     """Time of recording of each new command [s], (K,)."""
     live: bool
     """Bag time is wall time, so that gaps count."""
-    nonsense: tuple[str, ...]
+    not_finite: tuple[str, ...]
     """Signals with numbers that are not finite, one line for each topic."""
 
     @property
@@ -106,7 +106,7 @@ def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
         command_status=table.column(commands, "status", 1),
         commanded_at=np.array([one.at for one in timed_commands]),
         live=any(abs(one.at - one.signal.t) > SAME_TICK for one in timed_commands),
-        nonsense=tuple(filter(None, (_nonsense(topic, found) for topic, found in signals.items()))),
+        not_finite=tuple(filter(None, (_first_not_finite(topic, found) for topic, found in signals.items()))),
     )
 
 
@@ -164,7 +164,7 @@ _MAY_BE_INFINITE = {"age"}
 """Attributes in which infinity means never."""
 
 
-def _nonsense(topic: str, signals: Sequence[Signal]) -> str:
+def _first_not_finite(topic: str, signals: Sequence[Signal]) -> str:
     """Return the first value of a topic that is not finite, else nothing; frames may have NaN."""
     if not signals or isinstance(signals[0], MocapFrame):
         return ""

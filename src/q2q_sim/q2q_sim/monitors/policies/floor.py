@@ -13,7 +13,7 @@ def floor(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     Take-off and landing are not falls: there the setpoint itself is near the floor.
     """
     limits = circumstances.limits
-    fallen = touches(evidence, limits) & ~sent_down_lately(evidence, limits.settle)
+    fallen = touches_floor(evidence, limits) & ~sent_down_lately(evidence, limits.settle)
     return [
         Violation("floor", name, float(evidence.t[k]), float(evidence.true_pos[k, row, 2]), limits.floor)
         for row, name in enumerate(evidence.names)
@@ -21,7 +21,7 @@ def floor(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     ]
 
 
-def touches(evidence: Evidence, limits: Limits) -> Mask:
+def touches_floor(evidence: Evidence, limits: Limits) -> Mask:
     """Return which vehicles are on the floor though their setpoints are above it, (T, n)."""
     on_floor = evidence.true_pos[..., 2] <= limits.floor
     sent_above = evidence.sent_pos[..., 2] > limits.take_off

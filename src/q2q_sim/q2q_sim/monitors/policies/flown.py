@@ -30,5 +30,5 @@ def evidence_of_flight(flight: Flight) -> Evidence:
         command_status=flight.command_status,
         commanded_at=np.zeros(0),
         live=False,
-        nonsense=(),
+        not_finite=(),
     )

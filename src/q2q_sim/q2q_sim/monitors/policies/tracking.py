@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_model.signals.values import CommandStatus, TrackStatus
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.blindness import BELIEVED_S, blind, lied_to, misplaced, sent_down_lately
+from q2q_sim.monitors.policies.blindness import RECOVERY_S, blind, misled, misplaced, sent_down_lately
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst
 
@@ -29,8 +29,8 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles whose state was wrong under the status tracked."""
     off = np.linalg.norm(evidence.state_pos - evidence.true_pos, axis=2)
-    trusted = (evidence.state_status == TrackStatus.TRACKED) & ~lied_to(
-        evidence, circumstances.faults, BELIEVED_S
+    trusted = (evidence.state_status == TrackStatus.TRACKED) & ~misled(
+        evidence, circumstances.faults, RECOVERY_S
     )
     limit = circumstances.limits.belief
     return worst("belief", evidence, np.where(trusted, off - limit, np.nan), (off, limit))
@@ -39,14 +39,14 @@ def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles not back on their path `settle` after the last fault."""
     limits = circumstances.limits
-    calm = evidence.t > last_trouble(evidence, circumstances.faults) + limits.settle
+    calm = evidence.t > last_fault_end(evidence, circumstances.faults) + limits.settle
     cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
     off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
     excess = np.where(calm[:, None] & ~cut, off - limits.back, np.nan)
     return worst("return", evidence, excess, (off, limits.back))
 
 
-def last_trouble(evidence: Evidence, faults: tuple[Fault, ...]) -> float:
+def last_fault_end(evidence: Evidence, faults: tuple[Fault, ...]) -> float:
     """Return the time of the last fault or fallback command [s]; -inf without any."""
     wrong = blind(evidence).any(axis=1)
     noted = [float(evidence.t[wrong][-1])] if wrong.any() else []

@@ -1,4 +1,4 @@
-"""A clean folder that looks like a checkout: scripts, sources, bags, and what a document tells to write.
+"""Folder of a reader of the documents: scripts, sources, bags, and the files that a document has them write.
 
 Set-up and built packages are those of the real checkout, so that nothing is built or compiled again. A Python
 file that a document writes or changes under `src/` is imported in place of the checkout's own:
@@ -31,7 +31,7 @@ sys.meta_path.insert(0, Here)
 '''
 
 
-class Desk:
+class WorkingFolder:
     """Folder of one reader."""
 
     def __init__(self, folder: Path) -> None:
@@ -48,11 +48,11 @@ class Desk:
             (folder / "scripts" / name).write_text(text.format(root=ROOT, folder=folder))
 
     def put(self, block: Block) -> None:
-        """Write, append or replace what a document tells."""
+        """Write, append or replace the text of a block."""
         path = self.folder / block.file
-        if block.told == "write":
+        if block.action == "write":
             path.write_text(block.text)
-        elif block.told == "append":
+        elif block.action == "append":
             path.write_text(f"{path.read_text()}\n{block.text}")
         else:
             path.write_text(with_assignment(path.read_text(), block.name, block.text))
@@ -60,7 +60,7 @@ class Desk:
             self._import(path)
 
     def _import(self, path: Path) -> None:
-        """Let every Python process of this desk import this file in place of the checkout's."""
+        """Let every Python process of this folder import this file in place of the checkout's."""
         inside = path.relative_to(self.folder / "src").parts[1:]
         self._files[".".join((*inside[:-1], path.stem))] = str(path)
         (self.folder / "sitecustomize.py").write_text(SITE.format(files=self._files))

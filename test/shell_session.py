@@ -1,4 +1,4 @@
-"""A terminal into which the commands of a document are typed, one after the other.
+"""Shell session that runs the commands of a document, one after the other.
 
 The environment stays from one command to the next, as in a shell. A node runs on in the background, as in a
 second window, until it is ended.
@@ -20,18 +20,18 @@ COMMAND_PATIENCE_S = 300.0
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a program said, and its exit status."""
+    """Output and exit status of a program."""
 
     status: int
-    said: str
+    output: str
     """Output and errors."""
 
 
-class Terminal:
+class ShellSession:
     """Folder and environment of a shell, and the nodes started from it."""
 
     def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
-        """Open the terminal in a folder."""
+        """Open the session in a folder."""
         self._folder = folder
         self._environment = dict(environment)
         self._nodes: dict[str, subprocess.Popen[str]] = {}
@@ -42,18 +42,18 @@ class Terminal:
         return tuple(self._nodes)
 
     def run(self, line: str) -> Answer:
-        """Return what a command answered; what it exports stays."""
+        """Return the answer of a command; variables that it exports remain set."""
         kept = self._folder / ".environment"
         script = f"{line}\nstatus=$?\nenv -0 >'{kept}'\nexit $status"
         shell = self._shell(script)
         try:
-            said, _ = shell.communicate(timeout=COMMAND_PATIENCE_S)
+            output, _ = shell.communicate(timeout=COMMAND_PATIENCE_S)
         except subprocess.TimeoutExpired:
             os.killpg(shell.pid, signal.SIGKILL)
             raise
         pairs = [entry.partition("=") for entry in kept.read_text().split("\0") if entry]
         self._environment = {name: value for name, _, value in pairs}
-        return Answer(shell.returncode, said)
+        return Answer(shell.returncode, output)
 
     def start(self, name: str, line: str) -> None:
         """Start a node in the background."""
@@ -78,14 +78,14 @@ class Terminal:
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
         try:
-            said, _ = process.communicate(timeout=PATIENCE_S)
+            output, _ = process.communicate(timeout=PATIENCE_S)
         except subprocess.TimeoutExpired:
             process.kill()
             raise
-        return Answer(process.returncode, said)
+        return Answer(process.returncode, output)
 
     def close(self) -> None:
-        """Kill what still runs."""
+        """Kill the nodes that still run."""
         for process in self._nodes.values():
             process.kill()
             process.communicate()
