@@ -84,6 +84,14 @@ def test_what_once_violated_a_policy_through_the_nodes_violates_none(seed: int, 
         assert flights.fly_and_judge(seed).violations == ()
 
 
+def test_a_run_in_an_air_is_flown_by_the_vehicles_of_that_air() -> None:
+    seed = next(seed for seed in range(100) if drawn(seed).document["vehicle"] == "textbook_065")
+    own, run = drawn(seed), drawn(seed, "bent")
+    assert (run.scenario.vehicle.name, run.scenario.air) == ("crazyflie_2_0", "bent")
+    assert run.document["vehicles"] == own.document["vehicles"]
+    assert run.document["overrides"] != own.document["overrides"]  # the bound on thrust is the vehicle's
+
+
 def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:
     assert drawn(7) == drawn(7)
     runs = [drawn(seed) for seed in range(60)]

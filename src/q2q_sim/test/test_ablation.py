@@ -180,6 +180,7 @@ def test_the_conclusion_follows_the_numbers() -> None:
     assert "Worse than ignoring under another vehicle: PD aware in `table6_room` (1.11" in said
     assert "PD aware 1.11 (1.11 to 1.11) and 1.11 (1.11 to 1.11) times ignoring's" in said
     assert "MPC's from 10 to 11 mm in `table6_room`" in said
+    assert "; the worst error of PD aware in `table6_room` and of PD aware in `stack3` is not shown" in said
     assert not_smaller(made, CASES[0]) == ["PD aware"]
     calm = numbers_of(ignoring=0.09)
     assert worse_than_ignoring(calm, CASES[0]) == []

@@ -112,6 +112,11 @@ def _worse(numbers: Numbers, cases: Sequence[Case]) -> str:
     said = "No controller is worse than ignoring under another vehicle"
     if worse:
         said = f"Worse than ignoring under another vehicle: {', '.join(worse)}"
+    alike = [
+        f"{', '.join(names)} in {_place(case)}" for case in cases if (names := not_smaller(numbers, case))
+    ]
+    if alike:
+        said += f"; the worst error of {' and of '.join(alike)} is not shown to be smaller than ignoring's"
     spread = []
     for case in cases:
         best = best_contender(numbers, case)
