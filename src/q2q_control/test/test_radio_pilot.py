@@ -6,34 +6,24 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.crazyflies import crazyflies_from_document
 from q2q_control.radio.link import LinkHealth
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.radio_pilot import RadioPilot
-from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.radio.setpoints import (
     ZERO_RPYT,
     FullState,
     RpytSetpoint,
-    full_states,
-    level_rpyt,
     names_cut,
-    rpyt_setpoints,
 )
 from q2q_control.radio.vehicle_record import Phase
-from q2q_model.geometry.rotations import euler_from_quat
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import (
     CommandStatus,
-    Interference,
     SwarmCommand,
-    SwarmSetpoint,
     SwarmState,
     TrackStatus,
 )
@@ -131,58 +121,6 @@ def state(t: float, status: TrackStatus = TrackStatus.TRACKED) -> SwarmState:
     zero, quat = np.zeros((2, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     pos = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
     return SwarmState(t, NAMES, pos, zero, quat, zero, np.zeros(2), np.full(2, status, dtype=np.uint8))
-
-
-@given(*[st.floats(-0.5, 0.5)] * 3, st.floats(0.0, 0.439))
-def test_sticks_have_cflibs_signs_and_the_houses_scale(
-    roll: float, pitch: float, yaw_rate: float, thrust: float
-) -> None:
-    one = np.ones(1)
-    command = SwarmCommand(
-        0.0, ("cf1",), thrust * one, roll * one, pitch * one, yaw_rate * one, np.zeros(1, np.uint8)
-    )
-    (stick,) = rpyt_setpoints(command, LegacyScale(0.48))
-    assert stick.roll_deg == pytest.approx(math.degrees(roll))
-    assert stick.pitch_deg == pytest.approx(math.degrees(pitch))
-    assert stick.yaw_rate_deg == pytest.approx(-math.degrees(yaw_rate))
-    assert stick.pwm == pytest.approx(thrust * 65535.0 / 0.48, abs=0.5)
-
-
-def test_full_states_carry_the_acceleration_less_the_downwash_of_the_same_vehicle() -> None:
-    rows = np.arange(6.0).reshape(2, 3)
-    setpoint = SwarmSetpoint(
-        0.0,
-        NAMES,
-        rows,
-        rows + 10,
-        rows + 20,
-        np.array([0.3, -0.4]),
-        np.array([0.1, 0.2]),
-        np.zeros(2, np.uint8),
-    )
-    downwash = Interference(
-        0.0,
-        ("cf2", "cf9"),
-        np.array([[0.0, 0.0, -1.5], [9.0, 9.0, 9.0]]),
-        np.zeros((2, 3)),
-        np.zeros(2, np.uint8),
-    )
-    first, second = full_states(setpoint, downwash)
-    assert first.acc == (20.0, 21.0, 22.0)
-    assert second.acc == (23.0, 24.0, 26.5)
-    assert (second.pos, second.vel, second.ang_vel) == ((3.0, 4.0, 5.0), (13.0, 14.0, 15.0), (0.0, 0.0, 0.2))
-    np.testing.assert_allclose(euler_from_quat(np.array(second.quat)), [0.0, 0.0, -0.4], atol=1e-12)
-    assert full_states(setpoint, None)[1].acc == (23.0, 24.0, 25.0)
-
-
-def test_a_downwash_that_is_no_number_is_none_and_large_numbers_are_cut() -> None:
-    rows = np.full((1, 3), 40.0)
-    setpoint = SwarmSetpoint(
-        0.0, ("cf1",), rows, -rows, rows, np.zeros(1), np.zeros(1), np.zeros(1, np.uint8)
-    )
-    nan = np.full((1, 3), np.nan)
-    (one,) = full_states(setpoint, Interference(0.0, ("cf1",), nan, nan, np.zeros(1, np.uint8)))
-    assert (one.pos, one.vel, one.acc) == ((32.767,) * 3, (-32.767,) * 3, (32.767,) * 3)
 
 
 def test_arming_unlocks_and_only_streamed_vehicles_are_sent_commands() -> None:
@@ -365,10 +303,6 @@ def test_times_of_silence_out_of_order_are_refused() -> None:
         RadioPilotParams(silent_land_s=6.0)
 
 
-def test_the_level_stick_is_the_thrust_on_the_houses_scale() -> None:
-    assert level_rpyt(0.034 * 9.81, LegacyScale(0.48)) == RpytSetpoint(0.0, 0.0, 0.0, 45539)
-
-
 def test_a_battery_that_is_unknown_lands_nobody() -> None:
     bench = _Bench()
     for link in bench.links.values():
@@ -414,40 +348,3 @@ def test_a_place_that_is_no_number_and_a_stranger_are_passed_over() -> None:
     one.pos[0, 1] = np.nan
     bench.pilot.update_state(replace(one, names=("cf1", "stranger")), bench.t)
     assert bench.links["cf1"].sent == bench.links["cf2"].sent == []
-
-
-def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
-    robots = {
-        "cf1": {
-            "enabled": True,
-            "uri": "radio://0/80/2M/E7E7E7E701",
-            "initial_position": [0, 1.5, 0],
-            "type": "cf21",
-        },
-        "cf2": {"enabled": False, "uri": "radio://0/80/2M/E7E7E7E702"},
-        "cf3": {"enabled": True, "uri": "udp://127.0.0.1:19850"},
-    }
-    read = crazyflies_from_document({"fileversion": 3, "robots": robots, "robot_types": {}, "all": {}})
-    assert [(one.name, one.uri, one.start) for one in read] == [
-        ("cf1", "radio://0/80/2M/E7E7E7E701", (0.0, 1.5, 0.0)),
-        ("cf3", "udp://127.0.0.1:19850", (0.0, 0.0, 0.0)),
-    ]
-
-
-@pytest.mark.parametrize(
-    ("robots", "message"),
-    [
-        (None, "robots: got None"),
-        ({"cf1": {"enabled": False}}, "none is enabled"),
-        ({"cf1": {"enabled": "yes"}}, "enabled = 'yes'"),
-        ({"cf1": {"enabled": True}}, "uri = None"),
-        ({"cf1": {"enabled": True, "uri": "udp://x", "initial_position": [1, 2]}}, "three numbers"),
-        (
-            {"cf1": {"enabled": True, "uri": "udp://x"}, "cf2": {"enabled": True, "uri": "udp://x"}},
-            "same uri",
-        ),
-    ],
-)
-def test_wrong_crazyflies_are_refused_by_name(robots: object, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        crazyflies_from_document({"robots": robots})

@@ -1,10 +1,14 @@
-"""Make signals of every kind for the tests of bags."""
+"""Signals of every kind, and bags of them."""
+
+from pathlib import Path
 
 import numpy as np
 
+from q2q_model.bag import BagWriter
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.values import Names
 
+PAIR = ("cf1", "cf2")
 STEP_NS = 10_000_000
 
 
@@ -26,3 +30,17 @@ def same_signal(a: Signal, b: Signal) -> bool:
         return False
     pairs = [(getattr(a, c.attribute), getattr(b, c.attribute)) for c in LAYOUTS[type(a)].columns]
     return all(np.array_equal(one, two, equal_nan=one.dtype != np.uint8) for one, two in pairs)
+
+
+def write_bag(
+    path: Path, ticks: int, kinds: dict[str, type[Signal]], seed: int = 0
+) -> dict[str, list[Signal]]:
+    """Write a bag of random signals of two vehicles; return them by topic."""
+    rng = np.random.default_rng(seed)
+    written: dict[str, list[Signal]] = {topic: [] for topic in kinds}
+    with BagWriter(path) as bag:
+        for tick in range(ticks):
+            for topic, kind in kinds.items():
+                written[topic].append(random_signal(kind, tick, PAIR, rng))
+                bag.write_signal(topic, tick * STEP_NS, written[topic][-1])
+    return written

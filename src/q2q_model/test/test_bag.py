@@ -1,9 +1,5 @@
 """Tests of bags: round trips, an independent reader and writer, errors that name the fault."""
 
-import io
-import os
-import signal as signals_of_unix
-import subprocess
 import sys
 import warnings
 from pathlib import Path
@@ -14,23 +10,15 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
-from mcap.records import Channel, Header, McapRecord, Message, Schema
 from mcap_ros2.decoder import DecoderFactory
 from mcap_ros2.writer import Writer as ForeignWriter
-from rosbags.rosbag2 import Reader as ForeignReader
 
 from q2q_model.bag import (
     BagError,
     BagReader,
-    BagRepairWarning,
     BagWriter,
-    FlightFacts,
     OfferedQos,
-    facts_as_text,
-    facts_from_text,
-    read_facts,
     read_flight,
 )
 from q2q_model.bag.storage.definitions import definition_of
@@ -38,22 +26,10 @@ from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.values import MocapFrame, SwarmCommand, SwarmState
 
 sys.path.insert(0, str(Path(__file__).parent))
-from bag_signals import STEP_NS, random_signal, same_signal
+from bag_signals import PAIR, STEP_NS, random_signal, same_signal, write_bag
 
-PAIR = ("cf1", "cf2")
 KINDS = list(LAYOUTS)
 MOCAP = "q2q_msgs/msg/MocapFrame"
-
-
-def _write(path: Path, ticks: int, kinds: dict[str, type[Signal]], seed: int = 0) -> dict[str, list[Signal]]:
-    rng = np.random.default_rng(seed)
-    written: dict[str, list[Signal]] = {topic: [] for topic in kinds}
-    with BagWriter(path) as bag:
-        for tick in range(ticks):
-            for topic, kind in kinds.items():
-                written[topic].append(random_signal(kind, tick, PAIR, rng))
-                bag.write_signal(topic, tick * STEP_NS, written[topic][-1])
-    return written
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from(KINDS), st.integers(0, 5), st.sampled_from([0, 7]))
@@ -73,7 +49,7 @@ def test_every_signal_survives_the_bag(seed: int, kind: type[Signal], vehicles: 
 
 
 def test_an_independent_reader_reads_every_message_and_number(tmp_path: Path):
-    written = _write(tmp_path / "bag", 120, {kind.__name__: kind for kind in KINDS})
+    written = write_bag(tmp_path / "bag", 120, {kind.__name__: kind for kind in KINDS})
     counts = dict.fromkeys(written, 0)
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
@@ -179,62 +155,12 @@ def test_what_is_no_bag_or_not_in_it_is_named(tmp_path: Path):
     (tmp_path / "noise.mcap").write_bytes(b"this is no bag")
     with pytest.raises(BagError, match="no message can be recovered"):
         BagReader(tmp_path / "noise.mcap")
-    _write(tmp_path / "bag", 5, {"/state": SwarmState})
+    write_bag(tmp_path / "bag", 5, {"/state": SwarmState})
     with pytest.raises(BagError, match="has no topic /mocap; it has /state"):
         list(BagReader(tmp_path / "bag").raw({"/mocap"}))
     with pytest.raises(BagError, match=r"no message on mocap; it has state \(5\)"):
         read_flight(tmp_path / "bag")
     assert np.isfinite(read_flight(tmp_path / "bag", required=("state",)).vel).all()
-
-
-def test_the_facts_of_a_flight_are_read_back_here_and_by_an_independent_reader(tmp_path: Path):
-    facts = FlightFacts(vehicle="textbook_065", scenario="table6", seed="3")
-    assert facts_from_text(facts_as_text(facts)) == facts
-    with BagWriter(tmp_path / "bag", facts=facts):
-        pass
-    assert read_facts(tmp_path / "bag") == facts
-    assert read_facts(tmp_path / "bag" / "bag_0.mcap") == facts
-    with ForeignReader(tmp_path / "bag") as reader:
-        assert reader.message_count == 0
-    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
-        (record,) = make_reader(stream).iter_metadata()
-    output = yaml.safe_load(record.metadata["serialized_metadata"])["custom_data"]
-    assert output == {"vehicle": "textbook_065", "scenario": "table6", "seed": "3"}
-
-
-@pytest.mark.parametrize(
-    ("damage", "left"),
-    [
-        ("rosbag2_bagfile_information:\n  custom_data: {vehicle: a, pilot: b}\n", FlightFacts(vehicle="a")),
-        ("rosbag2_bagfile_information:\n  custom_data: [vehicle]\n", FlightFacts()),
-        ("rosbag2_bagfile_information: 3\n", FlightFacts()),
-        ("{", FlightFacts()),
-        ("", FlightFacts()),
-        (None, FlightFacts()),
-    ],
-)
-def test_facts_that_are_not_there_are_empty_and_those_of_others_passed_over(
-    tmp_path: Path, damage: str | None, left: FlightFacts
-):
-    with BagWriter(tmp_path / "bag", facts=FlightFacts(vehicle="textbook_065")):
-        pass
-    metadata = tmp_path / "bag" / "metadata.yaml"
-    metadata.unlink() if damage is None else metadata.write_text(damage)
-    assert read_facts(tmp_path / "bag") == left
-    assert read_facts(tmp_path / "bag" / "another.mcap") == FlightFacts()
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["vehicle"], "fact 'vehicle': write name=value, the name one of vehicle, firmware, scenario"),
-        (["pilot=me"], "fact 'pilot=me': write name=value"),
-        (["seed=1", "seed=2"], "fact seed is given twice: 1 and 2"),
-    ],
-)
-def test_a_fact_there_is_not_is_refused_with_those_there_are(words: list[str], says: str):
-    with pytest.raises(ValueError, match=says):
-        facts_from_text(words)
 
 
 def test_an_empty_bag_is_a_bag_without_a_flight(tmp_path: Path):
@@ -276,100 +202,6 @@ def test_strays_repeats_and_disorder_are_stated(tmp_path: Path):
     assert len(flight.t) == 5
 
 
-def test_a_bag_without_its_metadata_is_read_whole_and_said(tmp_path: Path):
-    written = _write(tmp_path / "bag", 30, {"/mocap": MocapFrame})
-    (tmp_path / "bag" / "metadata.yaml").unlink()
-    reader = BagReader(tmp_path / "bag")
-    assert "no metadata.yaml" in reader.repairs[0]
-    assert all(same_signal(a.signal, b) for a, b in zip(reader.signals(), written["/mocap"], strict=True))
-
-
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.9, 0.999])
-def test_a_bag_cut_off_is_read_up_to_the_cut_and_said(tmp_path: Path, share: float):
-    written = _write(tmp_path / "bag", 1000, {"/mocap": MocapFrame})["/mocap"]
-    file = tmp_path / "bag" / "bag_0.mcap"
-    whole = file.read_bytes()
-    file.write_bytes(whole[: int(share * len(whole))])
-    reader = BagReader(tmp_path / "bag")
-    assert any("truncated" in repair for repair in reader.repairs)
-    found = [one.signal for one in reader.signals()]
-    assert all(same_signal(a, b) for a, b in zip(found, written, strict=False))
-    # ten chunks of 100 messages, the index behind them is less than a tenth of the file
-    assert len(found) >= 100 * int(share * 10 * 0.99)
-    with pytest.warns(BagRepairWarning):
-        assert len(read_flight(tmp_path / "bag").t) == len(found)
-
-
-def test_a_bag_of_a_killed_recorder_is_read_up_to_the_last_second(tmp_path: Path):
-    program = (
-        "import sys; sys.path.insert(0, sys.argv[2]); import numpy as np\n"
-        "from bag_signals import random_signal\n"
-        "from q2q_model.bag import BagWriter\n"
-        "from q2q_model.signals.values import MocapFrame\n"
-        "bag, rng = BagWriter(sys.argv[1]), np.random.default_rng(0)\n"
-        "for tick in range(350):\n"
-        "    bag.write_signal('/mocap', tick * 10_000_000, random_signal(MocapFrame, tick, ('cf1',), rng))\n"
-        "print('written', flush=True); sys.stdin.read()\n"
-    )
-    folder = str(Path(__file__).parent)
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    command, pipe = [sys.executable, "-c", program, str(tmp_path / "bag"), folder], subprocess.PIPE
-    with subprocess.Popen(command, stdin=pipe, stdout=pipe, env=environment) as recorder:
-        assert recorder.stdout is not None
-        assert recorder.stdout.readline() == b"written\n"
-        recorder.send_signal(signals_of_unix.SIGKILL)
-    with pytest.warns(BagRepairWarning, match="not closed"):
-        flight = read_flight(tmp_path / "bag")
-    assert len(flight.t) == 300  # three closed chunks of a second at 100 Hz; half a second was open
-
-
-def test_a_damaged_chunk_is_noticed(tmp_path: Path):
-    _write(tmp_path / "bag", 300, {"/mocap": MocapFrame})
-    file = tmp_path / "bag" / "bag_0.mcap"
-    spoiled = bytearray(file.read_bytes())
-    spoiled[3000] ^= 0x10  # within the first chunk's data
-    file.write_bytes(spoiled)
-    with pytest.raises(BagError, match="is damaged after 0 messages"):
-        read_flight(tmp_path / "bag")
-
-
-@given(st.integers(0, 2**32 - 1), st.integers(1, 40), st.booleans(), st.booleans())
-@settings(max_examples=60, deadline=None)
-def test_damaged_bytes_give_a_flight_or_a_bag_error_and_nothing_else(
-    seed: int, hits: int, cut: bool, closed: bool
-):
-    rng = np.random.default_rng(seed)
-    spoiled = bytearray(WHOLE)
-    for place in rng.integers(0, len(spoiled), hits):
-        spoiled[place] = rng.integers(0, 256)
-    if cut:
-        del spoiled[int(rng.integers(0, len(spoiled))) :]
-    with TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as lines:
-        warnings.simplefilter("always")
-        (Path(folder) / "bag").mkdir()
-        (Path(folder) / "bag" / "bag_0.mcap").write_bytes(spoiled)
-        if closed:
-            (Path(folder) / "bag" / "metadata.yaml").write_text(METADATA)
-        try:
-            flight = read_flight(Path(folder) / "bag")
-        except BagError:
-            return
-    complete = (
-        set(flight.names) == set(PAIR) and len(flight.t) == 250 and not np.isnan(flight.mocap_pos).any()
-    )
-    assert complete or any(issubclass(one.category, BagRepairWarning) for one in lines)
-
-
-def _whole_bag() -> tuple[bytes, str]:
-    with TemporaryDirectory() as folder:
-        _write(Path(folder) / "bag", 250, {"/mocap": MocapFrame, "/command": SwarmCommand})
-        bag = Path(folder) / "bag"
-        return (bag / "bag_0.mcap").read_bytes(), (bag / "metadata.yaml").read_text()
-
-
-WHOLE, METADATA = _whole_bag()
-
-
 def test_an_sqlite_bag_is_read(tmp_path: Path):
     from rosbags.rosbag2 import StoragePlugin, Writer
 
@@ -384,30 +216,3 @@ def test_an_sqlite_bag_is_read(tmp_path: Path):
             writer.write(connection, tick * STEP_NS, encode(frame, tick * STEP_NS))
     flight = read_flight(tmp_path / "old")
     assert np.array_equal(flight.mocap_pos, np.stack([frame.pos for frame in frames]))
-
-
-def test_the_fuzzed_file_is_whole():
-    assert make_reader(io.BytesIO(WHOLE)).get_summary().statistics.message_count == 500
-
-
-def test_a_cut_bag_whose_channel_was_given_another_topic_keeps_what_came_under_the_first(
-    tmp_path: Path,
-) -> None:
-    """Found by fuzzing: it raised a KeyError."""
-    builder = RecordBuilder()
-    text = definition_of("q2q_msgs/msg/MocapFrame")[0].encode()
-    records: tuple[McapRecord, ...] = (
-        Header("ros2", ""),
-        Schema(id=1, data=text, encoding="ros2msg", name="q2q_msgs/msg/MocapFrame"),
-        Channel(id=1, topic="/first", message_encoding="cdr", metadata={}, schema_id=1),
-        Message(channel_id=1, log_time=5, data=b"", publish_time=5, sequence=0),
-        Channel(id=1, topic="/second", message_encoding="cdr", metadata={}, schema_id=1),
-    )
-    for record in records:
-        record.write(builder)
-    path = tmp_path / "cut.mcap"
-    path.write_bytes(b"\x89MCAP0\r\n" + builder.end())
-    reader = BagReader(path)
-    assert "recovered 1 messages" in reader.repairs[0]
-    assert reader.topics == {"/first": "q2q_msgs/msg/MocapFrame"}
-    assert [(found.topic, found.stamp_ns) for found in reader.raw()] == [("/first", 5)]

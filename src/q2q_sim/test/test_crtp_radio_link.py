@@ -73,7 +73,7 @@ def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so(tmp_path
 
 
 def fly_until(reached: Callable[[], bool], pilot: Pilot, endpoint: CrtpEndpoint) -> None:
-    """Let ticks pass, and keep every client known, as a radio's polling does."""
+    """Run ticks, and keep every client known, as a radio's polling does."""
     give_up = monotonic() + ANSWER_S
     while not reached():
         assert monotonic() < give_up, f"not within {ANSWER_S} s: {endpoint.traffic}"

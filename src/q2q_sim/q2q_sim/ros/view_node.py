@@ -25,7 +25,7 @@ from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.ros.scene_markers import marker_array
 from q2q_sim.view.foxglove_server import FoxgloveScene
-from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
+from q2q_sim.view.scene import SceneBuilder, SceneParams, scene_signals
 
 INPUTS: dict[str, type[Signal]] = {
     "state": SwarmState,
@@ -105,17 +105,6 @@ class View:
         if self.foxglove is not None:
             self.foxglove.show(scene, stamp_ns)
         self._health.ticks += 1
-
-
-def scene_signals(state: SwarmState, last: dict[str, Signal]) -> SceneSignals:
-    """Return the last signal of each kind with a state."""
-    downwash, planned, safe = (last.get(topic) for topic in ("interference", "reference", "reference_safe"))
-    return SceneSignals(
-        state,
-        downwash if isinstance(downwash, Interference) else None,
-        planned if isinstance(planned, SwarmSetpoint) else None,
-        safe if isinstance(safe, SwarmSetpoint) else None,
-    )
 
 
 def main() -> None:

@@ -12,6 +12,7 @@
 | flown | line | path of the vehicle in the last `trail_s` |
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from q2q_model.geometry.rotations import rotate
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -89,6 +91,17 @@ class SceneSignals:
     interference: Interference | None = None
     reference: SwarmSetpoint | None = None
     reference_safe: SwarmSetpoint | None = None
+
+
+def scene_signals(state: SwarmState, last: Mapping[str, Signal]) -> SceneSignals:
+    """Return the last signal of each kind with a state."""
+    downwash, planned, safe = (last.get(topic) for topic in ("interference", "reference", "reference_safe"))
+    return SceneSignals(
+        state,
+        downwash if isinstance(downwash, Interference) else None,
+        planned if isinstance(planned, SwarmSetpoint) else None,
+        safe if isinstance(safe, SwarmSetpoint) else None,
+    )
 
 
 class SceneBuilder:

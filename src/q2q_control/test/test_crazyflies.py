@@ -1,0 +1,42 @@
+"""Vehicles are read from crazyflies.yaml of Crazyswarm2, and errors name the entry."""
+
+import pytest
+
+from q2q_control.radio.crazyflies import crazyflies_from_document
+
+
+def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
+    robots = {
+        "cf1": {
+            "enabled": True,
+            "uri": "radio://0/80/2M/E7E7E7E701",
+            "initial_position": [0, 1.5, 0],
+            "type": "cf21",
+        },
+        "cf2": {"enabled": False, "uri": "radio://0/80/2M/E7E7E7E702"},
+        "cf3": {"enabled": True, "uri": "udp://127.0.0.1:19850"},
+    }
+    read = crazyflies_from_document({"fileversion": 3, "robots": robots, "robot_types": {}, "all": {}})
+    assert [(one.name, one.uri, one.start) for one in read] == [
+        ("cf1", "radio://0/80/2M/E7E7E7E701", (0.0, 1.5, 0.0)),
+        ("cf3", "udp://127.0.0.1:19850", (0.0, 0.0, 0.0)),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("robots", "message"),
+    [
+        (None, "robots: got None"),
+        ({"cf1": {"enabled": False}}, "none is enabled"),
+        ({"cf1": {"enabled": "yes"}}, "enabled = 'yes'"),
+        ({"cf1": {"enabled": True}}, "uri = None"),
+        ({"cf1": {"enabled": True, "uri": "udp://x", "initial_position": [1, 2]}}, "three numbers"),
+        (
+            {"cf1": {"enabled": True, "uri": "udp://x"}, "cf2": {"enabled": True, "uri": "udp://x"}},
+            "same uri",
+        ),
+    ],
+)
+def test_wrong_crazyflies_are_refused_by_name(robots: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        crazyflies_from_document({"robots": robots})
