@@ -30,6 +30,7 @@ KEYS = {
 WITHOUT_KEY = {
     "backports",
     "casadi",
+    "cattrs",
     "cflib",
     "dask",
     "foxglove",

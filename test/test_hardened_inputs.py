@@ -24,7 +24,8 @@ from q2q_model.signals.cdr import decode, encode
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.trajectory import plan_file
-from q2q_planner.offline.minimum_snap.waypoints import swarm_from_document
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
+from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document
 from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.stand_in import NullEntity, StandInNode
 from q2q_sim.scenarios import library
@@ -315,7 +316,7 @@ def test_a_scenario_with_anything_in_it_is_read_or_refused(document: object) -> 
 @given(document=documents)
 def test_waypoints_with_anything_in_them_are_read_or_refused(document: object) -> None:
     with suppress(ValueError):  # and nothing else
-        swarm_from_document({"vehicles": document})
+        swarm_from_document({"vehicles": document}, FlightLimits())
 
 
 class Bomb:

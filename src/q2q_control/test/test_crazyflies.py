@@ -26,10 +26,10 @@ def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
 @pytest.mark.parametrize(
     ("robots", "message"),
     [
-        (None, "robots: got None"),
+        (None, "robots = None: a mapping of names to values is expected"),
         ({"cf1": {"enabled": False}}, "none is enabled"),
-        ({"cf1": {"enabled": "yes"}}, "enabled = 'yes'"),
-        ({"cf1": {"enabled": True}}, "uri = None"),
+        ({"cf1": {"enabled": "yes"}}, "robots.cf1.enabled = 'yes': true or false is expected"),
+        ({"cf1": {"enabled": True}}, "cf1: uri = '': something like radio"),
         ({"cf1": {"enabled": True, "uri": "udp://x", "initial_position": [1, 2]}}, "three numbers"),
         (
             {"cf1": {"enabled": True, "uri": "udp://x"}, "cf2": {"enabled": True, "uri": "udp://x"}},

@@ -8,8 +8,9 @@ tuple[float, ...], tuple[str, ...].
 
 from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields, replace
-from difflib import get_close_matches
 from typing import Any, ClassVar, Protocol, TypeVar
+
+from q2q_model.nearest_name import name_hint
 
 ParameterValue = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
@@ -78,9 +79,7 @@ def with_overrides(params: P, overrides: Mapping[str, ParameterValue]) -> P:
     known = [entry.name for entry in fields(params)]
     for key in overrides:
         if key not in known:
-            near = get_close_matches(key, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
-            raise ValueError(f"{type(params).__name__} has no parameter {key!r}; {hint}")
+            raise ValueError(f"{type(params).__name__} has no parameter {key!r}; {name_hint(key, known)}")
     return replace(params, **overrides)
 
 

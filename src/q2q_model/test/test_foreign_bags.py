@@ -224,15 +224,15 @@ def test_a_topic_without_poses_or_not_there_is_named(tmp_path: Path):
 def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path):
     file = tmp_path / "map.yaml"
     file.write_text("vehicles: {cf1: /a}\nposes: /poses\nrename: {cf231: cf2}\nstamps: receive\n")
-    assert load_topic_map(file) == TopicMap({"cf1": "/a"}, "/poses", {"cf231": "cf2"}, {}, by_header=False)
+    assert load_topic_map(file) == TopicMap({"cf1": "/a"}, "/poses", {"cf231": "cf2"}, {}, stamps="receive")
     for text, lines in (
-        ("vehicle: {cf1: /a}", "unknown vehicle; known are vehicles"),
-        ("vehicles: [a]", "mapping of names to names"),
-        ("stamps: wall\nposes: /p", "allowed are header, receive"),
+        ("vehicle: {cf1: /a}", "unknown key 'vehicle'; did you mean vehicles"),
+        ("vehicles: [a]", "vehicles = .*: a mapping of names to values is expected"),
+        ("stamps: wall\nposes: /p", "stamps = 'wall': one of header, receive is expected"),
         ("tolerance_s: -1\nposes: /p", "allowed is 0 to 1 s"),
         ("rename: {a: b}", "maps nothing"),
-        ("[1, 2]", "is not a mapping"),
-        ("{", "cannot be read"),
+        ("[1, 2]", "expected a mapping"),
+        ("{", "is not valid YAML: line 1"),
     ):
         file.write_text(text)
         with pytest.raises(BagError, match=lines):

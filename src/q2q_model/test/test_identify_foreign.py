@@ -165,7 +165,7 @@ def test_wrong_input_is_named_in_one_line(tmp_path: Path, capsys: pytest.Capture
     assert "given twice" in said_by_identify(tmp_path / "twice", capsys, twice)
     (tmp_path / "bad.yaml").write_text("vehicle: {}")
     lines = said_by_identify(tmp_path / "twice", capsys, "--topics", str(tmp_path / "bad.yaml"))
-    assert "unknown vehicle" in lines
+    assert "unknown key 'vehicle'" in lines
 
 
 @needs_bags

@@ -12,11 +12,11 @@ from q2q_planner.offline.minimum_snap.flight_limits import (
     allocate_times,
     check_feasible,
     peak_norm,
-    timed_document,
     with_limits_of,
 )
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_snap_plan
-from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint, swarm_from_document
+from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 LIMITS = FlightLimits(speed=1.5, acceleration=3.0)
 
@@ -72,7 +72,7 @@ def test_a_document_without_times_gets_them_and_one_with_times_keeps_them() -> N
             "cf2": [{"t": 0, "pos": [0, 2, 1]}, {"t": 9, "pos": [3, 2, 1]}],
         }
     }
-    first, second = swarm_from_document(timed_document(document, LIMITS))
+    first, second = swarm_from_document(document, LIMITS)
     assert first.times[1] == pytest.approx(35.0 / 16.0 * 3.0 / 1.5, abs=0.011)  # rounded up to a tick
     assert first.waypoints[1].yaw == 1.0
     assert second.times.tolist() == [0.0, 9.0]

@@ -173,7 +173,7 @@ def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
         (SECTION_4_1, ["--model", "paper_law", "--threshold", "99"], "threshold = 99"),
         ("vehicles: [", [], "bad.yaml: is not valid YAML: line 1: expected the node content"),
         (SECTION_4_1, ["--threshold", "1"], "needs --model"),
-        ("nothing: 1", [], "vehicles: got None, expected a mapping"),
+        ("nothing: 1", [], "the file: vehicles is missing"),
     ],
 )
 def test_what_cannot_be_planned_is_said_in_one_line(

@@ -2,13 +2,11 @@
 
 import pytest
 
-from q2q_planner.offline.minimum_snap.waypoints import (
-    VehicleWaypoints,
-    Waypoint,
-    check_swarm,
-    swarm_from_document,
-)
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
+from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint, check_swarm
 
+LIMITS = FlightLimits()
 HERE = (0.0, 0.0, 1.0)
 
 
@@ -43,7 +41,7 @@ def test_a_swarm_needs_unique_names_and_a_common_start() -> None:
 
 def test_a_document_becomes_the_waypoints_it_says() -> None:
     document = {"vehicles": {"cf1": [{"t": 0, "pos": [1, 2, 3]}, {"t": 2.5, "pos": [0, 0, 1], "yaw": 0.5}]}}
-    (vehicle,) = swarm_from_document(document)
+    (vehicle,) = swarm_from_document(document, LIMITS)
     assert vehicle == VehicleWaypoints(
         "cf1", (Waypoint(0.0, (1.0, 2.0, 3.0)), Waypoint(2.5, (0.0, 0.0, 1.0), 0.5))
     )
@@ -52,17 +50,23 @@ def test_a_document_becomes_the_waypoints_it_says() -> None:
 @pytest.mark.parametrize(
     ("document", "message"),
     [
-        (None, "the file: got None, expected a mapping"),
-        ({"vehicles": {"cf1": 3}}, "cf1: got 3, expected a list"),
-        ({"vehicles": {"cf1": [{"t": 0}]}}, r"cf1, waypoint 0: .*expected t \[s\] and pos"),
-        ({"vehicles": {"cf1": [{"t": 0, "pos": [1, 2]}]}}, r"cf1, waypoint 0: pos = \[1, 2\]"),
+        (None, "the file: got None, expected a mapping with vehicles"),
+        ({"vehicles": {"cf1": 3}}, "the file: vehicles.cf1 = 3: a list of waypoints is expected"),
+        ({"vehicles": {"cf1": [{"t": 0}]}}, "cf1, waypoint 0: pos is missing"),
+        (
+            {"vehicles": {"cf1": [{"t": 0, "pos": [1, 2]}]}},
+            r"waypoint 0: pos = \[1, 2\]: \[x, y, z\] in metres",
+        ),
         (
             {"vehicles": {"cf1": [{"t": "x", "pos": [1, 2, 3]}]}},
-            "cf1, waypoint 0: t = 'x', expected a number",
+            "cf1, waypoint 0: t = 'x': a number is expected",
         ),
-        ({"vehicles": {"cf1": [{"t": 0, "pos": [1, 2, 3], "yw": 0}]}}, "unknown key 'yw'"),
+        (
+            {"vehicles": {"cf1": [{"t": 0, "pos": [1, 2, 3], "yw": 0}]}},
+            "unknown key 'yw'; did you mean yaw",
+        ),
     ],
 )
 def test_a_malformed_document_is_refused_where_it_is_wrong(document: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        swarm_from_document(document)
+        swarm_from_document(document, LIMITS)

@@ -51,17 +51,17 @@ def _resealed(change: dict[str, object]) -> str:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"storm": {}}, r"air.storm is unknown; known are jet"),
+        ({"storm": {}}, r"air: unknown key 'storm'; known are jet"),
         (
             {"residual": {"floor_mps2": float("nan"), "slope": 0.1, "time_s": 0.1}},
-            "floor_mps2 is nan",
+            "floor_mps2 = nan: a finite number is expected",
         ),
         ({"residual": {"floor_mps2": 0.1, "slope": 0.1}}, "residual.time_s is missing"),
         (
             {"jet": {**json.loads(encode(WHOLE))["air"]["jet"], "gaps_m": [0.1, 0.2]}},
             "push_mps2 has the shape",
         ),
-        ({"wind": [1]}, "air.wind is .*: expected an object"),
+        ({"wind": [1]}, "air: wind = .*: a mapping with .* is expected"),
     ],
 )
 def test_a_wrong_entry_is_named(change: dict[str, object], message: str) -> None:

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from q2q_model.documents.plain_values import from_plain
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.rotations import matrix_from_quat
-from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, fault_from_document, random_faults
+from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, random_faults
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import TICK_S, Room, Tick
 from q2q_sim.scenarios import library
@@ -147,12 +148,12 @@ def test_radio_loss_cuts_off_the_vehicles_it_names() -> None:
         ({"kind": "stale", "start": 1, "vehicles": ["cf1"]}, r"acts on whole frames: name no vehicles"),
         ({"kind": "nan", "start": "soon"}, r"start = 'soon': a number is expected"),
         ({"kind": "nan", "begin": 1}, r"unknown key 'begin'"),
-        ("nan", r"expected kind, start and more"),
+        ("nan", r"fault: got 'nan', expected a mapping with kind, start"),
     ],
 )
 def test_wrong_faults_are_refused_by_name(document: object, word: str) -> None:
     with pytest.raises(ValueError, match=word):
-        fault_from_document(document)
+        from_plain(Fault, document, "fault")
 
 
 def test_a_fault_of_a_stranger_is_refused() -> None:

@@ -1,9 +1,12 @@
 """Vehicles of the node `crazyswarm`, from its parameters or a `crazyflies.yaml`."""
 
+from pathlib import Path
+
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
-from q2q_control.radio.crazyflies import crazyflies_from_file, document_of, params_set
+from q2q_control.radio.crazyflies import crazyflies_from_file, params_set
 from q2q_control.radio.firmware_params import firmware_params
+from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.signals.values import Names
 from q2q_model.vehicle.constants import vehicle_by_name
 
@@ -12,8 +15,7 @@ def vehicle_names(params: CrazyswarmParams) -> Names:
     """Return the names of the vehicles.
 
     Raises:
-        ValueError: there are none, or the file is wrong.
-        OSError: the file cannot be read.
+        ValueError: there are none, or the file is wrong or cannot be read.
     """
     if params.crazyflies:
         return tuple(one.name for one in crazyflies_from_file(params.crazyflies))
@@ -25,7 +27,7 @@ def vehicle_names(params: CrazyswarmParams) -> Names:
 def server_vehicles(params: CrazyswarmParams) -> tuple[ServerVehicle, ...]:
     """Return the vehicles without a report, with the firmware parameters that they must have."""
     vehicle, required = vehicle_by_name(params.vehicle, params.firmware), firmware_params((), params.mode)
-    document = document_of(params.crazyflies) if params.crazyflies else None
+    document = load_yaml(Path(params.crazyflies)) if params.crazyflies else None
     return tuple(
         ServerVehicle(name, vehicle, required, _params_of_file(document, name, params.backend))
         for name in vehicle_names(params)

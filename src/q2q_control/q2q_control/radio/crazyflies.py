@@ -8,13 +8,16 @@ its own or its type's, is skipped: it is tracked by motion capture but not flown
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from math import isfinite
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
-import yaml
-
+from q2q_model.documents.plain_values import from_plain
+from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.signals.values import Names
+
+Position = tuple[float, float, float]
+URI = "something like radio://0/80/2M/E7E7E7E701"
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +26,7 @@ class Crazyflie:
 
     name: str
     uri: str
-    start: tuple[float, float, float]
+    start: Position
     """Initial position [m], world."""
 
 
@@ -38,19 +41,38 @@ def crazyflies_at(names: Names, uris: Sequence[str]) -> tuple[Crazyflie, ...]:
     return tuple(Crazyflie(name, uri, (0.0, 0.0, 0.0)) for name, uri in zip(names, uris, strict=True))
 
 
+@dataclass(frozen=True, slots=True)
+class _Robot:
+    """Entry of a robot, of a type of robots, or of all."""
+
+    enabled: bool = False
+    type: object = None
+    connection: object = None
+    uri: Annotated[str, URI] = ""
+    initial_position: Annotated[Position, "a list of three numbers [m]"] = (0.0, 0.0, 0.0)
+    firmware_params: Mapping[str, Mapping[str, object] | None] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Fleet:
+    """Content of a `crazyflies.yaml`."""
+
+    robots: Mapping[str, _Robot]
+    robot_types: Mapping[str, _Robot | None] = field(default_factory=dict)
+    all: _Robot | None = None
+
+    def type_of(self, robot: _Robot) -> _Robot:
+        """Return the entry of a robot's type, empty if there is none."""
+        return self.robot_types.get(str(robot.type)) or _Robot()
+
+
 def crazyflies_from_file(path: str) -> tuple[Crazyflie, ...]:
     """Return the enabled vehicles of a `crazyflies.yaml`, in its order.
 
     Raises:
-        ValueError: as crazyflies_from_document.
-        OSError: the file cannot be read.
+        ValueError: the file cannot be read, or as crazyflies_from_document.
     """
-    return crazyflies_from_document(document_of(path))
-
-
-def document_of(path: str) -> object:
-    """Return the parsed content of a YAML file."""
-    return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    return crazyflies_from_document(load_yaml(Path(path)))
 
 
 def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
@@ -59,17 +81,17 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
     Raises:
         ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI is used twice.
     """
-    whole = _mapping(document, "crazyflies.yaml")
-    types = _mapping(whole.get("robot_types", {}), "robot_types")
-    robots = {
-        str(name): _mapping(entry, str(name))
-        for name, entry in _mapping(whole.get("robots"), "robots").items()
-    }
-    read = [_crazyflie(name, entry) for name, entry in robots.items() if _is_flown(entry, types)]
-    enabled = tuple(one for one in read if one is not None)
+    fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
+    enabled = tuple(
+        Crazyflie(name, robot.uri, robot.initial_position)
+        for name, robot in fleet.robots.items()
+        if robot.enabled and (robot.connection or fleet.type_of(robot).connection) != "none"
+    )
     if not enabled:
         raise ValueError("robots: none is enabled; set `enabled: true`")
     for one in enabled:
+        if "://" not in one.uri:
+            raise ValueError(f"{one.name}: uri = {one.uri!r}: {URI} is expected")
         twins = [other.name for other in enabled if other.uri == one.uri]
         if len(twins) > 1:
             raise ValueError(f"{' and '.join(twins)} have the same uri {one.uri}: each needs its own")
@@ -82,51 +104,12 @@ def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float
     Values of the robot override those of its type (if `by_type`: the cflib server sets none of a type), and
     these override those of `all`.
     """
-    whole = _mapping(document, "crazyflies.yaml")
-    robot = _mapping(_mapping(whole.get("robots"), "robots").get(name), name)
-    kind = _mapping(whole.get("robot_types", {}), "robot_types").get(robot.get("type"), {})
-    levels = (whole.get("all") or {}, kind if by_type else {}, robot)
-    groups = [_mapping(_mapping(level, name).get("firmware_params") or {}, name) for level in levels]
+    fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
+    robot = fleet.robots.get(name, _Robot())
     return {
         f"{group}.{parameter}": float(value)
-        for some in groups
-        for group, values in some.items()
-        for parameter, value in _mapping(values or {}, str(group)).items()
+        for level in (fleet.all or _Robot(), fleet.type_of(robot) if by_type else _Robot(), robot)
+        for group, values in (level.firmware_params or {}).items()
+        for parameter, value in (values or {}).items()
         if isinstance(value, int | float)
     }
-
-
-def _is_flown(robot: Mapping[object, object], types: Mapping[object, object]) -> bool:
-    """Return whether a robot is connected to; `connection` is its own, or its type's."""
-    kind = types.get(robot.get("type"), {})
-    of_type = kind.get("connection") if isinstance(kind, Mapping) else None
-    return robot.get("connection", of_type) != "none"
-
-
-def _crazyflie(name: str, entry: Mapping[object, object]) -> Crazyflie | None:
-    enabled = entry.get("enabled", False)
-    if enabled not in {True, False}:
-        raise ValueError(f"{name}: enabled = {enabled!r}: true or false is expected")
-    if not enabled:
-        return None
-    uri = entry.get("uri")
-    if not isinstance(uri, str) or "://" not in uri:
-        raise ValueError(f"{name}: uri = {uri!r}: something like radio://0/80/2M/E7E7E7E701 is expected")
-    return Crazyflie(name, uri, _position(name, entry.get("initial_position", [0.0, 0.0, 0.0])))
-
-
-def _position(name: str, value: object) -> tuple[float, float, float]:
-    if isinstance(value, list) and len(value) == 3 and all(_is_number(one) for one in value):
-        x, y, z = (float(one) for one in value)
-        return x, y, z
-    raise ValueError(f"{name}: initial_position = {value!r}: three numbers [m] are expected")
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-
-
-def _mapping(value: object, where: str) -> Mapping[object, object]:
-    if isinstance(value, Mapping):
-        return value
-    raise ValueError(f"{where}: got {value!r}, expected names with values")

@@ -8,7 +8,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from q2q_model.files.plain_values import Plain
+from q2q_model.documents.plain_values import Plain
 
 
 class SealedFileError(ValueError):

@@ -13,10 +13,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeGuard
+from typing import Annotated
 
-import yaml
-
+from q2q_model.documents.plain_values import from_plain
+from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -76,31 +76,24 @@ def load_column_map(path: Path) -> ColumnMap:
 
     Raises:
         ValueError: the file is no such map; the message names the column.
-        OSError: it cannot be read.
     """
-    try:
-        loaded = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, yaml.YAMLError) as damage:
-        raise ValueError(f"{path} is not valid YAML: {damage}") from damage
-    columns = loaded.get("columns") if isinstance(loaded, dict) else None
-    if not isinstance(columns, dict) or not columns:
+    document = from_plain(dict[str, object], load_yaml(path), str(path))
+    columns = from_plain(dict[str, object], document.get("columns", {}), f"{path}: columns")
+    if not columns:
         raise ValueError(f"{path} has no `columns`: give some, such as columns: {{x: stateEstimate.x}}")
-    return {str(ours): (_source(path, ours, value),) for ours, value in columns.items()}
+    return {ours: (_source(value, f"{path}: columns.{ours}"),) for ours, value in columns.items()}
 
 
-def _source(path: Path, ours: object, value: object) -> SourceColumn:
-    given = value if isinstance(value, dict) else {"from": value}
-    unknown = set(given) - {"from", "scale", "offset"}
-    name, scale, offset = given.get("from"), given.get("scale", 1.0), given.get("offset", 0.0)
-    if unknown or not isinstance(name, str):
-        raise ValueError(f"{path}: columns.{ours} = {value!r}; give a name, or from, scale and offset")
-    if not (_is_finite(scale) and _is_finite(offset)):
-        raise ValueError(f"{path}: columns.{ours}: scale {scale}, offset {offset}; give finite numbers")
-    return SourceColumn(name, float(scale), float(offset))
+@dataclass(frozen=True, slots=True)
+class _Source:
+    from_: Annotated[str, "the name of a column"]
+    scale: float = 1.0
+    offset: float = 0.0
 
 
-def _is_finite(value: object) -> TypeGuard[float]:
-    return isinstance(value, int | float) and math.isfinite(value)
+def _source(value: object, where: str) -> SourceColumn:
+    given = from_plain(_Source, value if isinstance(value, Mapping) else {"from": value}, where)
+    return SourceColumn(given.from_, given.scale, given.offset)
 
 
 def mapped(columns: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:

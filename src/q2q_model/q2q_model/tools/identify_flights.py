@@ -10,9 +10,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from threadpoolctl import threadpool_limits
 
+from q2q_model.documents.plain_values import Plain, PlainValueError, to_plain
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import save
-from q2q_model.files.plain_values import Plain, PlainValueError, to_plain
 from q2q_model.identification.identification import Identification, ProcedureParams, identify
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.identify_report import report, summary

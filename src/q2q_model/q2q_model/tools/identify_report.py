@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import asdict
 
+from q2q_model.documents.plain_values import Plain
 from q2q_model.files.model_file import RoleScores
-from q2q_model.files.plain_values import Plain
 from q2q_model.identification.deviation import DeviationParams
 from q2q_model.identification.force.loading import usable_loading
 from q2q_model.identification.identification import Identification

@@ -23,11 +23,12 @@ Faults of processes (a node killed or stopped) are not part of the room: q2q_sim
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from math import isfinite
+from typing import Annotated
 
 import numpy as np
 
+from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Names
 from q2q_sim.random_streams import stream
 
@@ -67,11 +68,11 @@ class Fault:
     """One fault."""
 
     kind: str
-    start: float
+    start: float = 0.0
     """[s]"""
     duration: float = 0.0
     """[s]; 0 is one tick."""
-    vehicles: Names = ()
+    vehicles: Annotated[Names, "a list of names"] = ()
     """Empty for all."""
     size: float = 0.0
     """Meaning by kind, as in the table above."""
@@ -79,9 +80,7 @@ class Fault:
     def __post_init__(self) -> None:
         """Check the values; raise ValueError with the value and what is allowed."""
         if self.kind not in KINDS:
-            near = get_close_matches(self.kind, KINDS, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(KINDS)}"
-            raise ValueError(f"unknown fault {self.kind!r}; {hint}")
+            raise ValueError(f"unknown fault {self.kind!r}; {name_hint(self.kind, KINDS)}")
         for name, value in (("start", self.start), ("duration", self.duration)):
             if not (isfinite(value) and value >= 0.0):
                 raise ValueError(f"fault {self.kind}: {name} = {value}: 0 s or more is allowed")
@@ -106,31 +105,6 @@ def check_vehicles(faults: Sequence[Fault], names: Names) -> None:
         for name in fault.vehicles:
             if name not in names:
                 raise ValueError(f"fault {fault.kind}: no vehicle {name!r}; flying are {', '.join(names)}")
-
-
-def fault_from_document(document: object) -> Fault:
-    """Return a fault from parsed YAML: {kind: outlier, start: 10, duration: 0.5, vehicles: [cf1], size: 1}.
-
-    Raises:
-        ValueError: with the key, the value, and what is allowed.
-    """
-    if not isinstance(document, Mapping):
-        raise ValueError(f"fault {document!r}: expected kind, start and more")  # noqa: TRY004  bad document
-    known = ("kind", "start", "duration", "vehicles", "size")
-    for key in document:
-        if key not in known:
-            raise ValueError(f"fault: unknown key {key!r}; known are {', '.join(known)}")
-    vehicles = document.get("vehicles", [])
-    if not isinstance(vehicles, list) or not all(isinstance(name, str) for name in vehicles):
-        raise ValueError(f"fault: vehicles = {vehicles!r}: a list of names is expected")
-    numbers = {key: _number(key, document.get(key, 0.0)) for key in ("start", "duration", "size")}
-    return Fault(kind=str(document.get("kind")), vehicles=tuple(vehicles), **numbers)
-
-
-def _number(key: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"fault: {key} = {value!r}: a number is expected")  # noqa: TRY004  bad document
-    return float(value)
 
 
 LENGTHS: Mapping[str, tuple[float, float]] = {

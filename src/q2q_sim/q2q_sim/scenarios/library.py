@@ -6,8 +6,8 @@ A user file is a scenario, waypoints alone, or a plan; missing keys have the def
 from collections.abc import Mapping
 from pathlib import Path
 
-import yaml
-
+from q2q_model.documents.plain_values import from_plain
+from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
@@ -34,11 +34,11 @@ def load(name_or_path: str) -> Scenario:
 
 def document(name: str) -> Mapping[str, object]:
     """Return the shipped scenario of a YAML file; raise ValueError if there is no such file."""
-    return _parsed(FOLDER / f"{name}.yaml")
+    return from_plain(dict[str, object], load_yaml(FOLDER / f"{name}.yaml"), name)
 
 
 def _read(path: Path) -> Scenario:
-    parsed = {"plan": path.name} if path.suffix == PLAN else _parsed(path)
+    parsed = {"plan": path.name} if path.suffix == PLAN else load_yaml(path)
     try:
         return scenario_from_document(path.stem, parsed, _plan(parsed, path.parent))
     except ValueError as error:
@@ -47,18 +47,5 @@ def _read(path: Path) -> Scenario:
 
 def _plan(parsed: object, folder: Path) -> SwarmPlan | None:
     """Return the plan that a document names; its path is relative to the document's folder."""
-    if not isinstance(parsed, Mapping) or "plan" not in parsed:
-        return None
-    if not isinstance(parsed["plan"], str):
-        raise ValueError(f"plan = {parsed['plan']!r}: the path of a plan file is expected")  # noqa: TRY004  a bad document
-    return plan_file.load(folder / parsed["plan"])
-
-
-def _parsed(path: Path) -> Mapping[str, object]:
-    try:
-        found: Mapping[str, object] = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ValueError(f"scenario file {path}: cannot be read ({error.strerror})") from error
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise ValueError(f"scenario file {path}: is not valid YAML ({error})") from error
-    return found
+    named = parsed.get("plan") if isinstance(parsed, Mapping) else None
+    return plan_file.load(folder / named) if isinstance(named, str) else None

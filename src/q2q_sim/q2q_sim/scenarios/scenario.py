@@ -21,27 +21,29 @@ A document (parsed YAML) is checked and converted to a Scenario here; `q2q_sim.s
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from math import isfinite
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.pid import PidParams
+from q2q_model.documents.plain_values import from_plain
 from q2q_model.estimation.mocap_filter import MocapFilterParams
+from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
-from q2q_model.vehicle.constants import Vehicle, firmware_of, on_firmware, vehicle_by_name
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, firmware_of, on_firmware, vehicle_by_name
 from q2q_model.vehicle.thrust_map import STOCK
-from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, timed_document, with_limits_of
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading
-from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, swarm_from_document
+from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.online.potential_field import PotentialFieldParams
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.air.air_names import check_air
 from q2q_sim.air.wake_laws import wake_by_name
-from q2q_sim.faults.faults import Fault, check_vehicles, fault_from_document
+from q2q_sim.faults.faults import Fault, check_vehicles
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.scenarios.settings import Overrides, setting_by_name
@@ -60,11 +62,6 @@ BLOCKS: dict[str, ParamsClass] = {
 """Blocks whose parameters a scenario may override."""
 LONGEST = 3600.0
 """Longest flight [s]."""
-READINGS: dict[str, Reading] = {"stop_and_go": "stop_and_go", "free": "free"}
-KEYS = (
-    "description", "duration", "vehicle", "firmware", "wake", "air", "air_without", "in_air", "model",
-    "room", "reading", "vehicles", "plan", "overrides", "vicon", "radio", "imu", "disturbance", "faults",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,51 +118,71 @@ class Scenario:
         return tuple(vehicle.name for vehicle in self.waypoints)
 
 
+@dataclass(frozen=True, slots=True)
+class _Document:
+    """Keys of a document and their defaults."""
+
+    description: object = ""
+    duration: float | None = None
+    vehicle: str = DEFAULT_VEHICLE
+    firmware: str = STOCK
+    wake: str = "none"
+    air: str = ""
+    air_without: Annotated[Names, "a list of names"] = ()
+    in_air: Mapping[str, object] | None = None
+    model: str = "none"
+    room: str = "ideal"
+    reading: Reading = "stop_and_go"
+    vehicles: object = None
+    plan: Annotated[str, "the path of a plan file"] = ""
+    overrides: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+    vicon: Mapping[str, object] = field(default_factory=dict)
+    radio: Mapping[str, object] = field(default_factory=dict)
+    imu: Mapping[str, object] = field(default_factory=dict)
+    disturbance: Mapping[str, object] = field(default_factory=dict)
+    faults: tuple[Fault, ...] = ()
+
+
 def scenario_from_document(name: str, document: object, plan: SwarmPlan | None = None) -> Scenario:
     """Return the scenario of a parsed YAML document; `plan` is the content of its plan file.
 
     Only `vehicles` or `plan` is required: a file of waypoints alone is a scenario.
 
     Raises:
-        ValueError: with the key, the value, and what is allowed there.
+        ValueError: with the keys and values that are not allowed, and what is.
     """
-    entries = _mapping(document, name)
-    for key in entries:
-        if key not in KEYS:
-            raise ValueError(f"{name}: unknown key {key!r}; {_nearest(key, KEYS)}")
-    room = setting_by_name(str(entries.get("room", "ideal")))
-    vehicle = vehicle_by_name(
-        str(entries.get("vehicle", "crazyflie_2_0")), str(entries.get("firmware", STOCK))
-    )
-    reading = _reading(entries.get("reading", "stop_and_go"))
-    waypoints = _waypoints(entries, with_limits_of(FlightLimits(), vehicle), reading, plan)
+    given = from_plain(_Document, document, "")
+    room = setting_by_name(given.room)
+    vehicle = vehicle_by_name(given.vehicle, given.firmware)
+    waypoints = _waypoints(given, with_limits_of(FlightLimits(), vehicle), plan)
     last = max(float(one.times[-1]) for one in waypoints)
     return Scenario(
         name=name,
-        description=str(entries.get("description", "")),
-        duration=_number(entries.get("duration", last), f"{name}: duration"),
+        description=str(given.description),
+        duration=last if given.duration is None else given.duration,
         vehicle=vehicle,
         waypoints=waypoints,
         plan=plan,
-        reading=reading,
-        wake=str(entries.get("wake", "none")),
-        air=str(entries.get("air", "")),
-        air_without=_strings(entries.get("air_without", []), "air_without"),
-        in_air=scenario_from_document(name, document_in_air(entries), plan) if "in_air" in entries else None,
-        model=str(entries.get("model", "none")),
-        vicon=overridden(room.vicon, entries.get("vicon", {}), "vicon"),
-        radio=overridden(room.radio, entries.get("radio", {}), "radio"),
-        imu=overridden(room.imu, entries.get("imu", {}), "imu"),
-        disturbance=overridden(room.disturbance, entries.get("disturbance", {}), "disturbance"),
-        faults=_faults(entries.get("faults", [])),
-        overrides=_merged(room.overrides, entries.get("overrides", {})),
+        reading=given.reading,
+        wake=given.wake,
+        air=given.air,
+        air_without=given.air_without,
+        in_air=scenario_from_document(name, document_in_air(document), plan) if given.in_air else None,
+        model=given.model,
+        vicon=overridden(room.vicon, given.vicon, "vicon"),
+        radio=overridden(room.radio, given.radio, "radio"),
+        imu=overridden(room.imu, given.imu, "imu"),
+        disturbance=overridden(room.disturbance, given.disturbance, "disturbance"),
+        faults=given.faults,
+        overrides=_merged(room.overrides, given.overrides),
     )
 
 
-def document_in_air(document: Mapping[str, object]) -> dict[str, object]:
+def document_in_air(document: object) -> dict[str, object]:
     """Return a scenario's document with the keys of its `in_air` in place of its own."""
-    kept = {key: value for key, value in document.items() if key != "in_air"}
-    return {**kept, **_mapping(document.get("in_air", {}), "in_air")}
+    entries = from_plain(dict[str, object], document, "")
+    in_air = from_plain(dict[str, object], entries.pop("in_air", {}), "in_air")
+    return entries | in_air
 
 
 def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
@@ -211,12 +228,11 @@ def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
 
 
 def _waypoints(
-    entries: Mapping[str, object], limits: FlightLimits, reading: Reading, plan: SwarmPlan | None
+    given: _Document, limits: FlightLimits, plan: SwarmPlan | None
 ) -> tuple[VehicleWaypoints, ...]:
     if plan is None:
-        document = timed_document({"vehicles": entries.get("vehicles")}, limits, reading)
-        return swarm_from_document(document)
-    if "vehicles" in entries:
+        return swarm_from_document({"vehicles": given.vehicles}, limits, given.reading)
+    if given.vehicles is not None:
         raise ValueError("vehicles and plan are both given: a plan names its vehicles; leave one out")
     return waypoints_of(plan)
 
@@ -226,7 +242,7 @@ def block_params(block: str, default: P, overrides: Overrides) -> P:
     return overridden(default, overrides.get(block, {}), block)
 
 
-def overridden(params: P, values: object, where: str) -> P:
+def overridden(params: P, values: Mapping[str, object], where: str) -> P:
     """Return `params` with values from a document.
 
     Raises:
@@ -235,11 +251,10 @@ def overridden(params: P, values: object, where: str) -> P:
     return with_overrides(params, _values(params, values, where))
 
 
-def _values(params: ParamsClass, values: object, where: str) -> dict[str, ParameterValue]:
+def _values(params: ParamsClass, values: Mapping[str, object], where: str) -> dict[str, ParameterValue]:
     """Return a document's values as parameters; `with_overrides` refuses unknown names."""
-    entries = _mapping(values, where)
     return {
-        key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in entries.items()
+        key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in values.items()
     }
 
 
@@ -254,47 +269,15 @@ def _value(value: object, default: object, where: str) -> ParameterValue:
     raise ValueError(f"{where} = {value!r}: a {type(default).__name__} is expected")
 
 
-def _merged(room: Overrides, own: object) -> Overrides:
-    entries = _mapping(own, "overrides")
-    for block in entries:
+def _merged(room: Overrides, own: Mapping[str, Mapping[str, object]]) -> Overrides:
+    for block in own:
         if block not in BLOCKS:
-            raise ValueError(f"overrides: unknown block {block!r}; {_nearest(block, tuple(BLOCKS))}")
-    blocks = {
-        block: _values(BLOCKS[block], values, f"overrides.{block}") for block, values in entries.items()
-    }
+            raise ValueError(f"overrides: unknown block {block!r}; {name_hint(block, BLOCKS)}")
+    blocks = {block: _values(BLOCKS[block], values, f"overrides.{block}") for block, values in own.items()}
     return {block: {**room.get(block, {}), **blocks.get(block, {})} for block in sorted({*room, *blocks})}
-
-
-def _faults(value: object) -> tuple[Fault, ...]:
-    if not isinstance(value, list):
-        raise ValueError(f"faults = {value!r}: a list is expected")  # noqa: TRY004  a bad document
-    return tuple(fault_from_document(one) for one in value)
-
-
-def _reading(value: object) -> Reading:
-    if not isinstance(value, str) or value not in READINGS:
-        raise ValueError(f"reading = {value!r}: choose one of {', '.join(READINGS)}")
-    return READINGS[value]
-
-
-def _strings(value: object, where: str) -> tuple[str, ...]:
-    if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
-        raise ValueError(f"{where} = {value!r}: a list of names is expected")
-    return tuple(value)
 
 
 def _number(value: object, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{where} = {value!r}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
     return float(value)
-
-
-def _mapping(value: object, where: str) -> Mapping[str, object]:
-    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
-        raise ValueError(f"{where}: got {value!r}, expected names with values")
-    return value
-
-
-def _nearest(key: str, known: tuple[str, ...]) -> str:
-    near = get_close_matches(key, known, n=1)
-    return f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"

@@ -1,8 +1,9 @@
 """Files of scenarios by name, without reading them: shipped ones, `swarmN`, and user files."""
 
 import re
-from difflib import get_close_matches
 from pathlib import Path
+
+from q2q_model.nearest_name import name_hint
 
 FOLDER = Path(__file__).parent
 """Folder of the shipped scenarios."""
@@ -51,9 +52,7 @@ def path_of(name_or_path: str) -> Path:
         return own
     if own.name == name_or_path and shipped.is_file():
         return shipped
-    near = get_close_matches(name_or_path, names(), n=1)
-    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(names())}"
     raise ValueError(
-        f"unknown scenario {name_or_path!r}; {hint} (swarmN: 1 to {MOST} vehicles; "
-        "or a file: .yaml of a scenario or waypoints, .json of a plan)"
+        f"unknown scenario {name_or_path!r}; {name_hint(name_or_path, names())} "
+        f"(swarmN: 1 to {MOST} vehicles; or a file: .yaml of a scenario or waypoints, .json of a plan)"
     )

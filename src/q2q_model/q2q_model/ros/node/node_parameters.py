@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import Field, fields, replace
-from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import (
@@ -15,6 +14,7 @@ from rclpy.exceptions import InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from q2q_model.nearest_name import name_hint
 from q2q_model.tunable import ParamsClass, Tunable, tunable_of, with_overrides
 
 P = TypeVar("P", bound=ParamsClass)
@@ -45,9 +45,7 @@ def refuse_undeclared(nodes: Iterable[Node]) -> None:
     known = {name for node in here for name in node.list_parameters([], 0).names}
     given = {name for node in here for name in node._parameter_overrides}  # noqa: SLF001  (rclpy has no accessor)
     for name in sorted(given - known):
-        near = get_close_matches(name, known, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(sorted(known))}"
-        raise ValueError(f"no parameter {name}; {hint}")
+        raise ValueError(f"no parameter {name}; {name_hint(name, sorted(known))}")
 
 
 def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "") -> None:

@@ -9,7 +9,7 @@ vehicles stop at waypoints. Times of free curves are then scaled by one factor. 
 a <= rpyt_thrust_max / m - g in every direction.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, sqrt
 
@@ -21,7 +21,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, derive
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
-from q2q_planner.offline.minimum_snap.waypoints import FARTHEST, SHORTEST_PIECE, VehicleWaypoints, Waypoint
+from q2q_planner.offline.minimum_snap.waypoints import SHORTEST_PIECE, VehicleWaypoints, Waypoint
 
 PEAK_SPEED = 35.0 / 16.0
 """max s' of the rest-to-rest piece."""
@@ -119,31 +119,6 @@ def _excess(trajectory: Trajectory, limits: FlightLimits) -> float:
     """Return by what factor all times must be longer for the limits to hold."""
     speed, acc = peak_norm(trajectory, 1).value, peak_norm(trajectory, 2).value
     return max(speed / limits.speed, sqrt(acc / limits.acceleration))
-
-
-def timed_document(document: object, limits: FlightLimits, reading: Reading = "stop_and_go") -> object:
-    """Return a parsed waypoint file with t filled in for vehicles that have none."""
-    if not isinstance(document, Mapping) or not isinstance(document.get("vehicles"), Mapping):
-        return document
-    vehicles = document["vehicles"].items()
-    return {**document, "vehicles": {name: _timed_rows(rows, limits, reading) for name, rows in vehicles}}
-
-
-def _timed_rows(rows: object, limits: FlightLimits, reading: Reading) -> object:
-    if not isinstance(rows, list) or len(rows) < 2 or not all(_lacks_time(row) for row in rows):
-        return rows
-    if not all(abs(value) <= FARTHEST for row in rows for value in row["pos"]):  # also NaN
-        return [{**row, "t": float(index)} for index, row in enumerate(rows)]  # for the reader to refuse
-    points = [Waypoint(0.0, tuple(row["pos"])) for row in rows]
-    times = allocate_times("", points, limits, reading).times
-    return [{**row, "t": float(t)} for row, t in zip(rows, times, strict=True)]
-
-
-def _lacks_time(row: object) -> bool:
-    if not isinstance(row, Mapping) or "t" in row:
-        return False
-    pos = row.get("pos")
-    return isinstance(pos, list) and len(pos) == 3 and all(isinstance(value, int | float) for value in pos)
 
 
 def _timed(name: str, points: Sequence[Waypoint], spans: Array) -> VehicleWaypoints:

@@ -3,21 +3,14 @@
 A waypoint is (t, x, y, z, yaw) of eq. (17). Yaw is not wrapped: 0 to 2 pi is a full turn.
 """
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
-from reprlib import repr as shown
 
 import numpy as np
 
 from q2q_model.signals.values import Array
-
-LONGEST_VALUE = 100
-"""Most characters of a wrong value in an error."""
-EXAMPLE = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1], yaw: 0}]}"
-"""The waypoints of one vehicle as YAML."""
 
 Point = tuple[float, float, float]
 
@@ -27,9 +20,6 @@ SHORTEST_PIECE = 1e-3
 FARTHEST, LONGEST, MOST_TURN = 1e4, 1e5, 1e4
 """Largest coordinate [m], time [s] and yaw [rad]: beyond, the rounding of a 7th power of time
 exceeds a micrometre."""
-
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""Allowed names of vehicles: they become part of topics and file names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,62 +85,6 @@ def check_swarm(swarm: Sequence[VehicleWaypoints]) -> None:
             )
 
 
-def swarm_from_document(document: object) -> tuple[VehicleWaypoints, ...]:
-    """Read waypoints from parsed YAML or JSON: `vehicles: {cf1: [{t: 0, pos: [x, y, z], yaw: 0}, ...]}`.
-
-    Raises:
-        ValueError: naming the vehicle, the waypoint and what is expected there.
-    """
-    vehicles = _mapping(_mapping(document, "the file").get("vehicles"), "vehicles")
-    swarm = tuple(_vehicle(_name(name), rows) for name, rows in vehicles.items())
-    check_swarm(swarm)
-    return swarm
-
-
-def _name(given: object) -> str:
-    if not NAME.fullmatch(str(given)):
-        raise ValueError(f"vehicle {shown(given)}: a name is a letter, then letters, digits and _")
-    return str(given)
-
-
-def _vehicle(name: str, rows: object) -> VehicleWaypoints:
-    if not isinstance(rows, list):
-        raise ValueError(f"{name}: got {_shown(rows)}, expected a list of waypoints {{t, pos, yaw}}")  # noqa: TRY004
-    waypoints = (_waypoint(f"{name}, waypoint {index}", row) for index, row in enumerate(rows))
-    return VehicleWaypoints(name, tuple(waypoints))
-
-
-def _waypoint(where: str, row: object) -> Waypoint:
-    entry = _mapping(row, where)
-    unknown = sorted(set(map(str, entry)) - {"t", "pos", "yaw"})
-    if unknown:
-        raise ValueError(f"{where}: unknown key {shown(unknown[0])}; known are t, pos, yaw")
-    if "t" not in entry or "pos" not in entry:
-        raise ValueError(f"{where}: got {_shown(dict(entry))}, expected t [s] and pos [x, y, z]")
-    pos = entry["pos"]
-    if not isinstance(pos, list | tuple) or len(pos) != 3:
-        raise ValueError(f"{where}: pos = {shown(pos)}, expected [x, y, z] in metres")
-    x, y, z = (_number(f"{where}: pos", value) for value in pos)
-    return Waypoint(
-        _number(f"{where}: t", entry["t"]), (x, y, z), _number(f"{where}: yaw", entry.get("yaw", 0.0))
-    )
-
-
-def _mapping(value: object, where: str) -> Mapping[object, object]:
-    if not isinstance(value, Mapping):
-        raise ValueError(f"{where}: got {_shown(value)}, expected a mapping, as {EXAMPLE}")  # noqa: TRY004
-    return value
-
-
-def _number(where: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{where} = {shown(value)}, expected a number")  # noqa: TRY004
-    try:
-        return float(value)
-    except OverflowError as error:
-        raise ValueError(f"{where} = {shown(value)}, a number of at most {FARTHEST:g} is needed") from error
-
-
 def _check_finite(where: str, waypoint: Waypoint) -> None:
     named: Iterable[tuple[str, float, float]] = zip(
         ("t", "x", "y", "z", "yaw"),
@@ -176,9 +110,3 @@ def _check_rising(where: str, before: float, after: float) -> None:
         raise ValueError(
             f"{where}: {after - before} s after the previous one, at least {SHORTEST_PIECE} s is needed"
         )
-
-
-def _shown(value: object) -> str:
-    """Return the given value, shortened."""
-    text = shown(value)
-    return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]} ..."

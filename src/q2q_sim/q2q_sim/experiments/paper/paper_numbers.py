@@ -1,11 +1,11 @@
 """Numbers of the paper, from one file with the place of each."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from difflib import get_close_matches
+from dataclasses import dataclass
 from pathlib import Path
 
-import yaml
+from q2q_model.documents.plain_values import from_plain
+from q2q_model.documents.yaml_text import load_yaml
+from q2q_model.nearest_name import name_hint
 
 SAME = "as above"
 """Note that repeats the one before it."""
@@ -30,17 +30,30 @@ class PaperNumber:
         return self.id.partition(".")[0]
 
 
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    """Number in the file, under its id."""
+
+    paper: float | None
+    unit: str
+    where: str
+    note: str
+
+    def __post_init__(self) -> None:
+        if not (self.unit and self.where and self.note):
+            raise ValueError("unit, where and note are expected")
+
+
 def paper_numbers(file: Path = FILE) -> tuple[PaperNumber, ...]:
     """Return every number, in the order of the file.
 
     Raises:
         ValueError: an entry lacks its unit, place or note.
     """
-    document = yaml.safe_load(file.read_text(encoding="utf-8"))
-    read = [_number(name, entry) for name, entry in document.items()]
-    for k, one in enumerate(read):
-        if one.note == SAME and k > 0:
-            read[k] = replace(one, note=read[k - 1].note)
+    read: list[PaperNumber] = []
+    for name, one in from_plain(dict[str, _Entry], load_yaml(file), str(file)).items():
+        note = read[-1].note if one.note == SAME and read else one.note
+        read.append(PaperNumber(name, one.paper, one.unit, one.where, note))
     return tuple(read)
 
 
@@ -54,15 +67,5 @@ def chosen(numbers: tuple[PaperNumber, ...], only: str) -> tuple[PaperNumber, ..
     wanted = [word.strip() for word in only.split(",") if word.strip()]
     for word in wanted:
         if word not in known:
-            near = get_close_matches(word, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
-            raise ValueError(f"--only {word}: {hint}")
+            raise ValueError(f"--only {word}: {name_hint(word, known)}")
     return tuple(one for one in numbers if not wanted or one.group in wanted)
-
-
-def _number(name: str, entry: Mapping[str, str | float | None]) -> PaperNumber:
-    paper = entry.get("paper")
-    words = [str(entry.get(key) or "") for key in ("unit", "where", "note")]
-    if not all(words) or isinstance(paper, str) or entry.keys() != {"paper", "unit", "where", "note"}:
-        raise ValueError(f"{name}: {dict(entry)}: paper (number or null), unit, where and note are expected")
-    return PaperNumber(name, paper, *words)

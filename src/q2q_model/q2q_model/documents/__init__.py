@@ -1,0 +1,1 @@
+"""Documents: YAML text, plain values, and frozen dataclasses made of them."""

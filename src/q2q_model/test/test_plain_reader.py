@@ -1,0 +1,137 @@
+"""Plain values become the dataclass they describe, or every mistake is named, with what is expected."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+import numpy as np
+import pytest
+
+from q2q_model.documents.plain_values import PlainValueError, from_plain
+from q2q_model.signals.values import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """Part of a document."""
+
+    pos: Annotated[tuple[float, float, float], "[x, y, z] in metres"]
+    t: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a time before the start."""
+        if self.t < 0.0:
+            raise ValueError(f"t = {self.t}: 0 s or more is allowed")
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """Every type that a document may have."""
+
+    paths: Mapping[str, tuple[Point, ...]]
+    count: int = 1
+    on: bool = True
+    reading: Literal["free", "fixed"] = "free"
+    limit: float | None = None
+    table: Array | None = None
+    names: tuple[str, ...] = ()
+    rest: Mapping[str, object] = field(default_factory=dict)
+
+
+PATHS = {"cf1": [{"pos": [0, 1, 2]}]}
+
+
+def test_a_document_becomes_the_values_it_gives_in_their_types() -> None:
+    given = {
+        "paths": {1: [{"pos": [0, 1, 2.5], "t": 3}], "cf2": []},
+        "count": 3,
+        "on": False,
+        "reading": "fixed",
+        "limit": 2,
+        "table": [[1, 2], [3, 4]],
+        "names": ["a", "b"],
+        "rest": {"any": [1, "x"]},
+    }
+    read = from_plain(Document, given, "file")
+    assert read.paths == {"1": (Point((0.0, 1.0, 2.5), 3.0),), "cf2": ()}
+    assert (read.count, read.on, read.reading, read.limit) == (3, False, "fixed", 2.0)
+    assert [type(value) for value in (*read.paths["1"][0].pos, read.limit)] == [float] * 4
+    np.testing.assert_array_equal(read.table, [[1.0, 2.0], [3.0, 4.0]])
+    assert (read.names, read.rest) == (("a", "b"), {"any": [1, "x"]})
+    assert from_plain(Document, {"paths": {}, "limit": None}, "file") == Document({})
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (None, "got None, expected a mapping with paths, count, on, reading, limit, table, names, "),
+        ({}, "paths is missing"),
+        ({"paths": PATHS, "cuont": 2}, "unknown key 'cuont'; did you mean count?"),
+        ({"paths": PATHS, "x": 2}, "unknown key 'x'; known are paths, count, on, "),
+        ({"paths": PATHS, "count": True}, "count = True: a whole number is expected"),
+        ({"paths": PATHS, "count": "3"}, "count = '3': a whole number is expected"),
+        ({"paths": PATHS, "on": 1}, "on = 1: true or false is expected"),
+        ({"paths": PATHS, "limit": "3"}, "limit = '3': a number is expected"),
+        ({"paths": PATHS, "limit": False}, "limit = False: a number is expected"),
+        ({"paths": PATHS, "limit": float("inf")}, "limit = inf: a finite number is expected"),
+        (
+            {"paths": PATHS, "limit": 10**400},
+            f"limit = 1{13 * '0'}...{15 * '0'}: a finite number is expected",
+        ),
+        ({"paths": PATHS, "reading": "fast"}, "reading = 'fast': one of free, fixed is expected"),
+        ({"paths": PATHS, "reading": []}, "reading = []: one of free, fixed is expected"),
+        ({"paths": PATHS, "names": "ab"}, "names = 'ab': a list is expected"),
+        ({"paths": PATHS, "names": ["a", None]}, "names[1] = None: text is expected"),
+        ({"paths": PATHS, "table": [[1, 2], [3]]}, "table = [[1, 2], [3]]: a list of rows of one length"),
+        ({"paths": PATHS, "table": [[1, "x"]]}, "table[0][1] = 'x': a number is expected"),
+        ({"paths": []}, "paths = []: a mapping of names to values is expected"),
+        ({"paths": {"cf1": [{"pos": [1, 2]}]}}, "paths.cf1[0].pos = [1, 2]: [x, y, z] in metres is expected"),
+        ({"paths": {"cf1": [{"pos": [1, None, 2]}]}}, "paths.cf1[0].pos[1] = None: a number is expected"),
+        ({"paths": {"cf1": [{"pos": [1, 2, 3], "t": -1}]}}, "paths.cf1[0]: t = -1.0: 0 s or more is allowed"),
+        ({"paths": {"cf1": [{"pos": [1, 2, 3], "z": 1}]}}, "paths.cf1[0]: unknown key 'z'; known are pos, t"),
+    ],
+)
+def test_a_mistake_is_named_by_key_value_and_what_is_expected(given: object, said: str) -> None:
+    with pytest.raises(PlainValueError) as refusal:
+        from_plain(Document, given, "file")
+    assert str(refusal.value).startswith(f"file: {said}")
+    assert len(str(refusal.value)) < 120
+
+
+def test_mistakes_are_named_at_once_and_the_fourth_is_counted() -> None:
+    given = {"paths": {"cf1": [{"pos": "x"}, {}], "cf2": 7}, "count": 0.5, "nams": 1}
+    with pytest.raises(PlainValueError) as refusal:
+        from_plain(Document, given, "file")
+    assert str(refusal.value) == (
+        "file: paths.cf1[0].pos = 'x': [x, y, z] in metres is expected; paths.cf1[1].pos is missing; "
+        "paths.cf2 = 7: a list is expected; and 2 more"
+    )
+
+
+def test_a_field_with_an_underscore_has_the_key_that_python_reserves() -> None:
+    @dataclass(frozen=True, slots=True)
+    class Source:
+        from_: str
+
+    assert from_plain(Source, {"from": "x"}, "") == Source("x")
+    for given, said in (({}, "from is missing"), ({"form": 1, "from": "x"}, "did you mean from")):
+        with pytest.raises(PlainValueError, match=said):
+            from_plain(Source, given, "file")
+
+
+def test_unknown_keys_of_a_foreign_document_are_ignored_at_every_level() -> None:
+    given = {"paths": {"cf1": [{"pos": [0, 1, 2], "color": "red"}]}, "version": 3}
+    assert from_plain(Document, given, "", extra=True) == from_plain(Document, {"paths": PATHS}, "")
+
+
+@pytest.mark.parametrize("error", [TypeError("broken"), KeyError("broken")])
+def test_an_error_of_the_code_is_not_taken_for_a_mistake_of_the_document(error: Exception) -> None:
+    @dataclass(frozen=True, slots=True)
+    class Broken:
+        x: float
+
+        def __post_init__(self) -> None:
+            raise error
+
+    with pytest.raises(type(error), match="broken"):
+        from_plain(Broken, {"x": 1.0}, "file")

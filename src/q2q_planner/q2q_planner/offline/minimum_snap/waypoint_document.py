@@ -1,0 +1,63 @@
+"""Waypoints of a parsed YAML or JSON document; a vehicle whose waypoints have no times gets them."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isnan, nan
+from typing import Annotated
+
+from q2q_model.documents.plain_values import from_plain
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, allocate_times
+from q2q_planner.offline.minimum_snap.minimum_snap import Reading
+from q2q_planner.offline.minimum_snap.waypoints import Point, VehicleWaypoints, Waypoint, check_swarm
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+"""Allowed names of vehicles: they become part of topics and file names."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Swarm:
+    """Waypoints of a document; its other keys are those of a scenario."""
+
+    vehicles: Annotated[
+        Mapping[str, Annotated[tuple[object, ...], "a list of waypoints"]],
+        "{name: waypoints}, such as {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1], yaw: 0}]}",
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """Waypoint of a document."""
+
+    pos: Annotated[Point, "[x, y, z] in metres"]
+    t: float = nan
+    """NaN if it is not given."""
+    yaw: float = 0.0
+
+
+def swarm_from_document(
+    document: object, limits: FlightLimits, reading: Reading = "stop_and_go"
+) -> tuple[VehicleWaypoints, ...]:
+    """Return the waypoints of a document, timed within `limits` where a vehicle has no times.
+
+    Raises:
+        ValueError: naming the vehicle, the waypoint and what is expected there.
+    """
+    vehicles = from_plain(_Swarm, document, "the file", extra=True).vehicles
+    swarm = tuple(_vehicle(name, rows, limits, reading) for name, rows in vehicles.items())
+    check_swarm(swarm)
+    return swarm
+
+
+def _vehicle(name: str, rows: tuple[object, ...], limits: FlightLimits, reading: Reading) -> VehicleWaypoints:
+    if not NAME.fullmatch(name):
+        raise ValueError(f"vehicle {name[:40]!r}: a name is a letter, then letters, digits and _")
+    read = [from_plain(_Row, row, f"{name}, waypoint {index}") for index, row in enumerate(rows)]
+    missing = [index for index, row in enumerate(read) if isnan(row.t)]
+    if 0 < len(missing) < len(read):
+        raise ValueError(f"{name}, waypoint {missing[0]}: t is missing: give all waypoints a t [s], or none")
+    times = [float(index) for index in missing] or [row.t for row in read]
+    made = VehicleWaypoints(
+        name, tuple(Waypoint(t, row.pos, row.yaw) for t, row in zip(times, read, strict=True))
+    )
+    return allocate_times(name, made.waypoints, limits, reading) if missing else made
