@@ -8,5 +8,6 @@
 | estimate_noise | noise of the recorded estimate, by its spectrum |
 | redrawn_flight | the flight flown again under that law, many draws of the air at once |
 | error_spectrum | spectra of the height error in bands |
+| flight_alone | one vehicle flown again along its setpoints by the emulated firmware |
 | comparison | numbers that compare simulated with recorded height errors |
 """

@@ -89,7 +89,7 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         np.stack(masks, axis=1)
         for masks in zip(*((row.usable, row.exposed, row.free) for row in rows), strict=True)
     )
-    grid = _grid(flight)
+    grid = flying_grid(flight)
     nearest = np.searchsorted(flight.t, grid - 0.5 * (grid[1] - grid[0])).clip(0, flight.t.size - 1)
     return TrackedFlight(
         name=flight.name,
@@ -138,8 +138,12 @@ def _compensated(flight: Flight, log: FlightLog | None, mass: float) -> Array:
     return np.nan_to_num(flight.eta[..., 2])
 
 
-def _grid(flight: Flight) -> Array:
-    """Return the even times [s] between the first and the last row with all vehicles in the air."""
+def flying_grid(flight: Flight) -> Array:
+    """Return the even times [s] between the first and the last row with all vehicles in the air.
+
+    Raises:
+        ValueError: fewer than 5 s.
+    """
     height = flight.pos[..., 2]
     flying = np.nonzero((height > FLOOR).all(axis=1) & np.isfinite(flight.ref_pos).all(axis=(1, 2)))[0]
     if flying.size == 0 or flight.t[flying[-1]] - flight.t[flying[0]] < SHORTEST:

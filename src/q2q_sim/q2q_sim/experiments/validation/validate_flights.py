@@ -11,6 +11,13 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.experiments.validation.comparison import Comparison, comparison
 from q2q_sim.experiments.validation.drawn_air import draws_in
+from q2q_sim.experiments.validation.flight_alone import (
+    ComparedAlone,
+    FlightAlone,
+    compared_alone,
+    flight_alone,
+    is_alone,
+)
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
 from q2q_sim.experiments.validation.validation import ValidatedFlight, as_json, pooled, validated, verdict
 from q2q_sim.experiments.validation.validation_page import write_page
@@ -19,29 +26,49 @@ from q2q_sim.plant.swarm import vehicle_in
 
 def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, args: Namespace) -> int:
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
-    done = [_flown(one, air, vehicle, args.draws) for one in _tracked(recordings, vehicle)]
+    tracked, single = _flyable(recordings, vehicle)
+    done = [_flown(one, air, vehicle, args.draws) for one in tracked]
+    alone = [_flown_alone(one, air, vehicle, args.draws) for one in single]
     if args.json:
-        args.json.write_text(json.dumps(as_json(done), indent=1) + "\n")
+        args.json.write_text(json.dumps(as_json(done, alone), indent=1) + "\n")
     if args.out:
-        print(f"page: {write_page(done, Path(args.air).name, args.out)}")
+        print(f"page: {write_page(done, alone, Path(args.air).name, args.out)}")
+    if alone:
+        print(_line("all alone, height", comparison([one.vertical for one in alone])))
+        print(_line("all alone, x and y", comparison([one.lateral for one in alone])))
     print(_line("all, under a wake", pooled(done)))
     print(verdict(pooled(done)))
     return 0
 
 
-def _tracked(recordings: Sequence[Recording], vehicle: Vehicle) -> list[TrackedFlight]:
-    """Return the flights that can be flown again, and say why others cannot; ValueError if none can."""
-    found = []
+def _flyable(
+    recordings: Sequence[Recording], vehicle: Vehicle
+) -> tuple[list[TrackedFlight], list[FlightAlone]]:
+    """Return the flights that can be flown again, those of one vehicle without thrust commands apart.
+
+    Says why others cannot; ValueError if none can.
+    """
+    found: list[TrackedFlight] = []
+    alone: list[FlightAlone] = []
     for one in recordings:
         try:
-            found.append(tracked_flight(one, vehicle))
+            if is_alone(one):
+                alone.append(flight_alone(one))
+            else:
+                found.append(tracked_flight(one, vehicle))
         except ValueError as refusal:
             if len(recordings) == 1:
                 raise
             _say(f"left out: {refusal}")
-    if not found:
+    if not found and not alone:
         raise ValueError(f"none of the {len(recordings)} flights can be flown again")
-    return found
+    return found, alone
+
+
+def _flown_alone(flight: FlightAlone, air: FlownAir, vehicle: Vehicle, draws: int) -> ComparedAlone:
+    one = compared_alone(flight, vehicle, air, range(draws))
+    print(_line(f"{flight.name}, height", comparison([one.vertical])))
+    return one
 
 
 def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -> ValidatedFlight:

@@ -17,6 +17,7 @@ from q2q_sim.experiments.validation.comparison import (
 )
 from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE, EXPOSED_SHARE
+from q2q_sim.experiments.validation.flight_alone import ComparedAlone
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, read_law
 from q2q_sim.experiments.validation.redrawn_flight import redrawn
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
@@ -82,7 +83,7 @@ def verdict(numbers: Comparison) -> str:
     return f"This air is not that of the recorded flights: {'; '.join(misses)}."
 
 
-def as_json(flights: Sequence[ValidatedFlight]) -> dict[str, object]:
+def as_json(flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone] = ()) -> dict[str, object]:
     """Return the numbers of all flights and pooled ones; None where nothing was compared."""
     return {
         "flights": {one.flight.name: _flight_json(one) for one in flights},
@@ -91,6 +92,10 @@ def as_json(flights: Sequence[ValidatedFlight]) -> dict[str, object]:
         "intervals": {
             "pooled": flight_intervals([one.under for one in flights]),
             "pooled_clear": flight_intervals([one.clear for one in flights]),
+        },
+        "alone": {
+            "flights": {one.name: _alone_json([one]) for one in alone},
+            "pooled": _alone_json(alone),
         },
         "verdict": verdict(pooled(flights)),
     }
@@ -112,6 +117,11 @@ def _flight_json(one: ValidatedFlight) -> dict[str, object]:
         "loop": {**gains, "attitude_frequency": law.attitude.frequency, "residual_mps2": law.rms},
         "drag_per_s": round(one.drag, 4),
     }
+
+
+def _alone_json(flights: Sequence[ComparedAlone]) -> dict[str, object]:
+    lateral = comparison([one.lateral for one in flights])
+    return {**asdict(comparison([one.vertical for one in flights])), "lateral": asdict(lateral)}
 
 
 def _judged(numbers: Comparison) -> list[tuple[bool, str]]:

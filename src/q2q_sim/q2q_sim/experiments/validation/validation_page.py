@@ -5,6 +5,7 @@ from pathlib import Path
 
 from q2q_sim.experiments.validation.comparison import Comparison, comparison, flight_intervals
 from q2q_sim.experiments.validation.error_figures import error_figure, spectrum_figure
+from q2q_sim.experiments.validation.flight_alone import ComparedAlone
 from q2q_sim.experiments.validation.validation import (
     COVERAGE,
     RMS_RATIO,
@@ -32,9 +33,15 @@ NOTES = (
     "recorded; the spectrum is the largest difference of power in an octave band from 0.2 to 10 Hz; the band "
     "is the one that holds 95 % of a further draw."
 )
+ALONE_NOTES = (
+    "Flights of one vehicle whose log has setpoints but no thrust commands: flown again along the setpoints "
+    "by the emulated firmware's position PID, from the recorded first state."
+)
 
 
-def write_page(flights: Sequence[ValidatedFlight], air: str, out: Path) -> Path:
+def write_page(
+    flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone], air: str, out: Path
+) -> Path:
     """Draw the pictures into a folder and write the page there; return its path."""
     out.mkdir(parents=True, exist_ok=True)
     under = [part for one in flights for part in one.under]
@@ -62,11 +69,27 @@ def write_page(flights: Sequence[ValidatedFlight], air: str, out: Path) -> Path:
         Grid(HEAD, _rows([(one.flight.name, comparison(one.clear)) for one in flights], comparison(clear))),
         *([spectra] if spectra else []),
         curves,
+        *_alone_panel(alone, out),
         NOTES,
     ]
     file = out / "index.html"
     file.write_text(page(f"Validation of {air}", verdict(pooled(flights)), parts), encoding="utf-8")
     return file
+
+
+def _alone_panel(alone: Sequence[ComparedAlone], out: Path) -> list[Grid | Sequence[Picture] | str]:
+    """Return table and spectra of the flights of one vehicle alone, empty without any."""
+    if not alone:
+        return []
+    height, lateral = [one.vertical for one in alone], [one.lateral for one in alone]
+    rows = _rows([(one.name, comparison([one.vertical])) for one in alone], comparison(height))
+    spectra = [
+        Picture(save(spectrum_figure(parts, title), out / f"spectrum_alone_{name}.png"), f"Alone, {title}")
+        for name, title, parts in (("height", "height", height), ("lateral", "x and y", lateral))
+        if any(part.power.any() for part in parts)
+    ]
+    beside = _row("all, x and y", comparison(lateral))
+    return ["One vehicle alone", ALONE_NOTES, Grid(HEAD, [*rows, beside]), spectra]
 
 
 def _rows(flights: Sequence[tuple[str, Comparison]], whole: Comparison) -> list[tuple[str, ...]]:
