@@ -18,6 +18,7 @@ td:nth-child(2), th:nth-child(2), .words { text-align: left !important; }
 td:not(.words) { white-space: nowrap; }
 .pictures { display: grid; gap: 1rem; }
 .pictures { grid-template-columns: repeat(auto-fit, minmax(min(460px, 100%), 1fr)); }
+@media (max-width: 600px) { th, td { padding: .2rem .25rem; font-size: 11px; line-height: 1.3; } }
 figure { margin: 0; } img { width: 100%; } figcaption { color: #666; font-size: .9rem; }
 """
 

@@ -26,7 +26,7 @@ from q2q_sim.firmware.controllers.columns import Power, frame_row, fresh_memory,
 from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_values import Parameters
-from q2q_sim.loop.scenario_air import weather_of
+from q2q_sim.loop.scenario_air import ambient_of_air
 from q2q_sim.plant.quadcopter import POS, QUAT, VEL
 from q2q_sim.plant.swarm import Swarm
 
@@ -114,12 +114,12 @@ def flown_positions(flight: FlightAlone, rows: Array, vehicle: Vehicle, air: Flo
     yaw = yaw_from_quat(flight.quat)
     swarm = Swarm(("cf1",), vehicle, np.append(flight.pos[0], yaw)[None], air, seed)
     swarm.state[0, VEL], swarm.state[0, QUAT] = flight.vel, flight.quat
-    weather = weather_of(air, 1, TICK, seed)
+    ambient = ambient_of_air(air, 1, TICK, seed)
     airframe = airframe_of(vehicle)
     gains, frame = Parameters(airframe).gains()[None], frame_row(airframe)[None]
     memory, drift = fresh_memory(1), np.zeros((1, 6))
     pos = np.empty((len(rows), 3))
     for k, row in enumerate(rows):
         pos[k] = swarm.state[0, POS]
-        fly_tick(swarm, Controllers(np.tile(row, (1, 2, 1)), gains, memory, frame, drift), weather.drive())
+        fly_tick(swarm, Controllers(np.tile(row, (1, 2, 1)), gains, memory, frame, drift), ambient.drive())
     return pos

@@ -3,7 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_sim.experiments.validation.comparison import Comparison, comparison, flight_intervals
+from q2q_sim.experiments.validation.comparison import (
+    Comparison,
+    ErrorSums,
+    comparison,
+    flight_intervals,
+)
 from q2q_sim.experiments.validation.error_figures import error_figure, spectrum_figure
 from q2q_sim.experiments.validation.flight_alone import ComparedAlone
 from q2q_sim.experiments.validation.validation import (
@@ -62,11 +67,9 @@ def write_page(
     ]
     parts: list[Grid | Sequence[Picture] | str] = [
         targets,
-        "Under a wake",
-        Grid(HEAD, _rows([(one.flight.name, comparison(one.under)) for one in flights], pooled(flights))),
-        _interval_text(flight_intervals([one.under for one in flights])),
-        "In clear air",
-        Grid(HEAD, _rows([(one.flight.name, comparison(one.clear)) for one in flights], comparison(clear))),
+        *_table("Under a wake", [(one.flight.name, comparison(one.under)) for one in flights], under),
+        *([_interval_text(flight_intervals([one.under for one in flights]))] if flights else []),
+        *_table("In clear air", [(one.flight.name, comparison(one.clear)) for one in flights], clear),
         *([spectra] if spectra else []),
         curves,
         *_alone_panel(alone, out),
@@ -75,6 +78,14 @@ def write_page(
     file = out / "index.html"
     file.write_text(page(f"Validation of {air}", verdict(pooled(flights)), parts), encoding="utf-8")
     return file
+
+
+def _table(
+    title: str, flights: Sequence[tuple[str, Comparison]], parts: Sequence[ErrorSums]
+) -> list[Grid | str]:
+    """Return title and table of the flights that are compared, empty without any."""
+    rows = _rows(flights, comparison(parts))
+    return [title, Grid(HEAD, rows)] if rows else []
 
 
 def _alone_panel(alone: Sequence[ComparedAlone], out: Path) -> list[Grid | Sequence[Picture] | str]:
