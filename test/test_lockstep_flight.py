@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import read_facts
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.flights.flight import Flight
@@ -68,6 +69,20 @@ def test_lockstep_through_dds_flies_the_numbers_of_the_loop_without_ros_by_the_s
     for name, values in arrays_of(pure(3)).items():
         np.testing.assert_allclose(through_nodes[name], values, rtol=0.0, atol=1e-9, err_msg=name)
     assert np.abs(pure(4).true_pos - run.flight.true_pos).max() > 1e-4  # a seed makes a flight
+
+
+def test_corrected_flights_take_the_accelerometers_of_the_same_ticks_with_and_without_ros(
+    tmp_path: Path,
+) -> None:
+    request = FlightRequest(SCENARIO, controller="mpc", stack=True, seed=3, correct=True)
+    through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    scenario = library.load(SCENARIO)
+    options = FlightOptions(
+        controller="mpc", seed=3, model=find_model(scenario.model).interaction, correct=REAL_FLIGHTS
+    )
+    alone, plain = fly_pure(scenario, options), fly_pure(scenario, replace(options, correct=None))
+    np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
+    assert np.abs(alone.true_pos - plain.true_pos).max() > 1e-4
 
 
 def test_no_tick_is_missed_and_every_tick_is_in_the_bag(run: FlightRun) -> None:

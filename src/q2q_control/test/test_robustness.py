@@ -19,7 +19,8 @@ from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.signals.values import Array, SwarmImu, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 DT = 0.01
@@ -74,7 +75,14 @@ def stuck(k: int, state: SwarmState) -> SwarmState:
     return replace(state, pos=pos, vel=vel, status=status)
 
 
-KINDS = ("pid", "pid with integral", "pid with observer", "mpc", "mpc without observer", "explicit")
+KINDS = (
+    "pid", "pid with integral", "pid with observer", "pid with correction", "mpc", "mpc without observer",
+    "mpc with correction", "explicit",
+)  # fmt: skip
+SILENT = "mpc with correction, silent"
+"""Without accelerometers."""
+UNCORRECTED = {"pid with correction": "pid with observer", "mpc with correction": "mpc", SILENT: "mpc"}
+"""Controllers that ignore the downwash beside those with correction, which finds it without a model."""
 CREDULOUS = ("mpc without observer", "saturated, gain +50 %")
 """Without an observer nothing tells a wrong model, and at a bound the MPC acts on it ahead."""
 CASES = {
@@ -87,6 +95,13 @@ CASES = {
     "saturated": Case(thrust_max=TIGHT),
     "saturated, gain +50 %": Case(replace(WAKE, strength=1.5 * WAKE.strength), thrust_max=TIGHT),
 }
+
+
+FLOWN = [
+    *((kind, name) for kind in KINDS for name in CASES),
+    (SILENT, "gain +50 %"),
+    (SILENT, "saturated"),
+]
 
 
 def plan() -> SampledPreview:
@@ -106,10 +121,12 @@ def built(kind: str, case: Case, preview: SampledPreview) -> Controller:
         return Pid(replace(gains, k_i_z=3.0), TEXTBOOK_065)
     if kind == "pid with observer":
         return ObservedPid(gains, TrackerParams(latency=0.0), TEXTBOOK_065)
+    if kind == "pid with correction":
+        return ObservedPid(gains, TrackerParams(latency=0.0), TEXTBOOK_065, correct=REAL_FLIGHTS)
     params = MpcParams(
         latency=0.0, thrust_limited=True, thrust_max=case.thrust_max, observe=kind != "mpc without observer"
     )
-    setup = MpcSetup(preview=preview)
+    setup = MpcSetup(preview=preview, correct=REAL_FLIGHTS if "correction" in kind else None)
     if kind == "explicit":
         setup = replace(setup, solver=explicit_solver(law(case.model, case.thrust_max)))
     return Mpc(params, TEXTBOOK_065, case.model, setup)
@@ -139,6 +156,9 @@ def height_errors(kind: str, case: Case, *, aware: bool) -> Array:
         downwash = belief.update(seen) if aware else None
         thrust = controller.update(seen, setpoint(k * DT, preview.samples[:, k]), downwash).thrust
         acc = truth.update(real).acc[:, 2] + thrust / TEXTBOOK_065.mass - GRAVITY
+        if not isinstance(controller, Pid) and kind != SILENT:
+            force = np.column_stack([np.zeros((2, 2)), acc + GRAVITY])
+            controller.sense(SwarmImu(k * DT, NAMES, force, np.zeros((2, 3))))
         acc[1] = 0.0  # the upper one keeps to its path
         pos[:, 2], vel[:, 2] = pos[:, 2] + DT * vel[:, 2] + 0.5 * DT**2 * acc, vel[:, 2] + DT * acc
         pos[1], vel[1] = preview.samples[1, k + 1, :3], preview.samples[1, k + 1, 3:6]
@@ -168,7 +188,7 @@ class Flown:
     errors: Array
 
 
-@pytest.fixture(scope="module", params=[(kind, name) for kind in KINDS for name in CASES], ids=" in ".join)
+@pytest.fixture(scope="module", params=FLOWN, ids=" in ".join)
 def flown(request: pytest.FixtureRequest) -> Flown:
     """Return the aware flight, which all tests of it share."""
     kind, name = request.param
@@ -183,7 +203,7 @@ def ignoring_errors(kind: str, case: Case) -> Array:
 
 def ignoring(kind: str, name: str) -> Array:
     """Return the flight without awareness, which only a distilled law lets depend on the model."""
-    case = CASES[name]
+    case, kind = CASES[name], UNCORRECTED.get(kind, kind)
     return ignoring_errors(kind, case if kind == "explicit" else replace(case, model=WAKE))
 
 
@@ -212,7 +232,9 @@ def test_what_looks_ahead_and_does_not_look_back_climbs_for_a_downwash_that_neve
     assert 1.05 < np.sqrt((aware**2).mean()) / np.sqrt((ignoring(kind, name) ** 2).mean()) < 1.6
 
 
-@pytest.mark.parametrize("kind", ["pid", "pid with observer", "mpc", "mpc without observer", "explicit"])
+@pytest.mark.parametrize(
+    "kind", ["pid", "pid with observer", "mpc", "mpc with correction", "mpc without observer", "explicit"]
+)
 def test_the_right_model_is_much_better_than_ignoring(kind: str):
     aware = height_errors(kind, Case(), aware=True)
     assert np.sqrt((aware**2).mean()) < 0.15 * np.sqrt((ignoring_errors(kind, Case()) ** 2).mean())

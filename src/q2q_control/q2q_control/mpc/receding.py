@@ -7,6 +7,7 @@ fallback, as acceleration (`fallback`), and as thrust, roll and pitch.
 
     minimise sum_k sum_j (r_j(t_k) - r_j,ref(t_k))^2 + (effort)      of (26), for all vehicles that interact
     v' = a + eta(r, r(t - tau)) + d,   a' = (u - a) / T              downwash linear along the last prediction
+    d' = -w / T_w                                                    w: residual, if accelerometers correct
     0 <= U1 <= U_max, |tilt| <= tilt_max, both with bounded rates
 
 One linearisation and one solve a tick (real-time iteration; Diehl, Bock, Schloeder, SIAM J. Control Optim.
@@ -27,6 +28,7 @@ from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview
 from q2q_control.mpc.chain import axis_chains
+from q2q_control.mpc.correction import faded_residual, tightened
 from q2q_control.mpc.fallback import MpcReport, commanded
 from q2q_control.mpc.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
 from q2q_control.mpc.mpc_params import MpcParams
@@ -37,8 +39,9 @@ from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
 from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated
-from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmImu, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 SolverFactory = Callable[[MpcParams, Vehicle], Solver]
@@ -59,6 +62,8 @@ class MpcSetup:
     preview: ReferencePreview | None = None
     """Future references; None extrapolates each setpoint."""
     solver: SolverFactory = horizon_solver
+    correct: ResidualProcess | None = None
+    """Residual of `model` that positions and accelerometers (`sense`) correct; None observes disturbances."""
 
 
 class Mpc:
@@ -78,6 +83,8 @@ class Mpc:
         Raises:
             ValueError: the solver is not made for these parameters.
         """
+        if self._setup.correct is not None:
+            params = tightened(params, self._vehicle)
         self._solver = self._setup.solver(params, self._vehicle)
         self._params = params
         top = self._vehicle.rpyt_thrust_max
@@ -109,7 +116,7 @@ class Mpc:
         """Forget all memory."""
         slopes = SlopeRule(coupled_axes(self._params), self._params.slope_max)
         self._forecaster = Forecaster(self._params, self._model, slopes)
-        self._present = PresentEstimator(self._params, self._vehicle)
+        self._present = PresentEstimator(self._params, self._vehicle, self._setup.correct)
         self._rows.reset()
         self._last: SwarmCommand | None = None
         self.report = MpcReport()
@@ -138,7 +145,13 @@ class Mpc:
         self._present.sent(self._last, tick)
         return self._last
 
+    def sense(self, imu: SwarmImu) -> None:
+        """Take accelerometers of a tick; without `correct` they are ignored."""
+        self._present.sense(imu)
+
     def _horizon(self, tick: Aligned, present: Present, outlook: Outlook) -> Horizon:
         push = outlook.downwash.eta[: len(tick.names)] + present.disturbance[:, None]
+        if self._setup.correct is not None:
+            push[..., 2] -= faded_residual(present.residual, self._setup.correct, self._params)
         low, high = input_bounds(tick.table[:, QUAT], self._most)
         return Horizon(present.chains, outlook.reference, push, outlook.path, low, high, self._step_max)

@@ -4,7 +4,8 @@
 
 d replaces the integral: it is faster and does not wind up. Without a predicted downwash (eta = 0), d
 estimates the downwash itself, one time constant late; with one, d estimates the model's error. Position and
-velocity are the observer's too.
+velocity are the observer's too. With a residual process, z, z' and d_z are those of
+q2q_control.disturbance.residual_observer, from accelerometers too.
 """
 
 import numpy as np
@@ -13,8 +14,9 @@ from q2q_control.disturbance.tracker import DisturbanceTracker, TrackerParams
 from q2q_control.inputs.alignment import ETA, POS, VEL, align
 from q2q_control.inputs.downwash_trust import DownwashTrust
 from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated
-from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmImu, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import Vehicle
 
 
@@ -22,14 +24,30 @@ class ObservedPid:
     """PID with a disturbance observer."""
 
     def __init__(
-        self, params: PidParams, tracker: TrackerParams, vehicle: Vehicle, vehicles: Names = ()
+        self,
+        params: PidParams,
+        tracker: TrackerParams,
+        vehicle: Vehicle,
+        vehicles: Names = (),
+        correct: ResidualProcess | None = None,
     ) -> None:
-        """Control vehicles like `vehicle`: those named, or all of the setpoint."""
+        """Control vehicles like `vehicle`: those named, or all of the setpoint.
+
+        `correct` is the residual of the prediction that positions and accelerometers (`sense`) correct.
+        """
         self._vehicles = vehicles
         self._pid = Pid(params, vehicle, vehicles)
-        self._tracker = DisturbanceTracker(tracker, vehicle)
+        self._tracker = DisturbanceTracker(tracker, vehicle, correct)
         self._trust = DownwashTrust(params.stale_fade)
         self._last: SwarmCommand | None = None
+
+    def configure(self, params: PidParams) -> None:
+        """Use other gains and limits from the next stamp on; memory is kept."""
+        self._pid.configure(params)
+
+    def sense(self, imu: SwarmImu) -> None:
+        """Take accelerometers of a tick; without a residual process they are ignored."""
+        self._tracker.sense(imu)
 
     def reset(self) -> None:
         """Forget all memory."""

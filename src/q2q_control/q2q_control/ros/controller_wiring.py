@@ -27,6 +27,11 @@ class ControllerNodeParams:
     firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
     vehicles: tuple[str, ...] = tunable((), "vehicles to command; empty: all of the setpoint", read_only=True)
     aware: bool = tunable(default=True, description="use the predicted downwash", read_only=True)
+    correct: bool = tunable(
+        default=False,
+        description="correct the predicted downwash by positions and by accelerometers (topic imu)",
+        read_only=True,
+    )
     live: bool = tunable(
         default=False, description="watch the wall clock and fall back if a tick is missing", read_only=True
     )

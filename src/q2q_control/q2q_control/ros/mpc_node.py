@@ -13,7 +13,9 @@ from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview, resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
+from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.node.rehearsal import STAND_IN
 from q2q_model.ros.node.node_parameters import declare, on_change
@@ -54,8 +56,12 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, MpcParams(), in_flight=True)
     budget = TimeBudget(mpc.budget_s if own.live else inf, monotonic)
-    setup = MpcSetup(own.vehicles, budget.in_time)
-    block = Mpc(params, vehicle, find_model(mpc.model).interaction, setup)
+    known = find_model(mpc.model)
+    correct = (known.residual or REAL_FLIGHTS) if own.correct else None
+    setup = MpcSetup(own.vehicles, budget.in_time, correct=correct)
+    block = Mpc(params, vehicle, known.interaction, setup)
+    if own.correct:
+        receive_accelerometers(node, block.sense)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
 

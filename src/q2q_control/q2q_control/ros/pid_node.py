@@ -1,14 +1,33 @@
 """PID node: `state`, `reference_safe` and (if aware) `interference` in, `command` out."""
 
+from dataclasses import dataclass
+
 from rclpy.node import Node
 
+from q2q_control.disturbance.tracker import TrackerParams
+from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.files.find_model import find_model
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.signals.values import SwarmCommand
+from q2q_model.tunable import tunable
 from q2q_model.vehicle.constants import vehicle_by_name
+
+
+@dataclass(frozen=True, slots=True)
+class PidNodeParams:
+    """Parameters of the node beside those of every controller node."""
+
+    model: str = tunable(
+        "none",
+        "with correct: interaction model of the residual: none, a shipped name, or a .q2q file",
+        read_only=True,
+    )
 
 
 def build(node: Node) -> TickWiring[SwarmCommand]:
@@ -16,12 +35,21 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     own = declare(node, ControllerNodeParams())
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, PidParams(), in_flight=True)
-    block = Pid(params, vehicle, own.vehicles)
+    block = corrected(node, own, params) if own.correct else Pid(params, vehicle, own.vehicles)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
     wiring.rehearse(guarded.update, guarded.reset, own.vehicles)
     wiring.start(guarded.update)
     return wiring
+
+
+def corrected(node: Node, own: ControllerNodeParams, params: PidParams) -> ObservedPid:
+    """Return the PID that corrects the predicted downwash, with its accelerometers."""
+    vehicle = vehicle_by_name(own.vehicle, own.firmware)
+    residual = find_model(declare(node, PidNodeParams()).model).residual or REAL_FLIGHTS
+    block = ObservedPid(params, declare(node, TrackerParams()), vehicle, own.vehicles, residual)
+    receive_accelerometers(node, block.sense)
+    return block
 
 
 def main() -> None:

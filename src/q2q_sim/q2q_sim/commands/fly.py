@@ -66,6 +66,11 @@ def parser() -> CommandLine:
 def _add_blocks(made: CommandLine) -> None:
     made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="controller")
     _either(made, "aware", "ignoring", "compensate the downwash, or ignore it", default=True)
+    made.add_argument(
+        "--correct",
+        action="store_true",
+        help="correct the predicted downwash by positions and accelerometers",
+    )
     _either(
         made, "limit", "no-limit", "apply the scenario's thrust limit, or only the vehicle's", default=True
     )

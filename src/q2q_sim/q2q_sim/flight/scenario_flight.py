@@ -58,11 +58,13 @@ class FlightRequest:
     """Air in place of the scenario's wake and disturbance; empty keeps its own."""
     air_without: tuple[str, ...] = ()
     """Terms of the air that are switched off."""
+    correct: bool = False
+    """Correct the predicted downwash by positions and accelerometers."""
 
     @property
     def options(self) -> assembly.Options:
         """Return the choices between blocks; raise ValueError for an unknown one."""
-        return assembly.Options(self.mode, self.controller, self.replan)
+        return assembly.Options(self.mode, self.controller, self.replan, self.correct)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,23 +3,27 @@
 Both take plan and parameters from here, so that they fly the same.
 """
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
+from q2q_control.disturbance.tracker import TrackerParams
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
+from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import peak
-from q2q_model.downwash.predict_and_correct import CorrectedPredictor
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.files.model_file import ModelFile
 from q2q_model.geometry.zone import Zone
+from q2q_model.signals.values import SwarmImu
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import ParameterValue
 from q2q_planner.offline.avoidance.joint_plan import avoid
@@ -48,6 +52,8 @@ class Options:
     mode: str = "aware"
     controller: str = "pid"
     replan: str = "none"
+    correct: bool = False
+    """Whether positions and accelerometers correct the predicted downwash."""
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -66,15 +72,31 @@ class Options:
         return self.mode != "aware_unlimited"
 
 
+def ignore_accelerometers(_: SwarmImu) -> None:
+    """Ignore the accelerometers."""
+
+
 @dataclass(frozen=True, slots=True)
 class Blocks:
     """Blocks of one flight, in the order of the data flow."""
 
     plan: SwarmPlan
     mocap_filter: MocapFilter
-    predictor: InteractionPredictor | CorrectedPredictor
+    predictor: InteractionPredictor
     replanner: Replanner
     controller: Controller
+    sense: Callable[[SwarmImu], None] = ignore_accelerometers
+    """Takes the accelerometers of a tick after its command."""
+
+
+@dataclass(frozen=True, slots=True)
+class Knowledge:
+    """What a controller knows."""
+
+    model: InteractionModel
+    plan: SwarmPlan
+    correct: ResidualProcess | None
+    """Residual of the model; None corrects nothing."""
 
 
 def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
@@ -124,6 +146,11 @@ def pid_params(scenario: Scenario, *, limited: bool) -> PidParams:
     return replace(block_params("pid", PidParams(), scenario.overrides), thrust_limited=limited)
 
 
+def tracker_params(scenario: Scenario) -> TrackerParams:
+    """Return the parameters of the PID's correction, with the room's latency."""
+    return replace(TrackerParams(), latency=scenario.vicon.latency + scenario.radio.latency)
+
+
 def mpc_params(scenario: Scenario, *, limited: bool) -> MpcParams:
     """Return the MPC's parameters, with the room's latency and the thrust limit if there is one."""
     latency = scenario.vicon.latency + scenario.radio.latency
@@ -132,18 +159,31 @@ def mpc_params(scenario: Scenario, *, limited: bool) -> MpcParams:
 
 
 def blocks_of(
-    scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan | None = None
+    scenario: Scenario,
+    options: Options,
+    model: InteractionModel,
+    plan: SwarmPlan | None = None,
+    residual: ResidualProcess = REAL_FLIGHTS,
 ) -> Blocks:
-    """Return new blocks for a flight; `plan` replaces the scenario's own."""
+    """Return new blocks for a flight.
+
+    Args:
+        scenario: vehicles, path and room.
+        options: choices between blocks.
+        model: of the predictor and the controller.
+        plan: replaces the scenario's own.
+        residual: of the model, for a controller that corrects.
+    """
     flown = plan or plan_of(scenario)
+    correct = residual if options.correct else None
+    controller, sense = _controller(scenario, options, Knowledge(model, flown, correct))
     return Blocks(
         plan=flown,
         mocap_filter=MocapFilter(filter_params(scenario), scenario.names),
         predictor=InteractionPredictor(model),
         replanner=_replanner(scenario, options),
-        controller=Guard(
-            _controller(scenario, options, model, flown), FallbackParams(), scenario.vehicle.hover_thrust
-        ),
+        controller=Guard(controller, FallbackParams(), scenario.vehicle.hover_thrust),
+        sense=sense,
     )
 
 
@@ -153,11 +193,20 @@ def _replanner(scenario: Scenario, options: Options) -> Replanner:
     return PotentialField(replanner_params(scenario, enabled=options.replan == "paper"))
 
 
-def _controller(scenario: Scenario, options: Options, model: InteractionModel, plan: SwarmPlan) -> Controller:
-    if options.controller == "pid":
-        return Pid(pid_params(scenario, limited=options.limited), scenario.vehicle)
-    setup = MpcSetup(preview=sampled_preview(plan.names, plan.trajectories, 0.0))
-    return Mpc(mpc_params(scenario, limited=options.limited), scenario.vehicle, model, setup)
+def _controller(
+    scenario: Scenario, options: Options, known: Knowledge
+) -> tuple[Controller, Callable[[SwarmImu], None]]:
+    """Return a controller, and what takes its accelerometers."""
+    if options.controller == "mpc":
+        preview = sampled_preview(known.plan.names, known.plan.trajectories, 0.0)
+        setup = MpcSetup(preview=preview, correct=known.correct)
+        mpc = Mpc(mpc_params(scenario, limited=options.limited), scenario.vehicle, known.model, setup)
+        return mpc, mpc.sense
+    params = pid_params(scenario, limited=options.limited)
+    if known.correct is None:
+        return Pid(params, scenario.vehicle), ignore_accelerometers
+    pid = ObservedPid(params, tracker_params(scenario), scenario.vehicle, correct=known.correct)
+    return pid, pid.sense
 
 
 def _check(what: str, value: str, known: tuple[str, ...]) -> None:
@@ -182,6 +231,8 @@ def controller_parameters(scenario: Scenario, options: Options) -> dict[str, Par
     """Return the parameters of the node pid or mpc."""
     own: dict[str, ParameterValue] = {"vehicle": scenario.vehicle.name, "aware": options.aware}
     own["vehicles"] = scenario.names
+    own |= {"correct": True} if options.correct else {}
     if options.controller == "pid":
-        return own | asdict(pid_params(scenario, limited=options.limited))
+        known = {"model": scenario.model} | asdict(tracker_params(scenario)) if options.correct else {}
+        return own | known | asdict(pid_params(scenario, limited=options.limited))
     return own | {"model": scenario.model} | asdict(mpc_params(scenario, limited=options.limited))

@@ -6,13 +6,11 @@ Order, inputs and stamps are those of the nodes in lockstep; a test checks that 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.downwash.predict_and_correct import CorrectedPredictor
-from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmCommand
@@ -48,7 +46,7 @@ class FlightOptions:
     plan: SwarmPlan | None = None
     """Plan in place of the scenario's own."""
     correct: ResidualProcess | None = None
-    """Residual process by which accelerometers and commands correct predictions; None corrects nothing."""
+    """Residual of the model that the controller corrects by accelerometers; None corrects nothing."""
     on_signal: Listener = ignore_signals
     """Called with every signal, as a recorder of the nodes' topics."""
 
@@ -59,11 +57,10 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
     Raises:
         ValueError: an unknown mode or controller, a seed below 0, or an air that cannot be flown in.
     """
-    choice = Options(options.mode, options.controller, options.replan)
-    blocks = blocks_of(scenario, choice, options.model, options.plan)
-    if options.correct is not None:
-        predictor = CorrectedPredictor(InteractionPredictor(options.model), options.correct, scenario.vehicle)
-        blocks = replace(blocks, predictor=predictor)
+    corrects = options.correct is not None
+    choice = Options(options.mode, options.controller, options.replan, corrects)
+    residual = options.correct or REAL_FLIGHTS
+    blocks = blocks_of(scenario, choice, options.model, options.plan, residual)
     return fly_blocks(scenario, blocks, options)
 
 
@@ -94,8 +91,7 @@ def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: Fli
     planned = setpoint_at(blocks.plan, tick.frame.t)
     given = blocks.replanner.update(planned, state)
     command = blocks.controller.update(state, given, downwash if options.mode != "ignoring" else None)
-    if isinstance(blocks.predictor, CorrectedPredictor):
-        blocks.predictor.sense(state, command, tick.imu)
+    blocks.sense(tick.imu)
     recording.state(number, state, downwash)
     recording.setpoints(number, planned, given)
     recording.command(number, command)

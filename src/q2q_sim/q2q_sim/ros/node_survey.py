@@ -73,7 +73,12 @@ def configurations(executable: str, folder: Path) -> list[Configuration]:
             {"plan": str(folder / "plan.json"), "wait": True},
             {"plan": str(folder / "plan.json"), "wait": False},
         ],
-        "pid": [{"aware": True, "live": True}, {"aware": False, "live": True}],
+        "pid": [
+            {"aware": True, "live": True, "correct": False},
+            {"aware": False, "live": True, "correct": False},
+            {"aware": True, "live": True, "correct": True},
+        ],
+        "mpc": [{"correct": False}, {"correct": True}],
         "radio": [
             link | {"mode": "command"},
             link | {"mode": "setpoint", "aware": True},

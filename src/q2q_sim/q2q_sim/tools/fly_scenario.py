@@ -66,6 +66,7 @@ def request_of(args: Namespace) -> FlightRequest:
         wake=args.wake,
         air=args.air,
         air_without=tuple(args.air_without),
+        correct=args.correct,
         record=tuple(args.record) or (() if args.bag else MEASURED),
     )
 

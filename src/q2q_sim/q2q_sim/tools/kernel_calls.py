@@ -17,6 +17,7 @@ from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.source_strength import SourceTerms, strengths
 from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.files.find_model import find_model
@@ -66,6 +67,7 @@ def _estimators() -> None:
 def _room() -> None:
     _flown("table6_room")
     _flown("stack3", replan="paper")
+    fly(replace(library.load("stack3"), duration=TICKS), FlightOptions(correct=REAL_FLIGHTS))
 
 
 def _in_a_rooms_air() -> None:

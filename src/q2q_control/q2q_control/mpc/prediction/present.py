@@ -12,7 +12,8 @@ from q2q_control.disturbance.tracker import DisturbanceTracker, Tracked, Tracker
 from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
 from q2q_control.mpc.chain import axis_lags, transition
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_model.signals.values import Array, SwarmCommand, SwarmState
+from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.signals.values import Array, SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import Vehicle
 
 
@@ -26,31 +27,38 @@ class Present:
     """Position, velocity, acceleration by thrust of each axis, (n, 3 axes, 3)."""
     disturbance: Array
     """Unexplained acceleration [m/s^2], world, (n, 3)."""
+    residual: Array
+    """Part of its z that fades within the correlation time [m/s^2], (n,)."""
 
 
 class PresentEstimator:
     """Tracker of disturbances and of commands in transit."""
 
-    def __init__(self, params: MpcParams, vehicle: Vehicle) -> None:
-        """Estimate vehicles like `vehicle`."""
-        self._params = params
+    def __init__(self, params: MpcParams, vehicle: Vehicle, correct: ResidualProcess | None = None) -> None:
+        """Estimate vehicles like `vehicle`; `correct` is the residual that accelerometers measure."""
+        self._params, self._correct = params, correct is not None
         self._lags = axis_lags(params, vehicle)
         tracker = TrackerParams(
             params.latency, params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
         )
-        self._tracker = DisturbanceTracker(tracker, vehicle)
+        self._tracker = DisturbanceTracker(tracker, vehicle, correct)
 
     def update(self, tick: Aligned, state: SwarmState) -> Present:
         """Return the present of the tick's vehicles."""
         tracked = self._tracker.update(tick, state)
         pos, vel, disturbance = tick.table[:, POS], tick.table[:, VEL], np.zeros_like(tracked.acc)
-        if self._params.observe:
+        if self._params.observe or self._correct:
             estimate = tracked.estimate
             pos, vel, disturbance = estimate.pos, estimate.vel, estimate.disturbance
         chains = np.empty((*pos.shape, 3))
         chains[..., 0], chains[..., 1], chains[..., 2] = pos, vel, tracked.acc
         push = tick.table[:, ETA] + disturbance
-        return Present(tick.t + self._params.latency, self._rolled(chains, tracked, push), disturbance)
+        chains = self._rolled(chains, tracked, push)
+        return Present(tick.t + self._params.latency, chains, disturbance, tracked.residual)
+
+    def sense(self, imu: SwarmImu) -> None:
+        """Take accelerometers of a tick."""
+        self._tracker.sense(imu)
 
     def sent(self, command: SwarmCommand, tick: Aligned) -> None:
         """Remember the tick's command."""

@@ -1,0 +1,193 @@
+"""Kalman filter of height, climb rate and unexplained push, from positions and accelerometers.
+
+    z' = v,   v' = a + w + b                        a: by thrust and by the predicted downwash
+    w' = -w / T + white noise,    E w^2 = sigma^2     residual of the prediction (ResidualProcess)
+    b' = white noise of density 2 sigma_b^2 / T_b     offset of the vehicle: battery, mass
+    z_m = z + n_z,   y = w + b + n_y                motion capture; specific force less thrust and prediction
+
+Incremental control (Smeur, Chu, de Croon, J. Guid. Control Dyn. 39, 2016; Smeur, de Croon, Chu, Control Eng.
+Pract. 73, 2018) filters the measured acceleration, and the thrust alike, by a low pass of choice. Here both
+pass the same filter too, since it takes their difference, and the process sets its bandwidth: sigma grows
+with the downwash, so turbulence under a wake is followed at once and noise in clear air is not. From y alone,
+
+    w^ <- a w^ + k (y - a w^),   k = P / (P + R),   P = a^2 (1 - k) P + (1 - a^2) sigma^2,   a = exp(-h / T)
+
+With y missing, the positions correct alone: an observer of disturbances with the poles that the process sets.
+A sample y of age s is one of exp(-s / T) w with the variance R + (1 - exp(-2 s / T)) sigma^2, so an older one
+weighs less. With both missing w^ fades within T, and the model and the offset remain. Thrust enters as
+commanded, limits included, so nothing winds up at a limit.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| z v | HEIGHT CLIMB | [m], [m/s] |
+| w b | RESIDUAL OFFSET | [m/s^2] |
+| sigma T R | process.std, time_s, noise^2 | of the residual process |
+| n_z | HEIGHT_STD | [m] |
+| sigma_b T_b | OFFSET_STD OFFSET_S | [m/s^2], [s] |
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_control.disturbance.observer import GAP_MAX, Measurement
+from q2q_model.compiled import compiled
+from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.signals.values import Array, Names, index_of
+
+HEIGHT_STD = 1e-3
+"""Deviation of a measured height [m], as in the mocap filter (VICON: 0.15 mm static, under 2 mm dynamic)."""
+CLIMB_STD = 0.1
+"""Deviation of the first climb rate [m/s]: that of the mocap filter on its first track."""
+OFFSET_STD = 0.3
+"""Deviation of the first offset, and of its change within OFFSET_S [m/s^2]: 0.1 to 0.3 in real flights."""
+OFFSET_S = 5.0
+"""Time in which an offset may change [s]: shorter than a battery's discharge, longer than a passage."""
+OLDEST = 0.3
+"""Oldest accelerometer sample that corrects [s]: four correlation times."""
+HEIGHT, CLIMB, RESIDUAL, OFFSET = range(4)
+"""Columns of the state."""
+
+Flags = NDArray[np.bool_]
+
+
+class Belief(NamedTuple):
+    """State and covariance of every vehicle."""
+
+    state: Array
+    """z v w b, (n, 4)."""
+    cov: Array
+    """(n, 4, 4)"""
+
+
+class Rows(NamedTuple):
+    """Measurements of a tick, (n,) each."""
+
+    height: Array
+    climb: Array
+    acc: Array
+    """By thrust and predicted downwash, mean since the last tick [m/s^2]."""
+    sigma: Array
+    """[m/s^2]"""
+    fresh: Flags
+    """Rows whose height was measured at this tick."""
+
+
+class ResidualObserver:
+    """Filter of named vehicles."""
+
+    def __init__(self, process: ResidualProcess) -> None:
+        """Correct a prediction whose residual is `process`."""
+        self._process = process
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all estimates."""
+        self._names: Names = ()
+        self._t = self._felt = -np.inf
+        self._known: Flags = np.zeros(0, np.bool_)
+        self._sigma = np.zeros(0)
+        self.belief = Belief(np.zeros((0, 4)), np.zeros((0, 4, 4)))
+
+    def update(self, measured: Measurement, eta: Array) -> Array:
+        """Return the state at the measurement's time, (n, 4), given the predicted downwash (n,) [m/s^2]."""
+        if measured.names != self._names:
+            self._reorder(measured.names)
+        step, self._t = measured.t - self._t, measured.t
+        if not 0.0 < step <= GAP_MAX:
+            self._known[:] = False
+            step = GAP_MAX  # of no consequence: no row is known
+        self._sigma = self._process.std(eta)
+        pos, vel, acc = (column[:, 2].copy() for column in (measured.pos, measured.vel, measured.acc))
+        rows = Rows(pos, vel, acc, self._sigma, measured.fresh)
+        advance(self.belief, self._known, rows, step, self._process.share(step))
+        self._known |= measured.fresh
+        return self.belief.state.copy()
+
+    def feel(self, t: float, push: Array) -> None:
+        """Take y [m/s^2], (n,), of time t [s], in the order of the last update; NaN where unknown.
+
+        A sample not later than the last, of the future, or older than `OLDEST` is ignored.
+        """
+        age = self._t - t
+        if t <= self._felt or not 0.0 <= age <= OLDEST:
+            return
+        self._felt, share = t, self._process.share(age)
+        noise = self._process.noise**2 + (1.0 - share**2) * self._sigma**2
+        feel_push(self.belief, self._known & np.isfinite(push), push, noise, share)
+
+    def _reorder(self, names: Names) -> None:
+        rows = index_of(names, self._names)
+        self._known = np.append(self._known, False)[rows]
+        self.belief = Belief(
+            np.concatenate([self.belief.state, np.zeros((1, 4))])[rows],
+            np.concatenate([self.belief.cov, np.zeros((1, 4, 4))])[rows],
+        )
+        self._names = names
+
+
+def steady_gain(process: ResidualProcess, eta: float, step: float) -> float:
+    """Return k [-] in the steady state under downwash eta [m/s^2] with samples every `step` [s].
+
+    P solves P^2 + P (1 - a^2) (R - sigma^2) - (1 - a^2) sigma^2 R = 0.
+    """
+    lost, noise = 1.0 - process.share(step) ** 2, process.noise**2
+    size = float(process.std(np.array(eta))) ** 2
+    half = 0.5 * lost * (noise - size)
+    variance = math.sqrt(half * half + lost * size * noise) - half
+    return variance / (variance + noise)
+
+
+@compiled
+def advance(belief: Belief, known: Flags, rows: Rows, step: float, share: float) -> None:
+    """Propagate by a step [s] and correct by heights, in place; rows that are not `known` start anew.
+
+    `share` is what remains of w [-].
+    """
+    half = 0.5 * step * step
+    F = np.eye(4)
+    F[0, 1], F[0, 2], F[0, 3], F[1, 2], F[1, 3], F[2, 2] = step, half, half, step, step, share
+    see = np.array([1.0, 0.0, 0.0, 0.0])
+    for i in range(rows.height.size):
+        x, P = belief.state[i], belief.cov[i]
+        if not known[i]:
+            x[0], x[1], x[2], x[3] = rows.height[i], rows.climb[i], 0.0, 0.0
+            P[:] = 0.0
+            P[0, 0], P[1, 1], P[2, 2], P[3, 3] = (
+                HEIGHT_STD**2,
+                CLIMB_STD**2,
+                rows.sigma[i] ** 2,
+                OFFSET_STD**2,
+            )
+            continue
+        x[:] = F @ x
+        x[0] += half * rows.acc[i]
+        x[1] += step * rows.acc[i]
+        P[:] = F @ P @ F.T
+        P[2, 2] += (1.0 - share**2) * rows.sigma[i] ** 2
+        P[3, 3] += 2.0 * step / OFFSET_S * OFFSET_STD**2
+        if rows.fresh[i]:
+            _correct(x, P, see, rows.height[i], HEIGHT_STD**2)
+
+
+@compiled
+def feel_push(belief: Belief, felt: Flags, push: Array, noise: Array, share: float) -> None:
+    """Correct the rows `felt` (n,) by y (n,), samples of share w + b with variance `noise` (n,), in place."""
+    see = np.array([0.0, 0.0, share, 1.0])
+    for i in range(push.size):
+        if felt[i]:
+            _correct(belief.state[i], belief.cov[i], see, push[i], noise[i])
+
+
+@compiled
+def _correct(x: Array, P: Array, see: Array, measured: float, noise: float) -> None:
+    """Correct x (4,) and P (4, 4) by a measurement of see . x."""
+    shared = P @ see
+    variance = see @ shared + noise
+    missed = measured - see @ x
+    for i in range(4):
+        x[i] += shared[i] * missed / variance
+        for j in range(4):
+            P[i, j] -= shared[i] * shared[j] / variance

@@ -1,0 +1,22 @@
+"""Accelerometers of the topic `imu`, for controllers that correct by them."""
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import RECORD
+from q2q_model.signals.cdr import SignalReader
+from q2q_model.signals.values import SwarmImu
+
+IMU = "imu"
+
+
+def receive_accelerometers(node: Node, take: Callable[[SwarmImu], None]) -> None:
+    """Subscribe to `imu` and call `take` with every message; without any, positions alone correct."""
+    reader = SignalReader(SwarmImu)
+
+    def receive(data: bytes) -> None:
+        take(reader.read(data))
+
+    node.create_subscription(MESSAGES[SwarmImu], IMU, receive, RECORD, raw=True)
