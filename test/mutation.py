@@ -60,7 +60,14 @@ ROOMS = (
         ),
         tuple(
             f"src/q2q_control/test/test_{name}.py"
-            for name in ("guard", "ladder", "dead_reckoned_braking", "descent_evasion")
+            for name in (
+                "guard",
+                "tick_watch",
+                "stamp_delay",
+                "ladder",
+                "dead_reckoned_braking",
+                "descent_evasion",
+            )
         ),
         "not mpc",
     ),

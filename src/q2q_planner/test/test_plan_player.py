@@ -32,17 +32,17 @@ class _Room:
     def __init__(self, pos: Array = GROUND) -> None:
         self.player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
         self.pos, self.t = pos, 100.0
-        self.wanted: list[SwarmSetpoint] = []
+        self.setpoints: list[SwarmSetpoint] = []
 
     def tick(self, seconds: float = STEP) -> SwarmSetpoint:
         for _ in range(round(seconds / STEP)):
             self.t += STEP
-            self.wanted.append(self.player.update(frame(self.t, self.pos)))
-        return self.wanted[-1]
+            self.setpoints.append(self.player.update(frame(self.t, self.pos)))
+        return self.setpoints[-1]
 
     def largest_step(self) -> float:
         """Return how far the reference moved in one tick at most [m]."""
-        pos = np.array([one.pos for one in self.wanted])
+        pos = np.array([one.pos for one in self.setpoints])
         return float(np.linalg.norm(np.diff(pos, axis=0), axis=2).max())
 
 

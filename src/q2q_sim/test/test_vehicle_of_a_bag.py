@@ -32,7 +32,7 @@ def recorded(folder: Path, facts: FlightFacts | None) -> Path:
 def bag_with_facts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a bag that says what flew, as `fly` records it."""
     facts = facts_of(SCENARIO, FlightRequest("table6"))
-    return recorded(tmp_path_factory.mktemp("told") / "flight", facts)
+    return recorded(tmp_path_factory.mktemp("facts") / "flight", facts)
 
 
 @pytest.fixture(scope="module")
