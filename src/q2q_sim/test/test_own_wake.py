@@ -59,6 +59,38 @@ class WrongShape(SideWind):
         return Push(np.zeros(3), np.zeros((len(now.pos), 3)))
 
 
+class Ragged(SideWind):
+    """Wake with rows of unequal length."""
+
+    def push(self, now: Sources) -> Push:
+        """Return a push."""
+        return Push([[0.0], [0.0, 0.0]], now.pos)  # type: ignore[arg-type]
+
+
+class Words(SideWind):
+    """Wake of another kind of array."""
+
+    def push(self, now: Sources) -> Push:
+        """Return a push."""
+        return Push(now.pos.astype(str), now.pos)
+
+
+class Chatty(SideWind):
+    """Wake whose error has many lines, as numba's have."""
+
+    def push(self, now: Sources) -> Push:
+        """Return a push."""
+        raise TypeError("Failed in nopython mode\n\nCannot determine type\n" + str(now))
+
+
+class Quits(SideWind):
+    """Wake that ends the program."""
+
+    def reset(self, setup: AirSetup) -> None:
+        """End the program."""
+        raise SystemExit(setup.seed)
+
+
 class Fails(SideWind):
     """Wake with a mistake in it."""
 
@@ -138,6 +170,13 @@ def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
         (f"{HERE}:AtOnce", r":AtOnce: acc of vehicle 0 at 0.000 s is \[nan nan nan\]: finite numbers"),
         (f"{HERE}:WrongShape", r":WrongShape: acc is float64 of shape \(3,\): floats of shape \(3, 3\)"),
         (f"{HERE}:Fails", r":Fails: push raised IndexError: index 99 is out of bounds"),
+        (
+            f"{HERE}:Ragged",
+            r":Ragged: acc is no array \(ValueError: .*\): floats of shape \(3, 3\) are needed$",
+        ),
+        (f"{HERE}:Words", r":Words: acc is <U32 of shape \(3, 3\): floats of shape"),
+        (f"{HERE}:Chatty", r":Chatty: push raised TypeError: Failed in nopython mode$"),
+        (f"{HERE}:Quits", r":Quits: reset raised SystemExit: 0$"),
         (f"{HERE}:NoReset", r":NoReset: the class needs methods reset\(setup\) and push\(now\)"),
         (f"{HERE}:Bare", r":Bare: push returned a ndarray: return a Push"),
         (f"{HERE}:Missing", "has no class Missing"),
@@ -145,8 +184,9 @@ def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
     ],
 )
 def test_a_class_that_cannot_be_flown_in_is_refused_before_the_flight(name: str, message: str) -> None:
-    with pytest.raises(AirError, match=message):
+    with pytest.raises(AirError, match=message) as said:
         find_air(name)
+    assert "\n" not in str(said.value)
 
 
 def test_a_wake_is_tried_and_then_reset() -> None:

@@ -27,6 +27,12 @@ class AirError(ValueError):
     """Error for an air that does not exist, is not valid, or gives no valid push."""
 
 
+def cause(error: BaseException) -> str:
+    """Return kind and first line of an error of a user's class; numba's have many lines."""
+    lines = str(error).strip().splitlines()
+    return ": ".join([type(error).__name__, *lines[:1]])
+
+
 def check_air(name: str) -> None:
     """Raise AirError if there is neither an air nor a file of this name; `module:Class` is not imported."""
     if is_recorded(name):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.air_names import AirError
+from q2q_sim.air.air_names import AirError, cause
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
 
 
@@ -27,7 +27,7 @@ class CheckedWake:
         """Return the wake's push."""
         try:
             push = self._wake.push(now)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self._failed("push", error) from error
         if not isinstance(push, Push):
             raise AirError(f"air {self._name}: push returned a {type(push).__name__}: return a Push")
@@ -36,14 +36,20 @@ class CheckedWake:
     def _reset(self, setup: AirSetup) -> None:
         try:
             self._wake.reset(setup)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self._failed("reset", error) from error
 
-    def _failed(self, what: str, error: Exception) -> AirError:
-        return AirError(f"air {self._name}: {what} raised {type(error).__name__}: {error}")
+    def _failed(self, what: str, error: BaseException) -> AirError:
+        return AirError(f"air {self._name}: {what} raised {cause(error)}")
 
     def _finite(self, what: str, values: Array, t: float) -> Array:
-        shape, given = (self._count, 3), np.asarray(values)
+        shape = (self._count, 3)
+        try:
+            given = np.asarray(values)
+        except (TypeError, ValueError) as error:
+            raise AirError(
+                f"air {self._name}: {what} is no array ({cause(error)}): floats of shape {shape} are needed"
+            ) from error
         if given.shape != shape or given.dtype.kind not in "fiu":
             raise AirError(
                 f"air {self._name}: {what} is {given.dtype} of shape {given.shape}: floats of shape {shape} "

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
-from q2q_sim.air.air_names import LAWS, MADE, OWN, AirError, air_path, is_recorded
+from q2q_sim.air.air_names import LAWS, MADE, OWN, AirError, air_path, cause, is_recorded
 from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.made_airs import made_air
 from q2q_sim.air.room_air import RoomAir, without
@@ -40,15 +40,14 @@ def _own(name: str) -> Wake:
     module, _, wanted = name.partition(":")
     try:
         found = getattr(_imported(module), wanted, None)
-    except Exception as error:
-        why = f"{type(error).__name__}: {error}"
-        raise AirError(f"air {name}: {module} cannot be imported ({why})") from error
+    except (Exception, SystemExit) as error:
+        raise AirError(f"air {name}: {module} cannot be imported ({cause(error)})") from error
     if not isinstance(found, type):
         raise AirError(f"air {name}: {module} has no class {wanted}")
     try:
         made = found()
-    except Exception as error:
-        raise AirError(f"air {name}: {wanted}() raised {type(error).__name__}: {error}") from error
+    except (Exception, SystemExit) as error:
+        raise AirError(f"air {name}: {wanted}() raised {cause(error)}") from error
     if not isinstance(made, Wake):
         raise AirError(f"air {name}: the class needs methods reset(setup) and push(now)")
     wake = CheckedWake(made)
