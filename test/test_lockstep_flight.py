@@ -16,8 +16,9 @@ from q2q_model.trajectory import plan_file
 from q2q_sim.flight import scenario_flight
 from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
 from q2q_sim.loop import assembly
-from q2q_sim.loop.closed_loop import FlightOptions
+from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.loop.closed_loop import fly as fly_pure
+from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec
 from q2q_sim.scenarios import library
 
@@ -83,6 +84,18 @@ def test_corrected_flights_take_the_accelerometers_of_the_same_ticks_with_and_wi
     alone, plain = fly_pure(scenario, options), fly_pure(scenario, replace(options, correct=None))
     np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
     assert np.abs(alone.true_pos - plain.true_pos).max() > 1e-4
+
+
+def test_one_mpc_node_a_vehicle_flies_the_numbers_of_the_distributed_loop_without_ros(tmp_path: Path) -> None:
+    request = FlightRequest(SCENARIO, controller="mpc", distributed=True, stack=True, seed=3)
+    through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
+    scenario, model = load_scenario(request), find_model(load_scenario(request).model).interaction
+    blocks = assembly.blocks_of(scenario, request.options, model)
+    distributed = DistributedMpc(scenario, request.options, model, blocks.plan)
+    options = FlightOptions(controller="mpc", seed=3, model=model)
+    alone = fly_blocks(scenario, replace(blocks, controller=distributed), options)
+    np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
+    assert through_nodes.timing.missed_ticks == 0
 
 
 def test_no_tick_is_missed_and_every_tick_is_in_the_bag(run: FlightRun) -> None:

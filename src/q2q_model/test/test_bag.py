@@ -202,6 +202,20 @@ def test_strays_repeats_and_disorder_are_stated(tmp_path: Path):
     assert len(flight.t) == 5
 
 
+def test_commands_of_one_controller_a_vehicle_join_in_a_tick_and_are_no_repeats(tmp_path: Path):
+    rng = np.random.default_rng(4)
+    sent = [random_signal(SwarmCommand, tick, (name,), rng) for tick in range(3) for name in PAIR]
+    with BagWriter(tmp_path / "bag") as bag:
+        for tick in range(3):
+            bag.write_signal("/mocap", tick * STEP_NS, random_signal(MocapFrame, tick, PAIR, rng))
+        for place, command in enumerate(sent):
+            bag.write_signal("/command", place * STEP_NS, command)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        flight = read_flight(tmp_path / "bag")
+    assert flight.thrust.ravel().tolist() == [command.thrust[0] for command in sent]
+
+
 def test_an_sqlite_bag_is_read(tmp_path: Path):
     from rosbags.rosbag2 import StoragePlugin, Writer
 

@@ -47,6 +47,23 @@ def test_live_a_late_or_a_fallback_command_counts_and_an_older_one_does_not() ->
     assert gate.offer(57, command(("cf1",), 1.0)) is not None
 
 
+def test_live_a_controller_that_is_silent_keeps_back_no_other_vehicles_command() -> None:
+    gate = CommandGate(("cf1", "cf2", "cf3"), exact=False)
+    gate.expect(10)
+    assert gate.arrived() is None
+    for name in ("cf3", "cf1"):
+        assert gate.offer(10, command((name,), 3.0)) is None
+    some = gate.arrived()
+    assert some is not None
+    assert some.names == ("cf1", "cf3")
+    gate.expect(20)
+    assert gate.offer(10, command(("cf2",), 2.0)) is None  # late, and newer than its last
+    assert gate.offer(20, command(("cf1",), 4.0)) is None
+    whole = gate.offer(20, command(("cf3",), 5.0))
+    assert whole is not None
+    assert whole.thrust.tolist() == [4.0, 2.0, 5.0]
+
+
 def test_a_command_for_a_vehicle_that_does_not_exist_is_refused_by_name() -> None:
     gate = CommandGate(("cf1", "cf2"))
     with pytest.raises(ValueError, match="unknown vehicle cf9; flying are cf1, cf2"):

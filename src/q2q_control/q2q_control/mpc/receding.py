@@ -26,22 +26,37 @@ import numpy as np
 
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
-from q2q_control.inputs.preview import ReferencePreview
+from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.chain import axis_chains
 from q2q_control.mpc.correction import faded_residual, tightened
 from q2q_control.mpc.fallback import MpcReport, commanded
 from q2q_control.mpc.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
+from q2q_control.mpc.prediction.neighbours import (
+    HeardPredictions,
+    PredictedPaths,
+    known_neighbours,
+    predicted,
+)
 from q2q_control.mpc.prediction.outlook import Forecaster, Outlook, correct_downwash, future_reference
 from q2q_control.mpc.prediction.present import Present, PresentEstimator
+from q2q_control.mpc.prediction.surroundings import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
 from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated
-from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmImu, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import (
+    Array,
+    Interference,
+    Names,
+    SwarmCommand,
+    SwarmImu,
+    SwarmSetpoint,
+    SwarmState,
+)
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 SolverFactory = Callable[[MpcParams, Vehicle], Solver]
@@ -64,6 +79,8 @@ class MpcSetup:
     solver: SolverFactory = horizon_solver
     correct: ResidualProcess | None = None
     """Residual of `model` that positions and accelerometers (`sense`) correct; None observes disturbances."""
+    exchange: bool = False
+    """Follow the predictions of other vehicles' MPCs (`Mpc.hear`), else extrapolate those vehicles."""
 
 
 class Mpc:
@@ -118,6 +135,8 @@ class Mpc:
         self._forecaster = Forecaster(self._params, self._model, slopes)
         self._present = PresentEstimator(self._params, self._vehicle, self._setup.correct)
         self._rows.reset()
+        self._heard = HeardPredictions()
+        self._predicted: tuple[Aligned, Array, Array] | None = None
         self._last: SwarmCommand | None = None
         self.report = MpcReport()
 
@@ -131,14 +150,17 @@ class Mpc:
         if last is not None and setpoint.t < last.t:
             self.reset()
         tick = align(state, setpoint, interference, names)
-        reference = future_reference(tick, setpoint, self._preview, self._forecaster.stages(tick.t))
-        outlook = self._forecaster.outlook(tick, state, reference, aware=interference is not None)
+        times = self._forecaster.stages(tick.t)
+        reference = future_reference(tick, setpoint, self._preview, times)
+        neighbours = self._neighbours(state, setpoint, tick, times)
+        outlook = self._forecaster.outlook(tick, reference, neighbours, aware=interference is not None)
         if interference is not None and (self._params.loading > 0.0 or interference.status.any()):
             correct_downwash(tick, interference, outlook.downwash, self._params)
         horizon = self._horizon(tick, self._present.update(tick, state), outlook)
         solution = self._solver.solve(horizon, outlook.downwash, outlook.plan.pattern, self._setup.in_time)
         answer = commanded(solution, horizon, outlook, self._params)
         self._forecaster.keep(tick.names, answer.plan)
+        self._predicted = tick, reference[..., :3] + answer.plan.offset, times
         self.report = answer.report
         values, saturated = command_rows(answer.acc, tick.table, self._limits)
         self._last = self._rows.completed(tick, values, saturated | (values[:, 0] >= self._nearly_full))
@@ -148,6 +170,32 @@ class Mpc:
     def sense(self, imu: SwarmImu) -> None:
         """Take accelerometers of a tick; without `correct` they are ignored."""
         self._present.sense(imu)
+
+    def hear(self, prediction: PredictedPaths) -> None:
+        """Take a neighbour's prediction, for the ticks after its own."""
+        self._heard.hear(prediction)
+
+    def has_heard(self, name: str, t: float) -> bool:
+        """Return whether a neighbour's prediction of a tick at t [s] or later has arrived."""
+        return self._heard.has(name, t)
+
+    @property
+    def prediction(self) -> PredictedPaths | None:
+        """Return the paths of the last tick's usable vehicles; None if there are none."""
+        if self._predicted is None:
+            return None
+        tick, path, times = self._predicted
+        return predicted(tick, path, times)
+
+    def _neighbours(
+        self, state: SwarmState, setpoint: SwarmSetpoint, tick: Aligned, times: Array
+    ) -> Neighbours:
+        """Return the vehicles of other controllers, as they are predicted to move."""
+        straight = at_constant_velocity(state, tick.names, times)
+        if not (self._setup.exchange and straight.names):
+            return straight
+        references = shifted_preview(setpoint, self._preview, times)
+        return self._heard.neighbours(tick.t, known_neighbours(straight, state, setpoint, references), times)
 
     def _horizon(self, tick: Aligned, present: Present, outlook: Outlook) -> Horizon:
         push = outlook.downwash.eta[: len(tick.names)] + present.disturbance[:, None]

@@ -1,4 +1,7 @@
-"""MPC node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out."""
+"""MPC node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out.
+
+Distributed, one node for each vehicle, it also exchanges `predictions` with the others.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,6 +18,7 @@ from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
+from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.node.rehearsal import STAND_IN
@@ -30,12 +34,20 @@ from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, 
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import vehicle_by_name
 
+NEIGHBOUR = "neighbour"
+"""Vehicle of another node in the rehearsal of a distributed one."""
+
 
 @dataclass(frozen=True, slots=True)
 class MpcNodeParams:
     """Parameters of the node beside those of every controller node."""
 
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
+    distributed: bool = tunable(
+        default=False,
+        description="publish predictions of its `vehicles`, follow those of other nodes (topic predictions)",
+        read_only=True,
+    )
     budget_s: float = tunable(
         0.006,
         "live: longest time to solve in a tick before falling back to the last plan, shifted",
@@ -55,15 +67,18 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     own, mpc = declare(node, ControllerNodeParams()), declare(node, MpcNodeParams())
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, MpcParams(), in_flight=True)
+    if mpc.distributed and not own.vehicles:
+        raise ValueError("distributed = true: name the vehicles of this node in `vehicles`")
     budget = TimeBudget(mpc.budget_s if own.live else inf, monotonic)
     known = find_model(mpc.model)
     correct = (known.residual or REAL_FLIGHTS) if own.correct else None
-    setup = MpcSetup(own.vehicles, budget.in_time, correct=correct)
+    setup = MpcSetup(own.vehicles, budget.in_time, correct=correct, exchange=mpc.distributed)
     block = Mpc(params, vehicle, known.interaction, setup)
     if own.correct:
         receive_accelerometers(node, block.sense)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
+    exchange = PredictionExchange(node, block, own.vehicles) if mpc.distributed else None
 
     def take_plan(message: Plan) -> None:
         block.follow(preview_of(message))
@@ -72,6 +87,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     def answer(
         state: SwarmState, setpoint: SwarmSetpoint, downwash: Interference | None = None
     ) -> SwarmCommand:
+        if exchange is not None:
+            exchange.begin(state)
         command = guarded.update(state, setpoint, downwash)
         report = block.report
         wiring.health.fallbacks += int(report.shifted + report.pid > 0)
@@ -79,9 +96,12 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         return command
 
     plan_came = expect_latched(node, node.create_subscription(Plan, "plan", take_plan, LATCHED))
-    block.follow(resting_preview(own.vehicles or STAND_IN))
-    wiring.rehearse(answer, guarded.reset, own.vehicles)
+    rehearsed = (*own.vehicles, NEIGHBOUR) if mpc.distributed else own.vehicles
+    block.follow(resting_preview(rehearsed or STAND_IN))
+    wiring.rehearse(answer, guarded.reset, rehearsed)
     block.follow(None)
+    if exchange is not None:
+        exchange.wire(wiring, live=own.live)
     wiring.start(_within(budget, answer))
     return wiring
 

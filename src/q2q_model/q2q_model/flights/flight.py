@@ -126,7 +126,7 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     }
     repairs: list[str] = []
     for topic, found in present.items():
-        repairs += _remarks(topic, _stamps(found), t, ticks_of)
+        repairs += _remarks(topic, found, t, ticks_of)
         for rows in found:
             _fill(arrays, topic, rows, (t, names))
     return JoinedFlight(Flight(name=name, names=names, t=t, **arrays), tuple(repairs))
@@ -151,7 +151,18 @@ def _stamps(found: Sequence[SignalRows]) -> Array:
     return stamps[np.argsort(np.concatenate([rows.place for rows in found]))]
 
 
-def _remarks(topic: str, stamps: Array, t: Array, ticks_of: str) -> list[str]:
+def _repeated(found: Sequence[SignalRows]) -> int:
+    """Return the number of repeated stamps, of the vehicle with most: controllers may send a part each."""
+    stamps: dict[str, list[Array]] = {}
+    for rows in found:
+        for vehicle in rows.names:
+            stamps.setdefault(vehicle, []).append(rows.t)
+    each = [np.concatenate(parts) for parts in stamps.values()]
+    return max((len(one) - len(np.unique(one)) for one in each), default=0)
+
+
+def _remarks(topic: str, found: Sequence[SignalRows], t: Array, ticks_of: str) -> list[str]:
+    stamps = _stamps(found)
     unmatched = int(np.count_nonzero(~np.isin(stamps, t)))
     if unmatched == len(stamps):
         raise ValueError(
@@ -165,7 +176,7 @@ def _remarks(topic: str, stamps: Array, t: Array, ticks_of: str) -> list[str]:
         remarks.append(
             f"{unmatched} of {len(stamps)} messages on {topic} match no tick of {ticks_of}: dropped"
         )
-    repeated = len(stamps) - len(np.unique(stamps))
+    repeated = _repeated(found)
     if repeated:
         remarks.append(f"{repeated} stamps on {topic} repeat: the last message is used")
     if np.any(np.diff(stamps) < 0.0):

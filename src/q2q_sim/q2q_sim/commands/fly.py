@@ -65,6 +65,11 @@ def parser() -> CommandLine:
 
 def _add_blocks(made: CommandLine) -> None:
     made.add_argument("--controller", default="pid", choices=CONTROLLERS, help="controller")
+    made.add_argument(
+        "--distributed",
+        action="store_true",
+        help="with --controller mpc: one MPC node for each vehicle; they exchange predictions",
+    )
     _either(made, "aware", "ignoring", "compensate the downwash, or ignore it", default=True)
     made.add_argument(
         "--correct",

@@ -48,6 +48,8 @@ class FlightRequest:
     """Interaction model in place of the scenario's; empty keeps that."""
     stack: bool = False
     """Run the nodes from mocap_filter to controller in one process."""
+    distributed: bool = False
+    """Fly one MPC node for each vehicle, which exchange predictions."""
     record: tuple[str, ...] = ()
     """Recorded topics; empty is all."""
     vehicle: str = ""
@@ -83,6 +85,8 @@ def load_scenario(request: FlightRequest) -> Scenario:
     """Return the scenario with the requested vehicle, wake, air and model; refuse what cannot be flown."""
     scenario = with_choices(library.load(request.scenario), request.vehicle, request.wake)
     scenario = with_air(scenario, request.air, request.air_without)
+    if request.distributed and request.controller != "mpc":
+        raise ValueError(f"--distributed with --controller {request.controller}: give --controller mpc")
     if request.plan == "avoid" and scenario.plan is not None:
         raise ValueError(f"{request.scenario} is flown by its own plan: leave out --plan avoid")
     flown = replace(scenario, model=request.model) if request.model else scenario
@@ -127,11 +131,29 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
     else:
         plan_file.save(plan, assembly.plan_of(scenario))
     chain = _chain(scenario, request, plan)
+    apart: tuple[NodeSpec, ...] = ()
+    if request.distributed:
+        chain, apart = chain[:-1], one_for_each(chain[-1], scenario.names)
     return [
         _recorder(scenario, request, bag),
         *(one_process(chain) if request.stack else chain),
+        *apart,
         _simulator(request),
     ]
+
+
+def one_for_each(mpc: NodeSpec, vehicles: tuple[str, ...]) -> tuple[NodeSpec, ...]:
+    """Return a distributed node `mpc_<name>` for each vehicle."""
+    return tuple(
+        replace(
+            mpc, name=f"mpc_{name}", parameters={**mpc.parameters, "vehicles": (name,), "distributed": True}
+        )
+        for name in vehicles
+    )
+
+
+def _of_one(mpc: NodeSpec, vehicle: str) -> dict[str, ParameterValue]:
+    return {**mpc.parameters, "vehicles": (vehicle,), "distributed": True}
 
 
 def _recorder(scenario: Scenario, request: FlightRequest, bag: Path) -> NodeSpec:

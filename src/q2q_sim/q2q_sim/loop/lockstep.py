@@ -1,5 +1,7 @@
 """Lockstep rules of the simulator: collect the commands of a tick, and time out those that do not arrive."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from q2q_model.signals.values import Names, SwarmCommand
@@ -13,7 +15,7 @@ class CommandGate:
         self._names = names
         self._exact = exact
         self._stamp_ns = 0
-        self._done_ns = -1
+        self._done_ns: dict[str, int] = {}
         self._rows: dict[str, tuple[SwarmCommand, int]] = {}
 
     def expect(self, stamp_ns: int) -> None:
@@ -28,16 +30,18 @@ class CommandGate:
             ValueError: the command names a vehicle that does not exist.
         """
         check_known(command.names, self._names)
-        if not self._accepts(stamp_ns):
-            return None
-        self._rows |= {name: (command, row) for row, name in enumerate(command.names)}
-        if len(self._rows) < len(self._names):
-            return None
-        self._done_ns = stamp_ns
-        return _gathered(self._names, self._rows)
+        rows = {name: row for row, name in enumerate(command.names) if self._accepts(name, stamp_ns)}
+        self._rows |= {name: (command, row) for name, row in rows.items()}
+        self._done_ns |= dict.fromkeys(rows, stamp_ns)
+        return self.arrived() if rows and len(self._rows) == len(self._names) else None
 
-    def _accepts(self, stamp_ns: int) -> bool:
-        return stamp_ns == self._stamp_ns if self._exact else stamp_ns > self._done_ns
+    def arrived(self) -> SwarmCommand | None:
+        """Return the commands collected since `expect`, of some vehicles or all; None if there are none."""
+        names = tuple(name for name in self._names if name in self._rows)
+        return _gathered(names, self._rows) if names else None
+
+    def _accepts(self, name: str, stamp_ns: int) -> bool:
+        return stamp_ns == self._stamp_ns if self._exact else stamp_ns > self._done_ns.get(name, -1)
 
 
 class ResendTimer:
@@ -82,6 +86,13 @@ def check_known(names: Names, known: Names) -> None:
     unknown = [name for name in names if name not in known]
     if unknown:
         raise ValueError(f"command for unknown vehicle {', '.join(unknown)}; flying are {', '.join(known)}")
+
+
+def joined_command(names: Names, commands: Sequence[SwarmCommand]) -> SwarmCommand:
+    """Return the command of the vehicles `names` from those of controllers of some vehicles each."""
+    return _gathered(
+        names, {name: (one, row) for one in commands for row, name in enumerate(one.names) if name in names}
+    )
 
 
 def _gathered(names: Names, rows: dict[str, tuple[SwarmCommand, int]]) -> SwarmCommand:

@@ -135,6 +135,7 @@ class RoomFlight:
         if self._command is None:
             self.clock.missed()
             self.health.missed += 1
+            self._command = self._gate.arrived()  # some of several controllers have answered
         refused = self._fly_command()
         self._command = None
         flown = self._room.tick * TICK_S

@@ -31,11 +31,18 @@ class NodeSpec:
     """Allowed cores; empty is any."""
     inside: tuple["NodeSpec", ...] = ()
     """Nodes within its process."""
+    name: str = ""
+    """Name of the node; empty is that of the executable."""
+
+    @property
+    def label(self) -> str:
+        """Return the name of the node, its log and its parameter file."""
+        return self.name or self.executable
 
     @property
     def nodes(self) -> tuple[str, ...]:
         """Return the names of all nodes of the process."""
-        return (self.executable, *(spec.executable for spec in self.inside))
+        return (self.label, *(spec.label for spec in self.inside))
 
 
 class NodeDiedError(ChildProcessError):
@@ -72,10 +79,11 @@ class Processes:
         self.end()
 
     def start(self, spec: NodeSpec) -> None:
-        """Start a node with its parameters; its output goes to `<executable>.log`."""
-        parameters = self._folder / f"{spec.executable}.yaml"
+        """Start a node with its parameters; its output goes to `<label>.log`."""
+        parameters = self._folder / f"{spec.label}.yaml"
         parameters.write_text(yaml.safe_dump(sections(spec)))
-        self._running[spec.executable] = fork(
+        remapped = ("-r", f"__node:={spec.name}") if spec.name else ()
+        self._running[spec.label] = fork(
             NodeStart(
                 package=spec.package,
                 executable=spec.executable,
@@ -84,9 +92,10 @@ class Processes:
                     "--ros-args",
                     "--params-file",
                     str(parameters),
+                    *remapped,
                 ),
                 environment={**os.environ, **self._environment},
-                log=self._log(spec.executable),
+                log=self._log(spec.label),
                 cores=spec.cores,
             )
         )

@@ -24,7 +24,7 @@ from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
+from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
 from q2q_model.signals.cdr import encode, encode_stamp
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.flight_clock import as_fields
@@ -57,7 +57,8 @@ class Simulator:
         self._clock = node.create_publisher(Clock, "/clock", TICK)
         self._summary = node.create_publisher(String, "flight_summary", LATCHED)
         if not params.crtp:
-            node.create_subscription(MESSAGES[SwarmCommand], "command", self._on_command, TICK, raw=True)
+            command = MESSAGES[SwarmCommand]
+            node.create_subscription(command, "command", self._on_command, MANY_WRITERS, raw=True)
         node.create_service(Trigger, "~/start", self._on_start)
         steady_timer(node, self._flight.period_s, self._on_timer)
         publish_health(node, self._flight.health, self._diagnostics)

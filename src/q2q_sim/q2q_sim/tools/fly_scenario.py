@@ -60,6 +60,7 @@ def request_of(args: Namespace) -> FlightRequest:
         plan=args.plan,
         live=args.live,
         stack=not args.live if args.stack is None else args.stack,
+        distributed=args.distributed,
         seed=args.seed,
         model=args.model,
         vehicle=args.vehicle,

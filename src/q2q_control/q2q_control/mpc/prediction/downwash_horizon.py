@@ -18,10 +18,13 @@ as the path is the predicted one.
 | eta | eta | downwash acceleration [m/s^2], world, (n, N, 3) |
 | G | slope | [1/s^2], (pairs, N, 3, 3): row feels, column moves |
 | s | weight | of a source's downwash [-], (n, N) |
+| sigma | spread | uncertainty of a source's horizontal position, which widens its downwash [m], (n,) |
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,6 +47,9 @@ from q2q_model.signals.values import Array
 ALL_PAIRS = 4
 """Up to this many vehicles all pairs are checked; above, a sweep over sorted x finds candidates."""
 
+GAUSS_HERMITE = ((-math.sqrt(3.0), 1.0 / 6.0), (0.0, 2.0 / 3.0), (math.sqrt(3.0), 1.0 / 6.0))
+"""Places [standard deviations] and weights of the mean over a normal distribution, exact to degree 5."""
+
 
 @dataclass(frozen=True, slots=True)
 class SlopeRule:
@@ -55,17 +61,33 @@ class SlopeRule:
     """Slopes are clipped to +- this [1/s^2]."""
 
 
-def predict_downwash(model: InteractionModel, tracks: Tracks, rule: SlopeRule) -> DownwashHorizon:
-    """Return downwash and slopes along the horizon."""
+class Others(NamedTuple):
+    """Vehicles of other controllers, which follow the controlled ones in the tracks."""
+
+    own: int
+    """Number of controlled vehicles."""
+    spread: Array
+    """Standard deviation of every vehicle's horizontal position, each axis [m], (n,)."""
+
+
+def predict_downwash(
+    model: InteractionModel, tracks: Tracks, rule: SlopeRule, others: Others | None = None
+) -> DownwashHorizon:
+    """Return downwash and slopes along the horizon; with `others`, only what `own` vehicles feel."""
     near = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]))
+    terms = SourceTerms(absorption=source_terms(model).absorption)  # loading is in the tracks' weight
+    if others is not None and terms == PAIRS_ALONE:
+        near = near[0][near[0] < others.own], near[1][near[0] < others.own]
     i, j = np.ascontiguousarray(near[0]), np.ascontiguousarray(near[1])  # one layout, one kernel
     if i.size == 0:
         return no_downwash(tracks)
     n, stages = tracks.axis.shape[:2]
     moves = np.array(rule.moves)
-    law = _law_at_places(model, tracks, (i, j), moves)
+    if others is not None and others.spread[j].any():
+        law = _widened(model, tracks, (i, j), moves, others.spread)
+    else:
+        law = _law_at_places(model, tracks, (i, j), moves)
     downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
-    terms = SourceTerms(absorption=source_terms(model).absorption)  # loading is in the tracks' weight
     if terms != PAIRS_ALONE:
         vertical = np.ascontiguousarray(law[0, ..., 2])
         law *= strengths(i, j, vertical, np.ones_like(vertical), terms)[..., None]
@@ -103,8 +125,26 @@ def _all_pairs(n: int) -> Pairs:
     return i, j
 
 
-def _law_at_places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows) -> Array:
-    """Return the downwash of pairs at each stage, and displaced by DELTA, (1 + 2 moves, pairs, N, 3)."""
+def _widened(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows, spread: Array) -> Array:
+    """Return the downwash expected of sources whose horizontal positions are uncertain.
+
+    The mean over a normal distribution of the source, by Gauss-Hermite quadrature of three points an axis.
+    """
+    terms = [
+        weight_x * weight_y * _law_at_places(model, tracks, pairs, moves, spread[:, None] * [x, y, 0.0])
+        for x, weight_x in GAUSS_HERMITE
+        for y, weight_y in GAUSS_HERMITE
+    ]
+    return np.asarray(sum(terms))
+
+
+def _law_at_places(
+    model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows, away: Array | None = None
+) -> Array:
+    """Return the downwash of pairs at each stage, and displaced by DELTA, (1 + 2 moves, pairs, N, 3).
+
+    `away` displaces each vehicle as a source, (n, 3) [m].
+    """
     i, j = pairs
     times = tracks.times[tracks.first :]
     path = tracks.pos[tracks.first :].transpose(1, 0, 2)  # (n, N + 1, 3)
@@ -118,6 +158,8 @@ def _law_at_places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves:
         return replace(now, pos=pos.reshape(now.pos.shape))
 
     rel_pos, motion = retarded_pairs(model, middle[i], vel[i], now, past)
+    if away is not None:
+        rel_pos = rel_pos + away[j][:, None]
     places = np.tile(rel_pos, (1 + 2 * moves.size, 1, 1, 1))
     for a, axis in enumerate(moves):
         places[1 + 2 * a, ..., axis] += DELTA

@@ -7,10 +7,15 @@ import numpy as np
 from q2q_control.inputs.alignment import ETA, Aligned
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, no_downwash, predict_downwash
+from q2q_control.mpc.prediction.downwash_horizon import (
+    Others,
+    SlopeRule,
+    no_downwash,
+    predict_downwash,
+)
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.prediction.plan_memory import Plan, PlanMemory
-from q2q_control.mpc.prediction.surroundings import Future, Surroundings
+from q2q_control.mpc.prediction.surroundings import Future, Neighbours, Surroundings
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.source_strength import source_terms
 from q2q_model.signals.values import (
@@ -19,7 +24,6 @@ from q2q_model.signals.values import (
     InterferenceStatus,
     Names,
     SwarmSetpoint,
-    SwarmState,
     index_of,
 )
 
@@ -51,13 +55,16 @@ class Forecaster:
         """Return the times of the stages of a tick at t, (N + 1,) [s]."""
         return np.asarray(t + self._params.latency + self._ahead, dtype=np.float64)
 
-    def outlook(self, tick: Aligned, state: SwarmState, reference: Array, *, aware: bool) -> Outlook:
+    def outlook(self, tick: Aligned, reference: Array, neighbours: Neighbours, *, aware: bool) -> Outlook:
         """Return the outlook of the tick's vehicles, without downwash unless `aware`."""
         times = self.stages(tick.t)
         plan = self._plans.shifted(tick.names, float(times[0]))
         future = Future(times, reference[..., :3] + plan.offset, plan.inputs)
-        tracks = self._surroundings.tracks(tick, state, future)
-        downwash = predict_downwash(self._model, tracks, self._slopes) if aware else no_downwash(tracks)
+        tracks = self._surroundings.tracks(tick, future, neighbours)
+        others = Others(len(tick.names), np.append(np.zeros(len(tick.names)), neighbours.spread))
+        downwash = no_downwash(tracks)
+        if aware:
+            downwash = predict_downwash(self._model, tracks, self._slopes, others)
         path = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
         return Outlook(reference, plan, downwash, path)
 

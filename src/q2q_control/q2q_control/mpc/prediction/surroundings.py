@@ -1,8 +1,9 @@
 """Past and future tracks of all vehicles: the controlled ones and those of other controllers.
 
-A controlled vehicle follows its last plan; a vehicle of another controller is extrapolated at constant
-velocity. A vehicle that is no longer visible is extrapolated likewise, and the weight of its downwash decays:
-it is still there, but its position is uncertain. The past reaches back as far as the longest downwash delay.
+A controlled vehicle follows its last plan. A vehicle of another controller follows the prediction that its
+MPC has sent (q2q_control.mpc.prediction.neighbours), else it is extrapolated at constant velocity. A vehicle
+that is no longer visible is extrapolated likewise, and the weight of its downwash decays: it is still there,
+but its position is uncertain. The past reaches back as far as the longest downwash delay.
 """
 
 from typing import NamedTuple
@@ -36,6 +37,20 @@ class Future(NamedTuple):
     """Commanded acceleration [m/s^2], world, (n, N, 3)."""
 
 
+class Neighbours(NamedTuple):
+    """Vehicles of other controllers, and their predicted motion over N stages."""
+
+    names: Names
+    pos: Array
+    """Present positions [m], world, (n, 3)."""
+    path: Array
+    """[m], world, (n, N + 1, 3); far away if they have no state."""
+    inputs: Array
+    """Acceleration by thrust [m/s^2], world, (n, N, 3)."""
+    spread: Array
+    """Standard deviation of the horizontal position, each axis [m], (n,)."""
+
+
 class Surroundings:
     """Recent positions of the vehicles."""
 
@@ -51,20 +66,20 @@ class Surroundings:
         self._where: list[Array] = []
         self._unseen: dict[str, float] = {}
 
-    def tracks(self, tick: Aligned, state: SwarmState, future: Future) -> Tracks:
-        """Return the tracks of the tick's vehicles, then of the others in `state`.
+    def tracks(self, tick: Aligned, future: Future, others: Neighbours) -> Tracks:
+        """Return the tracks of the tick's vehicles, then of the others.
 
         Args:
             tick: the controlled vehicles.
-            state: all vehicles.
             future: of the controlled vehicles.
+            others: the vehicles of other controllers.
         """
         trust = self._trust(tick, future.path)
         here = np.where(tick.usable[:, None], tick.table[:, POS], future.path[:, 0])
         names = tick.names
-        if state.names != names:
-            names, here, future = _with_others(state, names, here, future)
-            trust = np.append(trust, np.ones(len(names) - trust.size))
+        if others.names:
+            names, here, future = _with_others(names, here, future, others)
+            trust = np.append(trust, np.ones(len(others.names)))
         self._remember(tick.t, names, here)
         times = np.concatenate([self._when, future.times])
         times[len(self._when)] = max(future.times[0], tick.t + MIN_STEP)
@@ -102,25 +117,35 @@ class Surroundings:
             self._where.pop(0)
 
 
-def _with_others(state: SwarmState, names: Names, here: Array, future: Future) -> tuple[Names, Array, Future]:
+def _with_others(
+    names: Names, here: Array, future: Future, others: Neighbours
+) -> tuple[Names, Array, Future]:
     """Return names, positions and future with the vehicles of other controllers appended."""
-    rows = [row for row, name in enumerate(state.names) if name not in names]
-    if not rows:
-        return names, here, future
-    others = np.stack([_extrapolated(state, row, future.times) for row in rows])
-    at_rest = np.zeros((len(rows), *future.inputs.shape[1:]))
     return (
-        names + tuple(state.names[row] for row in rows),
-        np.concatenate([here, others[:, 0]]),
+        names + others.names,
+        np.concatenate([here, others.pos]),
         Future(
             future.times,
-            np.concatenate([future.path, others]),
-            np.concatenate([future.inputs, at_rest]),
+            np.concatenate([future.path, others.path]),
+            np.concatenate([future.inputs, others.inputs]),
         ),
     )
 
 
-def _extrapolated(state: SwarmState, row: int, times: Array) -> Array:
+def at_constant_velocity(state: SwarmState, own: Names, times: Array) -> Neighbours:
+    """Return the vehicles of `state` that are not `own`, extrapolated to the stages' `times` (N + 1,) [s]."""
+    rows = [row for row, name in enumerate(state.names) if name not in own] if state.names != own else []
+    path = np.array([extrapolated(state, row, times) for row in rows]).reshape(len(rows), times.size, 3)
+    return Neighbours(
+        names=tuple(state.names[row] for row in rows),
+        pos=path[:, 0],
+        path=path,
+        inputs=np.zeros((len(rows), times.size - 1, 3)),
+        spread=np.zeros(len(rows)),
+    )
+
+
+def extrapolated(state: SwarmState, row: int, times: Array) -> Array:
     """Return the path (N + 1, 3) of a vehicle at constant velocity; far away if it has no state."""
     straight = state.pos[row] + state.vel[row] * (times - state.t)[:, None]
     known = np.isfinite(straight).all() and state.status[row] != _LOST

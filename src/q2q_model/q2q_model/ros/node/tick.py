@@ -65,6 +65,8 @@ class TickWiring(Generic[Made]):
         self._topic = topic
         self._bus = node.bus if isinstance(node, BusNode) else LocalBus(())
         self._last: Made | None = None
+        self._may_begin: Callable[[], bool] = _always
+        self._held: _HeldTick[Made] | None = None
         self._compiled = 0
         self._watch = Stopwatch(perf_counter)
         self._more: list[Callable[[], Mapping[str, str]]] = []
@@ -82,6 +84,15 @@ class TickWiring(Generic[Made]):
     def after_publish(self, follow: Callable[[int, Made], None]) -> None:
         """Call `follow(stamp_ns, signal)` after each publication, off the critical path."""
         self._after.append(follow)
+
+    def hold_until(self, may_begin: Callable[[], bool]) -> None:
+        """Hold a complete tick back until `may_begin()` at `resume`, or until its inputs come again."""
+        self._may_begin = may_begin
+
+    def resume(self) -> None:
+        """Begin the tick that is held back, if it may begin now."""
+        if self._held is not None and self._may_begin():
+            self._begin(self._held)
 
     def publish(self, stamp_ns: int, signal: Made) -> None:
         """Publish a signal with a stamp, first to listeners within the process if there is a bus."""
@@ -141,12 +152,34 @@ class TickWiring(Generic[Made]):
         self.health.missed = self._join.missed
         if values is None:
             return
+        again = self._held is not None and self._held.stamp_ns == stamp_ns
+        self._held = _HeldTick(stamp_ns, values, update)
+        if again or self._may_begin():
+            self._begin(self._held)
+
+    def _begin(self, tick: "_HeldTick[Made]") -> None:
+        self._held = None
         if self._last is None:
             self._compiled = len(COMPILED)
         self._watch.restart()
-        made = update(*values)
+        made = tick.update(*tick.values)
         self._watch.lap()
         self._warn_of_compilations()
         self._last = made
         self.health.ticks += 1
-        self._bus.post(self._topic, stamp_ns, made, partial(self._publish_and_follow, stamp_ns, made))
+        self._bus.post(
+            self._topic, tick.stamp_ns, made, partial(self._publish_and_follow, tick.stamp_ns, made)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _HeldTick(Generic[Made]):
+    """Complete inputs of a tick."""
+
+    stamp_ns: int
+    values: tuple[Signal, ...]
+    update: Callable[..., Made]
+
+
+def _always() -> bool:
+    return True

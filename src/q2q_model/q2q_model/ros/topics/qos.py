@@ -20,3 +20,6 @@ OUTSIDE = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 RECORD = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 """Queue of the recorder: 10 s of a topic at 100 Hz."""
+
+MANY_WRITERS = QoSProfile(depth=256, reliability=ReliabilityPolicy.RELIABLE)
+"""Tick signals of one writer for each vehicle: a depth of 1 would keep the last writer's only."""

@@ -1,0 +1,57 @@
+"""Exchange of predictions between `mpc` nodes over the topic `predictions`.
+
+In lockstep a tick begins once the neighbours' predictions of the tick before are here, or its inputs come a
+second time, because the simulator has waited too long. Live, it begins with what is here.
+"""
+
+from q2q_msgs.msg import Prediction as PredictionMessage
+from rclpy.node import Node
+
+from q2q_control.mpc.prediction.awaited import AwaitedPredictions
+from q2q_control.mpc.receding import Mpc
+from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.topics.qos import MANY_WRITERS, TICK_WRITER
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Names, SwarmCommand, SwarmState
+
+TOPIC = "predictions"
+
+
+class PredictionExchange:
+    """Publisher and subscription of the predictions of one node."""
+
+    def __init__(self, node: Node, mpc: Mpc, vehicles: Names) -> None:
+        self._mpc, self._vehicles = mpc, vehicles
+        self._awaited = AwaitedPredictions(vehicles, mpc.has_heard)
+        self._publisher = node.create_publisher(PredictionMessage, TOPIC, TICK_WRITER)
+        self._node = node
+
+    def wire(self, wiring: TickWiring[SwarmCommand], *, live: bool) -> None:
+        """Publish after each command, hear the neighbours and, in lockstep, wait for them."""
+        self._wiring, self._awaited = wiring, AwaitedPredictions(self._vehicles, self._mpc.has_heard)
+        wiring.after_publish(self._publish)
+        if not live:
+            wiring.hold_until(self._may_begin)
+        self._node.create_subscription(PredictionMessage, TOPIC, self._hear, MANY_WRITERS)
+
+    def begin(self, state: SwarmState) -> None:
+        """Take the state of a tick that begins."""
+        self._awaited.begin(state)
+
+    def _may_begin(self) -> bool:
+        return self._awaited.complete()
+
+    def _publish(self, _: int, __: Signal) -> None:
+        prediction = self._mpc.prediction
+        if prediction is not None:
+            self._publisher.publish(encode_prediction(prediction))
+
+    def _hear(self, message: PredictionMessage) -> None:
+        if not set(message.names).isdisjoint(self._vehicles):
+            return
+        try:
+            self._mpc.hear(decode_prediction(message))
+        except ValueError as refusal:
+            self._wiring.health.refuse(f"{TOPIC}: {refusal}")
+        self._wiring.resume()

@@ -1,0 +1,58 @@
+"""A lockstep tick waits for the predictions of the last one, and for a silent neighbour once."""
+
+import numpy as np
+
+from q2q_control.mpc.prediction.awaited import AwaitedPredictions
+from q2q_model.signals.values import SwarmState, TrackStatus
+
+
+def state(t: float, lost: str = "") -> SwarmState:
+    names = ("cf1", "cf2", "cf3")
+    zero, level = np.zeros((3, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
+    status = np.array([TrackStatus.LOST if name == lost else TrackStatus.TRACKED for name in names], np.uint8)
+    return SwarmState(t, names, zero, zero, level, zero, np.zeros(3), status)
+
+
+class Heard:
+    """Newest stamp of every neighbour's prediction."""
+
+    def __init__(self) -> None:
+        self.newest: dict[str, float] = {}
+
+    def has(self, name: str, t: float) -> bool:
+        """Return whether a prediction made at t [s] or later has arrived."""
+        return self.newest.get(name, -1.0) >= t
+
+
+def test_the_first_tick_waits_for_nobody_and_the_second_for_all_neighbours() -> None:
+    heard = Heard()
+    awaited = AwaitedPredictions(("cf1",), heard.has)
+    assert awaited.complete()
+    awaited.begin(state(0.00))
+    heard.newest["cf2"] = 0.0
+    assert not awaited.complete()
+    heard.newest["cf3"] = 0.0
+    assert awaited.complete()
+
+
+def test_a_silent_neighbour_is_awaited_once_and_again_after_it_was_heard() -> None:
+    heard = Heard()
+    awaited = AwaitedPredictions(("cf1",), heard.has)
+    awaited.begin(state(0.00))
+    heard.newest["cf2"] = 0.0
+    assert not awaited.complete()
+    awaited.begin(state(0.01))  # the simulator's patience is over
+    heard.newest["cf2"] = 0.01
+    assert awaited.complete()
+    heard.newest["cf3"] = 0.01
+    awaited.begin(state(0.02))
+    heard.newest["cf2"] = 0.02
+    assert not awaited.complete()
+
+
+def test_a_vehicle_without_state_has_no_prediction_to_wait_for() -> None:
+    heard = Heard()
+    awaited = AwaitedPredictions(("cf1",), heard.has)
+    awaited.begin(state(0.00, lost="cf3"))
+    heard.newest["cf2"] = 0.0
+    assert awaited.complete()
