@@ -30,7 +30,7 @@ from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
-from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import vehicle_by_name
 
@@ -67,8 +67,6 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     own, mpc = declare(node, ControllerNodeParams()), declare(node, MpcNodeParams())
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, MpcParams(), in_flight=True)
-    if mpc.distributed and not own.vehicles:
-        raise ValueError("distributed = true: name the vehicles of this node in `vehicles`")
     budget = TimeBudget(mpc.budget_s if own.live else inf, monotonic)
     known = find_model(mpc.model)
     correct = (known.residual or REAL_FLIGHTS) if own.correct else None
@@ -96,14 +94,24 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         return command
 
     plan_came = expect_latched(node, node.create_subscription(Plan, "plan", take_plan, LATCHED))
-    rehearsed = (*own.vehicles, NEIGHBOUR) if mpc.distributed else own.vehicles
-    block.follow(resting_preview(rehearsed or STAND_IN))
-    wiring.rehearse(answer, guarded.reset, rehearsed)
-    block.follow(None)
+    _rehearse(block, wiring, answer, guarded.reset, (*own.vehicles, *[NEIGHBOUR] * mpc.distributed))
     if exchange is not None:
         exchange.wire(wiring, live=own.live)
     wiring.start(_within(budget, answer))
     return wiring
+
+
+def _rehearse(
+    block: Mpc,
+    wiring: TickWiring[SwarmCommand],
+    update: Callable[..., SwarmCommand],
+    reset: Callable[[], None],
+    vehicles: Names,
+) -> None:
+    """Rehearse the node with vehicles at rest."""
+    block.follow(resting_preview(vehicles or STAND_IN))
+    wiring.rehearse(update, reset, vehicles)
+    block.follow(None)
 
 
 def _within(budget: TimeBudget, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:

@@ -22,6 +22,8 @@ class PredictionExchange:
     """Publisher and subscription of the predictions of one node."""
 
     def __init__(self, node: Node, mpc: Mpc, vehicles: Names) -> None:
+        if not vehicles:
+            raise ValueError("distributed = true: name the vehicles of this node in `vehicles`")
         self._mpc, self._vehicles = mpc, vehicles
         self._awaited = AwaitedPredictions(vehicles, mpc.has_heard)
         self._publisher = node.create_publisher(PredictionMessage, TOPIC, TICK_WRITER)
