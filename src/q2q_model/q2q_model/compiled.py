@@ -40,6 +40,10 @@ class Kernel:
 FAST: dict[str, object] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
 """Options of loops that may divide by zero silently and add in any order."""
 
+BORROWING: dict[str, object] = {"_nrt": False}
+"""Options of loops that allocate no array: numba counts no references to the rows that they pass on, which
+are atomic operations and took half the time of the physics. It refuses a function that would need them."""
+
 KERNELS: list[Kernel] = []
 """Kernels of all modules imported so far."""
 

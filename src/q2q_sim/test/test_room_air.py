@@ -144,7 +144,10 @@ def test_without_absorption_two_jets_add_up() -> None:
 def test_the_jet_arrives_late_by_its_way_over_its_speed() -> None:
     swarm = _swarm(RoomAir(jet=JET), [(0.0, 0.0, 1.0), (0.0, 0.0, 1.75)])
     before = swarm.downwash()[0, 2]
-    swarm.state[1, 0] = 0.3
+    swarm.state[1, 3] = 0.3 * PHYSICS_RATE  # the source flies 0.3 m aside in one step, and stops
+    _hover(swarm, 1)
+    assert swarm.state[1, 0] == pytest.approx(0.3, rel=0.01)
+    swarm.state[1, 3] = 0.0
     late = []
     for _ in range(80):
         _hover(swarm, 1)

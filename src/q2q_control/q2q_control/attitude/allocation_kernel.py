@@ -70,7 +70,7 @@ def _yaw_by_spread(rotors: Array, yaw: float, top: float) -> None:
 def _yaw_in_box(rotors: Array, yaw: float, top: float) -> None:
     share = 1.0
     for k in range(4):
-        step = yaw if k in {1, 3} else -yaw
+        step = yaw if k % 2 == 1 else -yaw
         room = top - rotors[k] if step > 0.0 else rotors[k]
         if abs(step) * share > max(room, 0.0):  # rounding may leave a rotor slightly beyond its limit
             share = max(room, 0.0) / abs(step)

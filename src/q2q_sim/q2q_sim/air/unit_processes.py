@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.random_streams import stream
@@ -31,16 +31,16 @@ FADE_S = 0.1
 """Overlap of two pieces [s]."""
 
 
-def _follow(noise: Array, last: Array, keep: float, fresh: float) -> None:
+@compiled(**BORROWING)
+def follow(noise: Array, last: Array, keep: float, fresh: float) -> None:
+    """Turn white noise (steps, n) in place into an Ornstein-Uhlenbeck process that goes on from `last` (n,).
+
+    `keep` and `fresh` are e^(-h/T) and sqrt(1 - e^(-2 h/T)).
+    """
     for k in range(noise.shape[0]):
         for i in range(noise.shape[1]):
             last[i] = keep * last[i] + fresh * noise[k, i]
             noise[k, i] = last[i]
-
-
-follow = compiled(_follow)
-"""Turn white noise (steps, n) into an Ornstein-Uhlenbeck process that goes on from `last` (n,), in place:
-(noise, last, e^(-h/T), sqrt(1 - e^(-2 h/T)))."""
 
 
 class OrnsteinUhlenbeck:

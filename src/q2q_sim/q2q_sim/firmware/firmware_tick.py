@@ -17,8 +17,9 @@ from q2q_sim.firmware.controllers.attitude_pid import cascade
 from q2q_sim.firmware.controllers.columns import CONTROLLER
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
+from q2q_sim.plant.past_states import remember
 from q2q_sim.plant.quadcopter import Body, move
-from q2q_sim.plant.swarm import Air, Swarm, air_push, remember
+from q2q_sim.plant.swarm import Air, Swarm, air_push
 
 STEPS = 5
 """Steps of 2 ms a tick."""
@@ -70,7 +71,7 @@ def fly_steps(state: Array, around: PlantInputs, controllers: Controllers, first
         for i in range(state.shape[0]):
             control_motors(state[i], controllers, i, k, forces)
             move(state[i], forces, drive[i], body)
-        remember(state, air, body.mass * GRAVITY)
+        remember(state, air.ring, air.rows, body.mass * GRAVITY)
 
 
 def fly_tick(

@@ -5,17 +5,15 @@ Visits pairs only while x_j - x_i is within the widest reach of the wake over th
 
 import math
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, delay, pair_eta, reach
 from q2q_sim.plant.order_by_x import Rows, sort_by_x
+from q2q_sim.plant.past_states import SHARE
 from q2q_sim.plant.quadcopter import ETA, Four, X, Y, Z
 
-SHARE = 3
-"""Column of T / (m g) in a slot of the ring, after x, y, z [m]."""
 
-
-@compiled
+@compiled(**BORROWING)
 def _past_source(ring: Array, steps: int, vehicle: int, late: float) -> Four:
     """Return x, y, z, T / (m g) of a vehicle `late` steps ago."""
     slots = ring.shape[0]
@@ -31,7 +29,7 @@ def _past_source(ring: Array, steps: int, vehicle: int, late: float) -> Four:
     )
 
 
-@compiled
+@compiled(**BORROWING)
 def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int], step: float) -> float:
     """Return the measured downwash eta_z [m/s^2] of vehicle j on vehicle i, `pair` = (i, j)."""
     i, j = pair
@@ -41,7 +39,7 @@ def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int],
     return float(share * pair_eta(MEASURED, dx * dx + dy * dy, z - state[i, Z])[0])
 
 
-@compiled
+@compiled(**BORROWING)
 def law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
     """Write eta_z of every vehicle into its state."""
     n = state.shape[0]

@@ -3,14 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.plant.quadcopter import X
 
 Rows = NDArray[np.int64]
 
 
-@compiled
+@compiled(**BORROWING)
 def sort_by_x(state: Array, rows: Rows) -> None:
     """Sort the first n entries of rows (n + 1,) by the x of their states."""
     for a in range(1, state.shape[0]):

@@ -33,7 +33,7 @@ import numpy as np
 from q2q_control.attitude.allocation import rotor_frame
 from q2q_control.attitude.allocation_kernel import allocate
 from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, attitude_gains, attitude_torque
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -107,13 +107,13 @@ def state_at_rest(start: Array, mass: float) -> Array:
     return state
 
 
-@compiled(inline="always")
+@compiled(**BORROWING)
 def _torque(rotors: Four, lever: float, drag: float) -> Three:
     f1, f2, f3, f4 = rotors
     return lever * (-f1 - f2 + f3 + f4), lever * (-f1 + f2 + f3 - f4), drag * (-f1 + f2 - f3 + f4)
 
 
-@compiled(inline="always")
+@compiled(**BORROWING)
 def _tilt(quat: Four) -> Three:
     """Return roll, pitch [rad], and 0 for the yaw, which the attitude law does not read."""
     x, y, z, w = quat
@@ -121,7 +121,7 @@ def _tilt(quat: Four) -> Three:
     return roll, math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0)), 0.0
 
 
-@compiled(inline="always")
+@compiled(**BORROWING)
 def _write_rotors(row: Array, command: Four, body: Body, commanded: Array) -> None:
     """Write the rotor thrusts that the onboard loop commands [N], (4,)."""
     thrust, roll, pitch, yaw_rate = command
@@ -136,7 +136,7 @@ def _write_rotors(row: Array, command: Four, body: Body, commanded: Array) -> No
     allocate((thrust, tx, ty, tz), body.frame, True, commanded)  # noqa: FBT003  numba takes no keywords here
 
 
-@compiled(inline="always")
+@compiled(**BORROWING)
 def _push(row: Array, push: Three, body: Body) -> None:
     """Integrate velocity and position over one step."""
     x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
@@ -151,7 +151,7 @@ def _push(row: Array, push: Three, body: Body) -> None:
         row[X + k] += 0.5 * (before + row[VX + k]) * h
 
 
-@compiled(inline="always")
+@compiled(**BORROWING)
 def _half_turn(square: float) -> tuple[float, float]:
     """Return sin x / x and cos x for x^2 = square; below 1e-3 the series are exact to the last digit."""
     if square > 1e-3:
@@ -162,7 +162,7 @@ def _half_turn(square: float) -> tuple[float, float]:
     return sine, 1.0 - square * (0.5 - square * rest)
 
 
-@compiled(inline="always")
+@compiled(**BORROWING)
 def _turn(row: Array, body: Body) -> None:
     """Integrate angular velocity and attitude over one step."""
     lever, drag, _ = body.frame
@@ -187,7 +187,7 @@ def _turn(row: Array, body: Body) -> None:
     row[QX], row[QY], row[QZ], row[QW] = nx * scale, ny * scale, nz * scale, nw * scale
 
 
-@compiled
+@compiled(**BORROWING)
 def _stand(row: Array, body: Body) -> None:
     """Stop a vehicle below the ground, level, with its yaw kept; acc includes the ground's reaction."""
     for k in range(3):
@@ -201,7 +201,7 @@ def _stand(row: Array, body: Body) -> None:
     row[QX], row[QY], row[QZ], row[QW] = 0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw)
 
 
-@compiled(inline="always")
+@compiled(**BORROWING)
 def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
     """Advance rotors and rigid body by one step under commanded rotor thrusts [N], (4,)."""
     for k in range(4):
@@ -213,7 +213,7 @@ def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
         _stand(row, body)
 
 
-@compiled
+@compiled(**BORROWING)
 def advance(row: Array, command: Four, drive: Array, body: Body, commanded: Array) -> None:
     """Advance one vehicle by a step.
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeParams
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.find_air import FlownAir
@@ -23,46 +23,26 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake import AirSetup
 from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
-from q2q_sim.plant.law_push import SHARE, law_push
+from q2q_sim.plant.law_push import law_push
 from q2q_sim.plant.order_by_x import Rows
 from q2q_sim.plant.own_wake import OwnWake
+from q2q_sim.plant.past_states import LAW_WIDTH, ROOM_WIDTH, remember
 from q2q_sim.plant.quadcopter import (
     ETA,
     ETA_X,
     ETA_Y,
-    F1,
-    F2,
-    F3,
-    F4,
     POS,
     QUAT,
-    QW,
-    QX,
-    QY,
-    QZ,
     RATE,
     ROTORS,
     VEL,
-    VX,
-    VY,
     Body,
     X,
-    Y,
-    Z,
     advance,
     body_of,
     state_at_rest,
 )
-from q2q_sim.plant.room_law import (
-    PAST_WIDTH,
-    SLOPE_X,
-    SLOPE_Y,
-    SPEED_X,
-    SPEED_Y,
-    STEEPEST,
-    RoomLaw,
-    room_law,
-)
+from q2q_sim.plant.room_law import RoomLaw, room_law
 from q2q_sim.plant.room_push import room_push
 
 PHYSICS_RATE = 500
@@ -78,7 +58,7 @@ class Air(NamedTuple):
     kind: int
     """A WakeLaw, ROOM or OWN."""
     ring: Array
-    """x, y, z [m] and T / (m g) at each past step, (slots, n, 4); in a room the columns of room_push."""
+    """x, y, z [m] and T / (m g) at each past step, (slots, n, 4); in a room all columns of past_states."""
     rows: Rows
     """Rows by rising x at the last step, then the number of steps taken, (n + 1,); the present is slot
     steps % slots."""
@@ -86,7 +66,7 @@ class Air(NamedTuple):
     """Empty if the kind is not ROOM."""
 
 
-@compiled
+@compiled(**BORROWING)
 def air_push(state: Array, air: Air, body: Body) -> None:
     """Write push and torque of the air on every vehicle."""
     kind, ring, rows, room = air
@@ -94,23 +74,6 @@ def air_push(state: Array, air: Air, body: Body) -> None:
         room_push(state, ring, rows, room, body.mass)
     elif kind != OWN:
         law_push(state, ring, rows, kind, body.step)
-
-
-@compiled
-def remember(state: Array, air: Air, weight: float) -> None:
-    """Count the step and write its states into the ring."""
-    ring, rows, n = air.ring, air.rows, state.shape[0]
-    rows[n] += 1
-    now = ring[rows[n] % ring.shape[0]]
-    for i in range(n):
-        now[i, X], now[i, Y], now[i, Z] = state[i, X], state[i, Y], state[i, Z]
-        now[i, SHARE] = (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / weight
-        if air.kind == ROOM:
-            x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
-            upright = max(1.0 - 2.0 * (x * x + y * y), 0.5)
-            now[i, SPEED_X], now[i, SPEED_Y] = state[i, VX], state[i, VY]
-            now[i, SLOPE_X] = min(max(2.0 * (x * z + w * y) / upright, -STEEPEST), STEEPEST)
-            now[i, SLOPE_Y] = min(max(2.0 * (y * z - w * x) / upright, -STEEPEST), STEEPEST)
 
 
 @compiled(nogil=True)
@@ -122,10 +85,10 @@ def run(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> No
         for i in range(state.shape[0]):
             command = (commands[k, i, 0], commands[k, i, 1], commands[k, i, 2], commands[k, i, 3])
             advance(state[i], command, drive[i], body, rotors)
-        remember(state, air, body.mass * GRAVITY)
+        remember(state, air.ring, air.rows, body.mass * GRAVITY)
 
 
-@compiled
+@compiled(**BORROWING)
 def write_push(state: Array, air: Air, body: Body, push: Array) -> None:
     """Write the push of the air on every vehicle [m/s^2], (n, 3), into `push`."""
     air_push(state, air, body)
@@ -140,7 +103,7 @@ def still_air(state: Array, air: FlownAir, body: Body) -> Air:
     kind, delay, room = OWN, 0.0, room_law(RoomAir(), 0, body)
     if isinstance(air, RoomAir):
         kind, delay, room = ROOM, MAX_DELAY, room_law(air, len(state), body)
-        now = np.column_stack([now, np.zeros((len(state), PAST_WIDTH - SHARE - 1))])
+        now = np.column_stack([now, np.zeros((len(state), ROOM_WIDTH - LAW_WIDTH))])
     elif isinstance(air, WakeLaw):
         kind, delay = int(air), max_delay(air)
     slots = math.ceil(delay / body.step) + 2
