@@ -1,7 +1,8 @@
 """Fly what users fly in one process; print which kernels it compiled and which it never called: for a test.
 
 Closed loop with every controller and replanner through every fault of the room, the passage of table6 with
-its active bounds, the explicit law, the view's scenes, the vehicles' own firmware, and an identification.
+its active bounds, a flight with correction, the explicit law, the view's scenes, the vehicles' own firmware,
+and an identification.
 """
 
 import json
@@ -23,6 +24,7 @@ from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.compiled import COMPILED, idle
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.node.rehearsal import rehearse
@@ -65,6 +67,7 @@ def flights() -> None:
     flown(replace(library.load("table6"), duration=25.0), "mpc", "none")
     flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
     flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
+    fly(replace(library.load("stack3"), duration=1.0), FlightOptions(correct=REAL_FLIGHTS))
     flown_by_firmware(library.load("table6"))
     stacked_in_a_rooms_air()
 

@@ -49,7 +49,7 @@ class Bound(NamedTuple):
     """[m/s]"""
 
 
-class Reach(NamedTuple):
+class JetReach(NamedTuple):
     """Bound with the speed and slope of this step: max(near + spread h, widening h) + (drift + turn h) h."""
 
     near: float
@@ -74,13 +74,13 @@ def bound_of(jet: JetTerm, ends: Array, lean: float) -> Bound:
 
 
 @compiled(**BORROWING)
-def reach_of(bound: Bound, extremes: Array) -> Reach:
+def reach_of(bound: Bound, extremes: Array) -> JetReach:
     """Return the bound at the extremes of the past."""
     steepest = math.sqrt(max(extremes[SLOPE], extremes[SLOPE_BEFORE]))
     fastest = math.sqrt(max(extremes[SPEED], extremes[SPEED_BEFORE]))
     rise = 1.0 + fastest / bound.travel_speed
     left = abs(1.0 - bound.carried) * fastest / bound.travel_speed
-    return Reach(
+    return JetReach(
         near=bound.near,
         spread=rise * bound.spread,
         widening=rise * bound.widening,
@@ -90,7 +90,7 @@ def reach_of(bound: Bound, extremes: Array) -> Reach:
 
 
 @compiled(**BORROWING)
-def reach(to: Reach, gap: float) -> float:
+def reach(to: JetReach, gap: float) -> float:
     """Return the largest distance of a vehicle in a jet from its source [m]."""
     return max(to.near + to.spread * gap, to.widening * gap) + (to.drift + to.turn * gap) * gap
 

@@ -9,9 +9,9 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import JetTerm, RoomAir, ends_of_jet
 from q2q_sim.air.unit_processes import WIDTH, block_steps
+from q2q_sim.plant.jet_push import PushTable
 from q2q_sim.plant.jet_reach import EXTREMES_WIDTH, Bound, bound_of
 from q2q_sim.plant.order_by_x import Rows
-from q2q_sim.plant.push_table import PushTable
 from q2q_sim.plant.quadcopter import Body
 
 FARTHEST = 5.0

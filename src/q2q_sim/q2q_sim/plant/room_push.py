@@ -13,10 +13,10 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import INSIDE
 from q2q_sim.air.unit_processes import RESIDUAL, WANDER_X, WANDER_Y
 from q2q_sim.air.wake_laws import BLEND, MAX_DELAY
-from q2q_sim.plant.jet_reach import Reach, reach, reach_of, watch
+from q2q_sim.plant.jet_push import cell, table_push
+from q2q_sim.plant.jet_reach import JetReach, reach, reach_of, watch
 from q2q_sim.plant.order_by_x import Rows, sort_by_x
 from q2q_sim.plant.past_states import SHARE, SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y
-from q2q_sim.plant.push_table import cell, table_push
 from q2q_sim.plant.quadcopter import (
     CEILING,
     ETA,
@@ -64,10 +64,10 @@ class Now(NamedTuple):
     """Of the block of unit processes."""
     across: float
     """Reach at the largest gap [m]."""
-    reach: Reach
+    reach: JetReach
 
 
-class Source(NamedTuple):
+class JetSource(NamedTuple):
     """Source of a jet when its air left."""
 
     x: float
@@ -85,7 +85,7 @@ class Source(NamedTuple):
 
 
 @compiled(**BORROWING)
-def past_source(ring: Array, now: Now, room: RoomLaw, j: int, tau: float) -> Source:
+def past_source(ring: Array, now: Now, room: RoomLaw, j: int, tau: float) -> JetSource:
     """Return vehicle j as it was `tau` [s] ago."""
     one, unit, slot = room.numbers, room.unit, now.slot
     late = tau / one.step
@@ -99,7 +99,7 @@ def past_source(ring: Array, now: Now, room: RoomLaw, j: int, tau: float) -> Sou
     if one.wander != 0.0:
         slope_x += one.wander * unit[now.tick, j, WANDER_X]
         slope_y += one.wander * unit[now.tick, j, WANDER_Y]
-    return Source(
+    return JetSource(
         new * ring[a, j, X] + old * ring[b, j, X],
         new * ring[a, j, Y] + old * ring[b, j, Y],
         new * ring[a, j, Z] + old * ring[b, j, Z],
@@ -112,7 +112,7 @@ def past_source(ring: Array, now: Now, room: RoomLaw, j: int, tau: float) -> Sou
 
 
 @compiled(**BORROWING)
-def meet(place: Three, source: Source, room: RoomLaw, k: int) -> bool:
+def meet(place: Three, source: JetSource, room: RoomLaw, k: int) -> bool:
     """Write a vehicle's place in a jet into room.under[k]; return whether it is in the jet."""
     one, table, under, ends = room.numbers, room.table, room.under, room.table.ends
     dz = source.z - place[Z]

@@ -28,16 +28,11 @@ class Plant:
     """Air of a case, and the flights that its controllers' models are learned from."""
 
     air: str
-    """`room`, or "" for the air that is learned from all pairs and triples of `family` in the same run."""
+    """A shipped air that was learned from flights (q2q_sim.air.air_names)."""
     family: str
     """Recorded flights behind the air: the start of their names."""
     models: str
     """Recorded flights behind the models."""
-
-    @property
-    def name(self) -> str:
-        """Return the name of the air in tables."""
-        return self.air or f"learned from {self.family}"
 
 
 SHIPPED = Plant(ROOM, "dc21", "dc19")
@@ -53,7 +48,7 @@ class Case:
     @property
     def title(self) -> str:
         """Return the heading of the case's table."""
-        return f"{self.scenario}, air {self.plant.name}"
+        return f"{self.scenario}, air {self.plant.air}"
 
 
 CASES = (Case(PASSAGE), Case("stack3"))

@@ -61,7 +61,7 @@ class Numbers:
 
 def key(case: Case, contender: str) -> str:
     """Return the name of a cell."""
-    return f"{case.scenario}|{case.plant.name}|{contender}"
+    return f"{case.scenario}|{case.plant.air}|{contender}"
 
 
 def read(file: Path, draws: int) -> Numbers:

@@ -78,11 +78,11 @@ def _section(numbers: Numbers, case: Case) -> str:
 
 def origin(numbers: Numbers, plant: Plant) -> str:
     """Return what was flown in what: air and models, with the flights and family of each."""
-    flights, models = numbers.airs.get(plant.name, []), numbers.models_for(plant)
+    flights, models = numbers.airs.get(plant.air, []), numbers.models_for(plant)
     behind = sorted({one.name.partition(",")[0] for one in models})
     names = _without(plant.family, flights)
     learned = f"learned from {len(flights)} flights of the family {plant.family} ({names})"
-    air = f"`{plant.name}`, {learned}" if plant == SHIPPED else learned
+    air = f"`{plant.air}`, {learned}" if plant == SHIPPED else learned
     return (
         f"**Air:** {air}: jet as a table, turbulence, gusts, torques. **Models:** {len(models)} Gaussian "
         f"jets, each learned from a flight, or a part of one, of the family {plant.models} "

@@ -79,6 +79,6 @@ def _missing(numbers: Numbers, wanted: Sequence[Case]) -> list[ContenderFlight]:
         left = [(k, name) for k in range(len(models)) for name in CONTENDERS if k not in cells[name]]
         if left:
             air = air_of(plant)
-            numbers.airs[plant.name] = list(air.flights)
+            numbers.airs[plant.air] = list(air.flights)
             asked += [ContenderFlight(case, name, models[k].jet, air, k, numbers.draws) for k, name in left]
     return asked

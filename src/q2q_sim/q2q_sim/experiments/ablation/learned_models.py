@@ -1,4 +1,4 @@
-"""Models and airs of the ablation, learned from recorded flights of one family.
+"""Models of the ablation, learned from recorded flights of one family, and its air.
 
 Each model is a jet of the simplest moving form, fitted to the measured pushes of one flight or of one part of
 it (q2q_model.identification.force.jet_fit): a flight is cut into as many parts of equal numbers of samples as
@@ -9,7 +9,6 @@ that of models learned from different flights. They do not know what part of a j
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -24,7 +23,6 @@ from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.air.air_names import FLIGHTS
 from q2q_sim.air.find_air import find_air
-from q2q_sim.air.learning.learned_air import learn_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.ablation.ablation_cases import Plant
 
@@ -52,21 +50,16 @@ def models_of(family: str) -> list[LearnedModel]:
         return [model for path in _tables(family) for model in _models(path)]
 
 
-@cache
 def air_of(plant: Plant) -> RoomAir:
-    """Return the air of a plant: a shipped one, else learned from its family's flights.
+    """Return the air of a plant.
 
     Raises:
-        ValueError: the flights are not there.
+        ValueError: it was not learned from flights.
     """
-    if plant.air:
-        found = find_air(plant.air)
-        if not isinstance(found, RoomAir):
-            raise ValueError(f"air {plant.air} is not learned from flights")
+    found = find_air(plant.air)
+    if isinstance(found, RoomAir):
         return found
-    with threadpool_limits(1, user_api="blas"):
-        recordings = [recording_of_table(path) for path in _tables(plant.family)]
-        return learn_air(recordings, CRAZYFLIE_2_1, lambda _: None).air
+    raise ValueError(f"air {plant.air} is not learned from flights")
 
 
 def parts_of(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
