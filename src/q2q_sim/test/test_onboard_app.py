@@ -81,7 +81,7 @@ def send(fleet: Fleet, wanted: SwarmSetpoint) -> None:
         vehicle.firmware.parameters.set("ctrlMel.massThrust", EXACT)
         vehicle.handle(ECHO)
         pos, vel, acc = (tuple(part[i]) for part in (wanted.pos, wanted.vel, wanted.acc))
-        vehicle.firmware.obey(Setpoint(x=x, y=y, z=z, yaw=yaw, pos=pos, vel=vel, acc=acc))
+        vehicle.firmware.accept(Setpoint(x=x, y=y, z=z, yaw=yaw, pos=pos, vel=vel, acc=acc))
 
 
 def test_with_the_app_a_vehicle_passes_under_another_with_a_third_of_the_height_error() -> None:
