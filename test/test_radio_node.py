@@ -206,7 +206,16 @@ def test_an_emergency_stops_the_vehicles_of_a_radio_for_good(watcher: _Watcher) 
     watcher.call("all/emergency", Empty)
     watcher.until(watcher.on_the_ground, "falling")
     assert watcher.fastest_fall > 4.0  # from 1.5 and 2 m with the motors off
-    watcher.until(lambda: "locked: restart it" in watcher.call("radio/start").message, "refusal")
+    answers: list[str] = []
+
+    def refused() -> bool:
+        answers.append(watcher.call("radio/start").message)
+        return "locked: restart it" in answers[-1]
+
+    try:
+        watcher.until(refused, "refusal")
+    finally:
+        print(answers[-1:], watcher.truth)  # pytest shows it where the refusal does not come
 
 
 def test_a_node_without_cflib_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
