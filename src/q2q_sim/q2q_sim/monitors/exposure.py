@@ -50,9 +50,11 @@ def exposed(pos: Array, after: int) -> Mask:
     """Return which vehicles are under another or were up to `after` ticks before, (T, n)."""
     ticks, n, _ = pos.shape
     now = np.zeros((ticks, n), dtype=np.bool_)
+    x, y, z = np.ascontiguousarray(np.moveaxis(pos, 2, 0))
     for i in range(n):
-        rel = pos - pos[:, i : i + 1]  # (T, n, 3)
-        near = (np.hypot(rel[..., 0], rel[..., 1]) < ASIDE) & (rel[..., 2] > 0.0) & (rel[..., 2] < BELOW)
+        dx, dy, dz = (axis - axis[:, i : i + 1] for axis in (x, y, z))  # (T, n)
+        near = (dz > 0.0) & (dz < BELOW) & (np.abs(dx) < ASIDE) & (np.abs(dy) < ASIDE)
+        near[near] = np.hypot(dx[near], dy[near]) < ASIDE
         now[:, i] = near.any(axis=1)
     count = np.arange(ticks)[:, None]
     last = np.maximum.accumulate(np.where(now, count, -ticks - after), axis=0)
