@@ -25,18 +25,18 @@ from q2q_sim.report.figures import PlotCurve
 from q2q_sim.report.html_page import Grid, Picture, page
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 
-HEAD = (
-    "flight",
-    "vehicle",
-    "z RMSE [m]",
-    "xy RMSE [m]",
-    "U1 energy [N²s]",
-    "above hover",
-    "max U1 [N]",
-    "z RMSE under another [m]",
-    "in clear air [m]",
-    "worst under another [m]",
-)
+TRACKING = {
+    "z_rmse_m": "z RMSE [m]",
+    "xy_rmse_m": "xy RMSE [m]",
+    "u1_energy": "U1 energy [N²s]",
+    "u1_energy_above_hover": "above hover",
+    "u1_max": "max U1 [N]",
+    "under_rms_m": "z RMSE under another [m]",
+    "clear_rms_m": "in clear air [m]",
+    "worst_m": "worst under another [m]",
+}
+"""Columns of the first table by their field of VehicleMetrics."""
+HEAD = ("flight", "vehicle", *TRACKING.values())
 HEAD_LIMITS = ("flight", "vehicle", "saturated [%]", "fallback [%]", "separation [m]", "in zone [s]")
 HEAD_NODES = ("flight", "node", "seconds", "in trouble", "worst", "last values")
 HEAD_MOCAP = ("flight", "vehicle", "rate [Hz]", "seen [%]", "longest gap [s]", "not believed")
@@ -124,8 +124,8 @@ def as_json(flights: Sequence[Reported]) -> Json:
 
 def _tracking(one: Reported) -> list[tuple[str, ...]]:
     return [
-        (one.flight.name, name, *(_text(value) for value in asdict(vehicle).values()))
-        for name, vehicle in one.metrics.vehicles.items()
+        (one.flight.name, name, *(_text(numbers[field]) for field in TRACKING))
+        for name, numbers in ((name, asdict(vehicle)) for name, vehicle in one.metrics.vehicles.items())
     ]
 
 
