@@ -14,12 +14,11 @@ from q2q_control.disturbance.residual_observer import (
     OFFSET,
     OFFSET_S,
     OFFSET_STD,
-    OLDEST,
     RESIDUAL,
     ResidualObserver,
     steady_gain,
 )
-from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
+from q2q_model.downwash.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array, SwarmImu
 from q2q_model.vehicle.constants import GRAVITY

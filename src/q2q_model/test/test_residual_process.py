@@ -7,9 +7,9 @@ import pytest
 from scipy.signal import lfilter
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.downwash.predict_and_correct import OLDEST, CorrectedPredictor, PredictAndCorrect
+from q2q_model.downwash.predict_and_correct import CorrectedPredictor, PredictAndCorrect
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples

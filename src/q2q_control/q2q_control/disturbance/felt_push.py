@@ -3,7 +3,7 @@
     y = (R f_body)_z - (T b)_z / m - eta
 
 at the sample's own time: attitude R, thrust T by then (with delay and lag of the command path) and eta are
-those of the tick with its stamp. A sample may arrive before its tick or up to SPAN after it.
+those of the tick with its stamp. A sample may arrive before its tick or up to OLDEST after it.
 """
 
 from collections import deque
@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_model.downwash.residual_process import OLDEST
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Names, SwarmImu, index_of
 
-SPAN = 0.3
-"""Time for which ticks are remembered [s]: OLDEST of q2q_control.disturbance.residual_observer."""
 SAME_STAMP = 1e-6
 """[s]"""
 
@@ -48,7 +47,7 @@ class FeltPush:
         if self._ticks and tick.names != self._ticks[-1].names:
             self._ticks.clear()
         self._ticks.append(tick)
-        while self._ticks[0].t < tick.t - SPAN:
+        while self._ticks[0].t < tick.t - OLDEST:
             self._ticks.popleft()
         return None if self._early is None else self.sense(self._early)
 

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from q2q_control.disturbance.observer import GAP_MAX, Measurement
 from q2q_model.compiled import compiled
-from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
 from q2q_model.signals.values import Array, Names, index_of
 
 HEIGHT_STD = 1e-3
@@ -45,8 +45,6 @@ OFFSET_STD = 0.3
 """Deviation of the first offset, and of its change within OFFSET_S [m/s^2]: 0.1 to 0.3 in real flights."""
 OFFSET_S = 5.0
 """Time in which an offset may change [s]: shorter than a battery's discharge, longer than a passage."""
-OLDEST = 0.3
-"""Oldest accelerometer sample that corrects [s]: four correlation times."""
 HEIGHT, CLIMB, RESIDUAL, OFFSET = range(4)
 """Columns of the state."""
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import STEEPEST, Jet
-from q2q_model.downwash.predict_and_correct import CLEAR, OFFSET_S, OLDEST
-from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
+from q2q_model.downwash.predict_and_correct import CLEAR, OFFSET_S
+from q2q_model.downwash.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.roles import BLEND
 from q2q_model.downwash.source_strength import HALF_SPAN_S, PAIRS_ALONE, source_terms
 from q2q_model.files.model_file import ModelFile

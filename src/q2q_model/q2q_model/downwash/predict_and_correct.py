@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
 from q2q_model.estimation.measured_push import MeasuredPush
 from q2q_model.signals.values import (
     Array,
@@ -43,8 +43,6 @@ CLEAR = 0.05
 """Downwash that a vehicle in clear air may feel at most [m/s^2]: a tenth of the residual's size."""
 OFFSET_S = 5.0
 """Time constant of b [s]: shorter than a battery's discharge, longer than a passage."""
-OLDEST = 0.3
-"""Oldest measurement that corrects [s]: four correlation times."""
 SAME_STAMP = 1e-6
 """[s]"""
 

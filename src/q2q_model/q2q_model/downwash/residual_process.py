@@ -18,6 +18,9 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 
+OLDEST = 0.3
+"""Oldest measurement that corrects a prediction [s]: four correlation times."""
+
 
 @dataclass(frozen=True, slots=True)
 class ResidualProcess:
