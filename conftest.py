@@ -4,7 +4,7 @@ import os
 
 from hypothesis import settings
 
-pytest_plugins = ["budgets", "changed"]
+pytest_plugins = ["budgets", "changed", "two_hosts"]
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")

@@ -1,6 +1,7 @@
-"""Run the benchmarks: `scripts/bench [AREA...] [--json FILE]`.
+"""Run the benchmarks: `scripts/bench [AREA...] [--json FILE] [--plots FOLDER]`.
 
 Each area is a module of this folder with `run() -> list[Row]`; its references are measured in the same run.
+`--plots` runs the area growth and draws it.
 """
 
 import json
@@ -15,7 +16,9 @@ from q2q_model.commands.command_line import CommandLine
 from row import Row
 
 HERE = Path(__file__).parent
-NOT_AREAS = ("bench", "neural_trajectory", "row")
+NOT_AREAS = ("bench", "neural_trajectory", "roofline", "row", "tick_profile")
+DRAWN = "growth"
+"""Area whose `run` takes a folder for its figures."""
 
 
 def areas() -> list[str]:
@@ -28,6 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     made = CommandLine("bench", __doc__, "  scripts/bench simulation")
     made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
     made.add_argument("--json", type=Path, help="write the rows to this file")
+    made.add_argument("--plots", type=Path, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there")
     args = made.parse_args(arguments)
     for area in args.area:
         if area not in areas():
@@ -35,19 +39,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(areas())}"
             print(f"bench: no area {area!r}; {hint}", file=sys.stderr)
             return 2
-    rows = [row for area in args.area or areas() for row in _run(area)]
+    chosen = args.area or ([] if args.plots else areas())
+    if args.plots and DRAWN not in chosen:
+        chosen.append(DRAWN)
+    rows = [row for area in chosen for row in _run(area, args.plots if area == DRAWN else None)]
     if args.json:
         args.json.parent.mkdir(parents=True, exist_ok=True)
         args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
     return 0
 
 
-def _run(area: str) -> list[Row]:
+def _run(area: str, plots: Path | None) -> list[Row]:
     from rich.console import Console
     from rich.table import Table
 
     print(f"bench: {area} ...", file=sys.stderr)
-    rows: list[Row] = import_module(area).run()
+    made = import_module(area).run
+    rows: list[Row] = made(plots) if plots else made()
     table = Table(title=area)
     for column in ("figure", "value", "unit", "beside", "ratio"):
         table.add_column(column, justify="right" if column in ("value", "ratio") else "left")

@@ -132,10 +132,9 @@ def _problem() -> LqProblem:
     )
     start = np.zeros((2, 3, 3))
     start[:, 2, 0] = [1.49, 2.0]
-    high = np.full((2, 3), 6.6 / 0.65 - 9.81)
-    asked = Horizon(
-        start, reference, downwash.eta, reference[..., :3].copy(), high - 10.0, high, np.full(3, np.inf)
-    )
+    most, path = 6.6 / 0.65 - 9.81, reference[..., :3].copy()
+    low, high = np.full((2, 3), most - 10.0), np.full((2, stages, 3), most)
+    asked = Horizon(start, reference, downwash.eta, path, low, high, np.full(3, np.inf))
     return joint_problem(group_shape(2, (2,), (up, up, up), stages), np.arange(2), asked, downwash)
 
 

@@ -102,12 +102,12 @@ def stolen() -> float:
     return int(Path("/proc/stat").read_text().split()[8]) / os.sysconf("SC_CLK_TCK")
 
 
-def passing_pairs(vehicles: int, duration: float) -> dict[str, object]:
-    """Return the scenario: lower ones hover, upper ones pass over them and come back."""
+def passing_pairs(vehicles: int, duration: float, side: int = 10) -> dict[str, object]:
+    """Return the scenario, `side` pairs a row: lower ones hover, upper ones pass over and come back."""
     points: dict[str, object] = {}
     for index in range(vehicles):
         pair, upper = divmod(index, 2)
-        x, y = 2.0 * (pair % 10), 2.0 * (pair // 10)
+        x, y = 2.0 * (pair % side), 2.0 * (pair // side)
         here = [x - 0.6 * upper, y, 1.0 + 0.5 * upper]
         there = [x + 0.6 * upper, y, 1.0 + 0.5 * upper]
         times = (0.0, 0.5 * duration, duration)

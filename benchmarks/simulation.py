@@ -5,18 +5,28 @@ of all its neighbours. Vehicles start as `swarmN` does (two rings, half a metre 
 and tilt in turn, so that downwash is near. Both simulators take the same steps, by turns in the same run, and
 each counts its fastest round in processor time, so that other programs disturb little. Beside them, how much
 faster than real time one core flies the swarm.
+
+Many rooms at once fly for a second from their start: one by one as swarms and in one call on one core, in
+processor time, and in one call on all cores, by the wall clock. Beside them the share of the machine's peak
+arithmetic and memory traffic, measured in the same run (roofline).
 """
 
-from time import process_time
+from collections.abc import Callable
+from functools import cache, partial
+from time import perf_counter, process_time
 
 import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.air.find_air import FlownAir, find_air
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
+from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm, still_air
 from q2q_sim.plant.swarm_numpy import run_numpy
 from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
+from roofline import BYTES, CORES, flops_of_a_step, peak_flops, peak_traffic
 from row import Row
 
 STEPS = 5
@@ -27,6 +37,11 @@ COMPILED_STEPS = 100_000
 """Drone-steps a round of the compiled simulator, about 50 ms; numpy takes far fewer."""
 NUMPY_CALLS = {1: 20, 2: 20, 10: 20, 100: 5, 1000: 1}
 """Calls a round of the numpy twin."""
+BATCHES = ((500, 2), (100, 10), (10, 100), (2, 1000))
+"""Rooms, and vehicles in each."""
+BATCH_CALLS = 100
+"""Calls a round: 1 s of flight, in which all random numbers are drawn once."""
+BATCH_ROUNDS = 3
 
 
 def run() -> list[Row]:
@@ -40,7 +55,7 @@ def run() -> list[Row]:
             rows.append(Row(f"{name}, numpy twin", plain, "drone-steps/s"))
             real_time = PHYSICS_RATE * count
             rows.append(Row(f"{name}, flown", compiled / real_time, "s/s", "real time", compiled / real_time))
-    return [*rows, *_room_rows()]
+    return [*rows, *_room_rows(), *_batch_rows()]
 
 
 def _room_rows() -> list[Row]:
@@ -59,6 +74,52 @@ def _room_rows() -> list[Row]:
         name = f"{count} {'vehicle' if count == 1 else 'vehicles'}, air of a room"
         rows.append(Row(name, STEPS * count / best[0], "drone-steps/s", "measured wake", best[1] / best[0]))
     return rows
+
+
+def _batch_rows() -> list[Row]:
+    """Return drone-steps a second of many rooms at once, beside the same one by one, and the roofline."""
+    flops, traffic = peak_flops(), peak_traffic()
+    rows = [
+        Row(f"machine: matrix product, {CORES} cores", flops / 1e9, "GFLOP/s"),
+        Row(f"machine: copy in memory, {CORES} cores", traffic / 1e9, "GB/s"),
+    ]
+    for rooms, count in BATCHES:
+        alone, together, all_cores = _batch_rates(rooms, count)
+        name, each = f"{rooms} rooms of {count} vehicles, air of a room", flops_of_a_step(count)
+        rows += [
+            Row(f"{name}, one by one", alone, "drone-steps/s"),
+            Row(f"{name}, 1 core", together, "drone-steps/s", "one by one", together / alone),
+            Row(f"{name}, {CORES} cores", all_cores, "drone-steps/s", "one by one", all_cores / alone),
+            Row(f"{name}, arithmetic of a drone-step", each, "FLOP"),
+            Row(f"{name}, {CORES} cores, share of arithmetic", 100.0 * each * all_cores / flops, "%"),
+            Row(f"{name}, {CORES} cores, share of traffic", 100.0 * BYTES * all_cores / traffic, "%"),
+        ]
+    return rows
+
+
+def _batch_rates(rooms: int, count: int) -> tuple[float, float, float]:
+    """Return drone-steps a second of rooms one by one, together on one core, and together on all cores."""
+    room, scenario = find_air("room"), _scenario(count)
+    assert isinstance(room, RoomAir)
+    _, commands, drive = _flight(count, room)
+    setup = RoomsSetup(scenario.vehicle, np.stack([_start(count)] * rooms), room)
+    inputs = np.stack([commands] * rooms, axis=1), np.stack([drive] * rooms)
+    best = [np.inf, np.inf, np.inf]
+    for _ in range(BATCH_ROUNDS):
+        for k, threads in enumerate((0, 1, CORES)):
+            flown: list[Callable[[], None]] = (
+                [partial(Rooms(setup, threads).step, *inputs)]
+                if threads
+                else [partial(_swarm(count, room, seed).step, commands, drive) for seed in range(rooms)]
+            )
+            clock = perf_counter if threads > 1 else process_time
+            start = clock()
+            for _ in range(BATCH_CALLS):
+                for step in flown:
+                    step()
+            best[k] = min(best[k], clock() - start)
+    done = rooms * count * STEPS * BATCH_CALLS
+    return done / best[0], done / best[1], done / best[2]
 
 
 def _rates(count: int, wake: WakeLaw) -> tuple[float, float]:
@@ -81,12 +142,28 @@ def _rates(count: int, wake: WakeLaw) -> tuple[float, float]:
     return STEPS * count / best[0], STEPS * count / best[1]
 
 
+def room_flight(count: int) -> tuple[Swarm, Array, Array]:
+    """Return a swarm in the air of a room with commands and drive."""
+    return _flight(count, find_air("room"))
+
+
 def _flight(count: int, air: FlownAir) -> tuple[Swarm, Array, Array]:
-    scenario = library.load(f"swarm{count}")
-    start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])
-    swarm = Swarm(scenario.names, scenario.vehicle, start, air)
     commands = np.zeros((STEPS, count, 4))
-    commands[..., 0] = scenario.vehicle.hover_thrust
+    commands[..., 0] = _scenario(count).vehicle.hover_thrust
     commands[..., 1] = 0.02 * (-1.0) ** np.arange(count)  # [rad], so that none stands still
     drive = np.hstack([np.zeros((count, 3)), np.ones((count, 4))])
-    return swarm, commands, drive
+    return _swarm(count, air), commands, drive
+
+
+def _swarm(count: int, air: FlownAir, seed: int = 0) -> Swarm:
+    scenario = _scenario(count)
+    return Swarm(scenario.names, scenario.vehicle, _start(count), air, seed)
+
+
+def _start(count: int) -> Array:
+    return np.array([vehicle.points[0] for vehicle in _scenario(count).waypoints])
+
+
+@cache
+def _scenario(count: int) -> Scenario:
+    return library.load(f"swarm{count}")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from grimp import ImportGraph
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
+PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim", "q2q")
 TESTS = ("src/*/test", "test")
 STARTER = "q2q_sim.processes.processes"
 """The module that starts the nodes, which it does not import."""

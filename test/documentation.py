@@ -100,8 +100,9 @@ class Command:
 
 
 def documents() -> list[Path]:
-    """Return README.md and all of docs/."""
-    return [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    """Return README.md, CONTRIBUTING.md and all of docs/, without what scripts/site makes there."""
+    pages = sorted((ROOT / "docs").rglob("*.md"))
+    return [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(one for one in pages if one.parent.name != "api")]
 
 
 def links(document: Path) -> list[str]:

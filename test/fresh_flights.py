@@ -1,8 +1,8 @@
 """Fly what users fly in one process; print which kernels it compiled and which it never called: for a test.
 
 Closed loop with every controller and replanner through every fault of the room, the passage of table6 with
-its active bounds, a flight with correction, the explicit law, the view's scenes, the vehicles' own firmware,
-and an identification.
+its active bounds, a flight with correction, one of distributed MPCs, the explicit law, the view's scenes, the
+vehicles' own firmware, and an identification.
 """
 
 import json
@@ -35,8 +35,11 @@ from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.faults.faults import KINDS, Fault
-from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.assembly import Options, blocks_of
+from q2q_sim.loop.closed_loop import FlightOptions, fly, fly_blocks
+from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.room import Room
+from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
@@ -66,7 +69,10 @@ def flights() -> None:
     controlled_explicitly(signals)
     flown(replace(library.load("table6"), duration=25.0), "mpc", "none")
     flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
+    distributed(replace(library.load("stack3"), duration=0.2))
     flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
+    steady = {"safe_replanner": {"jerk_max": 20.0, "tracking_z": 0.1}}
+    flown(replace(library.load("swarm20"), duration=0.5, overrides=steady), "pid", "safe")
     fly(replace(library.load("stack3"), duration=1.0), FlightOptions(correct=REAL_FLIGHTS))
     flown_by_firmware(library.load("table6"))
     stacked_in_a_rooms_air()
@@ -95,6 +101,14 @@ def flown(scenario: Scenario, controller: str, replan: str) -> RecordedSignal:
     known = find_model(scenario.model).interaction
     fly(scenario, FlightOptions(controller=controller, replan=replan, model=known, on_signal=hear))
     return signals
+
+
+def distributed(scenario: Scenario) -> None:
+    """Fly one MPC for each vehicle."""
+    model, options = find_model(scenario.model).interaction, FlightOptions(controller="mpc")
+    blocks = blocks_of(scenario, Options("aware", "mpc"), model)
+    controller = DistributedMpc(scenario, Options("aware", "mpc"), model, blocks.plan)
+    fly_blocks(scenario, replace(blocks, controller=controller), options)
 
 
 def drawn(signals: RecordedSignal) -> None:
@@ -147,6 +161,8 @@ def stacked_in_a_rooms_air() -> None:
     swarm = Swarm(scenario.names, scenario.vehicle, start, air)
     drive = np.hstack([np.zeros((len(start), 3)), np.ones((len(start), 4))])
     swarm.step(np.zeros((1, len(start), 4)), drive)
+    rooms = Rooms(RoomsSetup(scenario.vehicle, np.stack([start, start]), air))
+    rooms.step(np.zeros((1, 2, len(start), 4)), np.stack([drive, drive]))
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import pytest
 
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import campaign_flight, random_run
+from q2q_sim.experiments.campaign.campaign_flight import JUDGED
 from q2q_sim.experiments.campaign.engine import outcomes
 from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, drawn, shortened
 from q2q_sim.experiments.campaign.run_outcome import (
@@ -18,7 +19,11 @@ from q2q_sim.experiments.campaign.run_outcome import (
     from_document,
     summary,
 )
-from q2q_sim.experiments.campaign.through_nodes import TOPICS, NodeFlights, twin
+from q2q_sim.experiments.campaign.through_nodes import NodeFlights, twin
+from q2q_sim.experiments.guided import attack_record, bug_score, guided_campaign
+from q2q_sim.experiments.guided.attack_case import read_case
+from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
+from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
 from q2q_sim.flight.resident import ResidentNodes
 from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
 from q2q_sim.monitors.policies import POLICIES, Evidence, Violation, evidence_of
@@ -28,9 +33,11 @@ from q2q_sim.tools.judge_bags import evidence_in
 
 KEYS = {"runs", "through_nodes", "violations", "by_policy", "seeds_of_violations", "seconds"}
 ONCE_BROKEN = (
+    15,
     226,
     237,
     261,
+    298,
     354,
     363,
     382,
@@ -203,7 +210,7 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
 
         def flown(name: str, seed: int) -> Evidence:
             request = FlightRequest(
-                str(scenario), run.options.mode, run.options.controller, seed=seed, stack=True, record=TOPICS
+                str(scenario), run.options.mode, run.options.controller, seed=seed, stack=True, record=JUDGED
             )
             folder = tmp_path / name
             folder.mkdir()
@@ -218,6 +225,63 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
     pure = evidence_of(campaign_flight.at_own_stamps(campaign_flight.flown_pure(short).signals))
     assert twin(first, pure) == twin(again, pure) == ()
     assert [one.policy for one in twin(second, pure)] == [TWIN]
+
+
+def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flown: list[int] = []
+
+    def fly(run: random_run.Run) -> AttackedFlight:
+        flown.append(run.seed)
+        return AttackedFlight((BROKEN,) if run.seed == 37 else (), {"room": -float(len(flown))})
+
+    monkeypatch.setattr(attack_record, "fly_attacked", fly)
+    monkeypatch.setattr(bug_score, "fly_attacked", lambda _: AttackedFlight(()))
+    asked = ["--guided", "--runs", "110", "--bug-runs", "3", "--out", str(tmp_path)]
+    asked += ["--json", str(tmp_path / "it.json")]
+    assert campaign.main(asked) == 1
+    found = json.loads((tmp_path / "it.json").read_text())
+    assert {name: found[name] for name in ("runs", "violations", "bug_runs")} == {
+        "runs": 50 + 8 + 10,  # seed 37 is the eighth survey run of the second attack
+        "violations": 1,
+        "bug_runs": 3,
+    }
+    assert (found["seeded_bugs"], found["seeded_found"], found["blind_found"]) == (20, 0, 0)
+    assert found["by_policy"] == {"tilt": 1}
+    (case,) = found["cases"]
+    assert read_case(Path(case)).run.scenario.faults == ()  # this one needs none
+    count = len(flown)
+    assert campaign.main(asked) == 1
+    assert len(flown) == count
+    assert json.loads((tmp_path / "it.json").read_text()) == found
+    log = tmp_path / "attacks.jsonl"
+    whole = log.read_text().splitlines()
+    log.write_text(log.read_text()[:-20])  # killed while it wrote the last attack
+    assert campaign.main(asked) == 1
+    assert [json.loads(line)["seed"] for line in log.read_text().splitlines()] == [
+        json.loads(line)["seed"] for line in whole
+    ]
+    monkeypatch.setattr(guided_campaign, "fly_attacked", fly)
+    assert campaign.main(["--case", case]) == 1
+    assert "tilt: cf1 at 1.00 s: 0.5, allowed is 0.36" in capsys.readouterr().out
+
+
+def test_a_bug_counts_as_found_only_by_a_run_that_the_sound_stack_keeps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    bug = SEEDED_BUGS[0]
+    sound = vars(bug.place)[bug.function]
+
+    def fly(run: random_run.Run) -> AttackedFlight:
+        seeded = vars(bug.place)[bug.function] is not sound
+        both = AttackedFlight((BROKEN,))  # also without the bug
+        return AttackedFlight((replace(BROKEN, policy="age"),)) if seeded and run.seed == 4 else both
+
+    monkeypatch.setattr(bug_score, "fly_attacked", fly)
+    one = bug_score.score(0, 10, 0)
+    assert (one.bug, one.guided, one.blind) == (bug.name, 5, 5)
+    assert bug_score.score(0, 4, 0).blind == 0
 
 
 def test_an_unknown_engine_is_refused(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from fresh_checkout import ROOT
 TOOLS = {
     "q2q_sim.commands.fly": "--lockstpe",
     "q2q_sim.commands.demo": "--jsno",
+    "q2q_sim.commands.replay_page": "--titel",
     "q2q_sim.commands.report": "--comapre",
     "q2q_sim.commands.crtp": "--latencey",
     "q2q_sim.commands.bag_import": "--uot",
@@ -21,9 +22,16 @@ TOOLS = {
     "q2q_sim.commands.paper": "--onyl",
     "q2q_sim.commands.ablation": "--jsno",
     "q2q_sim.commands.campaign": "--jsno",
+    "q2q_sim.commands.robustness": "--jsno",
+    "q2q_sim.commands.endurance": "--jsno",
+    "q2q_sim.commands.estimators": "--jsno",
+    "q2q_sim.commands.explain": "--jsno",
+    "q2q_sim.commands.licence": "--jnuit",
     "q2q_sim.commands.policies": "--jsno",
+    "q2q_sim.commands.promise": "--jsno",
     "q2q_sim.commands.firmware_check": "--jsno",
     "q2q_sim.commands.docs": "--chekc",
+    "q2q_sim.commands.secure": "--polciy",
     "q2q_sim.commands.validate": "--jsno",
     "q2q_planner.commands.plan": "--modle",
     "q2q_model.commands.identify": "--vehcile",
@@ -42,8 +50,20 @@ REFUSALS = (
     ("q2q_sim.commands.crtp tabel6", 1, "did you mean table6?"),
     ("q2q_sim.commands.report none", 1, "no bag at none"),
     ("q2q_sim.commands.report . --vehicle nosuch", 1, "unknown vehicle"),
+    ("q2q_sim.commands.replay_page none", 1, "no flight at none"),
     ("q2q_sim.commands.policies . --scenario tabel6", 2, "did you mean table6?"),
     ("q2q_sim.commands.policies none", 2, "no bag at none"),
+    ("q2q_sim.commands.endurance --minutes 0.5", 1, "1 or more is allowed"),
+    ("q2q_sim.commands.estimators none", 1, "no flight at none"),
+    ("q2q_sim.commands.estimators . --seeds 0", 1, "--seeds 0: 1 or more is allowed"),
+    ("q2q_sim.commands.explain none", 1, "no bag at none"),
+    ("q2q_sim.commands.explain", 2, "either a bag or --score N"),
+    ("q2q_sim.commands.explain --score 1 --orders 5", 1, "an even number of 4 or more"),
+    ("q2q_sim.commands.licence none.py", 2, "no program at none.py"),
+    ("q2q_sim.commands.licence", 2, "either a program or --score FOLDER"),
+    ("q2q_sim.commands.licence . --room 0 1 1", 2, "sizes above 0 m"),
+    ("q2q_sim.commands.promise --tube none", 1, "no tube at none"),
+    ("q2q_sim.commands.promise --count 0", 1, "1 or more is allowed"),
     ("q2q_sim.commands.firmware_check none", 2, "no table at none/controllers.csv"),
     ("q2q_sim.commands.bag_import none.csv --out x", 1, "no flight at none.csv"),
     ("q2q_sim.commands.validate none --air measured", 1, "no flight at none"),
@@ -63,7 +83,7 @@ REFUSALS = (
     ("q2q_control.commands.export_app --model nosuch --out x", 1, "measured_law"),
     ("bench smulation", 2, "did you mean simulation?"),
 )
-SCRIPTS = ("bench", "campaign", "check", "demo", "docs", "fly", "paper", "setup")
+SCRIPTS = ("bench", "campaign", "check", "demo", "docs", "fly", "licence", "paper", "setup", "site")
 
 
 def run(tool: str, *words: str) -> subprocess.CompletedProcess[str]:

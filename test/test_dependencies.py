@@ -11,6 +11,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
+import yaml
 from fresh_checkout import ROOT
 
 PACKAGES = [path.parent for path in sorted(ROOT.glob("src/*/setup.py"))]
@@ -32,6 +33,7 @@ WITHOUT_KEY = {
     "casadi",
     "cattrs",
     "cflib",
+    "cma",
     "dask",
     "foxglove",
     "mcap",
@@ -106,10 +108,32 @@ def test_what_a_package_imports_is_pinned(package: Path):
     assert not missing, f"scripts/setup without --dev installs no version of {sorted(missing)}"
 
 
-@pytest.mark.parametrize("name", ["build", "ros", "run", "dev", "radio", "train", "view", "campaign"])
+@pytest.mark.parametrize("name", ["build", "ros", "run", "dev", "radio", "train", "view", "campaign", "docs"])
 def test_every_requirement_is_exact_and_says_why(name: str):
     for line in (ROOT / f"requirements/{name}.txt").read_text(encoding="utf-8").splitlines():
         assert line.startswith("#") or re.fullmatch(r"[A-Za-z0-9_.-]+(\[\w+\])?==\S+  # .+", line), line
+
+
+@pytest.mark.parametrize("file", sorted(ROOT.glob("src/q2q*/package.xml")), ids=lambda path: path.parent.name)
+def test_every_package_repeats_version_contact_and_licence_of_the_citation(file: Path):
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    package = ET.parse(file)  # noqa: S314 (our own file)
+    maintainer = package.find("maintainer")
+    assert maintainer is not None
+    (contact,) = citation["contact"]
+    assert (maintainer.text, maintainer.get("email")) == (contact["name"], contact["email"])
+    assert package.findtext("version") == citation["version"]
+    assert package.findtext("license") == citation["license"]
+    setup = file.with_name("setup.py")
+    if setup.exists():
+        text = setup.read_text(encoding="utf-8")
+        assert all(f'"{word}"' in text for word in (contact["email"], citation["version"]))
+
+
+def test_the_released_version_has_notes():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    notes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"## [{citation['version']}] - {citation['date-released']}" in notes
 
 
 def test_every_field_of_a_message_says_its_unit_or_meaning():

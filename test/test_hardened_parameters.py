@@ -43,6 +43,8 @@ NODES = (
 )
 KINDS = {message: kind for kind, message in MESSAGES.items()}
 TICK_NS = 10_000_000
+MADE: list[Node] = []
+"""Nodes to destroy: one that is left listens in its domain as long as this process lives."""
 whole = st.one_of(st.integers(-5, 50), st.sampled_from([-(2**63), 2**63 - 1]))
 real = st.one_of(
     st.floats(-2.0, 100.0), st.floats(), st.sampled_from([np.nan, np.inf, -np.inf, 1e300, 0.0, -0.0])
@@ -101,6 +103,7 @@ class Real:
             plan_file.save(folder / "plan.json", assembly.plan_of(library.load("table6")))
             given.append(Given("plan", value=str(folder / "plan.json")))
         self.node = Node(executable, parameter_overrides=given)
+        MADE.append(self.node)
         self._made: list[Signal] = []
         wiring = import_module(f"{package}.ros.{executable}_node").build(self.node)
         wiring.after_publish(lambda _, made: self._made.append(made))
@@ -144,6 +147,8 @@ def ros() -> Iterator[None]:
     with own_domain():
         rclpy.init()
         yield
+        while MADE:
+            MADE.pop().destroy_node()
         real_node.cache_clear()
         rclpy.try_shutdown()
 
@@ -169,6 +174,7 @@ def test_what_a_node_does_not_heed_in_flight_is_refused(
 
 def test_parameters_of_others_neither_configure_a_block_nor_are_refused_by_it() -> None:
     node, taken = Node("two_blocks"), list[PidParams]()
+    MADE.append(node)
     params = declare(node, PidParams(), in_flight=True)
     on_change(node, params, taken.append)
     declare(node, FallbackParams())

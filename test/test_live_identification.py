@@ -84,7 +84,7 @@ def test_a_weak_model_comes_right_from_the_topics_and_is_taken_up(listener: List
     true = strength_of(law.interaction)
     assert isinstance(law.interaction, Jet)
     save(weak, replace(law, interaction=replace(law.interaction, strength=WEAK * true)))
-    play = ["-p", f"bag:={BAG}", "-p", "start:=17.0", "-p", "rate:=2.0", "-p", "autostart:=false"]
+    play = ["-p", f"bag:={BAG}", "-p", "start:=17.0", "-p", "rate:=1.0", "-p", "autostart:=false"]
     # one pass weighs 4 m^2/s^4 against the prior's 10: a smaller prior lets this one flight decide
     live = ["--live", "--model", str(weak), "--out", str(refined), "--ros-args", "-p", "prior:=0.1"]
     logs = {name: tmp_path / f"{name}.log" for name in ("bag_play", "interference", "identify")}

@@ -6,12 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rclpy.executors import Executor
+from rclpy.node import Node
 
-from q2q_model.bag import read_facts
+from q2q_control.mpc.prediction.slots import RATE_HZ
+from q2q_model.bag import BagReader, read_facts
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.flights.flight import Flight
+from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import EVERY_TICK
+from q2q_model.signals.cdr import decode
+from q2q_model.signals.values import SwarmState
 from q2q_model.trajectory import plan_file
 from q2q_sim.flight import scenario_flight
 from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
@@ -19,7 +27,9 @@ from q2q_sim.loop import assembly
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.loop.distributed import DistributedMpc
+from q2q_sim.loop.simulator_params import SimulatorParams
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec
+from q2q_sim.ros.flight_director import STILL_S
 from q2q_sim.scenarios import library
 
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
@@ -29,6 +39,10 @@ SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 def run(tmp_path_factory: pytest.TempPathFactory) -> FlightRun:
     folder = tmp_path_factory.mktemp("with a space")
     return fly(FlightRequest(SCENARIO, seed=3), folder / "nodes", folder / "bag", lambda _: None)
+
+
+def test_a_stalled_flight_fails_before_the_simulator_flies_on_without_a_command() -> None:
+    assert SimulatorParams().give_up_s > STILL_S
 
 
 @cache
@@ -96,6 +110,8 @@ def test_one_mpc_node_a_vehicle_flies_the_numbers_of_the_distributed_loop_withou
     alone = fly_blocks(scenario, replace(blocks, controller=distributed), options)
     np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
     assert through_nodes.timing.missed_ticks == 0
+    sent = len(list(BagReader(tmp_path / "bag").raw(["/predictions"])))
+    assert sent == pytest.approx(2 * RATE_HZ * scenario.duration, abs=2)  # tracks begin within a slot
 
 
 def test_no_tick_is_missed_and_every_tick_is_in_the_bag(run: FlightRun) -> None:
@@ -113,6 +129,40 @@ def test_flown_again_in_one_process_the_same_seed_gives_the_same_numbers_to_the_
     assert stacked.timing.missed_ticks == 0
     for name, values in arrays_of(run.flight).items():
         np.testing.assert_array_equal(arrays_of(stacked.flight)[name], values, err_msg=name)
+
+
+class Listener:
+    """Subscriber to `state` in this process."""
+
+    def __init__(self) -> None:
+        self.heard: dict[float, np.ndarray] = {}
+        self._executor: Executor | None = None
+
+    def listen(self, _: float) -> None:
+        """Take the messages that have come; the first call subscribes and waits for the publisher."""
+        if self._executor is None:
+            node, self._executor = Node("listener"), make_executor()
+            self._executor.add_node(node)
+            kind = MESSAGES[SwarmState]
+            subscription = node.create_subscription(kind, "state", self._on_state, EVERY_TICK, raw=True)
+            while not subscription.get_publisher_count():
+                self._executor.spin_once(timeout_sec=0.01)
+        for _ in range(EVERY_TICK.depth):
+            self._executor.spin_once(timeout_sec=0.0)
+
+    def _on_state(self, data: bytes) -> None:
+        state = decode(data, SwarmState)
+        self.heard[state.t] = state.pos
+
+
+def test_a_process_beside_a_flight_in_one_process_hears_its_topics(tmp_path: Path) -> None:
+    beside = Listener()
+    request = FlightRequest(SCENARIO, seed=3, stack=True)
+    flown = fly(request, tmp_path / "nodes", tmp_path / "bag", beside.listen)
+    recorded = dict(zip(flown.flight.t, flown.flight.pos, strict=True))
+    assert len(beside.heard) > 100
+    for t, pos in beside.heard.items():
+        np.testing.assert_array_equal(pos, recorded[t])
 
 
 def under_sim_time(spec: NodeSpec) -> NodeSpec:

@@ -34,9 +34,12 @@ FRAMES = 20
 def executor() -> Iterator[Executor]:
     with own_domain():
         rclpy.init()
+        made = make_executor()
         try:
-            yield make_executor()
+            yield made
         finally:
+            for node in made.get_nodes():
+                node.destroy_node()
             rclpy.try_shutdown()
 
 

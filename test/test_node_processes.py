@@ -1,6 +1,8 @@
 """Nodes as a user starts them: clean ends, and one clear line for every wrong input."""
 
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +13,17 @@ from started_nodes import PATIENCE_S, start, wait_until_spinning
 from q2q_model.vehicle.constants import VEHICLES
 from q2q_sim.processes.domain import own_domain
 
+INTERRUPTED = """
+import os, signal, weakref
+from q2q_model.ros.node.run import run
+
+def build(node):
+    one = set()
+    weakref.finalize(one, os.kill, os.getpid(), signal.SIGINT)
+
+run("node", build)
+"""
+"""Node that is interrupted in a callback of Python's own, while it is built."""
 NODES = [
     ("q2q_model", "mocap_filter", []),
     ("q2q_model", "interference", []),
@@ -58,6 +71,11 @@ def test_a_node_ends_with_0_on_a_signal(
     _, lines = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, lines
     assert "Traceback" not in lines
+
+
+def test_an_interrupt_that_python_swallows_while_a_node_is_built_ends_it_in_silence() -> None:
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_an_unknown_scenario_is_answered_with_the_nearest_right_one() -> None:

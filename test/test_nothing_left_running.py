@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from q2q_sim.processes.warm_start import say_in_a_line
+
 NODES = 7
 ORPHAN = """
 import os
@@ -98,3 +100,17 @@ def test_a_node_that_is_killed_in_flight_is_named_and_the_others_end() -> None:
 def test_a_node_whose_parent_died_before_it_settled_does_not_run_on() -> None:
     done = subprocess.run([sys.executable, "-c", ORPHAN], capture_output=True, text=True, check=False)
     assert (done.stdout, done.stderr) == ("", "the warm parent has ended\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (EOFError("Ran out of input"), "the flight was killed while this node was starting\n"),
+        (ValueError("a defect"), "ValueError: a defect\n"),
+    ],
+)
+def test_a_node_that_starts_as_its_flight_is_killed_says_so_in_a_line(
+    error: Exception, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    say_in_a_line(type(error), error, None)
+    assert capsys.readouterr().err == said

@@ -2,21 +2,14 @@
 
 import json
 import os
-from collections.abc import Callable, Sequence
-from itertools import combinations
 from pathlib import Path
 
 import pytest
 from threadpoolctl import threadpool_limits
 
 from q2q_model.commands import identify as identify_command
-from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force import jet_fit
-from q2q_model.identification.force.downwash_force import ForceSamples
-from q2q_model.identification.force.jet_fit import JetFit, JetForm, fit_to_pushes
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.identification import ProcedureParams, Recording, identify, recorded_altitudes
-from q2q_model.identification.selection import candidates
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands import bag_import
@@ -66,30 +59,10 @@ def test_every_real_flight_goes_through_identify(name: str, bags: dict[str, Path
 
 
 @needs_flights
-def test_pairs_of_real_flights_go_through_identify(
-    recordings: dict[str, Recording], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Every eighth pair, in process; what was fitted to a flight is not fitted again for its next pair."""
-    remembered = _once_each(fit_to_pushes)
-    for module in (candidates, jet_fit):
-        monkeypatch.setattr(module, "fit_to_pushes", remembered)
+def test_pairs_of_real_flights_go_through_identify(recordings: dict[str, Recording]) -> None:
+    """In process; every flight is in a pair."""
+    half = (len(FLIGHTS) + 1) // 2
     with threadpool_limits(1, user_api="blas"):
-        for pair in list(combinations(FLIGHTS, 2))[::8]:
+        for pair in zip(FLIGHTS[:half], FLIGHTS[-half:], strict=True):
             found = identify([recordings[name] for name in pair], ProcedureParams(), lambda _: None)
             assert found.chosen.kind == "jet", pair
-
-
-Fit = Callable[[Sequence[ForceSamples], JetForm, Jet | None], JetFit]
-
-
-def _once_each(fit: Fit) -> Fit:
-    """Return a fit that remembers; the pushes of these flights come from their logs alone."""
-    known: dict[tuple[tuple[str, ...], JetForm, Jet | None], JetFit] = {}
-
-    def remembered(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | None = None) -> JetFit:
-        key = tuple(dict.fromkeys(one.flight for one in samples)), form, solved
-        if key not in known:
-            known[key] = fit(samples, form, solved)
-        return known[key]
-
-    return remembered

@@ -18,7 +18,7 @@ rclpy = pytest.importorskip("rclpy", reason="plays the sourced ROS: run by scrip
 SITE_PACKAGES = sysconfig.get_path("purelib")
 
 PACKAGE_XML = """<package format="3"><name>toy</name><version>0.1.0</version><description>A toy.</description>
-<maintainer email="q2q@example.org">q2q developers</maintainer><license>MIT</license>
+<maintainer email="maintainer@q2q.invalid">q2q developers</maintainer><license>MIT</license>
 <exec_depend>rclpy</exec_depend><export><build_type>ament_python</build_type></export></package>"""
 
 SETUP_PY = """from setuptools import setup

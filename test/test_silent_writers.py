@@ -89,14 +89,22 @@ class Scene:
             assert monotonic() < deadline, f"{what}: not within {PATIENCE_S} s"
             self._executor.spin_once(timeout_sec=0.05)
 
+    def until_watched(self) -> None:
+        """Let callbacks run until the readers that watch have matched too, and 20 more ticks came."""
+        self.until(lambda: all(reader.get_publisher_count() for reader in self.node.subscriptions), "writers")
+        ticks = self.wiring.health.ticks + 20
+        self.until(lambda: self.wiring.health.ticks >= ticks and bool(self.received), "ticks")
+
     def worst(self) -> int:
         """Return the status of the last command, 0 before the first."""
         return int(self.received[-1].status.max()) if self.received else 0
 
     def close(self) -> None:
-        """End writer and ROS."""
+        """End writer, node and ROS; a node that is left listens in its domain while this process lives."""
         self.writer.kill()
         self.writer.wait()
+        self._executor.shutdown()
+        self.node.destroy_node()
         rclpy.try_shutdown()
 
 
@@ -114,7 +122,7 @@ def scene(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> It
 def test_without_any_timer_the_death_of_a_writer_leads_down_the_ladder(
     scene: Scene, blow: signal.Signals
 ) -> None:
-    scene.until(lambda: scene.wiring.health.ticks >= 20 and bool(scene.received), "ticks")
+    scene.until_watched()
     os.kill(scene.writer.pid, blow)
     params = FallbackParams()
     ladder = {

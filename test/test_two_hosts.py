@@ -4,12 +4,12 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from two_hosts import ADDRESS, DESK, ROOM
 
 from q2q_model.files.find_model import find_model
 from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
@@ -22,10 +22,8 @@ from q2q_sim.tools.judge_bags import evidence_in
 SHORT = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 SEED = 3
 SERVER = "fast-discovery-server"
-ADDRESS, PORT = "10.77.7.1", "11811"
-"""Where the discovery server listens: on the host of the room."""
-ROOM, DESK = f"q2q-r{os.getpid()}", f"q2q-d{os.getpid()}"
-"""The hosts, and their ends of the wire: simulator and recorder on one, everything between on the other."""
+PORT = "11811"
+"""Where the discovery server listens, on the host of the room."""
 PATIENCE_S = 300.0
 AT_THE_DESK = ("mocap_filter", "interference", "trajectory", "replanner", "pid")
 IN_THE_ROOM = """
@@ -47,34 +45,6 @@ with Processes(folder) as processes:
         director.wait_summary(lambda _: None)
         director.wait_drained([*names[1:], names[0]])
 """
-
-
-def run(*words: str) -> None:
-    subprocess.run(words, check=True, capture_output=True)
-
-
-@pytest.fixture
-def hosts() -> Iterator[None]:
-    """Make two namespaces with a wire between them, and take them away again."""
-    ends = {ROOM: f"{ADDRESS}/24", DESK: "10.77.7.2/24"}
-    if shutil.which("ip") is None or os.geteuid() != 0:
-        pytest.skip("network namespaces need the program ip, and root")
-    try:
-        for name in ends:
-            run("ip", "netns", "add", name)
-        wire = ["type", "veth", "peer", "name", DESK, "netns", DESK]
-        run("ip", "link", "add", ROOM, "netns", ROOM, *wire)
-        for name, address in ends.items():
-            run("ip", "-n", name, "addr", "add", address, "dev", name)
-            run("ip", "-n", name, "link", "set", name, "up")
-            run("ip", "-n", name, "link", "set", "lo", "up")
-            run("ip", "-n", name, "route", "add", "224.0.0.0/4", "dev", name)
-        yield
-    except subprocess.CalledProcessError as refused:
-        pytest.skip(f"network namespaces are not permitted here: {refused.stderr.decode().strip()}")
-    finally:
-        for name in ends:
-            subprocess.run(["ip", "netns", "del", name], check=False, capture_output=True)
 
 
 @pytest.mark.usefixtures("hosts")

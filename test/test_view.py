@@ -8,6 +8,7 @@ import pytest
 import yaml
 from foxglove_client import FoxgloveClient
 from fresh_checkout import ROOT
+from open_ports import addresses_of
 from visualization_msgs.msg import Marker, MarkerArray
 
 from q2q_model.files.find_model import find_model
@@ -132,6 +133,8 @@ def test_a_headless_foxglove_client_receives_the_scene(flight: Flight):
     view = View(node)
     assert view.foxglove is not None
     try:
+        assert addresses_of("tcp", view.foxglove.port) == {"127.0.0.1"}
+        assert addresses_of("tcp6", view.foxglove.port) == set()
         with FoxgloveClient(view.foxglove.port, PATIENCE_S) as client:
             assert client.subscribe(foxglove_server.TOPIC) == "foxglove.SceneUpdate"
             for tick in range(0, len(flight.t), STEP):  # the flight goes on; the viewer joins when it can

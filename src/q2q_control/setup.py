@@ -10,7 +10,7 @@ setup(
     name=PACKAGE,
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
-    package_data={PACKAGE: ["py.typed", "explicit/*.json", "onboard/firmware_app/*"]},
+    package_data={PACKAGE: ["py.typed", "onboard/firmware_app/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -20,7 +20,7 @@ setup(
     extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="q2q developers",
-    maintainer_email="q2q@example.org",
+    maintainer_email="maintainer@q2q.invalid",
     description="Interaction-aware PID and MPC, failsafe, interfaces to Crazyflies",
     license="MIT",
     entry_points={

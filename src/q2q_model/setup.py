@@ -10,7 +10,7 @@ setup(
     name=PACKAGE,
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
-    package_data={PACKAGE: ["py.typed"]},
+    package_data={PACKAGE: ["py.typed", "node/loopback.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -20,7 +20,7 @@ setup(
     extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="q2q developers",
-    maintainer_email="q2q@example.org",
+    maintainer_email="maintainer@q2q.invalid",
     description="Signals, vehicles, mocap filter, interaction models, identification",
     license="MIT",
     entry_points={

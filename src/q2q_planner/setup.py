@@ -20,7 +20,7 @@ setup(
     extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="q2q developers",
-    maintainer_email="q2q@example.org",
+    maintainer_email="maintainer@q2q.invalid",
     description="Trajectory planning: minimum snap, avoidance of interaction zones, online replanner",
     license="MIT",
     entry_points={

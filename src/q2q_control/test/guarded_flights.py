@@ -1,7 +1,5 @@
 """Two vehicles under a guard: states, setpoints and controllers for tests of the failsafe."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from q2q_control.failsafe.guard import Guard
@@ -77,7 +75,7 @@ class Level:
 
 
 class Scripted:
-    """Controller that answers with given statuses, and keeps the setpoints that it was given."""
+    """Controller of as many vehicles as it has statuses, which keeps the setpoints that it was given."""
 
     def __init__(self, *status: int) -> None:
         self.status, self.given = status, list[SwarmSetpoint]()
@@ -85,7 +83,16 @@ class Scripted:
     def update(self, _: SwarmState, setpoint: SwarmSetpoint, __: object) -> SwarmCommand:
         """Return level hover under these statuses."""
         self.given.append(setpoint)
-        self.made = replace(Level().update(_, setpoint, __), status=np.array(self.status, dtype=np.uint8))
+        level, count = Level().update(_, setpoint, __), len(self.status)
+        self.made = SwarmCommand(
+            level.t,
+            level.names[:count],
+            level.thrust[:count],
+            level.roll[:count],
+            level.pitch[:count],
+            level.yaw_rate[:count],
+            np.array(self.status, dtype=np.uint8),
+        )
         return self.made
 
     def reset(self) -> None:

@@ -3,7 +3,10 @@
 import numpy as np
 
 from q2q_control.mpc.prediction.awaited import AwaitedPredictions
+from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import SwarmState, TrackStatus
+
+TICK = 0.01
 
 
 def state(t: float, lost: str = "") -> SwarmState:
@@ -21,12 +24,12 @@ class Heard:
 
     def has(self, name: str, t: float) -> bool:
         """Return whether a prediction made at t [s] or later has arrived."""
-        return self.newest.get(name, -1.0) >= t
+        return self.newest.get(name, -1.0) > t - SAME_STAMP
 
 
 def test_the_first_tick_waits_for_nobody_and_the_second_for_all_neighbours() -> None:
     heard = Heard()
-    awaited = AwaitedPredictions(("cf1",), heard.has)
+    awaited = AwaitedPredictions(("cf1",), TICK, heard.has)
     assert awaited.complete()
     awaited.begin(state(0.00))
     heard.newest["cf2"] = 0.0
@@ -37,7 +40,7 @@ def test_the_first_tick_waits_for_nobody_and_the_second_for_all_neighbours() -> 
 
 def test_a_silent_neighbour_is_awaited_once_and_again_after_it_was_heard() -> None:
     heard = Heard()
-    awaited = AwaitedPredictions(("cf1",), heard.has)
+    awaited = AwaitedPredictions(("cf1",), TICK, heard.has)
     awaited.begin(state(0.00))
     heard.newest["cf2"] = 0.0
     assert not awaited.complete()
@@ -52,7 +55,27 @@ def test_a_silent_neighbour_is_awaited_once_and_again_after_it_was_heard() -> No
 
 def test_a_vehicle_without_state_has_no_prediction_to_wait_for() -> None:
     heard = Heard()
-    awaited = AwaitedPredictions(("cf1",), heard.has)
+    awaited = AwaitedPredictions(("cf1",), TICK, heard.has)
     awaited.begin(state(0.00, lost="cf3"))
     heard.newest["cf2"] = 0.0
+    assert awaited.complete()
+
+
+def test_between_their_slots_neighbours_are_not_awaited() -> None:
+    heard = Heard()
+    awaited = AwaitedPredictions(("cf1",), 3.0 * TICK, heard.has)
+    awaited.begin(state(0.30))  # cf1's slot begins; those of cf2 and cf3 began at 0.28 and 0.29
+    heard.newest |= {"cf2": 0.28, "cf3": 0.29}
+    assert awaited.complete()
+    awaited.begin(state(0.31))
+    assert not awaited.complete()
+    heard.newest["cf2"] = 0.31
+    assert awaited.complete()
+
+
+def test_after_a_reset_nobody_is_awaited() -> None:
+    awaited = AwaitedPredictions(("cf1",), TICK, Heard().has)
+    awaited.begin(state(0.00))
+    assert not awaited.complete()
+    awaited.reset()
     assert awaited.complete()

@@ -22,7 +22,7 @@ from q2q_control.mpc.prediction.downwash_stages import (
     within_reach,
 )
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
-from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds
+from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds, stage_bounds
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.solver.chain_sweep import sweep, sweep_free, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
@@ -47,14 +47,13 @@ def stacked_tracks(n: int, seed: int) -> Tracks:
 
 def horizon_of(n: int, seed: int) -> Horizon:
     rng = np.random.default_rng(seed)
-    bound = np.full((n, 3), 0.6)
     return Horizon(
         rng.normal(size=(n, 3, 3)) * 0.05,
         rng.normal(size=(n, STAGES + 1, 9)) * 0.1,
         rng.normal(size=(n, STAGES, 3)) * 0.5,
         rng.normal(size=(n, STAGES + 1, 3)) * 0.1,
-        -bound,
-        bound,
+        np.full((n, 3), -0.6),
+        rng.uniform(0.4, 0.8, (n, STAGES, 3)),
         np.full(3, 0.4),
     )
 
@@ -179,6 +178,12 @@ def test_bounds_are_thrust_tilt_and_weight():
     assert np.array_equal(high, np.column_stack([np.full((5, 2), 2.0), 14.0 * upright - GRAVITY]))
     assert np.array_equal(low[:, :2], -high[:, :2])
     assert np.array_equal(low[:, 2], np.minimum(-FALL * GRAVITY, high[:, 2]))
+
+
+def test_what_a_stage_keeps_lowers_its_bound_on_z_alone_and_never_below_the_least_input():
+    low, high = np.array([[-2.0, -2.0, -9.0]]), np.array([[2.0, 2.0, 3.0]])
+    found = stage_bounds(low, high, np.array([[0.0, 0.5, 20.0]]))
+    assert found.tolist() == [[[2.0, 2.0, 3.0], [2.0, 2.0, 2.5], [2.0, 2.0, -9.0]]]
 
 
 def test_samples_between_are_numpys_interpolation():

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_control.failsafe.descent_evasion import BENEATH, PACE, REACH, DescentEvasion
-from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_control.failsafe.ladder import is_blind
+from q2q_model.signals.values import CommandStatus, Names, SwarmSetpoint, SwarmState
 
 TICK = 0.01
 UPPER = (0.0, 0.0, 1.5)
@@ -31,25 +32,24 @@ def setpoint_of(t: float, pos: np.ndarray, vel: np.ndarray | None = None) -> Swa
     )  # fmt: skip
 
 
-def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> SwarmCommand:
-    """Return the last tick's command, in which these rows are flown blind."""
+def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> Names:
+    """Return the vehicles flown blind if the last tick's command has this status for these rows."""
     status = np.full(n, CommandStatus.OK, dtype=np.uint8)
     status[list(blind)] = how
-    zero = np.zeros(n)
-    return SwarmCommand(0.0, names_of(n), np.full(n, 0.3), zero, zero, zero, status)
+    return tuple(names_of(n)[row] for row in np.flatnonzero(is_blind(status)))
 
 
 def names_of(n: int) -> tuple[str, ...]:
     return tuple(f"cf{k + 1}" for k in range(n))
 
 
-def shifts(pos: np.ndarray, ticks: int, command: SwarmCommand, vel: np.ndarray | None = None) -> np.ndarray:
+def shifts(pos: np.ndarray, ticks: int, blind: Names, vel: np.ndarray | None = None) -> np.ndarray:
     """Return by how much every setpoint is moved at every tick, (ticks, n, 9); vehicles are where sent."""
     way, made = DescentEvasion(), []
     speed = np.zeros_like(pos) if vel is None else vel
     for k in range(ticks):
         sent = setpoint_of(k * TICK, pos + speed * k * TICK, speed)
-        output = way.update(sent, state_of(sent.pos), command, {})
+        output = way.update(sent, state_of(sent.pos), blind, {})
         made.append(
             np.concatenate([output.pos - sent.pos, output.vel - sent.vel, output.acc - sent.acc], axis=1)
         )

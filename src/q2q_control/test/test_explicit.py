@@ -136,7 +136,7 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
     shape = shape._replace(terminal=PARAMS.terminal * shape.terminal)
     lines = solve_situations(asked, TEACHER)
     times, axis = np.arange(stages + 1) * PARAMS.step, np.tile([0.0, 0.0, 1.0], (2, stages, 1))
-    bound = np.array([[0.0, 0.0, TEACHER.bounds[1]]] * 2)
+    bound = np.tile([0.0, 0.0, TEACHER.bounds[1]], (2, stages, 1))
     for k in range(20):
         reference, path, start = np.zeros((2, stages + 1, 9)), asked.paths[k].copy(), np.zeros((2, 3, 3))
         reference[..., :3] = path
@@ -151,7 +151,7 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
             push = downwash.eta.copy()
             push[..., 2] += asked.extra[k]
             low, rate = np.full((2, 3), TEACHER.bounds[0]), np.full(3, np.inf)
-            horizon = Horizon(start, reference, push, path, np.minimum(low, bound), bound, rate)
+            horizon = Horizon(start, reference, push, path, np.minimum(low, bound[:, 0]), bound, rate)
             found = solve(joint_problem(shape, np.array([0, 1]), horizon, downwash), None, 60)
             path[..., 2] = found.states[:, 0::3].T
         # faint downwash is none there; they are below 1e-4 m/s^2

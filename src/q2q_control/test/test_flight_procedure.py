@@ -253,6 +253,20 @@ def test_a_landing_is_confirmed_only_on_the_ground() -> None:
     assert bench.asked(Call.LAND).granted  # called again, it lands
 
 
+def test_a_landing_that_ends_at_the_last_moment_is_waited_for() -> None:
+    bench = up_to(Step.HOLD, stuck={Act.LAND})
+    bench.call(Call.LAND)
+    while not bench.replies:
+        late = bench.t
+        bench.wait(STEP)
+    again = up_to(Step.HOLD, stuck={Act.LAND})
+    again.call(Call.LAND)
+    again.wait(late - again.t)
+    again.move(again.pos * [1.0, 1.0, 0.0])
+    again.wait(8.0)
+    assert again.answer().granted
+
+
 def test_a_server_that_does_not_stop_setpoints_keeps_the_vehicles_flying_them() -> None:
     bench = up_to(Step.HOLD, refuses={Act.STOP_STREAM: "all/notify_setpoints_stop does not answer"})
     answer = bench.asked(Call.LAND)

@@ -82,6 +82,37 @@ def test_who_is_beneath_an_unseen_vehicle_makes_way_and_a_clock_set_back_moves_i
     assert after < before  # and on it goes
 
 
+def test_a_vehicle_makes_way_for_a_lost_one_of_another_controller_until_that_is_cut() -> None:
+    controller = Scripted(OK)
+    guard = guarded(controller)
+    place = np.array([[0.7, 0.0, 1.0], [1.0, 0.0, 1.5]])
+
+    def moved(t: float, age: float) -> float:
+        """Return by how much cf1 is moved in x [m]; cf2, above it, was measured `age` ago."""
+        state = replace(state_at(t, (0.0, age)), pos=place)
+        command = guard.update(state, replace(setpoint_at(t), pos=place), None)
+        assert command.names == ("cf1",)
+        assert command.status[0] == OK
+        return float(controller.given[-1].pos[0, 0]) - 0.7
+
+    assert [moved(k * TICK, 0.0) for k in range(5)] == [0.0] * 5
+    assert [moved(k * TICK, k * TICK - 0.04) for k in range(5, 39)] == [0.0] * 34  # it coasts
+    assert [moved(k * TICK, k * TICK - 0.04) for k in range(39, 200)][-1] < -0.25
+    after_cut = PARAMS.cut_s + 0.1
+    assert abs([moved(k * TICK, after_cut) for k in range(200, 700)][-1]) < 0.01
+
+
+def test_a_controller_of_some_vehicles_is_passed_through_while_those_are_measured() -> None:
+    controller = Scripted(OK)
+    guard = guarded(controller)
+    for k in range(3):
+        output = guard.update(state_at(k * TICK, (0.0, 0.2)), setpoint_at(k * TICK), None)
+    assert output is controller.made
+    assert guard.without_tick(0.02) is None
+    late = guard.update(state_at(1.0, (0.2, 0.0)), setpoint_at(1.0), None)
+    assert late.status.tolist() == [DEGRADED]
+
+
 @pytest.mark.parametrize("make", [pid, mpc], ids=["pid", "mpc"])
 def test_an_unseen_vehicle_goes_down_the_ladder_by_age_and_its_neighbour_flies_on(make: type) -> None:
     commands = fly(guarded(make()), 0, 620, unseen_since=0.1)

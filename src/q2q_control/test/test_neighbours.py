@@ -7,17 +7,19 @@ from q2q_control.mpc.prediction.downwash_horizon import Others, SlopeRule, predi
 from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.prediction.neighbours import (
     FADE,
-    TICK,
     TRACKING,
+    HeardPath,
     HeardPredictions,
     PredictedPaths,
-    interpolated,
+    blended,
     known_neighbours,
+    positions_at,
 )
 from q2q_control.mpc.prediction.surroundings import FAR, Neighbours, at_constant_velocity
 from q2q_model.downwash.jet import Jet
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState, TrackStatus
 
+PERIOD = 0.1
 STEP, STAGES = 0.05, 20
 TIMES = 1.0 + STEP * np.arange(STAGES + 1)
 
@@ -35,46 +37,68 @@ def known(x: float = 0.5) -> Neighbours:
     return Neighbours(("cf2",), path[:, 0], path, np.zeros((1, STAGES, 3)), np.array([TRACKING]))
 
 
+def neighbours(heard: HeardPredictions, t: float, known: Neighbours) -> Neighbours:
+    """Return what a tick at t [s] takes cf2 to do."""
+    followed, share = heard.follow(t, known._replace(spread=np.zeros(1)), TIMES)
+    return blended(followed, known, share)
+
+
 def test_a_path_is_interpolated_at_the_receivers_stages_and_goes_on_straight_after_its_end() -> None:
     heard = prediction(t=0.97)
-    at = interpolated(heard, 0, TIMES + 0.5)
-    assert at[:, 1] == pytest.approx(TIMES + 0.5 - 0.99, abs=1e-6)  # float32
+    path = np.empty((STAGES + 1, 3))
+    positions_at(
+        HeardPath(heard.t, heard.start, heard.step, heard.pos[0].astype(np.float64)), TIMES + 0.5, path
+    )
+    assert path[:, 1] == pytest.approx(TIMES + 0.5 - 0.99, abs=1e-6)  # float32
     assert TIMES[-1] + 0.5 > heard.start + STAGES * STEP
 
 
-def test_a_prediction_of_the_tick_before_is_followed_to_the_letter_without_spread() -> None:
-    heard = HeardPredictions()
-    heard.hear(prediction(t=0.97))
-    found = heard.neighbours(0.98, known(), TIMES)
-    assert found.path[0] == pytest.approx(interpolated(prediction(t=0.97), 0, TIMES), abs=1e-12)
+@pytest.mark.parametrize("age", [0.01, PERIOD])
+def test_a_prediction_that_no_newer_one_was_due_to_replace_is_followed_without_spread(age: float) -> None:
+    heard = HeardPredictions(PERIOD)
+    heard.hear(prediction(t=0.9))
+    found = neighbours(heard, 0.9 + age, known())
+    assert found.path[0, :, 1] == pytest.approx(TIMES - 0.92, abs=1e-6)  # float32
+    assert found.path[0, :, 0] == pytest.approx(0.0, abs=1e-12)
     assert found.spread[0] == 0.0
+    late = neighbours(heard, 0.9 + 2.0 * PERIOD, known())
+    assert late.spread[0] > 0.3 * TRACKING
+
+
+def test_a_followed_vehicles_thrust_is_that_of_its_paths_curvature() -> None:
+    pos = np.zeros((1, STAGES + 1, 3), np.float32)
+    pos[0, :, 0] = 0.5 * 2.0 * (STEP * np.arange(STAGES + 1)) ** 2
+    heard = HeardPredictions(PERIOD)
+    heard.hear(PredictedPaths(0.98, ("cf2",), 1.0, STEP, pos))
+    found = neighbours(heard, 1.0, known())
+    assert found.inputs[0, :, 0] == pytest.approx(2.0, abs=1e-3)  # float32 over STEP squared
 
 
 def test_of_a_tick_to_come_nothing_is_used_yet() -> None:
-    heard = HeardPredictions()
+    heard = HeardPredictions(PERIOD)
     heard.hear(prediction(t=0.98, slope=9.0))
     heard.hear(prediction(t=0.97))
-    assert heard.neighbours(0.98, known(), TIMES).path[0, -1, 1] < 1.1
-    assert heard.neighbours(0.99, known(), TIMES).path[0, -1, 1] > 5.0
+    assert neighbours(heard, 0.98, known()).path[0, -1, 1] < 1.1
+    assert neighbours(heard, 0.99, known()).path[0, -1, 1] > 5.0
 
 
 def test_a_late_prediction_turns_into_what_is_known_and_its_spread_into_the_trackings() -> None:
-    heard = HeardPredictions()
+    heard = HeardPredictions(PERIOD)
     heard.hear(prediction(t=0.5))
-    late = TICK + FADE
-    found = heard.neighbours(0.5 + late, known(x=1.0), TIMES)
+    late = PERIOD + FADE
+    found = neighbours(heard, 0.5 + late, known(x=1.0))
     share = np.exp(-1.0)
     assert found.path[0, :, 0] == pytest.approx(1.0 - share, abs=1e-5)
     assert found.spread[0] == pytest.approx((1.0 - share) * TRACKING, abs=1e-5)
-    lost = heard.neighbours(20.0, known(x=1.0), TIMES)
+    lost = neighbours(heard, 20.0, known(x=1.0))
     assert lost.path[0] == pytest.approx(known(x=1.0).path[0], abs=1e-9)
 
 
 def test_after_a_clock_is_set_back_predictions_count_again() -> None:
-    heard = HeardPredictions()
+    heard = HeardPredictions(PERIOD)
     for t in (50.0, 50.01, 0.5):
         heard.hear(prediction(t))
-    assert heard.neighbours(0.51, known(), TIMES).spread[0] == 0.0
+    assert neighbours(heard, 0.51, known()).spread[0] == 0.0
 
 
 @pytest.mark.parametrize("slope", [np.nan, np.inf])
@@ -91,7 +115,7 @@ def test_without_predictions_a_neighbour_is_on_its_reference_and_a_lost_one_far_
     two = np.zeros((2, 3))
     given = SwarmSetpoint(1.0, ("cf2", "cf1"), two, two, two, np.zeros(2), np.zeros(2), flag[:2])
     references = np.full((2, STAGES + 1, 9), 7.0)
-    found = known_neighbours(at_constant_velocity(state, ("cf1",), TIMES), state, given, references)
+    found = known_neighbours(at_constant_velocity(state, ("cf1",), TIMES), given, references)
     assert found.names == ("cf2", "cf3", "cf4")
     assert (found.path[0] == 7.0).all()
     assert found.path[1, :, 1] == pytest.approx(7.0 + TIMES - 1.0)

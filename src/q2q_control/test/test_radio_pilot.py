@@ -104,6 +104,11 @@ class _Bench:
     def rpyt_setpoints(self) -> None:
         self.pilot.fly_rpyt(NAMES, [RpytSetpoint(1.0, 2.0, 3.0, 30000)] * 2, self.t)
 
+    def look(self, later: float) -> None:
+        """Look once, so much later [s]."""
+        self.t += later
+        self.pilot.watch(self.t)
+
     def silent_until(self, age: float, *, seen: bool) -> list[object]:
         """Look every 20 ms until the last command is `age` old; return what cf1 was sent."""
         began = self.t
@@ -284,6 +289,33 @@ def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
     assert bench.links["cf1"].sent[-1] == "stop"
     assert bench.links["cf2"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
     assert bench.pilot.phases["cf1"] is Phase.READY
+
+
+def test_a_stop_is_sent_again_until_the_vehicle_says_it_is_locked() -> None:
+    bench = _Bench()
+    bench.fly()
+    link = bench.links["cf1"]
+    bench.pilot.cut(("cf1",), bench.t)
+    bench.look(0.1)
+    assert link.sent[-2:] == ["stop", "stop"]
+    link.now = replace(WELL, locked=True)
+    link.sent.clear()
+    bench.look(0.1)
+    assert link.sent == []
+
+
+def test_a_stop_is_sent_again_for_2_s_and_not_after_a_new_start() -> None:
+    bench = _Bench()
+    bench.fly()
+    bench.pilot.stop(bench.t)
+    bench.links["cf1"].sent.clear()
+    bench.look(2.1)
+    assert bench.links["cf1"].sent == []
+    bench.pilot.stop(bench.t)
+    bench.pilot.begin(Order(Act.ARM), bench.t)
+    bench.links["cf1"].sent.clear()
+    bench.look(0.1)
+    assert "stop" not in bench.links["cf1"].sent
 
 
 def test_a_landing_takes_as_long_as_the_height_asks_for_and_no_less_than_land_s() -> None:

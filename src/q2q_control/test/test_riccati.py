@@ -25,12 +25,16 @@ MODELS = (
 
 
 def horizon(rng: np.random.Generator, n: int, stages: int, bound: float, step: Array = FREE_RATE) -> Horizon:
-    """Return a question whose answer meets bounds of +-bound [m/s^2] when that is small."""
+    """Return a question whose answer meets bounds of +-bound [m/s^2] when that is small.
+
+    The upper bound falls by a fifth along the horizon.
+    """
     start = rng.normal(size=(n, 3, 3)) * [0.3, 0.3, 0.05]
     reference = rng.normal(size=(n, stages + 1, 9)) * 0.1
-    limit = np.full((n, 3), bound)
+    low, high = np.full((n, 3), -bound), np.empty((n, stages, 3))
+    high[:] = bound * np.linspace(1.0, 0.8, stages)[:, None]
     path = rng.normal(size=(n, stages + 1, 3))
-    return Horizon(start, reference, rng.normal(size=(n, stages, 3)) * 0.1, path, -limit, limit, step)
+    return Horizon(start, reference, rng.normal(size=(n, stages, 3)) * 0.1, path, low, high, step)
 
 
 def pairs(rng: np.random.Generator, n: int, stages: int, slope: float) -> DownwashHorizon:
@@ -79,7 +83,7 @@ def test_bounded_answer_equals_a_dense_bounded_least_squares(seed: int, n: int, 
     asked = problem(seed, n, 25, bound)
     answer = solve(asked, iterations=60)
     matrix, right = condensed(asked)
-    dense = lsq_linear(matrix, right, (-bound, bound), method="bvls", tol=1e-14)
+    dense = lsq_linear(matrix, right, (asked.low.ravel(), asked.high.ravel()), method="bvls", tol=1e-14)
     assert answer.converged
     # bvls stops at a relative cost change of 1e-14: inputs agree to its square root
     assert np.allclose(answer.inputs.ravel(), dense.x, atol=1e-6)
@@ -105,7 +109,7 @@ def test_rate_bounds_are_met_at_the_optimum_that_slsqp_finds(seed: int):
         lambda u: ((matrix @ u - right) ** 2).sum(),
         answer.inputs.ravel() * 0.0 + asked.start[2],
         jac=lambda u: 2.0 * matrix.T @ (matrix @ u - right),
-        bounds=[(-1.0, 1.0)] * 8,
+        bounds=np.hstack([asked.low, asked.high]),
         constraints=[
             {"type": "ineq", "fun": lambda u: step - lead(u)},
             {"type": "ineq", "fun": lambda u: step + lead(u)},
@@ -133,9 +137,11 @@ def test_a_solve_that_is_cut_off_says_so_and_keeps_every_bound():
     asked = problem(1, 2, 30, 0.2, np.full(3, 0.15))
     answer = solve(asked, iterations=1)
     assert not answer.converged
-    assert np.abs(answer.inputs).max() <= 0.2 + 1e-12
-    lead = answer.inputs - answer.states[:-1, 2::3]
-    outside = np.abs(answer.states[:-1, 2::3]) > 0.2  # there the bound wins over the rate
+    acc = answer.states[:-1, 2::3]
+    assert (answer.inputs <= asked.high + 1e-12).all()
+    assert (answer.inputs >= asked.low - 1e-12).all()
+    lead = answer.inputs - acc
+    outside = (acc > asked.high) | (acc < asked.low)  # there the bound wins over the rate
     assert np.abs(lead[~outside]).max() <= 0.15 + 1e-12
 
 

@@ -85,6 +85,11 @@ def test_a_robots_parameters_go_before_its_types_and_those_before_the_ones_of_al
     assert (found["ctrlMel.mass"], found.get("ctrlMel.massThrust")) == (mass, mass_thrust)
 
 
+def test_a_number_beyond_all_floats_is_one_that_no_vehicle_can_hold() -> None:
+    values = {"robots": {"cf1": {"firmware_params": {"a": {"b": 10**400, "c": -(10**400)}}}}}
+    assert params_set(values, "cf1", by_type=True) == {"a.b": math.inf, "a.c": -math.inf}
+
+
 def test_vehicles_have_armed_by_their_status_or_after_a_time_if_one_reports_none() -> None:
     one, other = vehicle(), vehicle()
     both = ReportedVehicles((one, other))

@@ -1,5 +1,6 @@
 """Tests of bags: round trips, an independent reader and writer, errors that name the fault."""
 
+import resource
 import sys
 import warnings
 from pathlib import Path
@@ -148,6 +149,12 @@ def test_nothing_is_overwritten_and_misuse_is_named(tmp_path: Path):
 
 
 def test_what_is_no_bag_or_not_in_it_is_named(tmp_path: Path):
+    notes = tmp_path / "notes.md"
+    notes.write_text("no bag")
+    with pytest.raises(
+        BagError, match=r"notes\.md is no bag: give a rosbag2 folder or a file \(\.mcap, \.db3, \.bag\)"
+    ):
+        BagReader(notes)
     with pytest.raises(BagError, match="no bag at"):
         BagReader(tmp_path / "none")
     with pytest.raises(BagError, match="neither metadata"):
@@ -230,3 +237,34 @@ def test_an_sqlite_bag_is_read(tmp_path: Path):
             writer.write(connection, tick * STEP_NS, encode(frame, tick * STEP_NS))
     flight = read_flight(tmp_path / "old")
     assert np.array_equal(flight.mocap_pos, np.stack([frame.pos for frame in frames]))
+
+
+def test_a_full_disk_is_named_and_what_was_written_can_be_read(tmp_path: Path):
+    """No file may grow beyond 32 KiB, which fails as a full disk does; the index is never written."""
+    rng, stored = np.random.default_rng(4), []
+    bag = BagWriter(tmp_path / "bag")
+
+    def fill() -> None:
+        for second in range(1000):
+            bag.write_signal("/mocap", second * 10**9, random_signal(MocapFrame, second, PAIR, rng))
+            stored.append(second)
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (32_768, before[1]))
+    try:
+        with pytest.raises(BagError, match=r"cannot write to the bag .*: File too large"):
+            fill()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    bag.close()
+    with pytest.raises(BagError, match="is closed"):
+        bag.flush()
+    reader = BagReader(tmp_path / "bag")
+    assert "no metadata.yaml" in reader.repairs[0]
+    kept = sum(1 for _ in reader.raw())
+    assert 30 < len(stored) - 2 <= kept <= len(stored)
+
+
+def test_a_folder_that_cannot_be_written_is_named():
+    with pytest.raises(BagError, match="cannot create the bag folder /sys/bag: "):
+        BagWriter("/sys/bag")

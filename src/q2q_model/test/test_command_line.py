@@ -1,14 +1,24 @@
 """A wrong word is answered with the nearest right one, and help shows an example."""
 
 import warnings
+from pathlib import Path
 
 import pytest
 
-from q2q_model.commands.command_line import CommandLine, nearest, run_command, without_ros
+from q2q_model.commands.command_line import (
+    CommandLine,
+    nearest,
+    output_file,
+    output_folder,
+    run_command,
+    without_ros,
+)
 
 
 def made() -> CommandLine:
     line = CommandLine("tool", "Does things.", "  tool --seed 3")
+    line.add_argument("--json", type=output_file, help="file")
+    line.add_argument("--out", type=output_folder, help="folder")
     line.add_argument("--seed", type=int, help="seed")
     line.add_argument("--controller", choices=("pid", "mpc"), help="who")
     return line
@@ -35,6 +45,41 @@ def test_a_wrong_number_gets_no_hint(capsys: pytest.CaptureFixture[str]):
     output = capsys.readouterr().err
     assert "invalid int value" in output
     assert "did you mean" not in output
+
+
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        (["--json", "{folder}"], "argument --json: {folder} is a folder; give a file"),
+        (["--out", "{file}"], "argument --out: {file} is a file; give a folder"),
+        (["--json", "{file}/a/b.json"], "argument --json: {file} is a file; it cannot hold a/b.json"),
+    ],
+)
+def test_a_place_that_cannot_be_written_is_refused_before_the_work(
+    words: list[str], answer: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    file = tmp_path / "notes.txt"
+    file.touch()
+    with pytest.raises(SystemExit) as ended:
+        made().parse_args([word.format(folder=tmp_path, file=file) for word in words])
+    assert ended.value.code == 2
+    assert capsys.readouterr().err == f"tool: {answer.format(folder=tmp_path, file=file)}; see --help\n"
+
+
+def test_a_place_that_does_not_exist_yet_is_taken(tmp_path: Path):
+    args = made().parse_args(["--json", f"{tmp_path}/a/b.json", "--out", f"{tmp_path}/c"])
+    assert (args.json, args.out) == (tmp_path / "a" / "b.json", tmp_path / "c")
+
+
+def test_an_error_of_the_operating_system_is_its_path_and_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    def work(_: object) -> int:
+        tmp_path.write_text("")
+        return 0
+
+    assert run_command(made(), lambda _: work, []) == 1
+    assert capsys.readouterr().err == f"tool: {tmp_path}: Is a directory\n"
 
 
 def test_help_shows_the_example(capsys: pytest.CaptureFixture[str]):

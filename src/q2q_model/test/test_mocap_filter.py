@@ -377,6 +377,25 @@ def test_an_axis_flip_of_a_reflection_is_refused_but_not_for_ever():
     assert block.report.attitudes_refused == 60
 
 
+def test_a_first_attitude_upside_down_is_refused_and_the_first_upright_one_is_taken():
+    block, tilted = MocapFilter(MocapFilterParams(), PAIR), np.tile(quat_from_euler(1.5, 0.0, 2.0), (2, 1))
+    flipped = quat_multiply(tilted, quat_from_euler(0.0, np.pi, 0.0))
+    for tick in range(10):
+        state = block.update(_frame(tick, quat=flipped))
+        assert np.array_equal(state.quat, identity_quat((2,)))
+    state = block.update(_frame(10, quat=tilted))
+    assert np.allclose(np.abs(np.sum(state.quat * tilted, axis=-1)), 1.0, atol=1e-12)
+    assert block.report.attitudes_refused == 20
+
+
+def test_a_first_attitude_upside_down_that_lasts_is_taken():
+    block, flipped = MocapFilter(MocapFilterParams(), PAIR), np.tile(quat_from_euler(0.0, np.pi, 0.0), (2, 1))
+    for tick in range(35):
+        state = block.update(_frame(tick, quat=flipped))
+        expected = identity_quat((2,)) if _time(tick) - _time(0) < 0.3 - 1e-9 else flipped
+        assert np.allclose(np.abs(np.sum(state.quat * expected, axis=-1)), 1.0, atol=1e-12)
+
+
 def test_a_lone_marker_has_a_position_and_stays_level():
     block = MocapFilter(IDEAL_SENSING, PAIR)
     for tick in range(20):

@@ -12,9 +12,10 @@ from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.files.find_model import find_model
-from q2q_model.files.model_choice import IN_SOURCE
+from q2q_model.files.model_choice import shipped_models
 from q2q_model.files.model_file import Fit, ModelFile, RoleScores, decode, encode, load, save
 from q2q_model.files.model_names import ModelFileError
+from q2q_model.files.sealed_json import LONGEST
 from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 
@@ -38,7 +39,7 @@ FIT = Fit(
 
 @pytest.mark.parametrize("law", [NoInteraction(), PAPER_LAW, MEASURED_LAW, _networks()])
 def test_a_saved_model_predicts_the_same_to_the_last_digit(law: InteractionModel, tmp_path: Path):
-    path = tmp_path / "model.q2q"
+    path = tmp_path / "new" / "folder" / "model.q2q"
     save(path, ModelFile(law, Cylinder(0.2, 0.9), PAPER_LOOP, FIT))
     again = load(path)
     rel_pos = np.random.default_rng(10).normal(size=(20, 3)) * 0.3
@@ -60,6 +61,11 @@ def test_a_file_cut_anywhere_is_one_clear_error():
     for end in range(0, len(text) - 2, 7):
         with pytest.raises(ModelFileError, match="not complete JSON"):
             decode(text[:end])
+
+
+def test_a_text_beyond_the_bound_is_refused_before_it_is_parsed():
+    with pytest.raises(ModelFileError, match=f"{LONGEST + 1} characters; at most {LONGEST} are read"):
+        decode("[" * (LONGEST + 1))
 
 
 def test_an_edited_number_is_found_by_the_checksum():
@@ -173,4 +179,4 @@ def test_an_installed_folder_is_preferred_to_the_source_tree(tmp_path: Path, mon
     monkeypatch.setenv("AMENT_PREFIX_PATH", f"{tmp_path / 'empty'}:{tmp_path}")
     assert find_model("paper_law").interaction == Jet(strength=0.1)
     monkeypatch.setenv("AMENT_PREFIX_PATH", "")
-    assert find_model("paper_law").interaction == load(IN_SOURCE / "paper_law.q2q").interaction
+    assert find_model("paper_law").interaction == load(shipped_models() / "paper_law.q2q").interaction

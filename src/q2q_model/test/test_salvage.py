@@ -124,6 +124,15 @@ def _whole_bag() -> tuple[bytes, str]:
 WHOLE, METADATA = _whole_bag()
 
 
+def test_metadata_nested_too_deeply_are_read_around(tmp_path: Path) -> None:
+    """They ended the process in the C library's recursion."""
+    (tmp_path / "bag_0.mcap").write_bytes(WHOLE)
+    (tmp_path / "metadata.yaml").write_text("[" * 100_000)
+    reader = BagReader(tmp_path)
+    assert reader.repairs
+    assert sum(1 for _ in reader.raw()) == 500
+
+
 def test_the_fuzzed_file_is_whole():
     assert make_reader(io.BytesIO(WHOLE)).get_summary().statistics.message_count == 500
 

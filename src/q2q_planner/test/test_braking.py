@@ -21,7 +21,7 @@ def random_motions(seed: int, n: int = 2) -> Motions:
     pos = generator.uniform(-1.0, 1.0, (n, 3))
     vel, acc = generator.normal(size=(n, 3)), generator.normal(size=(n, 3))
     hold, growth = generator.uniform(0.0, 0.1, n), generator.uniform(0.0, 0.05, (n, 2)) * [1.0, seed % 2]
-    return Motions(pos, vel, acc, hold, growth)
+    return Motions(pos, vel, acc, hold, growth, np.zeros((n, 3)))
 
 
 @settings(deadline=None, max_examples=60)
@@ -64,7 +64,7 @@ def test_compiled_and_plain_agree(seed: int) -> None:
 
 def test_braking_stops_after_v_squared_over_two_b() -> None:
     still = np.zeros((1, 3))
-    motions = Motions(still, np.array([[3.0, 0.0, 0.0]]), still, np.zeros(1), np.zeros((1, 2)))
+    motions = Motions(still, np.array([[3.0, 0.0, 0.0]]), still, np.zeros(1), np.zeros((1, 2)), still)
     pos, vel = motion_after(motions, 0.5, BRAKE)
     assert pos[0].tolist() == pytest.approx([3.0 * 0.5 - 0.5 * BRAKE * 0.25, 0.0, 0.0])
     assert vel[0].tolist() == pytest.approx([1.5, 0.0, 0.0])
@@ -77,8 +77,9 @@ def test_braking_stops_after_v_squared_over_two_b() -> None:
 @given(st.integers(0, 10**9), st.floats(0.0, 3.0))
 def test_braking_brings_no_two_velocities_further_apart(seed: int, s: float) -> None:
     """The fact on which the growth of external vehicles' zones rests."""
-    pos, vel, acc, _, growth = random_motions(seed)
-    _, later = motion_after(Motions(pos, vel, acc, np.zeros(2), growth), s, BRAKE)
+    motions = random_motions(seed)
+    vel = motions.vel
+    _, later = motion_after(motions._replace(hold=np.zeros(2)), s, BRAKE)
     assert np.linalg.norm(later[0] - later[1]) <= np.linalg.norm(vel[0] - vel[1]) + 1e-12
 
 
@@ -86,7 +87,7 @@ def test_braking_brings_no_two_velocities_further_apart(seed: int, s: float) -> 
 @given(st.integers(0, 10**9))
 def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
     """Every pair that the sweep leaves out is proven apart, and asks for no push."""
-    pos, vel, acc, hold, growth = random_motions(seed, 12)
+    pos, vel, acc, hold, growth, jerk = random_motions(seed, 12)
     pos *= 4.0
     fast = np.linalg.norm(vel, axis=1) + BRAKE * 0.1
     ways = (
@@ -105,7 +106,7 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
         for j in range(i + 1, 12):
             if (i, j) in found:
                 continue
-            assert stays_out(Motions(pos, vel, bound, hold, growth), i, j, LAW, 0.0)
+            assert stays_out(Motions(pos, vel, bound, hold, growth, jerk), i, j, LAW, 0.0)
             turned, pair = bound.copy(), Pairs(np.array([i]), np.array([j]))
             wide = (growth[i] + growth[j])[None, :]
             assert not push_apart(
@@ -115,7 +116,7 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
 
 def motion_by_numpy(motions: Motions, s: float | Array, brake: float) -> tuple[Array, Array]:
     """Return position and velocity (n, 3) of n motions at time s [s]."""
-    pos, vel, acc, hold, _ = motions
+    pos, vel, acc, hold, *_ = motions
     when = np.broadcast_to(s, hold.shape)[:, None]
     first = np.minimum(when, hold[:, None])
     there, moving = pos + vel * first + 0.5 * acc * first**2, vel + acc * first

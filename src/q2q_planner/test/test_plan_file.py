@@ -33,10 +33,10 @@ def test_a_round_trip_keeps_every_bit(seed: int, certified: bool) -> None:
         assert np.array_equal(ours.coefficients, theirs.coefficients)
 
 
-def test_a_saved_plan_loads_and_unknown_facts_stay_unknown(tmp_path: Path) -> None:
+def test_a_plan_saved_in_a_new_folder_loads_and_unknown_facts_stay_unknown(tmp_path: Path) -> None:
     curve = Trajectory(np.array([1.0]), np.ones((1, 4, 3)))
-    save(tmp_path / "plan.json", SwarmPlan(("cf1",), (curve,)))
-    plan, facts = load_with_facts(tmp_path / "plan.json")
+    save(tmp_path / "new" / "plan.json", SwarmPlan(("cf1",), (curve,)))
+    plan, facts = load_with_facts(tmp_path / "new" / "plan.json")
     assert plan.names == ("cf1",)
     assert facts.snap_cost is not None
     assert np.isnan(facts.snap_cost)

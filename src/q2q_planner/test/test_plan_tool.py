@@ -10,6 +10,7 @@ from numpy.polynomial import Polynomial
 
 from q2q_model.trajectory.plan_file import load, load_with_facts
 from q2q_planner.commands.plan import main
+from q2q_planner.offline.certified_file import load_plan
 
 SECTION_4_1 = """
 vehicles:
@@ -139,14 +140,14 @@ def test_a_level_set_of_a_learned_downwash_is_a_zone(crossing: Path, tmp_path: P
     out = tmp_path / "plan.json"
     zone = ["--model", "paper_law", "--threshold", "0.1"]
     assert main([str(crossing), *zone, "--out", str(out)]) == 0
-    assert load(out).certified
+    assert load_plan(out).certified
 
 
 def test_a_warm_start_reads_a_plan(crossing: Path, tmp_path: Path) -> None:
     cold, warm = tmp_path / "cold.json", tmp_path / "warm.json"
     assert main([str(crossing), "--out", str(cold)]) == 0
     assert main([str(crossing), "--warm", str(cold), "--out", str(warm)]) == 0
-    assert load(warm).certified
+    assert load_plan(warm).certified
 
 
 def test_waypoints_without_times_get_them(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from q2q_planner.online.safe.committed_motion import (
 )
 from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.traffic import GRACE, TrafficTable, off_trajectory, own_uncertainty, traffic_at
+from q2q_planner.online.safe.traffic import TrafficTable, off_trajectory, own_uncertainty, traffic_at
 
 PARAMS = SafeReplannerParams(
     eps=0.25, d=1.0, margin=0.02, acc_max=3.0, hold=0.02, approach=2.0, tracking=0.05, drift=0.2,
@@ -43,7 +43,7 @@ def setpoint(t: float, names: Names, pos: Array, vel: Array | None = None) -> Sw
 def held(pos: Array, vel: Array, hold: float = 0.0, acc: Array | None = None) -> CommittedMotion:
     """Return two vehicles' motion from t = 1 s on, off their references."""
     acc = np.zeros((2, 3)) if acc is None else acc
-    return CommittedMotion(1.0, ("a", "b"), pos, vel, acc, np.full(2, hold), OFF, OFF)
+    return CommittedMotion(1.0, ("a", "b"), pos, vel, acc, np.full(2, hold), OFF, OFF, np.zeros((2, 3)))
 
 
 def test_the_newest_state_of_a_vehicle_counts_by_the_time_it_was_measured() -> None:
@@ -153,13 +153,15 @@ def states(ages: list[float], x: list[float], speed: float = 1.0) -> KnownStates
 
 def test_the_uncertainty_of_the_swarm_grows_with_the_time_that_a_measurement_is_missing() -> None:
     motion = held(np.zeros((2, 3)), np.zeros((2, 3)))
-    sure = [PARAMS.tracking + SNAP_POS, SNAP_VEL]
+    sure, grace = [PARAMS.tracking + SNAP_POS, SNAP_VEL], PARAMS.grace
     assert own_uncertainty(motion, None, PARAMS).tolist() == [sure, sure]
-    assert own_uncertainty(motion, states([0.0, GRACE], [0.0, 0.0]), PARAMS).tolist() == [sure, sure]
-    some = own_uncertainty(motion, states([GRACE + 0.5, np.inf], [0.0, 0.0]), PARAMS)
-    drifted = PARAMS.drift * np.array([0.5, PARAMS.forget - GRACE])
+    assert own_uncertainty(motion, states([0.0, grace], [0.0, 0.0]), PARAMS).tolist() == [sure, sure]
+    some = own_uncertainty(motion, states([grace + 0.5, np.inf], [0.0, 0.0]), PARAMS)
+    drifted = PARAMS.drift * np.array([0.5, PARAMS.forget - grace])
     np.testing.assert_allclose(some[:, 0], PARAMS.tracking + SNAP_POS + drifted, rtol=1e-15)
     np.testing.assert_allclose(some[:, 1], SNAP_VEL + PARAMS.drift, rtol=1e-15)
+    covered = replace(PARAMS, grace=grace + 0.5)  # a tube from flights with gaps as long
+    assert own_uncertainty(motion, states([0.0, grace + 0.5], [0.0, 0.0]), covered).tolist() == [sure, sure]
 
 
 def test_who_is_further_off_than_its_age_explains_is_off_its_trajectory() -> None:
@@ -199,7 +201,9 @@ def test_what_an_external_vehicle_may_have_done_since_its_state_grows_its_zone()
 
 
 def test_an_external_vehicle_that_keeps_the_law_certainly_brakes_from_its_hold_on() -> None:
-    pos, vel, acc, hold, growth = among_external_vehicles(states([0.0, 0.005, 0.3], [1.0, 2.0, 3.0])).certain
+    pos, vel, acc, hold, growth, _ = among_external_vehicles(
+        states([0.0, 0.005, 0.3], [1.0, 2.0, 3.0])
+    ).certain
     np.testing.assert_allclose(pos[:, 1], [0.0, 0.005, 0.02 + 0.28 - 1.5 * 0.28**2], atol=1e-15)
     np.testing.assert_allclose(vel[:, 1], [1.0, 1.0, 1.0 - 3.0 * 0.28], atol=1e-15)
     np.testing.assert_allclose(hold, [0.02, 0.015, 0.0], atol=1e-15)

@@ -1,4 +1,4 @@
-"""The ablation measures what it says: draws are flights of their own, plant and model share no flight."""
+"""The ablation measures what it says: draws are flights of their own, air and model share no flight."""
 
 import os
 import re
@@ -9,29 +9,45 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import PAPER_LAW, Jet
+from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceSamples
-from q2q_sim.air.air_names import FLIGHTS
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import Trajectory
+from q2q_sim.air.air_names import FLIGHTS, MADE, ROOM
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir, WindTerm
 from q2q_sim.commands.ablation import main
-from q2q_sim.experiments.ablation import learned_models
-from q2q_sim.experiments.ablation.ablation_cases import CASES, SHIPPED, Case, scenario_of, side_by_side
+from q2q_sim.experiments.ablation import contender_flight, learned_models
+from q2q_sim.experiments.ablation.ablation_cases import (
+    CASES,
+    JUDGED,
+    LAW,
+    PATHS,
+    PLANTS,
+    SHOWN,
+    Case,
+    between,
+    scenarios_of,
+)
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, key, read
-from q2q_sim.experiments.ablation.ablation_table import SHOWN, page
+from q2q_sim.experiments.ablation.ablation_table import page
 from q2q_sim.experiments.ablation.conclusion import (
     best_contender,
     conclusion,
-    not_smaller,
+    missed_targets,
     ratio,
     worse_than_ignoring,
 )
-from q2q_sim.experiments.ablation.contender_flight import COLUMNS, Trace, flown, measured
-from q2q_sim.experiments.ablation.contenders import CONTENDERS, TWINS, Situation
-from q2q_sim.experiments.ablation.learned_models import LEAST, LearnedModel, models_of, parts_of
+from q2q_sim.experiments.ablation.contender_flight import COLUMNS, ContenderFlight, fly_contender, measured
+from q2q_sim.experiments.ablation.contenders import CONTENDERS, NAMES, ONBOARD, TWINS
+from q2q_sim.experiments.ablation.learned_models import LEAST, MOST, LearnedModel, models_of, parts_of
+from q2q_sim.experiments.ablation.onboard_flight import Trace
+from q2q_sim.experiments.ablation.side_by_side import SPACING, part_of, side_by_side
 from q2q_sim.experiments.ablation.two_level_interval import median_interval
-from q2q_sim.loop.assembly import Options, blocks_of, plan_of
-from q2q_sim.loop.closed_loop import FlightOptions
+from q2q_sim.loop.assembly import plan_of
+from q2q_sim.monitors.exposure import exposure
+from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -40,6 +56,8 @@ DRAWS = 4
 """Draws with each model behind the page in the documents."""
 SHORT = 0.3
 """Ends before anything but the start of a flight has happened [s]."""
+PASSAGE, STACK = (Case(name) for name in SHOWN)
+STRONG, WEAK = (LearnedModel(name, Jet(strength=k)) for name, k in (("strong", 4.0), ("weak", 0.5)))
 
 
 def shipped() -> Numbers:
@@ -47,23 +65,45 @@ def shipped() -> Numbers:
     return read(ROOT / "docs" / "ablation.json", DRAWS)
 
 
-def traced(scenario: Scenario, name: str, air: RoomAir) -> Trace:
-    """Return a flight of a contender that is not the slow-to-make explicit one."""
-    plan, contender = plan_of(scenario), CONTENDERS[name]
-    controller = contender.built(Situation(scenario, plan, PAPER_LAW))
-    blocks = replace(blocks_of(scenario, Options(), PAPER_LAW, plan), controller=controller)
-    return flown(scenario, blocks, FlightOptions("aware" if contender.aware else "ignoring", air=air))
+def errors(
+    monkeypatch: pytest.MonkeyPatch, contender: str, models: tuple[LearnedModel, ...], air: RoomAir
+) -> Array:
+    """Return the height errors (T, n) of a short flight of one draw with each model."""
+    traces: list[Trace] = []
+
+    def keep(trace: Trace, _: int) -> Array:
+        traces.append(trace)
+        return np.zeros((1, len(COLUMNS)))
+
+    def short(name: str) -> tuple[Scenario, ...]:
+        still = [replace(one, duration=SHORT, vicon=type(one.vicon)()) for one in scenarios_of(name)]
+        return tuple(replace(one, radio=type(one.radio)()) for one in still)
+
+    monkeypatch.setattr(contender_flight, "measured", keep)
+    monkeypatch.setattr(contender_flight, "scenarios_of", short)
+    case = Case("crossing")
+    fly_contender(ContenderFlight(case, contender, models, air, draws=len(models)))
+    return traces[0].error
 
 
-def test_draws_in_one_room_have_their_own_gusts_and_none_feels_another() -> None:
-    one = replace(scenario_of(CASES[0]), duration=SHORT)
-    two, gusts = side_by_side(one, 2), RoomAir(wind=WindTerm((0.0, 0.0, 0.0), 0.2, 0.15))
-    trace = traced(two, "observer", gusts)
-    assert np.abs(trace.error[-1, :2] - trace.error[-1, 2:]).min() > 1e-7
-    still = replace(two, vicon=type(two.vicon)(), radio=type(two.radio)())
-    calm = traced(still, "PD aware", RoomAir())
+def test_draws_in_one_room_have_their_own_gusts_and_none_feels_another(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    gusts = RoomAir(wind=WindTerm((0.0, 0.0, 0.0), 0.2, 0.15))
+    two = errors(monkeypatch, "observer", (STRONG, STRONG), gusts)
+    assert np.abs(two[-1, :2] - two[-1, 2:]).min() > 1e-7
+    calm = errors(monkeypatch, "aware", (STRONG, STRONG), RoomAir())
     # places 10 m off the origin lose two digits of the last bits
-    np.testing.assert_allclose(calm.error[:, :2], calm.error[:, 2:], atol=1e-12)
+    np.testing.assert_allclose(calm[:, :2], calm[:, 2:], atol=1e-12)
+
+
+@pytest.mark.parametrize("contender", ["aware", "distributed"])
+def test_every_draw_is_flown_with_its_own_model(monkeypatch: pytest.MonkeyPatch, contender: str) -> None:
+    both = errors(monkeypatch, contender, (STRONG, WEAK), RoomAir())
+    strong, weak = (errors(monkeypatch, contender, (one, one), RoomAir())[:, :2] for one in (STRONG, WEAK))
+    assert np.abs(strong - weak).max() > 1e-6
+    np.testing.assert_allclose(both[:, :2], strong, atol=1e-12)
+    np.testing.assert_allclose(both[:, 2:], weak, atol=1e-12)
 
 
 def test_a_draw_is_measured_as_its_definition_says() -> None:
@@ -74,13 +114,12 @@ def test_a_draw_is_measured_as_its_definition_says() -> None:
     error = np.full((ticks, 2), 0.01)
     error[450, 0] = -0.2
     error[:300] = 9.0  # settling is not judged
-    found = measured(Trace(pos, error, np.full((ticks, 2), 3.0)), 2, 2.0)
+    found = measured(Trace(pos, error), 2)
     row = dict(zip(COLUMNS, found[0], strict=True))
     assert found.shape == (1, len(COLUMNS))
     assert row["worst"] == pytest.approx(0.2)
     assert row["under"] == pytest.approx(np.sqrt((199 * 0.01**2 + 0.2**2) / 200))
     assert row["clear"] == pytest.approx(0.01)
-    assert row["energy"] == pytest.approx(5.0 * 10.0)  # (3^2 - 2^2) N^2 over 10 s
 
 
 def test_the_interval_of_a_median_is_that_of_the_models_where_draws_agree() -> None:
@@ -95,23 +134,61 @@ def test_the_interval_of_a_median_is_that_of_the_models_where_draws_agree() -> N
     assert np.isnan(median_interval(np.full((2, 3), np.nan))).all()
 
 
-def test_no_air_is_flown_with_models_of_its_own_family_or_flights() -> None:
-    for plant in {case.plant for case in CASES}:
-        assert plant.family != plant.models
-    air = find_air(SHIPPED.air)
+def test_no_air_but_the_papers_is_flown_with_models_of_its_own_family_or_flights() -> None:
+    assert [plant.air for plant in PLANTS if plant not in JUDGED] == [LAW]
+    assert all(plant.family != plant.models for plant in PLANTS)
+    assert {plant.air for plant in JUDGED} >= set(MADE)
+    air = find_air(ROOM)
     assert isinstance(air, RoomAir)
     assert air.flights
-    assert all(name.startswith(SHIPPED.family) for name in air.flights)
+    assert all(name.startswith(PASSAGE.plant.family) for name in air.flights)
+    for plant in JUDGED:
+        if plant.air in shipped().airs:
+            flights = set(shipped().airs[plant.air])
+            learned = {one.name for one in shipped().models[plant.models]}
+            assert not any(flight in name for flight in flights for name in learned)
 
 
-def test_every_case_is_flown_by_crazyflies_on_its_own_paths() -> None:
-    assert len({key(case, name) for case in CASES for name in CONTENDERS}) == len(CASES) * len(CONTENDERS)
-    for case in CASES:
-        scenario = scenario_of(case)
-        assert (scenario.name, scenario.vehicle.name) == (case.scenario, "crazyflie_2_0")
-        assert scenario.overrides["pid"]["k_p_z"] == 10.0
-        assert scenario.duration >= max(one.times[-1] for one in scenario.waypoints)
-    assert all(CONTENDERS[aware].aware and not CONTENDERS[blind].aware for aware, blind in TWINS.items())
+@pytest.mark.parametrize("name", PATHS)
+def test_the_flown_part_of_the_paths_is_the_scenarios_own_with_all_of_its_passages(name: str) -> None:
+    paths = PATHS[name]
+    t = np.arange(0.0, paths.end - paths.start, 0.01)
+    for cut, scenario in zip(scenarios_of(name), paths.scenarios, strict=True):
+        whole, part = plan_of(library.load(scenario)), plan_of(cut)
+        assert cut.vehicle.name == "crazyflie_2_0"
+        assert cut.overrides["pid"]["k_p_z"] == 10.0
+        assert cut.imu.acc_noise == REAL_FLIGHTS.noise
+        for own, given in zip(part.trajectories, whole.trajectories, strict=True):
+            np.testing.assert_allclose(own.at(t), given.at(t + paths.start), atol=1e-9)
+        assert under_ticks(whole.trajectories) == under_ticks(part.trajectories) > 0
+
+
+def under_ticks(trajectories: tuple[Trajectory, ...]) -> int:
+    """Return how many ticks vehicles are under another."""
+    t = np.arange(0.0, max(one.duration for one in trajectories), 0.01)
+    pos = np.stack([one.at(t)[:, :3] for one in trajectories], axis=1)
+    return int(exposure(pos, 0.01).under.sum())
+
+
+def test_places_of_draws_are_out_of_reach_and_their_paths_the_same() -> None:
+    one = scenarios_of("crossing")
+    scenario = side_by_side(one, 7)
+    starts = np.array([vehicle.points[0] for vehicle in scenario.waypoints]).reshape(7, 2, 4)
+    aside = starts[:, 0, :2] - starts[0, 0, :2]
+    apart = np.linalg.norm(aside[:, None] - aside, axis=2)[~np.eye(7, dtype=np.bool_)]
+    assert apart.min() == pytest.approx(SPACING)
+    np.testing.assert_allclose(starts - starts[:, :1], starts[:1] - starts[:1, :1] + np.zeros((7, 1, 1)))
+    third = part_of(scenario, scenario.names[4:6])
+    assert plan_of(third).names == scenario.names[4:6] == third.names
+
+
+def test_a_part_of_a_trajectory_begins_and_ends_where_it_is_cut() -> None:
+    whole = plan_of(library.load("crossing")).trajectories[0]
+    part = between(whole, 17.0, 34.5)
+    assert part.duration == pytest.approx(17.5)
+    ends = np.array([0.0, 17.5])
+    for derivative in range(3):
+        np.testing.assert_allclose(part.at(ends, derivative), whole.at(ends + 17.0, derivative), atol=1e-9)
 
 
 def samples(exposed: int) -> ForceSamples:
@@ -139,9 +216,9 @@ def test_a_model_behind_the_page_is_the_one_that_its_flight_gives(
     monkeypatch.setenv("Q2Q_DATA", str(tmp_path))
     (tmp_path / FLIGHTS).mkdir()
     (tmp_path / FLIGHTS / f"{name}.parquet").symlink_to((DATA / FLIGHTS / f"{name}.parquet").resolve())
-    (found,) = models_of(SHIPPED.models)
-    (kept,) = (one for one in shipped().models[SHIPPED.models] if one.name == name)
-    assert found.name == name
+    found, every = models_of("dc19")
+    (kept,) = (one for one in shipped().models["dc19"] if one.name == name)
+    assert (found.name, every.name) == (name, "dc19, all flights")
     assert found.jet.strength == pytest.approx(kept.jet.strength, rel=1e-3)
     assert found.jet.width == pytest.approx(kept.jet.width, rel=1e-3)
 
@@ -151,80 +228,114 @@ def test_absent_flights_are_named_with_what_to_do(tmp_path: Path, monkeypatch: p
     with pytest.raises(ValueError, match=re.escape("no recorded flights dc19 in ") + ".*set Q2Q_DATA"):
         models_of("dc19")
     assert learned_models.FORM.carried == 1.0
+    assert models_of(LAW)[0].jet == PAPER_LAW
+    assert models_of(LAW)[0].process == REAL_FLIGHTS
 
 
 def numbers_of(**under: float) -> Numbers:
-    """Return made-up numbers of both shown cases: rms [m] under another by contender, worst 3 times that."""
-    made = Numbers(2, {"dc19": [LearnedModel("a", Jet()), LearnedModel("b", Jet())]}, {"room": ["dc21_x"]})
-    for case in SHOWN:
-        for name in CONTENDERS:
+    """Return made-up numbers of two models: rms [m] under another by contender, worst 3 times that."""
+    parts = [LearnedModel(f"{k}", Jet(), ResidualProcess(floor=0.1 * k)) for k in (1, 2, 3)]
+    made = Numbers(1, {plant.models: parts for plant in PLANTS}, {ROOM: ["dc21_x"]})
+    for case in CASES:
+        for name in NAMES:
             rms = under.get(name.replace(" ", "_"), 0.02)
-            row = [0.1, 0.2, rms, 3.0 * rms, 0.01, 1.0]
-            made.flights[key(case, name)] = {k: np.array([row, row]) * (1.0 + 0.1 * k) for k in (0, 1)}
+            count = len(case.paths.scenarios) * (5 if case.paths.draws else 2)
+            rows = [[rms, 0.01, 3.0 * rms]] * count
+            made.flights[key(case, name)] = np.array(rows) * (1.0 + 0.1 * np.arange(count))[:, None]
     return made
+
+
+def test_draws_are_sorted_by_their_model() -> None:
+    made = numbers_of(ignoring=0.1)
+    cell = made.cell(PASSAGE, "ignoring")
+    assert cell is not None
+    np.testing.assert_allclose(cell[..., 0], [[0.1], [0.11]])  # two models of parts, a draw each
+    six = made.cell(Case("table2"), "ignoring")
+    assert six is not None
+    assert six.shape == (1, 30, 3)  # the model of all flights
+    made.draws = 4
+    assert made.draws_of(PASSAGE, "MPC") == 4 * MOST
+    assert made.draws_of(PASSAGE, "on board") == 2 * MOST
+    assert made.draws_of(Case("table2"), "MPC") == 5
 
 
 def test_ratios_are_those_of_each_draw() -> None:
     made = numbers_of(ignoring=0.09)
-    assert ratio(made, CASES[0], ("ignoring", "MPC"), "worst") == pytest.approx((4.5, 4.5, 4.5))
+    assert ratio(made, PASSAGE, ("ignoring", "MPC"), "worst") == pytest.approx((4.5, 4.5, 4.5))
 
 
 def test_the_conclusion_follows_the_numbers() -> None:
-    made = numbers_of(ignoring=0.09, MPC=0.01, explicit=0.01, PD_aware=0.1)
-    assert best_contender(made, CASES[0]) == "MPC"
-    said = conclusion(made, SHOWN)
-    assert said.startswith(
-        "- The least worst height error is in `table6_room` that of **MPC** (not told from it: "
-    )
-    assert "explicit), 9.0 (9.0 to 9.0) times smaller than ignoring's, with 10 (10 to 11) mm rms" in said
-    assert "Worse than ignoring under another vehicle: PD aware in `table6_room` (1.11" in said
-    assert "PD aware 1.11 (1.11 to 1.11) and 1.11 (1.11 to 1.11) times ignoring's" in said
-    assert "MPC's from 10 to 11 mm in `table6_room`" in said
-    assert "; the worst error of PD aware in `table6_room` and of PD aware in `stack3` is not shown" in said
-    assert not_smaller(made, CASES[0]) == ["PD aware"]
-    calm = numbers_of(ignoring=0.09)
-    assert worse_than_ignoring(calm, CASES[0]) == []
-    assert "No controller is worse than ignoring" in conclusion(calm, SHOWN)
+    made = numbers_of(ignoring=0.09, MPC=0.01, aware=0.1)
+    assert best_contender(made, PASSAGE) == "MPC"
+    assert missed_targets(made, PASSAGE, "MPC") == []
+    assert missed_targets(made, PASSAGE, "integral") == ["gain 4.5", "21 mm rms", "63 mm worst"]
+    assert missed_targets(made, PASSAGE, "ignoring")[0] == "under / clear 9.0"
+    assert worse_than_ignoring(made, STACK) == ["aware"]
+    said = conclusion(made)
+    every = f"{2 * len(JUDGED)} of {2 * len(JUDGED)}"
+    assert f"**MPC** has the least worst height error under another vehicle in {every} pairs" in said
+    assert "32 to 32 mm in `stack3` (ignoring 284 to 284 mm, on board 63 to 63 mm)" in said
+    assert "aware 1.11 (1.11 to 1.11) times ignoring's" in said
+    assert "MPC 0.50 (0.50 to 0.50) times aware + observer's" in said
+    assert f"in {2 * len(JUDGED)} of {2 * len(JUDGED)}; worse than ignoring" in said
+    assert "aware in table6_room, air room" in said
+    assert "no controller is worse than ignoring" in conclusion(numbers_of(ignoring=0.09))
     assert len(said.splitlines()) == 3
-    assert conclusion(Numbers(2), SHOWN) == ""
+    del made.flights[key(PASSAGE, "distributed")]
+    assert f"in {2 * len(JUDGED)} of {2 * len(JUDGED)} pairs" in conclusion(made)  # it need not be flown
+    del made.flights[key(PASSAGE, "MPC")]
+    assert f"in {2 * len(JUDGED) - 1} of {2 * len(JUDGED) - 1} pairs" in conclusion(made)
+    assert conclusion(Numbers(2)) == ""
 
 
-def test_the_page_has_a_row_for_what_was_flown_and_none_for_the_rest() -> None:
+def test_contenders_that_differ_by_one_part_are_all_flown() -> None:
+    assert {name for pair in TWINS for name in pair} <= set(NAMES)
+    assert set(NAMES) == set(CONTENDERS) | set(ONBOARD)
+    assert [name for name, one in CONTENDERS.items() if not one.aware] == ["ignoring", "integral", "observer"]
+
+
+def test_the_page_has_a_cell_for_what_was_flown_and_none_for_the_rest() -> None:
     made = numbers_of(ignoring=0.09)
-    del made.flights[key(CASES[0], "explicit")][1]
+    del made.flights[key(PASSAGE, "on board")]
     text = page(made, "the command", "images/a.png")
     assert "the command" in text
-    assert f"{9 * (len(CASES) - 2) + 1} rows of the tables are missing" in text
-    assert text.count("\n| MPC observer |") == 2
-    assert text.count("\n| explicit |") == 1
-    assert "learned from 1 flights of the family dc21 (x)" in text
+    assert "1 flights were not flown" in text
+    assert text.count("\n| MPC + correction |") == len(PATHS) + len(PLANTS) * len(SHOWN)
+    assert text.count("\n| on board |") == len(PATHS) + len(PLANTS) * len(SHOWN) - 1
+    assert "| on board | - |" in text
+    assert "0.30 + 0.10 eta" in text
 
 
 def test_numbers_are_kept_and_read_again(tmp_path: Path) -> None:
     file, made = tmp_path / "numbers.json", numbers_of(ignoring=0.123456789)
     made.save(file)
-    again = read(file, 2)
+    again = read(file, 1)
     assert (again.models, again.airs) == (made.models, made.airs)
-    cell = again.cell(CASES[0], "ignoring")
+    cell = again.cell(PASSAGE, "ignoring")
     assert cell is not None
-    assert cell[1, 0, COLUMNS.index("under")] == pytest.approx(1.1 * 0.123456789, rel=5e-5)  # five digits
-    with pytest.raises(ValueError, match="holds 2 seeds, not 3"):
+    assert cell[1, 0, COLUMNS.index("under")] == pytest.approx(1.1 * 0.123456789, rel=5e-3)  # three digits
+    with pytest.raises(ValueError, match="holds 1 seeds, not 3"):
         read(file, 3)
     file.write_text("{}")
     with pytest.raises(ValueError, match="is not an ablation"):
-        read(file, 2)
+        read(file, 1)
 
 
-def test_the_page_of_an_unfinished_run_can_be_written_without_flying(tmp_path: Path) -> None:
+def test_the_page_of_an_unfinished_run_can_be_written_without_flying(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file, out = tmp_path / "numbers.json", tmp_path / "page.md"
     made = numbers_of(ignoring=0.09)
-    del made.flights[key(Case("stack3"), "explicit")]
+    del made.flights[key(STACK, "on board")]
     made.save(file)
-    assert main(["--seeds", "2", "--json", str(file), "--out", str(out), "--table-only"]) == 0
+    asked = ["--seeds", "1", "--json", str(file), "--out", str(out), "--table-only"]
+    assert main(asked) == 0
     written = out.read_text()
-    assert "rows of the tables are missing" in written
+    assert "1 flights were not flown" in written
     assert "--table-only" not in written
     assert (tmp_path / "images" / "page.png").stat().st_size > 10_000
+    assert main([*asked, "--airs", "rom"]) == 1
+    assert "--airs rom: choose some of bent," in capsys.readouterr().err
 
 
 def test_the_page_in_the_documents_is_that_of_its_numbers() -> None:

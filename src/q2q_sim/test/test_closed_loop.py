@@ -11,11 +11,13 @@ from hypothesis import strategies as st
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import Mode
-from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks, fly
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.settings import ROUGH
 
 TICK = 0.01
 
@@ -145,3 +147,19 @@ def test_a_flight_has_a_row_for_every_tick_it_lasts(duration: float) -> None:
     flight = fly(scenario, FlightOptions(mode="ignoring"))
     assert np.isfinite(flight.thrust).all()
     assert len(flight.t) == int(np.ceil(duration / TICK - 1e-9))
+
+
+@pytest.mark.parametrize("mode", ["ignoring", "aware"])
+def test_a_flight_that_is_not_recorded_is_the_same_flight(mode: Mode) -> None:
+    faults = (Fault("dropout", 0.5, 0.3, ("cf1",)), Fault("clock_jump", 1.0, 0.2, size=-0.1))
+    scenario = replace(
+        library.load("stack3"), duration=2.0, vicon=ROUGH.vicon, radio=ROUGH.radio, faults=faults
+    )
+    options = FlightOptions(mode=mode, seed=5, model=find_model(scenario.model).interaction)
+    recorded, answered = fly(scenario, options), list(answered_ticks(scenario, options))
+    assert len(answered) == len(recorded.t)
+    for k, (tick, answer) in enumerate(answered):
+        np.testing.assert_array_equal(tick.truth.pos, recorded.true_pos[k])
+        np.testing.assert_array_equal(answer.state.vel, recorded.vel[k])
+        np.testing.assert_array_equal(answer.given.pos, recorded.safe_pos[k])
+        np.testing.assert_array_equal(answer.command.thrust, recorded.thrust[k])

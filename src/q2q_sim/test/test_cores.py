@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.node.loopback import PROFILE_VARIABLES
 from q2q_sim.processes.cores import beside_chain, cores_of
-from q2q_sim.processes.dds_profile import VARIABLES, profile_environment
+from q2q_sim.processes.dds_profile import profile_environment
 
 TELL_TIMERS = """
 import os
@@ -39,14 +40,14 @@ def test_on_one_core_all_share_it() -> None:
 
 
 def test_timers_run_beside_the_chain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in VARIABLES:
+    for name in PROFILE_VARIABLES:
         monkeypatch.delenv(name, raising=False)
-    (output,) = profile_environment(tmp_path, beside_chain(21, {0, 1, 3})).values()
+    output = profile_environment(tmp_path, beside_chain(21, {0, 1, 3}))[PROFILE_VARIABLES[0]]
     assert f"<affinity>{0b1010}</affinity>" in Path(output).read_text()
 
 
 def test_the_middleware_reads_the_profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in VARIABLES:
+    for name in PROFILE_VARIABLES:
         monkeypatch.delenv(name, raising=False)
     core = max(os.sched_getaffinity(0))
     output = subprocess.run(
@@ -60,5 +61,5 @@ def test_the_middleware_reads_the_profile(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_a_profile_of_the_users_own_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(VARIABLES[1], "mine.xml")
+    monkeypatch.setenv(PROFILE_VARIABLES[1], "mine.xml")
     assert profile_environment(tmp_path, {1}) == {}

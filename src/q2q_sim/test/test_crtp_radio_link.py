@@ -1,6 +1,8 @@
 """The link of the node `radio` over cflib and UDP to a vehicle that cannot be given its parameters."""
 
+import math
 import os
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from time import monotonic
@@ -12,6 +14,7 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 
 from q2q_control.radio.cflib_link import CflibLink
 from q2q_control.radio.firmware_params import TableEntry, firmware_params, unsettable
+from q2q_control.radio.link import LinkHealth
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import ECHO, Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
@@ -70,6 +73,42 @@ def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so(tmp_path
             assert link.health().wrong.startswith("it has no parameter locSrv.extPosStDev (firmware_params)")
         finally:
             link.close()
+
+
+def test_a_vehicle_that_vanishes_is_lost_without_an_error_and_found_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    raised: list[threading.ExceptHookArgs] = []
+    monkeypatch.setattr(threading, "excepthook", raised.append)
+    pilot = Pilot(np.zeros((1, 4)))
+    with CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, LinkParams()) as endpoint:
+        port = int(endpoint.uris[0].rpartition(":")[2])
+        link = CflibLink("cf1", endpoint.uris[0], {}, str(tmp_path))
+
+        fly_until(lambda: kept_open(link).quality == 1.0, pilot, endpoint)
+    try:
+        until(lambda: not kept_open(link).connected)
+        assert math.isnan(link.health().quality)
+        again = Pilot(np.zeros((1, 4)))
+        with CrtpEndpoint(again.fleet, again.swarm.names, port, LinkParams()) as endpoint:
+            fly_until(lambda: kept_open(link).quality == 1.0, again, endpoint)
+    finally:
+        link.close()
+    assert raised == []
+
+
+def kept_open(link: CflibLink) -> LinkHealth:
+    """Return the health of a link after the node's periodic call."""
+    link.keep_open()
+    return link.health()
+
+
+def until(reached: Callable[[], bool]) -> None:
+    """Wait for an event in another thread."""
+    give_up = monotonic() + ANSWER_S
+    while not reached():
+        assert monotonic() < give_up, f"not within {ANSWER_S} s"
+        os.sched_yield()
 
 
 def fly_until(reached: Callable[[], bool], pilot: Pilot, endpoint: CrtpEndpoint) -> None:

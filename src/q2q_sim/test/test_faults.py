@@ -119,10 +119,13 @@ def test_a_weak_rotor_and_a_sagging_battery_cost_their_share_of_thrust() -> None
     hover = CALM.vehicle.hover_thrust
     for kind, share in (("weak_rotor", 0.25 * 0.1), ("battery_sag", 0.1)):
         fault = Fault(kind, start=0.0, duration=0.01, vehicles=("cf1",), size=0.1)
-        tick = _ticks(replace(fault, duration=0.5 if kind == "weak_rotor" else 0.01))[2][0]
-        force = tick.imu.specific_force_body[:, 2] * CALM.vehicle.mass
+        lasting = replace(fault, duration=0.5 if kind == "weak_rotor" else 0.01)
+        room = Room(replace(CALM, faults=(lasting,)), seed=0)
+        room.advance(None)
+        room.advance(None)
+        force = room.imu().specific_force_body[:, 2] * CALM.vehicle.mass
         # the downwash of half a metre away is not felt by the sensor's thrust, but pushes: 0.25 N
-        downwash = tick.truth_interference.acc[:, 2] * CALM.vehicle.mass
+        downwash = room.capture().truth_interference.acc[:, 2] * CALM.vehicle.mass
         np.testing.assert_allclose(force - downwash, [hover * (1.0 - share), hover], rtol=2e-3)
 
 

@@ -11,7 +11,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line, verdict_of
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line, verdict_of, with_lost_ticks
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.scenarios.scenario import scenario_from_document
 
@@ -134,3 +134,11 @@ def test_a_hover_under_another_by_the_soft_loop_falls_where_the_downwash_is_igno
     )
     verdict = str(verdict_of(fly(scenario, options), Circumstances(vehicle=scenario.vehicle)))
     assert verdict.startswith("cf2 hit the floor at" if falls else "ok")
+
+
+def test_ticks_that_the_recording_lacks_are_named() -> None:
+    flight = flown()
+    whole = verdict_of(flight, AROUND, 0)
+    assert with_lost_ticks(whole, flight, TICKS) == whole
+    lacking = str(with_lost_ticks(whole, flight, TICKS + 160))
+    assert "not judged: 160 of 1160 ticks, which the recorder lost" in lacking

@@ -9,19 +9,22 @@ from synthetic_air import DT, MASS, Wake, flown, orbit, process, still_record, w
 from threadpoolctl import threadpool_limits
 
 from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.force.recorded_force import FULL_DUTY
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
 from q2q_sim.air.learning.edge_torque_term import PITCH, ROLL, edge_torque_term
 from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
 from q2q_sim.air.learning.evidence.fitted import Fitted
+from q2q_sim.air.learning.evidence.motor_curve import USUAL_POWER, motor_curves, usual_power
 from q2q_sim.air.learning.ground_term import ONE_ROTOR, ground_term
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push
 from q2q_sim.air.learning.jet.jet_term import jet_term
 from q2q_sim.air.learning.jet.wake_push import wake_push
 from q2q_sim.air.learning.residual_term import residual_term
-from q2q_sim.air.learning.vehicle_term import vehicle_term
+from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
+from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
 from q2q_sim.air.learning.wind_term import wind_term
 from q2q_sim.air.room_air import AbsorptionTerm, ResidualTerm
 
@@ -134,7 +137,7 @@ def test_the_torque_at_the_edge_is_found_from_what_the_motors_do_against_it() ->
     size[place.gap < 0.05] = 0.0
     wake = size[:, None] * np.stack([-place.toward[:, 1], place.toward[:, 0]], axis=1)  # about e_z x n
     lever, weight = CRAZYFLIE_2_0.arm / np.sqrt(2.0), CRAZYFLIE_2_0.hover_thrust
-    power = 1.5  # that of learn_air without a curve
+    power = USUAL_POWER
     share = -(wake[:, :1] * ROLL + wake[:, 1:] * PITCH) / (lever * weight * power)  # of four rotors' duty
     duty = np.full((motion.t.size, 2, 4), 0.65)
     duty[:, 0] *= 1.0 + share
@@ -169,8 +172,8 @@ def test_without_a_flight_near_the_ground_the_published_effect_is_named() -> Non
 def test_gusts_are_told_from_noise_by_their_time() -> None:
     rng = np.random.default_rng(5)
     records = []
-    for k in range(3):
-        motion = orbit(SECONDS, (0.6,), k)
+    for k in range(9):
+        motion = orbit(40.0, (0.6,), k)
         noise = 0.2 * rng.standard_normal((motion.t.size, 1))
         gust = 0.15 * process(motion.t.size, 0.3, rng)
         records.append(with_force(still_record(f"clear{k}", motion), noise + gust[:, None]))
@@ -200,6 +203,44 @@ def _duty(load: Array, hover: Array) -> Array:
     return np.asarray((free - np.sqrt(free**2 - 2.0 * 2.4 * load ** (1.0 / 1.5))) / 1.0)
 
 
+def _headroom(volts: float) -> float:
+    """Return the thrust at full duty, at which the battery sags, over hover thrust."""
+    return float((FULL_DUTY * (volts - 0.5 * (FULL_DUTY - 2.4 / volts)) / 2.4) ** 1.5)
+
+
+def test_motors_that_differ_do_not_hide_the_curve() -> None:
+    record = battery_flight(0, 0.2)
+    assert record.motors is not None
+    duty, volts = record.motors.duty, record.motors.volts
+    apart = np.array([0.2, -0.2, 0.25, -0.25])[None, None] * np.sin(3.0 * record.motion.t)[:, None, None] ** 8
+    each = (duty * volts[..., None] / 2.4) ** 1.5 * (1.0 + apart)  # of four rotors, their mean unchanged
+    differing = replace(record, motors=Motors(2.4 * each ** (1.0 / 1.5) / volts[..., None], volts))
+    (curve,) = motor_curves([differing])
+    assert usual_power([curve]) == pytest.approx(1.5)
+    assert curve.hover_volts == pytest.approx(2.4, rel=1e-6)
+    assert curve.headroom(3.8, 1.5) == pytest.approx(_headroom(3.8), rel=0.02)
+
+
+def test_the_drag_of_rotors_is_found_from_the_force_across_their_thrust() -> None:
+    record = still_record("drag", orbit(60.0, (0.6, 1.0), 4))
+    vel = record.motion.vel
+    force = record.force + np.array([0.05, -0.02, 0.0])  # the bias of an accelerometer
+    force[..., :2] -= 0.41 * vel[..., :2]
+    felt = replace(record, force=force, clear=np.ones_like(record.clear))
+    found = rotor_drag_term([felt])
+    assert found is not None
+    assert found.term.per_s == pytest.approx(0.41)
+    assert found.values[0].rows == 6000  # the vehicle that hovers does not tell
+    assert rotor_drag_term([replace(felt, clear=np.zeros_like(record.clear))]) is None
+
+
+def test_vehicles_of_another_weight_give_no_vehicle_term() -> None:
+    records = [battery_flight(k, 0.0) for k in range(3)]
+    light = replace(CRAZYFLIE_2_0, mass=0.8 * MASS)
+    assert vehicle_term(records, light) is None
+    assert hovering_mass(records, light) == pytest.approx(MASS)
+
+
 def test_offset_lag_and_headroom_of_the_vehicles_are_found() -> None:
     offsets = (0.1, 0.3, 0.2, 0.4)
     vehicle = replace(CRAZYFLIE_2_0, mass=MASS)
@@ -208,8 +249,9 @@ def test_offset_lag_and_headroom_of_the_vehicles_are_found() -> None:
     assert found.term.offset_mean_mps2 == pytest.approx(np.mean(offsets), abs=1e-6)
     assert found.term.offset_std_mps2 == pytest.approx(np.std(offsets, ddof=1), abs=1e-6)
     assert found.term.thrust_lag_s == 0.07
-    at_full = ((3.8 - 0.5 * (1.0 - 2.4 / 3.8)) / 2.4) ** 1.5  # at full duty the battery sags
-    assert found.term.headroom == pytest.approx(at_full, rel=0.03)
-    at_empty = ((3.5 - 0.5 * (1.0 - 2.4 / 3.5)) / 2.4) ** 1.5
+    at_full, starts = _headroom(3.8), [_headroom(3.8 - 0.1 * k) for k in range(4)]
+    assert found.term.headroom == pytest.approx(np.median(starts), rel=0.03)
+    assert found.term.headroom_std == pytest.approx(np.std(starts, ddof=1), rel=0.1)
+    at_empty = _headroom(3.5)
     assert found.term.headroom_per_volt == pytest.approx((at_full - at_empty) / 0.3, rel=0.1)
     assert found.term.discharge_v_per_s == pytest.approx(0.002, rel=0.15)  # duty rises as it falls

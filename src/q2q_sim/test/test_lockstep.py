@@ -1,5 +1,7 @@
 """What the simulator does with commands that come, and with those that do not."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -108,3 +110,18 @@ def test_the_line_about_a_flights_time_has_plain_numbers() -> None:
     assert str(clock.timing(0.5, 1.0)) == (
         "FlightTiming(ticks=1, missed_ticks=0, real_time_factor=2.0, latency_p50_ms=2.0, latency_p99_ms=2.0)"
     )
+
+
+def test_the_clock_of_a_flight_holds_no_more_than_eight_bytes_a_tick() -> None:
+    """And what an array keeps in reserve: an eighth."""
+    clock, ticks = FlightClock(), 20_000
+    tracemalloc.start()
+    try:
+        for tick in range(ticks):
+            clock.frame_out(0.01 * tick)
+            clock.command_in(0.01 * tick + 1e-3)
+        held, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert held < 10 * ticks
+    assert clock.timing(1.0, 1.0).latency_p99_ms == pytest.approx(1.0)

@@ -59,7 +59,7 @@ def worst_under(conditions: AppConditions | None) -> tuple[float, float]:
     scenario, seed = scenario_from_document("pass", PASS), 3
     # without the edge torque: it topples the emulated Mellinger controller, with an app and without
     room = Room(scenario, seed, find_air("room", ("edge_torque",)))
-    apps = conditions and OnboardApps(library_of_app(), scenario.vehicle, 2, conditions, seed)
+    apps = conditions and OnboardApps([library_of_app()] * 2, scenario.vehicle, conditions, seed)
     fleet = Fleet(room.swarm, scenario.vehicle, Build(), apps)
     plan = minimum_snap_plan(scenario.waypoints, scenario.reading)
     pos, error = np.empty((2, round(scenario.duration / TICK_S), 2, 3))

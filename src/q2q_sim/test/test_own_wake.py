@@ -51,6 +51,22 @@ class AtOnce(SideWind):
         return Push(super().push(now).acc * np.nan, np.zeros((len(now.pos), 3)))
 
 
+class Hurricane(SideWind):
+    """Wake whose push is a number, but none of an air."""
+
+    def push(self, now: Sources) -> Push:
+        """Return a push."""
+        return Push(np.full((len(now.pos), 3), 1e300), np.zeros((len(now.pos), 3)))
+
+
+class Twister(SideWind):
+    """Wake whose torque is none of an air."""
+
+    def push(self, now: Sources) -> Push:
+        """Return a push."""
+        return Push(np.zeros((len(now.pos), 3)), np.full((len(now.pos), 3), -2.0))
+
+
 class WrongShape(SideWind):
     """Wake without rows."""
 
@@ -155,6 +171,16 @@ def test_the_wake_of_the_documentation_flies(tmp_path: Path, monkeypatch: pytest
     np.testing.assert_allclose(flight.true_eta[..., 0], 0.02 * flight.true_pos[..., 2], rtol=1e-12)
 
 
+def test_a_class_in_a_folder_with_a_space_flies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "my airs"
+    folder.mkdir()
+    (folder / "spaced_wake.py").write_text(Path(__file__).read_text().split("class NotANumber")[0])
+    monkeypatch.chdir(folder)
+    scenario = replace(library.load("table6"), duration=0.1, air="spaced_wake:SideWind")
+    flight = fly(scenario, FlightOptions(mode="ignoring"))
+    np.testing.assert_array_equal(flight.true_eta[..., 0], 0.5)
+
+
 def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
     scenario = replace(library.load("table6"), duration=0.3, air=f"{HERE}:NotANumber")
     with pytest.raises(
@@ -168,6 +194,11 @@ def test_a_number_that_is_none_ends_the_flight_with_one_sentence() -> None:
     ("name", "message"),
     [
         (f"{HERE}:AtOnce", r":AtOnce: acc of vehicle 0 at 0.000 s is \[nan nan nan\]: finite numbers"),
+        (
+            f"{HERE}:Hurricane",
+            r":Hurricane: acc of vehicle 0 at 0.000 s is \[1.e\+300 .* of at most 1000 are",
+        ),
+        (f"{HERE}:Twister", r":Twister: torque of vehicle 0 at 0.000 s is \[-2. .* of at most 1 are needed$"),
         (f"{HERE}:WrongShape", r":WrongShape: acc is float64 of shape \(3,\): floats of shape \(3, 3\)"),
         (f"{HERE}:Fails", r":Fails: push raised IndexError: index 99 is out of bounds"),
         (

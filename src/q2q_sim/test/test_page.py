@@ -3,7 +3,7 @@
 from base64 import b64decode
 from pathlib import Path
 
-from q2q_sim.report.html_page import Grid, Picture, page
+from q2q_sim.report.html_page import Grid, KeyNumber, Markup, PageVerdict, Picture, ProgramOutput, page
 
 
 def test_a_picture_travels_inside_the_page(tmp_path: Path) -> None:
@@ -20,3 +20,28 @@ def test_text_is_escaped() -> None:
     assert "<i>" not in html
     assert "&lt;u&gt;" in html
     assert "a &amp; b" in html
+
+
+def test_columns_of_numbers_are_right_aligned_and_long_text_is_wrapped() -> None:
+    rows = [["cf1", "0.13", "-"], ["cf2", "-7", "a text of more than twenty-four letters"]]
+    html = page("t", "l", [Grid(["name", "value", "note"], rows)])
+    assert '<td class="text">cf1</td><td>0.13</td><td class="words">-</td>' in html
+
+
+def test_what_a_program_printed_keeps_its_lines() -> None:
+    assert "<pre>a\n  b &lt;c&gt;</pre>" in page("t", "l", [ProgramOutput("a\n  b <c>")])
+
+
+def test_a_column_in_which_no_cell_has_a_digit_is_text() -> None:
+    html = page("t", "l", [Grid(["flight", "why"], [["a", "-"], ["b", "-"]])])
+    assert html.count('<td class="text">-</td>') == 2
+
+
+def test_a_verdict_that_is_bad_looks_different() -> None:
+    assert 'class="verdict"' in page("t", "l", [PageVerdict("ok", ok=True)])
+    assert 'class="verdict bad"' in page("t", "l", [PageVerdict("fell", ok=False)])
+
+
+def test_large_numbers_and_our_own_markup_stand_in_their_order() -> None:
+    html = page("t", "l", [Markup("<canvas></canvas>"), [KeyNumber("34 cm", "down"), KeyNumber("<1", "up")]])
+    assert html.index("<canvas>") < html.index("34 cm") < html.index("&lt;1")

@@ -25,7 +25,7 @@ from q2q_sim.experiments.paper.experiment_outcome import (
     drawn,
 )
 from q2q_sim.experiments.paper.paper_numbers import chosen, paper_numbers
-from q2q_sim.experiments.paper.paper_page import CITATION, as_json, rows, write_page, write_pdf
+from q2q_sim.experiments.paper.paper_page import CITATION, as_json, closeness, rows, write_page, write_pdf
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
 
@@ -133,6 +133,24 @@ def test_the_ratio_is_ours_over_the_papers():
     cells = rows(chosen(NUMBERS, "table6"), [ExperimentOutcome({"table6.q1_z_rmse_ignoring": 0.263})])
     row = next(cell for cell in cells if cell[0] == "table6.q1_z_rmse_ignoring")
     assert row[2:5] == ("0.1315", "0.263", "2")
+
+
+def test_small_numbers_and_units_are_printed_with_powers():
+    cells = rows(chosen(NUMBERS, "table1"), [ExperimentOutcome({"table1.inertia_xx": 3.144e-5})])
+    row = next(cell for cell in cells if cell[0] == "table1.inertia_xx")
+    assert row[2:6] == ("3.14 · 10⁻⁵", "3.14 · 10⁻⁵", "1", "kg m²")
+
+
+def test_numbers_taken_from_the_paper_do_not_count_as_close_to_it():
+    asked = chosen(NUMBERS, "table1,table6")
+    found = {
+        "table1.takeoff_weight": 34.0,
+        "table6.q1_z_rmse_ignoring": 0.1315,
+        "table6.q1_z_rmse_aware": 0.28,
+    }
+    assert closeness(asked, [ExperimentOutcome(found)]).startswith(
+        "Within 10 % of the paper's: 1 of 2 numbers"
+    )
 
 
 def test_a_finished_experiment_is_not_run_again_and_a_broken_one_is(tmp_path: Path):

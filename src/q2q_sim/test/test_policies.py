@@ -19,6 +19,8 @@ from q2q_model.signals.values import (
     TrackStatus,
 )
 from q2q_sim.commands import policies as tool
+from q2q_sim.experiments.campaign import campaign_flight
+from q2q_sim.experiments.campaign.random_run import GAINS, drawn
 from q2q_sim.faults.faults import Fault
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.loop.closed_loop import FlightOptions, fly
@@ -238,6 +240,22 @@ def test_a_vehicle_that_does_not_come_back_breaks_the_return_once_it_had_its_tim
     assert "return" not in broken(away, recent)
     earlier = replace(AROUND, faults=(Fault("weak_rotor", 2.0, 1.0, ("cf1",), 0.1),))
     assert "return" in broken(away, earlier)
+
+
+def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_spare_does_not() -> None:
+    """Run 15: two wakes push the lowest of three Crazyflies 2.0 by more than its thrust holds."""
+    run = replace(drawn(15), document={**drawn(15).document, "faults": []})
+    flown = campaign_flight.flown_pure(run)
+    assert flown.violations == ()
+    blind = [one for one in flown.signals if one.topic != "truth_interference"]
+    assert {one.policy for one in campaign_flight.judged(run, blind)} == {"return"}
+    light = {**run.document, "vehicle": "crazyflie_2_1"}  # 27 g with the same motors
+    assert campaign_flight.flown_pure(replace(run, document=light)).violations == ()
+    weak = {"pid": GAINS | {"k_p_z": 4.0, "k_i_z": 0.0}}
+    mutant = replace(
+        run, document={**light, "overrides": weak}, options=replace(run.options, mode="ignoring")
+    )
+    assert "return" in {one.policy for one in campaign_flight.flown_pure(mutant).violations}
 
 
 def test_a_violation_tells_who_when_and_how_much() -> None:

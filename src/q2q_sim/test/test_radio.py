@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
+from q2q_sim.link.packets import round_packets
 from q2q_sim.link.radio import Radio, RadioParams
 
 TICK_NS, STEP_NS, STEPS = 10_000_000, 2_000_000, 5
@@ -110,6 +112,19 @@ def test_quantised_packets_carry_whole_pwm_and_32_bit_degrees() -> None:
     assert applied[1] != 0.1
     radio.send(TICK_NS, ROW, _command(0.48 * 999 / 65535), CLEAR)
     assert _tick(radio, 1)[0, 0] == 0.0  # below the firmware's least thrust
+
+
+def test_a_packet_is_read_as_the_degrees_and_pwm_of_a_real_radio() -> None:
+    rng, full = np.random.default_rng(0), 0.48
+    values = np.stack([rng.uniform(-0.1, 0.5, 500), *rng.normal(0.0, 0.3, (3, 500))])
+    names = tuple(f"cf{k}" for k in range(500))
+    command = SwarmCommand(0.0, names, *values, status=np.zeros(500, dtype=np.uint8))
+    read = np.empty((4, 500))
+    round_packets(values, full, read)
+    pitch, roll, yaw_rate, pwm = legacy_setpoints(command, LegacyScale(full)).T
+    np.testing.assert_array_equal(read[0], np.where(pwm < 1000, 0.0, pwm) / 65535 * full)
+    for angle, degrees in zip(read[1:], (roll, pitch, yaw_rate), strict=True):
+        np.testing.assert_array_equal(angle, np.radians(degrees.astype(np.float32).astype(float)))
 
 
 def test_no_stick_carries_more_than_60000_pwm() -> None:

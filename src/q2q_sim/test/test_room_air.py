@@ -19,6 +19,7 @@ from q2q_sim.air.room_air import (
     MeanderTerm,
     ResidualTerm,
     RoomAir,
+    RotorDragTerm,
     VehicleTerm,
     WindTerm,
     without,
@@ -26,7 +27,7 @@ from q2q_sim.air.room_air import (
 from q2q_sim.air.unit_processes import RESIDUAL, OrnsteinUhlenbeck, PlayedBack
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.loop.scenario_air import ambient_of_air
-from q2q_sim.plant.quadcopter import ETA, POS, QUAT, ROTORS, TORQUE, TX, TY, VEL
+from q2q_sim.plant.quadcopter import CEILING, ETA, POS, QUAT, ROTORS, TORQUE, TX, TY, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 GAPS = np.array([0.1, 0.2, 0.35, 0.5, 0.8])
@@ -282,6 +283,25 @@ def test_motors_of_a_room_give_all_of_their_headroom() -> None:
         assert swarm.state[0, ROTORS].sum() / HOVER == pytest.approx(given, rel=1e-9)
 
 
+def test_the_headroom_differs_between_vehicles_by_its_deviation() -> None:
+    own = VehicleTerm(0.0, 0.0, 0.05, 1.8, 0.0, 0.0, headroom_std=0.1)
+    swarm = _swarm(RoomAir(vehicle=own), [(float(k), 0.0, 1.0) for k in range(1000)])
+    swarm.downwash()
+    headroom = 4.0 * swarm.state[:, CEILING] / HOVER
+    assert headroom.mean() == pytest.approx(1.8, abs=5.0 * 0.1 / np.sqrt(1000.0))
+    assert headroom.std() == pytest.approx(0.1, rel=0.11)  # five deviations
+
+
+def test_rotor_drag_slows_across_the_thrust_alone() -> None:
+    swarm = _swarm(RoomAir(rotor_drag=RotorDragTerm(0.4)), [(0.0, 0.0, 1.0), (2.0, 0.0, 1.0)])
+    tilt = 0.3
+    swarm.state[1, QUAT] = quat_from_euler(0.0, tilt, 0.0)
+    swarm.state[:, VEL] = [1.0, -0.5, 0.2]
+    axis = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    across = np.array([1.0, -0.5, 0.2]) - axis * (axis @ [1.0, -0.5, 0.2])
+    np.testing.assert_allclose(swarm.downwash(), -0.4 * np.array([[1.0, -0.5, 0.0], across]), atol=1e-12)
+
+
 def test_wind_and_offsets_have_their_sizes() -> None:
     own = VehicleTerm(0.2, 0.1, 0.07, headroom=2.0, headroom_per_volt=0.0, discharge_v_per_s=0.0)
     air = RoomAir(wind=WindTerm((0.3, -0.2, 0.1), gust_std_mps2=0.05, gust_time_s=0.2), vehicle=own)
@@ -303,6 +323,7 @@ WHOLE = RoomAir(
     ground=GroundTerm(0.5, 0.023),
     wind=WindTerm((0.1, 0.0, 0.0), 0.05, 1.0),
     vehicle=VehicleTerm(0.1, 0.1, 0.06, 1.5, 0.1, 0.001),
+    rotor_drag=RotorDragTerm(0.44),
 )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from open_ports import addresses_of
 
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
@@ -121,4 +122,7 @@ def test_a_taken_port_closes_what_was_opened_and_says_so(pilot: Pilot) -> None:
 
 
 def test_ports_are_open_on_loopback_only(endpoint: CrtpEndpoint) -> None:
-    assert all(uri.startswith("udp://127.0.0.1:") for uri in endpoint.uris)
+    for uri in endpoint.uris:
+        address, _, port = uri.removeprefix("udp://").partition(":")
+        assert addresses_of("udp", int(port)) == {address} == {"127.0.0.1"}
+        assert addresses_of("udp6", int(port)) == set()

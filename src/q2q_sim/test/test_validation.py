@@ -5,25 +5,24 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from q2q_control.attitude.attitude_law import AttitudeParams
-from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import identity_quat, rotate
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceRecord, scored_rows
-from q2q_model.identification.force.recorded_force import FULL_DUTY, MOTORS, lagged
+from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.air.room_air import RoomAir, RotorDragTerm, VehicleTerm
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.comparison import comparison, error_sums, flight_intervals
-from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw
+from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw, draws_in
 from q2q_sim.experiments.validation.error_figures import error_figure
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
 from q2q_sim.experiments.validation.estimate_noise import coloured, noise_density
-from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, read_law
+from q2q_sim.experiments.validation.onboard_law import LOOP, OnboardLaw, ReadFlight, read_law
 from q2q_sim.experiments.validation.redrawn_flight import redrawn
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
-from q2q_sim.experiments.validation.tracked_flight import ESTIMATE_LAG, TrackedFlight, recorded_headroom
+from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.validation import (
     COVERAGE,
     RMS_RATIO,
@@ -33,7 +32,9 @@ from q2q_sim.experiments.validation.validation import (
     validated,
     verdict,
 )
+from q2q_sim.experiments.validation.validation_replay import longest_under, replayed_runs
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
+from q2q_sim.plant.quadcopter import VEL
 from q2q_sim.plant.swarm import Swarm
 
 DT = 0.01
@@ -44,7 +45,7 @@ LAW = OnboardLaw(
     k_i=np.array([0.6, 0.6, 0.6]),
     offset=np.zeros((2, 3)),
     rms=0.0,
-    attitude=AttitudeParams(frequency=60.0, damping=1.0),
+    attitude=replace(LOOP, frequency=60.0),
 )
 TURBULENCE, MEMORY = 0.15, 0.9
 """Standard deviation of the turbulence [m/s^2], and what is left of it after 10 ms: 0.1 s."""
@@ -137,7 +138,7 @@ def test_the_law_is_read_from_the_commands(flight: TrackedFlight):
     np.testing.assert_allclose(law.k_d, LAW.k_d, rtol=0.02)
     assert law.k_i[2] == pytest.approx(0.6, rel=0.1)
     np.testing.assert_allclose(law.offset, 0.0, atol=0.05)
-    assert law.attitude.frequency == pytest.approx(60.0, abs=20.0)
+    assert law.attitude.frequency == pytest.approx(60.0, abs=10.0)
 
 
 def test_the_offset_of_a_vehicle_balances_its_clear_air(flight: TrackedFlight):
@@ -197,13 +198,16 @@ def test_a_flight_without_commands_is_refused(flight: TrackedFlight):
         read_law(replace(flight, thrust=np.full_like(flight.thrust, np.nan)), CRAZYFLIE_2_0)
 
 
-def test_the_headroom_is_the_thrust_at_full_duty():
-    duty = np.concatenate([np.full(300, 0.5), np.full(300, 0.7), np.full(300, 0.8)])[:, None]
-    thrust = lagged(4.0 * (0.05 * duty + 0.1 * duty**2), DT * np.arange(900), ESTIMATE_LAG)
-    columns = np.stack([duty] * 4 + [thrust], axis=-1)  # (T, 1, 5)
-    log = FlightLog(DT * np.arange(900), ("cf1",), (*MOTORS, "thrust_est"), ("",) * 5, columns)
-    full = 4.0 * (0.05 * FULL_DUTY + 0.1 * FULL_DUTY**2)
-    assert recorded_headroom(log, CRAZYFLIE_2_0) == pytest.approx(full / CRAZYFLIE_2_0.hover_thrust)
+def test_a_draw_has_the_recorded_headroom_of_each_vehicle_and_no_second_drag(flight: TrackedFlight):
+    own = VehicleTerm(0.0, 0.0, 0.07, 1.9, 0.0, 0.0, headroom_std=0.2)
+    room = RoomAir(vehicle=own, rotor_drag=RotorDragTerm(0.4))
+    recorded_too = replace(flight, headroom=np.array([1.5, 1.8]))
+    apart = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 0.0]])
+    swarm = draws_in(room, recorded_too, CRAZYFLIE_2_0)(3, apart).swarm
+    ceilings = 4.0 * swarm.air.room.ceilings / CRAZYFLIE_2_0.hover_thrust
+    np.testing.assert_allclose(ceilings, [1.5, 1.8])
+    swarm.state[:, VEL] = [1.0, 0.0, 0.0]
+    assert not swarm.downwash().any()  # redrawn_flight adds the drag that the flight shows
 
 
 def test_a_sine_has_half_its_squared_amplitude_in_its_band():
@@ -307,6 +311,14 @@ def test_intervals_over_equal_flights_have_no_width():
     low, high = flight_intervals([[one]] * 4)["z_rms_ratio"]
     assert low == pytest.approx(high)
     assert flight_intervals([[one]] * 2) == {}
+
+
+def test_the_replay_shows_the_recording_beside_its_first_draw(own: ValidatedFlight):
+    recorded, simulated = replayed_runs(own)
+    np.testing.assert_array_equal(recorded.pos, own.flight.pos)
+    height_error = simulated.pos[..., 2] - simulated.ref_pos[..., 2]
+    np.testing.assert_array_equal(height_error, own.drawn[0])
+    assert longest_under([own]) is own
 
 
 def test_the_figure_of_a_flight_has_no_empty_panel(own: ValidatedFlight):

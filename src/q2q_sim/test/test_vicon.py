@@ -8,6 +8,7 @@ import pytest
 from q2q_model.geometry.rotations import quat_conjugate, quat_from_euler, quat_multiply, vector_from_quat
 from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_sim.scenarios.settings import ROUGH
+from q2q_sim.sensors.episodes import AHEAD, Episodes, Frequency
 from q2q_sim.sensors.vicon import Injected, Vicon, ViconParams
 
 TICK = 0.01
@@ -157,3 +158,21 @@ def test_bounds_are_refused_by_name() -> None:
 def test_one_vehicle_alone_cannot_be_swapped() -> None:
     _, flags = _watch(ViconParams(swap_rate=5.0), 100, n=1)
     assert not flags.any()
+
+
+def test_episodes_drawn_ahead_are_those_drawn_one_tick_at_a_time() -> None:
+    often, rows, ticks = Frequency(3.0, 0.02, 0.1), 3, 5 * AHEAD + 1
+    ahead, rng = Episodes(often, rows, TICK, np.random.default_rng(4)), np.random.default_rng(4)
+    left, chance, begun = np.zeros(rows, dtype=int), 1.0 - np.exp(-3.0 * TICK), 0
+    for _ in range(ticks):
+        draws = rng.random((2, rows))
+        left = np.maximum(left - 1, 0)
+        begins = (left == 0) & (draws[0] < chance)
+        left[begins] = np.maximum(np.rint((0.02 + 0.08 * draws[1, begins]) / TICK), 1)
+        begun += int(begins.sum())
+        happening = ahead.step()
+        acting, starting = (left > 0, begins) if happening is None else happening
+        assert (happening is None) == (not (left > 0).any())
+        np.testing.assert_array_equal(acting, left > 0)
+        np.testing.assert_array_equal(starting, begins)
+    assert begun > rows

@@ -10,6 +10,7 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
 Numbers = Array | tuple[float, ...]
+Four = tuple[float, float, float, float]
 
 
 def packed_frame(frame: RotorFrame) -> Array:
@@ -18,17 +19,26 @@ def packed_frame(frame: RotorFrame) -> Array:
 
 
 @compiled
-def allocate(wrench: Numbers, frame: Numbers, attitude_first: bool, rotors: Array) -> None:
-    """Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s (3,)."""
-    top = frame[2]
+def unlimited_rotors(wrench: Numbers, frame: Numbers) -> tuple[Four, bool]:
+    """Return the rotor thrusts [N] of `wrench` without limits, and whether they are within them."""
     roll, pitch = 0.25 * wrench[1] / frame[0], 0.25 * wrench[2] / frame[0]
     yaw = 0.25 * wrench[3] / frame[1]
     collective = 0.25 * wrench[0]
     most = abs(roll) + abs(pitch) + abs(yaw)
-    if most <= collective <= top - most:  # no limit is active
-        rotors[0], rotors[1] = -roll - pitch - yaw + collective, -roll + pitch + yaw + collective
-        rotors[2], rotors[3] = roll + pitch - yaw + collective, roll - pitch + yaw + collective
+    fits = (most <= collective) & (collective <= frame[2] - most)  # no branch, so that loops of it vectorise
+    one, two = -roll - pitch - yaw + collective, -roll + pitch + yaw + collective
+    return (one, two, roll + pitch - yaw + collective, roll - pitch + yaw + collective), fits
+
+
+@compiled
+def allocate(wrench: Numbers, frame: Numbers, attitude_first: bool, rotors: Array) -> None:
+    """Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s (3,)."""
+    (rotors[0], rotors[1], rotors[2], rotors[3]), fits = unlimited_rotors(wrench, frame)
+    if fits:
         return
+    top, collective = frame[2], 0.25 * wrench[0]
+    roll, pitch = 0.25 * wrench[1] / frame[0], 0.25 * wrench[2] / frame[0]
+    yaw = 0.25 * wrench[3] / frame[1]
     if attitude_first:
         spread = 2.0 * (abs(roll) + abs(pitch))  # highest rotor minus lowest
         if spread > top:

@@ -63,13 +63,13 @@ class AttitudeParams:
 
 
 class AttitudeGains(NamedTuple):
-    """Constants of the attitude law of one vehicle; arrays are about the body axes x, y, z, (3,)."""
+    """Constants of the attitude law of one vehicle, about the body axes x, y, z."""
 
-    stiffness: Array
+    stiffness: Axes
     """I w_n^2 [N m/rad]; 0 about z."""
-    damping: Array
+    damping: Axes
     """2 I zeta w_n, about z I k_r [N m s/rad]."""
-    inertia: Array
+    inertia: Axes
     """[kg m^2]"""
     lead: float
     """[s]"""
@@ -88,14 +88,14 @@ def attitude_torques(
     attitude: Array, ang_vel_body: Array, torque_now: Array, desired: Array, gains: AttitudeGains
 ) -> Array:
     """Return the torques [N m], body, (..., 3); arguments are (..., 3)."""
-    stiffness, damping, inertia, lead = gains
+    stiffness, damping, inertia = map(np.asarray, gains[:3])
     yaw_only = np.array([0.0, 0.0, 1.0])
     angle_error = (desired - attitude) * (1.0 - yaw_only)
     rate_desired = desired * yaw_only
     torque = stiffness * angle_error + damping * (rate_desired - ang_vel_body)
     growth = -stiffness * ang_vel_body - damping * torque_now / inertia
     gyroscopic = np.cross(ang_vel_body, inertia * ang_vel_body)
-    return np.asarray(torque + lead * growth + gyroscopic)
+    return np.asarray(torque + gains.lead * growth + gyroscopic)
 
 
 @compiled

@@ -8,9 +8,8 @@ model must be a jet. DIR must be new or empty.
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
-from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_folder, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
@@ -36,7 +35,9 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("export_app", __doc__, EXAMPLE)
     made.add_argument("--model", required=True, help="a shipped name or a .q2q file")
-    made.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write the app to")
+    made.add_argument(
+        "--out", type=output_folder, required=True, metavar="DIR", help="folder to write the app to"
+    )
     made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
     made.add_argument("--firmware", default=STOCK, choices=FIRMWARES, help="its thrust per PWM")
     return made

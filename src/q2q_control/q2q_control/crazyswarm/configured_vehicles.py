@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
+from q2q_control.crazyswarm.motion_capture_file import check_tracking, motion_capture_from_file
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.radio.crazyflies import crazyflies_from_file, params_set
 from q2q_control.radio.firmware_params import firmware_params
@@ -32,6 +33,20 @@ def server_vehicles(params: CrazyswarmParams) -> tuple[ServerVehicle, ...]:
         ServerVehicle(name, vehicle, required, _params_of_file(document, name, params.backend))
         for name in vehicle_names(params)
     )
+
+
+def poses_version(params: CrazyswarmParams) -> int:
+    """Return the version of the poses, of motion_capture.yaml where one is given.
+
+    Raises:
+        ValueError: a file is wrong or cannot be read, or a vehicle's markers or dynamics are not in it.
+    """
+    if not params.motion_capture:
+        return params.poses_version
+    settings = motion_capture_from_file(params.motion_capture)
+    if params.crazyflies:
+        check_tracking(settings, load_yaml(Path(params.crazyflies)))
+    return settings.topics.poses.version
 
 
 def _params_of_file(document: object, name: str, backend: str) -> dict[str, float]:

@@ -21,8 +21,9 @@ class CrazyswarmParams:
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
     firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
     poses_version: int = tunable(
-        1, "of poses_in, as in motion_capture.yaml: 2 is NamedPoseArrayV2", low=1, high=2, read_only=True
+        1, "of poses_in without `motion_capture`: 2 is NamedPoseArrayV2", low=1, high=2, read_only=True
     )
+    motion_capture: str = tunable("", "its motion_capture.yaml; else `poses_version`", read_only=True)
 
     def __post_init__(self) -> None:
         """Refuse values out of bounds, and a topic that would feed itself."""

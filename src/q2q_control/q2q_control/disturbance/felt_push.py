@@ -6,17 +6,14 @@ at the sample's own time: attitude R, thrust T by then (with delay and lag of th
 those of the tick with its stamp. A sample may arrive before its tick or up to OLDEST after it.
 """
 
-from collections import deque
 from typing import NamedTuple
 
 import numpy as np
 
 from q2q_model.downwash.residual_process import OLDEST
 from q2q_model.geometry.rotations import rotate
+from q2q_model.signals.recent_ticks import RecentTicks
 from q2q_model.signals.values import Array, Names, SwarmImu, index_of
-
-SAME_STAMP = 1e-6
-"""[s]"""
 
 
 class ExplainedTick(NamedTuple):
@@ -39,16 +36,14 @@ class FeltPush:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._ticks: deque[ExplainedTick] = deque()
+        self._ticks: RecentTicks[ExplainedTick] = RecentTicks(OLDEST)
         self._early: SwarmImu | None = None
 
     def explain(self, tick: ExplainedTick) -> tuple[float, Array] | None:
         """Remember a tick; return time and y of a sample that has waited for it."""
-        if self._ticks and tick.names != self._ticks[-1].names:
-            self._ticks.clear()
-        self._ticks.append(tick)
-        while self._ticks[0].t < tick.t - OLDEST:
-            self._ticks.popleft()
+        if self._ticks.last is not None and tick.names != self._ticks.last.names:
+            self._ticks.reset()
+        self._ticks.remember(tick)
         return None if self._early is None else self.sense(self._early)
 
     def sense(self, imu: SwarmImu) -> tuple[float, Array] | None:
@@ -56,11 +51,10 @@ class FeltPush:
 
         y is NaN for a vehicle without accelerometer.
         """
-        last = self._ticks[-1].t if self._ticks else -np.inf
-        self._early = imu if imu.t > last + SAME_STAMP else None
-        for tick in self._ticks:
-            if abs(tick.t - imu.t) < SAME_STAMP:
-                rows = index_of(tick.names, imu.names)
-                force = np.concatenate([imu.specific_force_body, np.full((1, 3), np.nan)])[rows]
-                return tick.t, rotate(tick.quat, force)[:, 2] - tick.acc
-        return None
+        self._early = None if self._ticks.is_over(imu.t) else imu
+        tick = self._ticks.at(imu.t)
+        if tick is None:
+            return None
+        rows = index_of(tick.names, imu.names)
+        force = np.concatenate([imu.specific_force_body, np.full((1, 3), np.nan)])[rows]
+        return tick.t, rotate(tick.quat, force)[:, 2] - tick.acc

@@ -45,7 +45,7 @@ class ExplicitSolver:
         for axis, gains in enumerate(self._gains):
             sweep(horizon, (rows, np.full(n, axis)), gains, solution)
         solution.inputs[:, 0, 2] = self._first_commands(horizon, downwash)
-        np.clip(solution.inputs, horizon.low[:, None], horizon.high[:, None], out=solution.inputs)
+        np.clip(solution.inputs, horizon.low[:, None], horizon.high, out=solution.inputs)
         # the next downwash is predicted along paths parallel to the references, as in the law's training
         solution.pos[..., 2] = (
             horizon.reference[..., 2] + (horizon.start[:, 2, 0] - horizon.reference[:, 0, 2])[:, None]

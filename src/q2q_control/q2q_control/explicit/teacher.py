@@ -137,8 +137,8 @@ def _solve_all(shape: GroupShape, pairs: PairHorizon, limits: _Limits, out: Teac
     pair, other = np.array([0, 1]), np.array([1, 0])
     reference, path = np.zeros((2, stages + 1, 9)), np.zeros((2, stages + 1, 3))
     start, push, slope = np.zeros((2, 3, 3)), np.zeros((2, stages, 3)), np.zeros((2, stages, 3, 3))
-    low, high, rate = np.full((2, 3), limits.low), np.full((2, 3), limits.high), np.full(3, limits.rate)
-    horizon = Horizon(start, reference, push, path, low, high, rate)
+    low, high = np.full((2, 3), limits.low), np.full((2, stages, 3), limits.high)
+    horizon = Horizon(start, reference, push, path, low, high, np.full(3, limits.rate))
     downwash = DownwashHorizon(push, pair, other, slope)
     for q in range(out.inputs.shape[0]):
         start[:, 2], path[:, :, 2] = pairs.states[q], out.errors[q]

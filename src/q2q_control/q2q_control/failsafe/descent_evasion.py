@@ -21,8 +21,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.ladder import is_blind
-from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
 
 REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 2 s of blindness, 0.4."""
@@ -76,19 +75,19 @@ class DescentEvasion:
         return bool(self._shifts)
 
     def update(
-        self, setpoint: SwarmSetpoint, state: SwarmState, flown: SwarmCommand, places: Mapping[str, Array]
+        self, setpoint: SwarmSetpoint, state: SwarmState, blind: Names, places: Mapping[str, Array]
     ) -> SwarmSetpoint:
         """Return the setpoints to fly.
 
         Args:
             setpoint: reference of the tick.
             state: of a lost vehicle, the last accepted height is used.
-            flown: command of the last tick; its status shows which vehicles fly blind.
-            places: horizontal positions of these, dead-reckoned [m], (2,) each.
+            blind: vehicles that fly level or land without measurements.
+            places: horizontal positions of vehicles, dead-reckoned [m], (2,) each; else the last accepted
+                position of a blind vehicle is used.
         """
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
-        blind = tuple(flown.names[k] for k in np.flatnonzero(is_blind(flown.status)))
         if not blind and not self._shifts:
             return setpoint
         pos = state.pos.copy()

@@ -18,7 +18,8 @@ final.
 | l | lateness | delay of the tick beyond the usual one, live only [s] |
 
 A vehicle that flies level without measurements brakes (q2q_control.failsafe.dead_reckoned_braking);
-measured vehicles below it move aside (q2q_control.failsafe.descent_evasion).
+measured vehicles below it move aside (q2q_control.failsafe.descent_evasion). So they do below a vehicle of
+another controller that the state reports as LOST: its controller takes the same fallback.
 
 A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
@@ -36,7 +37,7 @@ from numpy.typing import NDArray
 
 from q2q_control.failsafe.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.descent_evasion import DescentEvasion
-from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
+from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command, is_blind
 from q2q_control.inputs.controller import Controller
 from q2q_model.compiled import compiled
 from q2q_model.estimation.clock_resets import ClockResetDetector
@@ -49,6 +50,7 @@ from q2q_model.signals.values import (
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
+    TrackStatus,
     index_of,
 )
 
@@ -120,15 +122,17 @@ class Guard:
             last = self._set_back(last, setpoint.t)
         self._clock_reset.reset()
         if last is not None and (self._nominal is None or self._evasion.active):
-            setpoint = self._evasion.update(setpoint, state, last, self._braking.positions)
+            blind = self._blind(state, last)
+            setpoint = self._evasion.update(setpoint, state, blind, self._braking.positions)
         command = self._controller.update(state, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
-        if self._is_nominal(command, state, known):
-            self._measured_at = command.t - state.age - max(known, 0.0)
+        age = state.age if state.names == command.names else _ages(state, command.names)
+        if self._is_nominal(command, state, NominalAges(age + known, known, self._params.degraded_s)):
+            self._measured_at = command.t - age - max(known, 0.0)
             self._last, self._nominal = command, state
             return command
         self._start_dead_reckoning()
-        fallback = self._with_fallback(command, _ages(state, command.names) + max(known, 0.0))
+        fallback = self._with_fallback(command, np.where(age >= 0.0, age, np.inf) + max(known, 0.0))
         self._last = self._braking.update(state, fallback)
         return self._last
 
@@ -168,13 +172,22 @@ class Guard:
         self._measured_at = np.zeros(0)
         self._down = np.zeros(0, dtype=np.bool_)
 
-    def _is_nominal(self, command: SwarmCommand, state: SwarmState, known: float) -> bool:
+    def _is_nominal(self, command: SwarmCommand, state: SwarmState, ages: "NominalAges") -> bool:
         """Return whether every vehicle is measured, commanded and on: nearly every tick."""
-        if self._emergency or command.names != self._names or state.names != self._names:
+        if self._emergency or command.names != self._names:
+            return False
+        if state.names != self._names and (state.status == TrackStatus.LOST).any():
             return False
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-        ages = NominalAges(state.age + known, known, self._params.degraded_s)
         return all_nominal(ages, values, command.status, self._down)
+
+    def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
+        """Return the vehicles that fly blind, by the last command or, of another controller, by the state."""
+        own = tuple(last.names[row] for row in np.flatnonzero(is_blind(last.status)))
+        if state.names == last.names:
+            return own
+        lost = np.flatnonzero((state.status == TrackStatus.LOST) & (state.age < self._params.cut_s))
+        return own + tuple(state.names[row] for row in lost if state.names[row] not in last.names)
 
     def _with_fallback(self, command: SwarmCommand, state_age: Array) -> SwarmCommand:
         """Return the command after the fallback phases; `state_age` is the age in the state [s], (n,)."""
@@ -241,5 +254,4 @@ def _again(last: SwarmCommand, t: float) -> SwarmCommand:
 
 def _ages(state: SwarmState, names: Names) -> Array:
     """Return the age of each vehicle's measurement [s], (n,); infinite if there is none."""
-    ages = np.append(np.where(state.age >= 0.0, state.age, np.inf), np.inf)
-    return np.asarray(ages[index_of(names, state.names)])
+    return np.asarray(np.append(state.age, np.inf)[index_of(names, state.names)])

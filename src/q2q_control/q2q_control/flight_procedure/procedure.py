@@ -262,8 +262,10 @@ class FlightProcedure:
         if self.state.rest.lasts(not off, t):
             self.state.enter(Step.DISARMING, t)
             self._give(Act.DISARM, observation, t)
-        elif self.state.pending is Call.LAND and self.state.late(
-            self._order(Act.LAND, observation).duration, t
+        elif (
+            off
+            and self.state.pending is Call.LAND
+            and self.state.late(self._order(Act.LAND, observation).duration, t)
         ):
             self.state.answer(
                 granted=False, reason=f"not on the ground: {off}; call land again, or emergency"

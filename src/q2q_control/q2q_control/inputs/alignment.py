@@ -62,17 +62,8 @@ def align(
     names = vehicles or setpoint.names
     table, usable = np.empty((len(names), _WIDTH)), np.empty(len(names), dtype=np.bool_)
     parts = _columns(state, setpoint, interference, len(names))
-    same = interference is None or interference.names == names
-    if same and state.names == names and setpoint.names == names:
-        np.concatenate([part for _, columns in parts for part in columns], axis=1, out=table)
-    else:
-        at = 0
-        for have, columns in parts:
-            rows = index_of(names, names if have is None else have)
-            for part in columns:
-                table[:, at : at + part.shape[1]] = np.nan
-                table[rows >= 0, at : at + part.shape[1]] = part[rows[rows >= 0]]
-                at += part.shape[1]
+    picked = [part for have, columns in parts for part in _picked(columns, have, names)]
+    np.concatenate(picked, axis=1, out=table)
     mark_usable(table, usable)
     return Aligned(setpoint.t, names, usable, table)
 
@@ -94,6 +85,20 @@ def _columns(
         downwash,
         (state.names, (state.status[:, None],)),
     )
+
+
+def _picked(
+    columns: tuple[Array | Status, ...], have: Names | None, names: Names
+) -> tuple[Array | Status, ...]:
+    """Return the rows of `names` of columns whose rows are `have`, None for `names`; NaN where missing."""
+    if have is None or have == names:
+        return columns
+    rows = index_of(names, have)
+    if rows.min(initial=0) >= 0:
+        return tuple(column[rows] for column in columns)
+    known = (rows >= 0)[:, None]
+    missing = (np.concatenate([column, np.full((1, column.shape[1]), np.nan)]) for column in columns)
+    return tuple(np.where(known, column[rows], np.nan) for column in missing)
 
 
 @compiled

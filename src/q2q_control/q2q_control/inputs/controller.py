@@ -1,10 +1,11 @@
 """Interface of a controller: state, setpoint and predicted downwash in, command out, once per tick."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 
+@runtime_checkable
 class Controller(Protocol):
     """Block that maps the signals of one tick to commands for the setpoint's vehicles."""
 

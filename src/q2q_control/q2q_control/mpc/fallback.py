@@ -86,7 +86,7 @@ def pd_acceleration(horizon: Horizon, params: MpcParams) -> Array:
     w = np.array([params.bandwidth_xy, params.bandwidth_xy, params.bandwidth_z])
     ref, now = horizon.reference[:, 0], horizon.start
     feedback = w**2 * (ref[:, :3] - now[..., 0]) + np.sqrt(2.0) * w * (ref[:, 3:6] - now[..., 1])
-    return np.asarray(np.clip(ref[:, 6:9] + feedback - horizon.push[:, 0], horizon.low, horizon.high))
+    return np.asarray(np.clip(ref[:, 6:9] + feedback - horizon.push[:, 0], horizon.low, horizon.high[:, 0]))
 
 
 def _new_plan(solution: HorizonSolution, horizon: Horizon, old: Plan, failed: Array) -> Plan:

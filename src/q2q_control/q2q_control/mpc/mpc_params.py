@@ -13,8 +13,8 @@ class MpcParams:
     steps: int = tunable(40, "stages of the horizon", low=4, high=400, read_only=True)
     mode: str = tunable(
         "vertical",
-        "altitude: z only, x and y by the PD law; vertical: all axes, downwash couples z; "
-        "full: all axes, downwash couples all",
+        "altitude: z only, x and y by the PD law; vertical: all axes, downwash couples z (with correct: "
+        "full); full: all axes, downwash couples all",
         choices=("altitude", "vertical", "full"),
     )
     joint: bool = tunable(default=True, description="solve interacting vehicles together, not one by one")
@@ -53,6 +53,13 @@ class MpcParams:
     )
     thrust_rate_max: float = tunable(
         100.0, "largest rate of thrust over mass", unit="m/s^3", low=0.1, high=1e4
+    )
+    reserve: float = tunable(
+        0.0,
+        "thrust that later stages keep for what the prediction leaves, over its standard deviation; with "
+        "correct only",
+        low=0.0,
+        high=4.0,
     )
     tilt_max: float = tunable(0.35, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
     tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=0.1, high=30.0)

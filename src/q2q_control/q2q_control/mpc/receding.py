@@ -28,7 +28,7 @@ from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.chain import axis_chains
-from q2q_control.mpc.correction import faded_residual, tightened
+from q2q_control.mpc.correction import faded_residual, thrust_reserve, tightened
 from q2q_control.mpc.fallback import MpcReport, commanded
 from q2q_control.mpc.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
 from q2q_control.mpc.mpc_params import MpcParams
@@ -36,6 +36,7 @@ from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
 from q2q_control.mpc.prediction.neighbours import (
     HeardPredictions,
     PredictedPaths,
+    blended,
     known_neighbours,
     predicted,
 )
@@ -43,7 +44,7 @@ from q2q_control.mpc.prediction.outlook import Forecaster, Outlook, correct_down
 from q2q_control.mpc.prediction.present import Present, PresentEstimator
 from q2q_control.mpc.prediction.surroundings import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
-from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
+from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds, stage_bounds
 from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import ResidualProcess
@@ -79,8 +80,8 @@ class MpcSetup:
     solver: SolverFactory = horizon_solver
     correct: ResidualProcess | None = None
     """Residual of `model` that positions and accelerometers (`sense`) correct; None observes disturbances."""
-    exchange: bool = False
-    """Follow the predictions of other vehicles' MPCs (`Mpc.hear`), else extrapolate those vehicles."""
+    exchange_period: float = 0.0
+    """Time between predictions of another vehicle's MPC (`Mpc.hear`) [s]; 0 extrapolates such vehicles."""
 
 
 class Mpc:
@@ -101,7 +102,7 @@ class Mpc:
             ValueError: the solver is not made for these parameters.
         """
         if self._setup.correct is not None:
-            params = tightened(params, self._vehicle)
+            params = tightened(params)
         self._solver = self._setup.solver(params, self._vehicle)
         self._params = params
         top = self._vehicle.rpyt_thrust_max
@@ -135,7 +136,7 @@ class Mpc:
         self._forecaster = Forecaster(self._params, self._model, slopes)
         self._present = PresentEstimator(self._params, self._vehicle, self._setup.correct)
         self._rows.reset()
-        self._heard = HeardPredictions()
+        self._heard = HeardPredictions(self._setup.exchange_period)
         self._predicted: tuple[Aligned, Array, Array] | None = None
         self._last: SwarmCommand | None = None
         self.report = MpcReport()
@@ -151,8 +152,9 @@ class Mpc:
             self.reset()
         tick = align(state, setpoint, interference, names)
         times = self._forecaster.stages(tick.t)
-        reference = future_reference(tick, setpoint, self._preview, times)
-        neighbours = self._neighbours(state, setpoint, tick, times)
+        references = shifted_preview(setpoint, self._preview, times)
+        reference = future_reference(tick, setpoint, references)
+        neighbours = self._neighbours(state, setpoint, references, times)
         outlook = self._forecaster.outlook(tick, reference, neighbours, aware=interference is not None)
         if interference is not None and (self._params.loading > 0.0 or interference.status.any()):
             correct_downwash(tick, interference, outlook.downwash, self._params)
@@ -188,18 +190,23 @@ class Mpc:
         return predicted(tick, path, times)
 
     def _neighbours(
-        self, state: SwarmState, setpoint: SwarmSetpoint, tick: Aligned, times: Array
+        self, state: SwarmState, setpoint: SwarmSetpoint, references: Array, times: Array
     ) -> Neighbours:
         """Return the vehicles of other controllers, as they are predicted to move."""
-        straight = at_constant_velocity(state, tick.names, times)
-        if not (self._setup.exchange and straight.names):
+        straight = at_constant_velocity(state, self._setup.vehicles or setpoint.names, times)
+        if not (self._setup.exchange_period and straight.names):
             return straight
-        references = shifted_preview(setpoint, self._preview, times)
-        return self._heard.neighbours(tick.t, known_neighbours(straight, state, setpoint, references), times)
+        heard, share = self._heard.follow(setpoint.t, straight, times)
+        if (share == 1.0).all():
+            return heard
+        return blended(heard, known_neighbours(straight, setpoint, references), share)
 
     def _horizon(self, tick: Aligned, present: Present, outlook: Outlook) -> Horizon:
-        push = outlook.downwash.eta[: len(tick.names)] + present.disturbance[:, None]
+        eta, kept = outlook.downwash.eta[: len(tick.names)], np.zeros((len(tick.names), self._params.steps))
+        push = eta + present.disturbance[:, None]
         if self._setup.correct is not None:
             push[..., 2] -= faded_residual(present.residual, self._setup.correct, self._params)
+            kept = thrust_reserve(eta[..., 2], self._setup.correct, self._params)
         low, high = input_bounds(tick.table[:, QUAT], self._most)
+        high = stage_bounds(low, high, kept)
         return Horizon(present.chains, outlook.reference, push, outlook.path, low, high, self._step_max)

@@ -30,6 +30,8 @@ SILENT_S = 1.0
 """Time without a packet after which a link is lost [s]."""
 PING = (15, 0)
 """Port and channel of cflib's pings."""
+PING_S = 0.1
+"""Period of the pings of a link that counts them [s]."""
 AGAIN_S = 3.0
 """Time without a packet after which a link is reopened [s]."""
 
@@ -79,9 +81,12 @@ class CflibLink:
         self._crazyflie = _crazyflie(cache)
         self._known = _Known()
         self._pings = PingShare()
+        self._counts_pings = uri.startswith("udp://")  # its driver reports no quality
+        self._pinged_at = -math.inf
         self._open = False
         self._opened_at = -math.inf
         one = self._crazyflie
+        one.link_statistics.latency.start = _no_thread
         self._sender = CflibSender(one.commander, one.high_level_commander, one.loc, one.supervisor)
         one.fully_connected.add_callback(self._connected)
         one.disconnected.add_callback(self._lost)
@@ -93,14 +98,17 @@ class CflibLink:
             one.param.add_update_callback(*parameter.split(".", 1), self._read_back)
         one.console.receivedChar.add_callback(self._read)
         one.link_statistics.link_quality_updated.add_callback(self._quality)
-        if uri.startswith("udp://"):  # its driver reports no quality
+        if self._counts_pings:
             one.packet_sent.add_callback(self._count_ping)
             one.link_statistics.latency_updated.add_callback(self._count_answer)
         self._mailbox = Mailbox(name)
         self.keep_open()
 
     def keep_open(self) -> None:
-        """Reopen the link if it is lost; call periodically."""
+        """Reopen the link if it is lost, and ping its vehicle where pings are counted; call periodically."""
+        if self._open and self._counts_pings and monotonic() - self._pinged_at > PING_S:
+            self._pinged_at = monotonic()
+            self._mailbox.put("ping", self._crazyflie.link_statistics.latency.ping)
         silent = monotonic() - max(self._known.received, self._opened_at)
         if silent > AGAIN_S:
             self._opened_at = monotonic()
@@ -208,6 +216,8 @@ class CflibLink:
 
     def _lost(self, _: str) -> None:
         self._open = False
+        self._known.quality = math.nan
+        self._pings = PingShare()
 
     def _read_back(self, name: str, value: str) -> None:
         self._known.held[name] = float(value)
@@ -252,6 +262,14 @@ class CflibLink:
 
 
 _Take = Callable[[Mapping[str, float]], None]
+
+
+def _no_thread() -> None:
+    """Start no ping thread: `keep_open` pings.
+
+    cflib 0.1.34 joins its ping thread where a link is lost: from itself where a ping finds the loss, or while
+    it waits for a lock that the joining thread holds.
+    """
 
 
 def _crazyflie(cache: str) -> "Crazyflie":

@@ -7,6 +7,7 @@ Of other keys, only `firmware_params` is read, whose values the server sets. A r
 its own or its type's, is skipped: it is tracked by motion capture but not flown.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -107,9 +108,17 @@ def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float
     fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
     robot = fleet.robots.get(name, _Robot())
     return {
-        f"{group}.{parameter}": float(value)
+        f"{group}.{parameter}": _as_float(value)
         for level in (fleet.all or _Robot(), fleet.type_of(robot) if by_type else _Robot(), robot)
         for group, values in (level.firmware_params or {}).items()
         for parameter, value in (values or {}).items()
         if isinstance(value, int | float)
     }
+
+
+def _as_float(value: float) -> float:
+    """Return a YAML number; infinite, which no parameter can be, if it exceeds every float."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf

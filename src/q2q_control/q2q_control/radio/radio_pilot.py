@@ -12,7 +12,7 @@
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
 | battery below volt_land for volt_land_s | the vehicle lands by itself, whatever is commanded |
 | state older than stale_s | no pose is sent; the firmware's estimate coasts |
-| command with status CUT | the vehicle's motors are stopped and locked |
+| command with status CUT | the vehicle's motors are stopped and locked: again until it says so, for 2 s |
 | no command for silent_s | RPYT: level at hover thrust; full states: hover at the last one |
 | none for silent_land_s | the vehicle lands by itself |
 | the same, with RPYT and no fresh state | it descends level, at the ladder's land_share of hover |
@@ -39,6 +39,9 @@ from q2q_control.radio.setpoints import ZERO_RPYT, FullState, RpytSetpoint
 from q2q_control.radio.vehicle_record import AIRBORNE, Phase, VehicleRecord
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmState, TrackStatus
+
+STOP_AGAIN_S = 2.0
+"""Time for which an emergency stop is sent again until the vehicle reports that it is locked [s]."""
 
 
 class RadioPilot:
@@ -114,8 +117,8 @@ class RadioPilot:
 
     def stop(self, t: float) -> None:
         """Stop and lock all motors."""
-        for name, link in self._links.items():
-            link.stop()
+        for name in self._links:
+            self._stop_one(name, t)
             if self._vehicles[name].phase is not Phase.OFFLINE:
                 self._enter(name, Phase.READY, t)
 
@@ -123,7 +126,7 @@ class RadioPilot:
         """Stop and lock the motors of these vehicles, if they fly."""
         for name in names:
             if name in self._vehicles and self._vehicles[name].phase in AIRBORNE:
-                self._links[name].stop()
+                self._stop_one(name, t)
                 self._enter(name, Phase.READY, t)
 
     def watch(self, t: float, ahead: float = 0.0) -> None:
@@ -194,8 +197,12 @@ class RadioPilot:
     def _arm_one(self, name: str, t: float) -> None:
         one = self._vehicles[name]
         self._enter(name, Phase.ARMING, t)
-        one.low_since, one.commanded_at, one.full_state = np.inf, -np.inf, None
+        one.low_since, one.commanded_at, one.stopped_at, one.full_state = np.inf, -np.inf, -np.inf, None
         self._links[name].arm()
+
+    def _stop_one(self, name: str, t: float) -> None:
+        self._vehicles[name].stopped_at = t
+        self._links[name].stop()
 
     def _fly_one(self, name: str, t: float) -> None:
         self._enter(name, Phase.FLYING, t)
@@ -212,6 +219,8 @@ class RadioPilot:
             if one.phase is not Phase.OFFLINE:
                 self._enter(name, Phase.OFFLINE, t)
             return
+        if not health.locked and t - one.stopped_at < STOP_AGAIN_S:
+            self._links[name].stop()  # the first may be lost on the way
         if one.phase is Phase.OFFLINE:
             self._enter(name, Phase.READY, t)
         elif one.phase is Phase.ARMING:

@@ -34,6 +34,8 @@ class VehicleRecord:
     """Time of the last measured state [s]."""
     low_since: float = inf
     """Start of the low battery [s]."""
+    stopped_at: float = -inf
+    """Time of its last emergency stop since arming [s]."""
     commanded_at: float = -inf
     """Time of the last command since arming [s]."""
     height: float = 0.0

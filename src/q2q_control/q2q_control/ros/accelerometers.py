@@ -4,9 +4,11 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
+from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.ros.topics.qos import RECORD
+from q2q_model.ros.topics.qos import SENSOR
 from q2q_model.signals.cdr import SignalReader
+from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmImu
 
 IMU = "imu"
@@ -16,7 +18,15 @@ def receive_accelerometers(node: Node, take: Callable[[SwarmImu], None]) -> None
     """Subscribe to `imu` and call `take` with every message; without any, positions alone correct."""
     reader = SignalReader(SwarmImu)
 
+    def hear(_: int, imu: Signal) -> None:
+        if isinstance(imu, SwarmImu):
+            take(imu)
+
     def receive(data: bytes) -> None:
         take(reader.read(data))
 
-    node.create_subscription(MESSAGES[SwarmImu], IMU, receive, RECORD, raw=True)
+    bus = bus_of(node)
+    if bus.carries(IMU):
+        bus.listen(IMU, hear)
+    else:
+        node.create_subscription(MESSAGES[SwarmImu], IMU, receive, SENSOR, raw=True)

@@ -6,7 +6,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from q2q_control.crazyswarm.configured_vehicles import server_vehicles, vehicle_names
+from q2q_control.crazyswarm.configured_vehicles import poses_version, server_vehicles, vehicle_names
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.message_conversion import frame_of, poses_of
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
@@ -71,7 +71,7 @@ class Crazyswarm:
         types = find_pose_types()
         if self._settings.poses_in:
             self._mocap = self._node.create_publisher(MESSAGES[MocapFrame], "mocap", TICK)
-            kind = find_pose_types(self._settings.poses_version).array
+            kind = find_pose_types(poses_version(self._settings)).array
             self._node.create_subscription(kind, self._settings.poses_in, self._on_poses, OUTSIDE)
         if self._settings.poses_out:
             self._out = self._node.create_publisher(types.array, self._settings.poses_out, POSES_OUT)

@@ -77,7 +77,7 @@ def find(package: str, names: Sequence[str], folder: str = "msg") -> list[type]:
 def find_pose_types(version: int = 1) -> PoseTypes:
     """Return the message types of motion capture; raise ImportError if they are missing.
 
-    `version` is `poses_version` of motion_capture.yaml: 2 is NamedPoseArrayV2, which has latencies, too.
+    `version` is `topics.poses.version` of motion_capture.yaml; 2 is NamedPoseArrayV2, with latencies.
     """
     array, one = find(MOCAP_PACKAGE, ("NamedPoseArrayV2" if version == 2 else "NamedPoseArray", "NamedPose"))
     return PoseTypes(array, one)

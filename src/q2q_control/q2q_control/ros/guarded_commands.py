@@ -48,15 +48,15 @@ class GuardedCommands:
             self._watch.answered(setpoint, monotonic())
         return command
 
-    def wire(self, node: Node, wiring: TickWiring[SwarmCommand]) -> None:
-        """Offer the emergency service, count fallbacks and, live, start the watch."""
+    def wire(self, node: Node, wiring: TickWiring[SwarmCommand], *, watch_writers: bool) -> None:
+        """Offer the emergency service, count fallbacks and, live, start the watch, by DDS too if asked."""
         self._wiring = wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
         if self._watch is not None:
             wiring.listen("state", self._store_state)
             steady_timer(node, PERIOD_S, self._check)
-            if self._watch.params.hold_s > 0.0:
+            if watch_writers and self._watch.params.hold_s > 0.0:
                 wiring.on_silence(self._watch.params.hold_s, self._on_silence)
 
     def reset(self) -> None:

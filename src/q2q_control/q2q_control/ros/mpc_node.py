@@ -15,6 +15,7 @@ from q2q_control.failsafe.time_budget import TimeBudget
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview, resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.slots import RATE_HZ
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
@@ -48,6 +49,14 @@ class MpcNodeParams:
         description="publish predictions of its `vehicles`, follow those of other nodes (topic predictions)",
         read_only=True,
     )
+    prediction_hz: float = tunable(
+        RATE_HZ,
+        "distributed: predictions of a vehicle per second, the same for all nodes",
+        unit="Hz",
+        low=0.1,
+        high=100.0,
+        read_only=True,
+    )
     budget_s: float = tunable(
         0.006,
         "live: longest time to solve in a tick before falling back to the last plan, shifted",
@@ -70,13 +79,14 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     budget = TimeBudget(mpc.budget_s if own.live else inf, monotonic)
     known = find_model(mpc.model)
     correct = (known.residual or REAL_FLIGHTS) if own.correct else None
-    setup = MpcSetup(own.vehicles, budget.in_time, correct=correct, exchange=mpc.distributed)
+    period = 1.0 / mpc.prediction_hz if mpc.distributed else 0.0
+    setup = MpcSetup(own.vehicles, budget.in_time, correct=correct, exchange_period=period)
     block = Mpc(params, vehicle, known.interaction, setup)
     if own.correct:
         receive_accelerometers(node, block.sense)
     on_change(node, params, block.configure)
-    wiring, guarded = wire_controller(node, own, vehicle, block)
-    exchange = PredictionExchange(node, block, own.vehicles) if mpc.distributed else None
+    wiring, guarded = wire_controller(node, own, vehicle, block, one_of_many=mpc.distributed)
+    exchange = PredictionExchange(node, block, own.vehicles, period) if mpc.distributed else None
 
     def take_plan(message: Plan) -> None:
         block.follow(preview_of(message))

@@ -1,13 +1,14 @@
 """Exchange of predictions between `mpc` nodes over the topic `predictions`.
 
-In lockstep a tick begins once the neighbours' predictions of the tick before are here, or its inputs come a
-second time, because the simulator has waited too long. Live, it begins with what is here.
+In lockstep a tick begins once the predictions that neighbours have sent by the tick before are here, or its
+inputs come a second time, because the simulator has waited too long. Live, it begins with what is here.
 """
 
 from q2q_msgs.msg import Prediction as PredictionMessage
 from rclpy.node import Node
 
 from q2q_control.mpc.prediction.awaited import AwaitedPredictions
+from q2q_control.mpc.prediction.slots import BroadcastSchedule
 from q2q_control.mpc.receding import Mpc
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
 from q2q_model.ros.node.tick import TickWiring
@@ -21,32 +22,39 @@ TOPIC = "predictions"
 class PredictionExchange:
     """Publisher and subscription of the predictions of one node."""
 
-    def __init__(self, node: Node, mpc: Mpc, vehicles: Names) -> None:
+    def __init__(self, node: Node, mpc: Mpc, vehicles: Names, period: float) -> None:
         if not vehicles:
             raise ValueError("distributed = true: name the vehicles of this node in `vehicles`")
         self._mpc, self._vehicles = mpc, vehicles
-        self._awaited = AwaitedPredictions(vehicles, mpc.has_heard)
+        self._awaited = AwaitedPredictions(vehicles, period, mpc.has_heard)
+        self._schedule = BroadcastSchedule(vehicles, period)
+        self._state: SwarmState | None = None
+        self._waits = True
         self._publisher = node.create_publisher(PredictionMessage, TOPIC, TICK_WRITER)
         self._node = node
 
     def wire(self, wiring: TickWiring[SwarmCommand], *, live: bool) -> None:
-        """Publish after each command, hear the neighbours and, in lockstep, wait for them."""
-        self._wiring, self._awaited = wiring, AwaitedPredictions(self._vehicles, self._mpc.has_heard)
+        """Publish in turn after a command, hear the neighbours and, in lockstep, wait for them."""
+        self._wiring, self._waits = wiring, not live
+        self._awaited.reset()  # of the rehearsal
+        self._schedule.reset()
         wiring.after_publish(self._publish)
-        if not live:
+        if self._waits:
             wiring.hold_until(self._may_begin)
         self._node.create_subscription(PredictionMessage, TOPIC, self._hear, MANY_WRITERS)
 
     def begin(self, state: SwarmState) -> None:
         """Take the state of a tick that begins."""
-        self._awaited.begin(state)
+        self._state = state
+        if self._waits:
+            self._awaited.begin(state)
 
     def _may_begin(self) -> bool:
         return self._awaited.complete()
 
     def _publish(self, _: int, __: Signal) -> None:
         prediction = self._mpc.prediction
-        if prediction is not None:
+        if prediction is not None and self._state is not None and self._schedule.take_turn(self._state):
             self._publisher.publish(encode_prediction(prediction))
 
     def _hear(self, message: PredictionMessage) -> None:

@@ -1,5 +1,6 @@
 """Blocking call of a Trigger service."""
 
+import os
 from time import monotonic
 
 import rclpy
@@ -7,6 +8,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from q2q_model.node.loopback import restrict
 from q2q_model.node.reply import Reply
 from q2q_model.ros.node.run import make_executor
 
@@ -18,6 +20,7 @@ WAKE_S = 0.1
 
 def ask(service: str) -> Reply:
     """Return the answer of a service, or a refusal if it does not exist."""
+    restrict(os.environ)
     rclpy.init(args=[])
     try:
         return _asked(Node("procedure_call"), service)

@@ -26,6 +26,8 @@ class FlightFacts:
     mode: str = ""
     """ignoring, aware or aware_unlimited."""
     controller: str = ""
+    correct: str = ""
+    """true where positions and accelerometers corrected the predicted downwash."""
     model: str = ""
     """Interaction model of the controller."""
     wake: str = ""

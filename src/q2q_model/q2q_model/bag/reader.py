@@ -53,6 +53,11 @@ class BagReader:
         """Return the repairs needed to read the bag, one sentence each."""
         return self._source.repairs
 
+    @property
+    def is_cut(self) -> bool:
+        """Return whether messages may be missing: its writer was killed, or the file was damaged."""
+        return self._source.is_cut
+
     def raw(self, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
         """Yield messages as bytes in the order of bag time; None means all topics.
 

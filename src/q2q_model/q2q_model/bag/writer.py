@@ -1,9 +1,11 @@
 """Writer of a bag, from serialised messages or signals; a crash costs at most the last second.
 
-A chunk is closed after `chunk_s` of bag time. Closed chunks of a process that was killed can be read
-(q2q_model.bag.storage.salvage). Each compressed chunk has a checksum that detects damage.
+A chunk is closed after `chunk_s` of bag time. Closed chunks of a process that was killed, or whose disk was
+full, can be read (q2q_model.bag.storage.salvage). Each compressed chunk has a checksum that detects damage.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -94,7 +96,10 @@ class BagWriter:
         self._types[topic] = type_name
 
     def write_raw(self, topic: str, stamp_ns: int, data: bytes) -> None:
-        """Write a serialised message at a bag time [ns]; raise BagError for an unannounced topic."""
+        """Write a serialised message at a bag time [ns].
+
+        Raises BagError for an unannounced topic, or if the disk takes no more: the bag is closed then.
+        """
         self._check_open()
         if topic not in self._connections:
             known = ", ".join(self._types) or "none"
@@ -102,7 +107,8 @@ class BagWriter:
         begin = self._chunk_begin
         if begin is not None and abs(stamp_ns - begin) >= self._chunk_ns:
             self.flush()
-        self._writer.write(self._connections[topic], stamp_ns, data)
+        with self._stored():
+            self._writer.write(self._connections[topic], stamp_ns, data)
         self._chunk_begin = stamp_ns if self._chunk_begin is None else self._chunk_begin
 
     def write_signal(self, topic: str, stamp_ns: int, signal: Signal) -> None:
@@ -117,17 +123,33 @@ class BagWriter:
 
     def flush(self) -> None:
         """Close the running chunk and hand it to the operating system."""
+        self._check_open()
         storage = self._writer.storage
         if self._chunk_begin is not None:
-            storage.close_chunk()
-            storage.bio.flush()
+            with self._stored():
+                storage.close_chunk()
+                storage.bio.flush()
         self._chunk_begin = None
 
     def close(self) -> None:
         """Write the index and metadata.yaml; further calls do nothing."""
         if not self._closed:
+            with self._stored():
+                self._writer.close()
             self._closed = True
-            self._writer.close()
+
+    @contextmanager
+    def _stored(self) -> Iterator[None]:
+        """Close the bag and raise BagError if the disk refuses what the block writes."""
+        try:
+            yield
+        except OSError as refused:
+            self._closed = True
+            with suppress(OSError):
+                self._writer.storage.bio.close()
+            raise BagError(
+                f"cannot write to the bag {self.path}: {refused.strerror}; what it holds can be read"
+            ) from refused
 
     def __enter__(self) -> Self:
         """Return the writer."""

@@ -93,8 +93,15 @@ def run_command(
     except UsageError as wrong:
         line.error(str(wrong))
     except (ValueError, OSError) as refusal:
-        print(f"{line.prog}: {refusal}", file=sys.stderr)
+        print(f"{line.prog}: {reason(refusal)}", file=sys.stderr)
         return refused
+
+
+def reason(refusal: ValueError | OSError) -> str:
+    """Return why a command failed, in one line; of the operating system's errors the path and its words."""
+    if isinstance(refusal, OSError) and refusal.strerror and refusal.filename:
+        return f"{refusal.filename}: {refusal.strerror}"
+    return str(refusal)
 
 
 @contextmanager
@@ -114,6 +121,29 @@ def require_existing(what: str, *paths: Path) -> None:
     for path in paths:
         if not path.exists():
             raise ValueError(f"no {what} at {path}")
+
+
+def output_file(given: str) -> Path:
+    """Return the path of a file to write: a type of arguments, refused if it is a folder."""
+    path = Path(given)
+    if path.is_dir():
+        raise argparse.ArgumentTypeError(f"{path} is a folder; give a file")
+    return _below_folders(path)
+
+
+def output_folder(given: str) -> Path:
+    """Return the path of a folder to write to: a type of arguments, refused if it is a file."""
+    path = Path(given)
+    if path.is_file():
+        raise argparse.ArgumentTypeError(f"{path} is a file; give a folder")
+    return _below_folders(path)
+
+
+def _below_folders(path: Path) -> Path:
+    above = next((one for one in path.parents if one.is_file()), None)
+    if above is not None:
+        raise argparse.ArgumentTypeError(f"{above} is a file; it cannot hold {path.relative_to(above)}")
+    return path
 
 
 def without_ros(arguments: Sequence[str] | None) -> list[str]:

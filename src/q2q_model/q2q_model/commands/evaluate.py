@@ -14,7 +14,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
 from q2q_model.commands.recording_options import add_recording_options
 from q2q_model.files.model_choice import check_model
 
@@ -39,7 +39,7 @@ def parser() -> CommandLine:
     made = CommandLine("evaluate", __doc__, EXAMPLE)
     made.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="recorded flights, at least one")
     made.add_argument("--model", required=True, help="none, a shipped name, or a .q2q file")
-    made.add_argument("--json", type=Path, metavar="FILE", help="file to write the scores to")
+    made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the scores to")
     add_recording_options(made)
     return made
 

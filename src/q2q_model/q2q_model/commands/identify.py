@@ -5,7 +5,14 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, UsageError, Work, require_existing, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    UsageError,
+    Work,
+    output_file,
+    require_existing,
+    run_command,
+)
 from q2q_model.commands.recording_options import add_recording_options
 from q2q_model.files.model_choice import check_model
 
@@ -35,8 +42,12 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("identify", __doc__, EXAMPLE)
     made.add_argument("bags", nargs="*", type=Path, metavar="BAG", help="recorded flights")
-    made.add_argument("--out", type=Path, required=True, metavar="FILE", help="model file to write (.q2q)")
-    made.add_argument("--json", type=Path, metavar="FILE", help="report to write; default: beside the model")
+    made.add_argument(
+        "--out", type=output_file, required=True, metavar="FILE", help="model file to write (.q2q)"
+    )
+    made.add_argument(
+        "--json", type=output_file, metavar="FILE", help="report to write; default: beside the model"
+    )
     made.add_argument(
         "--model-type",
         default="auto",

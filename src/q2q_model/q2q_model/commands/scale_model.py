@@ -8,9 +8,8 @@ and the downwash on another vehicle below with the ratio of the disk loadings. T
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
-from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, output_file, run_command
 from q2q_model.files.model_choice import check_model
 
 EXAMPLE = """  ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --rotor-radius 0.033 --out b.q2q
@@ -40,7 +39,9 @@ def parser() -> CommandLine:
     made.add_argument(
         "--rotor-radius", type=float, required=True, metavar="M", help="radius of each of its four rotors"
     )
-    made.add_argument("--out", type=Path, required=True, metavar="FILE", help="model file to write (.q2q)")
+    made.add_argument(
+        "--out", type=output_file, required=True, metavar="FILE", help="model file to write (.q2q)"
+    )
     made.add_argument(
         "--below-mass", type=float, metavar="KG", help="mass of the vehicle below (default: the source's)"
     )

@@ -135,8 +135,8 @@ class Jet:
         shape = rel_pos.shape
         push, eta = np.empty(shape[:-1]), np.empty(shape)
         parts = (rel_pos, motion.source_vel, motion.source_axis, motion.vel)
-        pairs = _Pairs(*(_as_pairs(part, shape) for part in parts))
-        _evaluate_pairs(pairs, _law_of(self), push.reshape(-1), eta.reshape(-1, 3))
+        pairs = JetPairs(*(_as_pairs(part, shape) for part in parts))
+        evaluate_pairs(pairs, jet_law(self), push.reshape(-1), eta.reshape(-1, 3))
         return push, eta
 
 
@@ -147,7 +147,7 @@ def _as_pairs(part: Array, shape: tuple[int, ...]) -> Array:
     return np.ascontiguousarray(part, dtype=np.float64).reshape(-1, 3)
 
 
-class _Law(NamedTuple):
+class JetLaw(NamedTuple):
     """Parameters of a Jet for the compiled loop."""
 
     strength: float
@@ -164,7 +164,7 @@ class _Law(NamedTuple):
     range: float
 
 
-class _Pairs(NamedTuple):
+class JetPairs(NamedTuple):
     """Pairs for the compiled loop, (p, 3) each."""
 
     rel_pos: Array
@@ -174,14 +174,15 @@ class _Pairs(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def _law_of(jet: Jet) -> _Law:
+def jet_law(jet: Jet) -> JetLaw:
+    """Return the parameters of a jet for compiled code."""
     shape = jet.strength, jet.reference_gap, jet.decay == "power", jet.virtual_origin, jet.decay_rate
     width = jet.width, jet.spread, jet.upper_ratio
-    return _Law(*shape, *width, jet.travel_speed, jet.carried, jet.velocity_share, jet.range)
+    return JetLaw(*shape, *width, jet.travel_speed, jet.carried, jet.velocity_share, jet.range)
 
 
 @compiled
-def _drift(dz: float, vel: Array, axis: Array, law: _Law) -> tuple[float, float]:
+def _drift(dz: float, vel: Array, axis: Array, law: JetLaw) -> tuple[float, float]:
     """Return the horizontal displacement of the air since it left its source [m]."""
     upright = max(axis[2], 0.5)
     sx, sy = axis[0] / upright, axis[1] / upright
@@ -194,7 +195,7 @@ def _drift(dz: float, vel: Array, axis: Array, law: _Law) -> tuple[float, float]
 
 
 @compiled
-def _push(pairs: _Pairs, k: int, law: _Law) -> float:
+def _push(pairs: JetPairs, k: int, law: JetLaw) -> float:
     """Return the downward acceleration [m/s^2] of the lower vehicle of pair k."""
     x, y, dz = pairs.rel_pos[k, 0], pairs.rel_pos[k, 1], pairs.rel_pos[k, 2]
     gap, meeting = dz * math.tanh(dz / BLEND), 1.0
@@ -214,7 +215,7 @@ def _push(pairs: _Pairs, k: int, law: _Law) -> float:
 
 
 @compiled
-def _evaluate_pairs(pairs: _Pairs, law: _Law, push: Array, eta: Array) -> None:
+def evaluate_pairs(pairs: JetPairs, law: JetLaw, push: Array, eta: Array) -> None:
     """Write the downward acceleration (p,) and eta (p, 3) [m/s^2]."""
     for k in range(push.size):
         push[k] = _push(pairs, k, law)

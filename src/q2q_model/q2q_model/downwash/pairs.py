@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
+from q2q_model.downwash.jet import JetLaw, JetPairs, evaluate_pairs
 from q2q_model.downwash.pairs_in_reach import sweep
 from q2q_model.signals.values import Array, InterferenceStatus, Status
 
@@ -101,3 +102,36 @@ def sum_over_sources(
             std[i, k] = math.sqrt(std[i, k]) if whole else math.nan
         if not whole:
             status[i] = _NO_MODEL
+
+
+@compiled
+def write_present(
+    states: Array, untracked: Flags, bounds: tuple[float, float, float], law: JetLaw, sums: InteractionSums
+) -> Array:
+    """Write the sums over all sources of a jet that needs no past; return `now`.
+
+    It takes one call in place of three: for two vehicles a third of the time.
+
+    Args:
+        states: as above.
+        untracked: which vehicles are not tracked, (n,).
+        bounds: horizontal and vertical reach [m], largest delay [s].
+        law: of one pair.
+        sums: written.
+    """
+    n, now = len(states), np.empty((len(states), 9))
+    keys = find_pairs(states, now, bounds)
+    shape, stale = (keys.size, 3), np.empty(keys.size, np.bool_)
+    pairs = JetPairs(np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape))
+    for p in range(keys.size):
+        i, j = keys[p] // n, keys[p] % n
+        stale[p] = untracked[j]
+        for k in range(3):
+            pairs.rel_pos[p, k] = now[j, k] - now[i, k]
+            pairs.source_vel[p, k], pairs.source_axis[p, k] = now[j, 3 + k], now[j, 6 + k]
+            pairs.vel[p, k] = now[i, 3 + k]
+    eta = np.empty(shape)
+    evaluate_pairs(pairs, law, np.empty(keys.size), eta)
+    answers = PairInteractions(eta, np.full(shape, np.nan), stale)
+    sum_over_sources(keys, answers, states, bounds[0] > 0.0, sums)
+    return now

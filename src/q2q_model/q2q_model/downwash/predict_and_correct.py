@@ -18,7 +18,6 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 | a vehicle without prediction (NO_MODEL) | the prediction unchanged |
 """
 
-from collections import deque
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +26,7 @@ from numpy.typing import NDArray
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
 from q2q_model.estimation.measured_push import MeasuredPush
+from q2q_model.signals.recent_ticks import SAME_STAMP, RecentTicks
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -43,8 +43,6 @@ CLEAR = 0.05
 """Downwash that a vehicle in clear air may feel at most [m/s^2]: a tenth of the residual's size."""
 OFFSET_S = 5.0
 """Time constant of b [s]: shorter than a battery's discharge, longer than a passage."""
-SAME_STAMP = 1e-6
-"""[s]"""
 
 
 class PredictAndCorrect:
@@ -56,7 +54,7 @@ class PredictAndCorrect:
 
     def reset(self) -> None:
         """Forget predictions and measurements."""
-        self._predicted: deque[Interference] = deque()
+        self._predicted: RecentTicks[Interference] = RecentTicks(OLDEST)
         self._t = -np.inf
         self._names: Names = ()
         self._residual: Array = np.zeros(0)
@@ -67,11 +65,10 @@ class PredictAndCorrect:
 
     def update(self, prediction: Interference) -> Interference:
         """Return a prediction corrected by what has been measured."""
-        if self._predicted and prediction.t < self._predicted[-1].t - SAME_STAMP:
+        last = self._predicted.last
+        if last is not None and prediction.t < last.t - SAME_STAMP:
             self.reset()
-        self._predicted.append(prediction)
-        while self._predicted[0].t < prediction.t - OLDEST:
-            self._predicted.popleft()
+        self._predicted.remember(prediction)
         age = prediction.t - self._t
         rows = index_of(prediction.names, self._names)
         known = (rows >= 0) & (prediction.status != InterferenceStatus.NO_MODEL)
@@ -87,7 +84,7 @@ class PredictAndCorrect:
 
     def measure(self, t: float, names: Names, push: Array) -> None:
         """Take measured pushes y [m/s^2], (n,), of time t [s]; NaN where unknown."""
-        then = next((one for one in self._predicted if abs(one.t - t) < SAME_STAMP), None)
+        then = self._predicted.at(t)
         if then is None or t <= self._t:
             return
         if names != self._names:

@@ -22,11 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, retarded_pairs
+from q2q_model.downwash.jet import Jet, JetLaw, jet_law
 from q2q_model.downwash.pairs import (
     InteractionSums,
     PairInteractions,
     find_pairs,
     sum_over_sources,
+    write_present,
 )
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
@@ -47,8 +49,14 @@ class InteractionPredictor:
     """Block that maps SwarmState to Interference; the model can be exchanged in flight."""
 
     def __init__(self, model: InteractionModel) -> None:
-        self.model = model
+        self._use(model)
         self.reset()
+
+    def _use(self, model: InteractionModel) -> None:
+        """Take a model, with what does not change from tick to tick."""
+        self.model, self._terms, reach = model, source_terms(model), model.reach
+        self._bounds = reach.horizontal, reach.vertical, model.max_delay
+        self._present = _present_law(model)
 
     def reset(self) -> None:
         """Clear the history."""
@@ -60,23 +68,30 @@ class InteractionPredictor:
         """Use another model from the next stamp on; a history shorter than its delay is cleared."""
         if _span(model) > _span(self.model):
             self.reset()
-        self.model = model
+        self._use(model)
 
     def update(self, state: SwarmState) -> Interference:
         """Return the downwash on every vehicle of `state`, in its order."""
         if is_repeated(self._last, state.t, state.names):
             return self._last
         states = np.concatenate((state.pos, state.vel, state.quat), axis=1, dtype=np.float64)  # (n, 10)
-        model, now = self.model, np.empty((len(state.names), 9))
-        reach, delay = model.reach, model.max_delay
-        keys = find_pairs(states, now, (reach.horizontal, reach.vertical, delay))
+        acc, std = np.empty((2, *state.pos.shape))
+        sums = InteractionSums(acc, std, np.empty(len(state.names), dtype=np.uint8))
+        if self._present is None:
+            self._sum(state, states, sums)
+        else:
+            untracked = np.not_equal(state.status, TrackStatus.TRACKED)
+            self._remember(state, write_present(states, untracked, self._bounds, self._present, sums))
+        self._last = Interference(t=state.t, names=state.names, acc=acc, std=std, status=sums.status)
+        return self._last
+
+    def _sum(self, state: SwarmState, states: Array, sums: InteractionSums) -> None:
+        """Write the sums over all sources, whose past the model may need."""
+        now = np.empty((len(state.names), 9))
+        keys = find_pairs(states, now, self._bounds)
         self._remember(state, now)
         answers = self._answers(state, now, keys) if keys.size else _NO_PAIR
-        acc, std = np.empty((2, *state.pos.shape))
-        status = np.empty(len(state.names), dtype=np.uint8)
-        sum_over_sources(keys, answers, states, reach.horizontal > 0.0, InteractionSums(acc, std, status))
-        self._last = Interference(t=state.t, names=state.names, acc=acc, std=std, status=status)
-        return self._last
+        sum_over_sources(keys, answers, states, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> None:
         if state.t < self._history.oldest:
@@ -102,10 +117,9 @@ class InteractionPredictor:
 
         rel_pos, motion = retarded_pairs(self.model, now[i, :3], now[i, 3:6], _sources(now[j]), past)
         eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
-        terms = source_terms(self.model)
-        if terms != PAIRS_ALONE:
-            thrust = self._thrust_ratio(state.t, now, keys, terms)
-            share = strengths(i, j, eta[:, 2:].copy(), thrust, terms)
+        if self._terms != PAIRS_ALONE:
+            thrust = self._thrust_ratio(state.t, now, keys, self._terms)
+            share = strengths(i, j, eta[:, 2:].copy(), thrust, self._terms)
             eta, deviation = share * eta, share * deviation
         return PairInteractions(eta, deviation, stale)
 
@@ -129,3 +143,10 @@ def _sources(states: Array) -> SourceStates:
 def _span(model: InteractionModel) -> float:
     """Return the length of the history that a model needs [s]."""
     return model.max_delay + (HALF_SPAN_S if source_terms(model).loading > 0.0 else 0.0)
+
+
+def _present_law(model: InteractionModel) -> JetLaw | None:
+    """Return the law of a jet without delay, terms between sources and known deviation; None for others."""
+    if not isinstance(model, Jet) or model.max_delay > 0.0 or source_terms(model) != PAIRS_ALONE:
+        return None
+    return jet_law(model) if model.relative_std + model.std_floor == 0.0 else None

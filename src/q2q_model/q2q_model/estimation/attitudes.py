@@ -2,7 +2,9 @@
 
 A quaternion q, tau after the last accepted one q0, is accepted if its angle to q0 is at most
 turn_max + turn_rate_max tau, where tau stops growing at the first rejection. A rejected attitude that lasts
-for `reacquire_s` is accepted. q and -q are one attitude: the sign nearest the last is kept. The body rate is
+for `reacquire_s` is accepted. The first attitude of a track is accepted if its body z points up: a vehicle in
+flight is not upside down, a reflected rigid body may be, and a controller that believed it would stop the
+motors. q and -q are one attitude: the sign nearest the last is kept. The body rate is
 the constant rate between successive attitudes behind a first-order low-pass filter, so it lags by half a
 sample and the filter's time constant T:
 
@@ -26,7 +28,7 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.estimation.reacquisition import SAME_INSTANT
 from q2q_model.flights.outliers import Mask
-from q2q_model.geometry.rotations import identity_quat, quat_between, vector_from_quat
+from q2q_model.geometry.rotations import identity_quat, matrix_from_quat, quat_between, vector_from_quat
 from q2q_model.signals.values import Array
 
 UNIT_TOLERANCE = 0.05
@@ -108,10 +110,11 @@ class AttitudeTracks:
         turn = quat_between(tracks.quat, quat)
         present = ~np.isnan(turn[:, 3])
         near = tracks.seen & self._plausible(t, turn)
-        rejected = present & ~near & tracks.seen
+        first = ~tracks.seen & _is_upright(quat)
+        rejected = present & ~near & ~first
         tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
         lasting = t - tracks.rejected_since >= params.reacquire_s - SAME_INSTANT
-        accepted = present & (near | ~tracks.seen | lasting)
+        accepted = present & (near | first | lasting)
         followed = near & (t - tracks.time <= params.coast_s + SAME_INSTANT)
         rate = self._rate(turn, np.where(followed, t - tracks.time, 1.0))
         tracks.ang_vel_body[:] = np.where(followed[:, None], rate, 0.0)
@@ -137,6 +140,11 @@ def _unit_or_nan(measured: Array) -> Array:
     bounded = np.where(np.abs(measured) <= 1.0 + UNIT_TOLERANCE, measured, np.nan)
     length = np.sqrt((bounded * bounded).sum(axis=1, keepdims=True))
     return np.asarray(bounded / np.where(np.abs(length - 1.0) <= UNIT_TOLERANCE, length, np.nan))
+
+
+def _is_upright(quat: Array) -> Mask:
+    """Return whether body z points up, row by row of (n, 4)."""
+    return np.asarray(matrix_from_quat(quat)[:, 2, 2] > 0.0)
 
 
 def _unseen(count: int) -> Attitudes:

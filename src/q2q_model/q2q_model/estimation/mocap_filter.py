@@ -183,7 +183,7 @@ class MocapFilter:
         self._before = poses
         self._count(poses, tracked)
         self._counts["attitudes_refused"] += rejected
-        age = self._positions.age(frame.t)
+        age, status = self._age_and_status(frame.t, tracked)
         return SwarmState(
             t=frame.t,
             names=self._names,
@@ -192,7 +192,7 @@ class MocapFilter:
             quat=self._attitudes.quat,
             ang_vel_body=self._attitudes.ang_vel_body,
             age=age,
-            status=self._status(age, tracked.trusted),
+            status=status,
         )
 
     def _by_track(self, frame: MocapFrame) -> _Poses:
@@ -212,9 +212,12 @@ class MocapFilter:
         lent = np.where(tracked.accepted[:, None], quat[tracked.source], np.nan)
         return self._attitudes.nearest(quat, lent)
 
-    def _status(self, age: Array, trusted: Mask) -> Status:
+    def _age_and_status(self, t: float, tracked: TrackUpdate) -> tuple[Array, Status]:
+        if tracked.nominal:
+            return np.zeros(len(self._names)), np.full(len(self._names), _TRACKED)
+        age = self._positions.age(t)
         late = np.where(age <= self._params.coast_s + SAME_INSTANT, _COASTING, _LOST)
-        return np.where(trusted, _TRACKED, late)
+        return age, np.where(tracked.trusted, _TRACKED, late)
 
     def _match(self, names: Names) -> NDArray[np.intp]:
         """Return the track of each row of a frame; -1 for rows to ignore."""

@@ -114,8 +114,10 @@ class PositionTracks:
         self._tracks = TrackColumns(*(np.concatenate(pair) for pair in pairs))
         self._reacquisition.grow(extra)
         count = len(self._tracks.seen)
-        self._none = np.zeros(count, np.bool_)
+        self._none, self._all = np.zeros(count, np.bool_), np.ones(count, np.bool_)
         self._all_own = Association(np.arange(count), self._none, self._none)
+        never = SteadyGain(np.zeros((count, 3)), 0.0, -np.inf)
+        self._follow(0.0, np.zeros((count, 3)), self._none, never)  # loads the kernel before the first tick
         self._steady: SteadyGain | None = None
 
     def age(self, t: float) -> Array:
@@ -130,25 +132,29 @@ class PositionTracks:
             measured: Positions [m], (n, 3); NaN where absent.
             repeated: Poses that equal the last frame's bit for bit, (n,); None where no x does.
         """
-        repeats = self._none if repeated is None else repeated
-        steady = self._steady if self._steady is not None and self._steady.is_due(t) else None
-        at = self._look_ahead(t, measured, repeats, steady)
-        if steady is not None and not at.nominal:
-            steady, at = None, self._look_ahead(t, measured, repeats, None)
+        samples = measured.copy()  # of one layout for the kernels, whatever they are cut from
+        repeats, steady = self._none if repeated is None else repeated, self._steady
+        if steady is not None and steady.is_due(t):
+            followed = self._follow(t, samples, repeats, steady)
+            if followed is not None:
+                return followed
+        at = Prediction(*look_ahead((t, np.nan), samples, repeats, self._params, self._tracks))
         assigned, cov = self._associate(t, at), self._tracks.cov.copy()
         pos, vel = accept(t, at, assigned, self._noise_var, self._tracks)
         self._steady = None
-        if steady is not None:
-            self._tracks.cov[:], self._steady = cov, steady._replace(t=t)
-        elif at.nominal and repeated is None:
+        if at.nominal and repeated is None:
             self._steady = steady_gain(at.K, (t, at.elapsed), (cov, self._tracks.cov))
         trusted = (assigned.source >= 0) & self._tracks.confirmed
         return TrackUpdate(pos, vel, assigned.source, assigned.jumped, trusted, at.nominal)
 
-    def _look_ahead(self, t: float, measured: Array, repeated: Mask, steady: SteadyGain | None) -> Prediction:
-        tick = t, np.nan if steady is None else steady.period
-        at = Prediction(*look_ahead(tick, measured, repeated, self._params, self._tracks))
-        return at if steady is None else at._replace(K=steady.K)
+    def _follow(self, t: float, samples: Array, repeated: Mask, steady: SteadyGain) -> TrackUpdate | None:
+        """Return the tracks after a nominal tick; None, and no track changed, if it is not nominal."""
+        nominal, pos, vel = follow(t, (samples, repeated), steady, self._params, self._tracks)
+        if not nominal:
+            return None
+        self._reacquisition.forget(self._all)
+        self._steady = SteadyGain(steady.K, steady.period, t)
+        return TrackUpdate(pos, vel, self._all_own.source, self._none, self._all, nominal=True)
 
     def _associate(self, t: float, at: Prediction) -> Association:
         """Assign samples to tracks."""
@@ -261,6 +267,26 @@ def accept(
                 tracks.borrowed[i] += 1
         pos[i], vel[i] = tracks.state[i, 0], tracks.state[i, 1]
     return pos, vel
+
+
+@compiled
+def follow(
+    t: float, offered: tuple[Array, Mask], steady: SteadyGain, params: TrackParams, tracks: TrackColumns
+) -> tuple[bool, Array, Array]:
+    """Take one tick's samples at the steady gain, in one call; the covariance stands still.
+
+    Return whether the tick is nominal, else no track has changed, and positions and velocities, (n, 3) each.
+    `offered` is `measured` and `repeated` of look_ahead.
+    """
+    made = look_ahead((t, steady.period), offered[0], offered[1], params, tracks)
+    elapsed, state, cov, _, samples, own, reach, lost, nominal = made
+    if not nominal:
+        return False, samples, samples
+    at = Prediction(elapsed, state, cov, steady.K, samples, own, reach, lost, nominal)
+    none, before = np.zeros(len(own), np.bool_), tracks.cov.copy()
+    pos, vel = accept(t, at, Association(np.arange(len(own)), none, none), params.position_noise**2, tracks)
+    tracks.cov[:] = before
+    return True, pos, vel
 
 
 def _present(samples: Array) -> Mask:

@@ -76,12 +76,14 @@ class ModelFile:
 
 
 def save(path: Path, content: ModelFile) -> None:
-    """Write a model file.
+    """Write a model file; create the folders above it.
 
     Raises:
         ModelFileError: a number is not finite, or the class of the model or zone is not supported.
     """
-    path.write_text(encode(content), encoding="utf-8")
+    text = encode(content)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
 
 
 def load(path: Path) -> ModelFile:

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 
 from q2q_model.documents.plain_values import Plain
 
+LONGEST = 16_000_000
+"""Longest text that is read [characters]: a model also arrives on a topic, and its node waits meanwhile."""
+
 
 class SealedFileError(ValueError):
     """Error for a file of another format, of an unknown version, or damaged."""
@@ -39,8 +42,10 @@ def unsealed(text: str, form: FileFormat) -> dict[str, Plain]:
     """Return the entries of a file's text, without the checksum.
 
     Raises:
-        SealedFileError: not JSON, another format or version, or a wrong checksum.
+        SealedFileError: too long, not JSON, another format or version, or a wrong checksum.
     """
+    if len(text) > LONGEST:
+        raise SealedFileError(f"{len(text)} characters; at most {LONGEST} are read")
     try:
         body = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -56,7 +61,7 @@ def unsealed(text: str, form: FileFormat) -> dict[str, Plain]:
     return body
 
 
-def checksum(body: Mapping[str, Plain]) -> str:
+def checksum(body: Mapping[str, object]) -> str:
     """Return the checksum over entries."""
     canonical = json.dumps(body, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()

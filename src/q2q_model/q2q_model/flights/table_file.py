@@ -20,8 +20,10 @@ def read_columns(path: Path) -> Mapping[str, Array]:
         raise FileNotFoundError(f"no file {path}")
     if path.suffix not in TABLES:
         raise ValueError(f"{path} is neither .parquet nor .csv")
-    from pyarrow import ArrowException, csv, parquet
-
+    try:
+        from pyarrow import ArrowException, csv, parquet
+    except ImportError as missing:
+        raise ValueError(f"{path} is read by pyarrow, which is missing: `pip install pyarrow`") from missing
     try:
         table = parquet.read_table(path) if path.suffix == ".parquet" else csv.read_csv(path)
         return {name: np.asarray(table[name].to_numpy(), dtype=np.float64) for name in table.column_names}

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from rclpy.node import Node
 
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.ros.topics.qos import RECORD
+from q2q_model.ros.topics.qos import EVERY_TICK, SENSOR
 from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.tick_join import TickJoin
@@ -19,7 +19,7 @@ def receive_measured_ticks(node: Node, take: Callable[[SwarmState, SwarmCommand,
 
     After a stall each queue holds up to its depth; the join waits for as many, so that none is lost.
     """
-    join: TickJoin[Signal] = TickJoin(tuple(INPUTS), waiting=RECORD.depth)
+    join: TickJoin[Signal] = TickJoin(tuple(INPUTS), waiting=EVERY_TICK.depth)
 
     def receiver(topic: str, signal: type[Signal]) -> Callable[[bytes], None]:
         reader = SignalReader(signal)
@@ -32,4 +32,5 @@ def receive_measured_ticks(node: Node, take: Callable[[SwarmState, SwarmCommand,
         return receive
 
     for topic, signal in INPUTS.items():
-        node.create_subscription(MESSAGES[signal], topic, receiver(topic, signal), RECORD, raw=True)
+        profile = SENSOR if signal is SwarmImu else EVERY_TICK
+        node.create_subscription(MESSAGES[signal], topic, receiver(topic, signal), profile, raw=True)

@@ -7,6 +7,7 @@ in the order of `names`. World frame, z up; quaternions x y z w, body to world.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Status = NDArray[np.uint8]
 Names = tuple[str, ...]
+
+KNOWN_NAMES = 64
+"""Pairs of name lists whose rows are remembered: those of a flight's signals seldom change."""
 
 
 class TrackStatus(IntEnum):
@@ -149,7 +153,12 @@ class SwarmImu:
 
 
 def index_of(names: Sequence[str], among: Sequence[str]) -> NDArray[np.intp]:
-    """Return the row in `among` of each of `names`; -1 where it is absent. Shape (len(names),)."""
+    """Return a new array of the row in `among` of each of `names`; -1 where it is absent, (len(names),)."""
+    return _index_of(tuple(names), tuple(among)).copy()
+
+
+@lru_cache(maxsize=KNOWN_NAMES)
+def _index_of(names: Names, among: Names) -> NDArray[np.intp]:
     if names == among:
         return np.arange(len(names))
     rows = {name: row for row, name in enumerate(among)}

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from q2q_model import palette
 from q2q_model.downwash.interaction_model import InteractionModel, at_rest
 from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
 from q2q_model.identification.force.along_flight import eta_along
@@ -15,7 +16,6 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 DPI = 130
-MEASURED, SIMULATED, REFERENCE = "#1f77b4", "#c0392b", "#555555"
 
 
 def draw_all(found: Identification, stem: Path) -> list[Path]:
@@ -47,10 +47,12 @@ def _decay_figure(found: Identification) -> Figure:
     decay = found.decay
     if decay is not None:
         gaps = np.array([overlap.gap for overlap in decay.overlaps])
-        axes.plot(gaps, [overlap.dev for overlap in decay.overlaps], "o", color=MEASURED, label="flights")
+        axes.plot(
+            gaps, [overlap.dev for overlap in decay.overlaps], "o", color=palette.MEASURED, label="flights"
+        )
         along = np.linspace(0.0, 1.5 * gaps.max(), 200)
         curve = decay.alpha.value * np.exp(-decay.beta.value * along)
-        axes.plot(along, curve, color=SIMULATED, label="alpha exp(-beta dz)")
+        axes.plot(along, curve, color=palette.MODEL, label="alpha exp(-beta dz)")
         axes.legend()
     return figure
 
@@ -64,32 +66,40 @@ def _altitude_figure(
         deviation = deviation + downwash_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
     figure = Figure(figsize=(9.0, 2.8 * n))
     figure.subplots_adjust(left=0.09, right=0.98, top=1.0 - 0.2 / n, bottom=0.18 / n, hspace=0.08)
-    figure.suptitle(f"{record.name}: {title}")
+    figure.suptitle(f"{record.name}: {title}", x=0.09, ha="left")
+    lines = np.stack([record.ref[:, :, 0], record.pos[:, :, 2], record.ref[:, :, 0] + deviation])  # (3, T, n)
     for i, axes in enumerate(figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]):
         role = "lower" if is_lower(record)[i] else "upper"
-        axes.plot(record.t, record.ref[:, i, 0], "--", color=REFERENCE, label="reference")
-        axes.plot(record.t, record.pos[:, i, 2], color=MEASURED, label="measured")
-        axes.plot(record.t, record.ref[:, i, 0] + deviation[:, i], color=SIMULATED, label="simulated")
-        axes.set_ylabel(f"{record.names[i]} ({role}): z [m]")
+        axes.plot(record.t, lines[0, :, i], "--", color=palette.REFERENCE, label="reference", zorder=4.0)
+        axes.plot(record.t, lines[1, :, i], color=palette.MEASURED, label="measured")
+        axes.plot(record.t, lines[2, :, i], color=palette.MODEL, label="simulated")
+        axes.set(ylabel=f"{record.names[i]} ({role}): z [m]", ylim=_one_span(lines, i))
         axes.grid(alpha=0.3)
-        axes.legend(loc="upper right")
     axes.set_xlabel("t [s]")
+    figure.legend(*axes.get_legend_handles_labels(), loc="upper right", ncols=3, frameon=False)
     return figure
+
+
+def _one_span(lines: Array, i: int) -> tuple[float, float]:
+    """Return the limits of axis i [m]: the same span around each vehicle's `lines` (..., n)."""
+    low, high = (np.asarray(end(lines, axis=(0, 1))) for end in (np.nanmin, np.nanmax))
+    half = 0.55 * float((high - low).max())
+    return 0.5 * (low[i] + high[i]) - half, 0.5 * (low[i] + high[i]) + half
 
 
 def _downwash_figure(model: InteractionModel) -> Figure:
     """Return a map of eta on the lower and the upper vehicle over relative position (Figs 8 and 9)."""
     figure = Figure(figsize=(10.0, 4.2))
-    figure.subplots_adjust(left=0.07, right=0.97, top=0.92, bottom=0.13, wspace=0.32)
-    across = np.linspace(0.0, 0.4, 81)
-    for axes, sign, title in zip(figure.subplots(1, 2), (1.0, -1.0), ("lower", "upper"), strict=True):
-        gap = np.linspace(0.1, 1.5, 141)
-        eta = _grid(model, across, sign * gap)
-        drawn = axes.pcolormesh(across, gap, eta, cmap="viridis", shading="auto")
-        figure.colorbar(drawn, ax=axes, label="eta z [m/s²]")
-        axes.set(
-            title=f"downwash on the {title} vehicle", xlabel="across [m]", ylabel="height difference [m]"
-        )
+    figure.subplots_adjust(left=0.07, right=0.92, top=0.92, bottom=0.13, wspace=0.15)
+    across, gap = np.linspace(0.0, 0.4, 81), np.linspace(0.1, 1.5, 141)
+    maps = [_grid(model, across, sign * gap) for sign in (1.0, -1.0)]
+    most = float(np.abs(maps).max())
+    both = figure.subplots(1, 2, sharey=True)
+    for axes, eta, title in zip(both, maps, ("lower", "upper"), strict=True):
+        drawn = axes.pcolormesh(across, gap, eta, cmap="PuOr", vmin=-most, vmax=most, shading="auto")
+        axes.set(title=f"downwash on the {title} vehicle", xlabel="across [m]")
+    both[0].set_ylabel("height difference [m]")
+    figure.colorbar(drawn, ax=both, label="eta z [m/s²], downwards negative", fraction=0.05, pad=0.02)
     return figure
 
 

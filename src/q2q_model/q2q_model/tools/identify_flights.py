@@ -1,6 +1,5 @@
 """Identification of a model from recorded flights, with progress bar, report and plots."""
 
-import json
 import time
 from argparse import Namespace
 from dataclasses import dataclass, field
@@ -10,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from threadpoolctl import threadpool_limits
 
+from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import Plain, PlainValueError, to_plain
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import save
@@ -31,7 +31,7 @@ def run(args: Namespace) -> int:
         found, seconds = _run(args, Console(stderr=True))
     save(args.out, found.file)
     report_file = args.json or args.out.with_suffix(".json")
-    report_file.write_text(json.dumps(_as_json(found, seconds), indent=1) + "\n")
+    write_json(_as_json(found, seconds), report_file)
     pictures = [] if args.no_plots else _draw(found, report_file.with_suffix(""))
     print(summary(found))
     print(f"model: {args.out}\nreport: {report_file}")

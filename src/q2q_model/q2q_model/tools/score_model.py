@@ -1,11 +1,11 @@
 """Scores of an interaction model on recorded flights, separate and pooled."""
 
-import json
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import asdict
 
+from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
 from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, score
 from q2q_model.identification.force.thrust_lag import thrust_lag
@@ -26,7 +26,7 @@ def run(args: Namespace) -> int:
     pooled = score(law, [one for found in samples.values() for one in found])
     text = {"flights": {name: asdict(one) for name, one in scores.items()}, "pooled": asdict(pooled)}
     if args.json:
-        args.json.write_text(json.dumps(text, indent=1) + "\n")
+        write_json(text, args.json)
     for note in [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():

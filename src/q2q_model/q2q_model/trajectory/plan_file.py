@@ -2,9 +2,13 @@
 
 A file holds names, durations and coefficients (shortest decimals that round-trip), and what the plan was
 checked against and costs. It is data only: reading one runs no code.
+
+A checksum over all entries detects a plan that was edited after it was certified. It keeps nobody from
+writing another: q2q_planner.offline.certified_file proves a plan anew.
 """
 
 import json
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
@@ -12,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from q2q_model.files.sealed_json import checksum
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 
@@ -45,22 +50,25 @@ def encode(plan: SwarmPlan, facts: PlanFacts | None = None) -> str:
         {"name": name, "durations": curve.durations.tolist(), "coefficients": curve.coefficients.tolist()}
         for name, curve in zip(plan.names, plan.trajectories, strict=True)
     ]
-    document = {
+    document: dict[str, object] = {
         "format": FORMAT,
         "version": VERSION,
         "axes": "x y z [m], yaw [rad]; ascending powers of the time [s] since the piece's start",
         "certified": plan.certified,
         "zone": known.zone,
+        "zone_profile_m": [list(corner) for corner in plan.zone_profile],
         "snap_cost": _or_null(known.snap_cost),
         "snap_infimum": _or_null(known.snap_infimum),
         "clearance_m": _or_null(known.clearance),
         "vehicles": vehicles,
     }
-    return json.dumps(document, allow_nan=False)
+    return json.dumps(document | {"checksum": checksum(document)}, allow_nan=False)
 
 
 def decode(text: str, source: str = "plan") -> tuple[SwarmPlan, PlanFacts]:
     """Return the plan and its facts from JSON text.
+
+    A plan that states to be certified and has no checksum, as older files, is taken as not certified.
 
     Raises:
         ValueError: the text is no plan; the message names `source`, what was found and what is expected.
@@ -70,14 +78,38 @@ def decode(text: str, source: str = "plan") -> tuple[SwarmPlan, PlanFacts]:
         _check_format(document)
         rows = _list(document.get("vehicles"), "vehicles")
         named = [_vehicle(row, index) for index, row in enumerate(rows)]
-        certified = document.get("certified")
-        if not isinstance(certified, bool):
-            raise ValueError(f"certified = {certified!r}: expected true or false")  # noqa: TRY301, TRY004
-        plan = SwarmPlan(tuple(name for name, _ in named), tuple(curve for _, curve in named), certified)
+        names, curves = (tuple(name for name, _ in named), tuple(curve for _, curve in named))
+        plan = SwarmPlan(names, curves, _certified(document, source), _profile(document))
         facts = _facts(document)
     except (ValueError, OverflowError, RecursionError) as error:  # a JSONDecodeError is a ValueError
         raise ValueError(f"{source} is not a plan: {error}; {REMEDY}") from error
     return plan, facts
+
+
+def _certified(document: Mapping[str, object], source: str) -> bool:
+    """Return whether the plan was certified as it is; raise ValueError if it was edited since."""
+    stated = document.get("certified")
+    if not isinstance(stated, bool):
+        raise ValueError(f"certified = {stated!r}: expected true or false")  # noqa: TRY004
+    if not stated:
+        return False
+    if "checksum" not in document:
+        warnings.warn(f"{source} has no checksum: it is taken as not certified", stacklevel=4)
+        return False
+    if document["checksum"] != checksum({key: one for key, one in document.items() if key != "checksum"}):
+        raise ValueError(
+            "the checksum does not match: it was edited after it was certified (with certified = false it is "
+            "read without a proof)"
+        )
+    return True
+
+
+def _profile(document: Mapping[str, object]) -> tuple[tuple[float, float], ...]:
+    rows = _array(document.get("zone_profile_m", []), "zone_profile_m")
+    pairs = rows.size == 0 or (rows.ndim == 2 and rows.shape[1] == 2)
+    if not pairs or not ((rows >= 0.0) & (rows <= LARGEST)).all():
+        raise ValueError("zone_profile_m: expected pairs of a radius and a height [m], 0 or more")
+    return tuple((float(radius), float(height)) for radius, height in rows.reshape(-1, 2))
 
 
 def _facts(document: Mapping[str, object]) -> PlanFacts:
@@ -91,7 +123,9 @@ def _facts(document: Mapping[str, object]) -> PlanFacts:
 
 def save(path: Path, plan: SwarmPlan, facts: PlanFacts | None = None) -> None:
     """Write the plan to a file."""
-    path.write_text(encode(plan, facts) + "\n", encoding="utf-8")
+    text = encode(plan, facts) + "\n"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
 
 
 def load(path: Path) -> SwarmPlan:

@@ -6,13 +6,14 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
 EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --json cost.json --csv plan.csv
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --cut 0.88
+  ros2 run q2q_planner plan waypoints.yaml --out plan.json --risk 0.01 --tube 0.08 0.06
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --no-avoid --upload uploads/
 
 waypoints.yaml:
@@ -38,8 +39,8 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("plan", __doc__, EXAMPLE)
     made.add_argument("waypoints", type=Path, help="YAML file of waypoints")
-    made.add_argument("--out", type=Path, required=True, metavar="PLAN", help="plan file to write")
-    made.add_argument("--json", type=Path, help="write cost and proof to this file")
+    made.add_argument("--out", type=output_file, required=True, metavar="PLAN", help="plan file to write")
+    made.add_argument("--json", type=output_file, help="write cost and proof to this file")
     made.add_argument(
         "--avoid", action=argparse.BooleanOptionalAction, default=True, help="stay out of the zone"
     )
@@ -56,6 +57,7 @@ def parser() -> CommandLine:
         "--figures", type=Path, help="draw Figs 10 to 13 and a 3-D view of plan and zone into this folder"
     )
     _add_zone(made)
+    _add_risk(made)
     _add_limits(made)
     return made
 
@@ -71,6 +73,31 @@ def _add_zone(made: CommandLine) -> None:
     )
     zone.add_argument(
         "--cut", type=float, help="with --model: zone that avoids this share of the height error"
+    )
+
+
+def _add_risk(made: CommandLine) -> None:
+    risk = made.add_argument_group("risk, in place of a zone")
+    risk.add_argument(
+        "--risk",
+        type=float,
+        metavar="ALPHA",
+        help="zone by the probability that a vehicle leaves its tube, or meets downwash beyond its thrust "
+        "(--model, default measured_law), in a flight",
+    )
+    risk.add_argument(
+        "--tube",
+        type=float,
+        nargs=2,
+        metavar=("HORIZONTAL", "VERTICAL"),
+        help="largest tracking error in a flight [m]",
+    )
+    risk.add_argument("--tube-risk", type=float, help="probability to leave the tube (default ALPHA / 2)")
+    risk.add_argument(
+        "--hold", type=float, help="downwash that the thrust holds [m/s^2] (default: all but 1 m/s^2 of it)"
+    )
+    risk.add_argument(
+        "--touch", type=float, default=0.14, help="distance at which two vehicles touch [m] (default 0.14)"
     )
 
 

@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.offline.minimum_snap.flight_limits import peak_norm
@@ -87,15 +88,20 @@ class EncounterVerdict:
     """Largest horizontal shift of a vehicle [m]."""
 
 
-def random_encounter(generator: np.random.Generator, fewest: int = 2, most: int = 10) -> Encounter:
-    """Return an encounter of `fewest` to `most` vehicles at up to about 2 m/s; half of them apart."""
+def random_encounter(
+    generator: np.random.Generator, fewest: int = 2, most: int = 10, clear_by: float = APART
+) -> Encounter:
+    """Return an encounter of `fewest` to `most` vehicles at up to about 2 m/s; half of them apart.
+
+    Most start and end at least `clear_by` [m] apart horizontally.
+    """
     n = int(generator.integers(fewest, most + 1))
     shape = SHAPES[generator.integers(len(SHAPES))]
     end, side = generator.uniform(3.0, 5.0), generator.uniform(1.5, 2.0 + 0.2 * n)
     points = _points(generator, shape, n, side)
     clear = generator.random() < MOSTLY_CLEAR
     for _ in range(DRAWS if clear else 0):
-        if _all_clear(points[:, 0]) and _all_clear(points[:, -1]):
+        if _all_clear(points[:, 0], clear_by) and _all_clear(points[:, -1], clear_by):
             break
         points = _points(generator, shape, n, side)
     times = np.linspace(0.0, end, points.shape[1])
@@ -123,9 +129,9 @@ def _points(generator: np.random.Generator, shape: Shape, n: int, side: float) -
     return np.asarray(generator.uniform(-1.0, 1.0, (n, stops, 3)) * box + [0.0, 0.0, 1.2])
 
 
-def _all_clear(pos: Array) -> bool:
+def _all_clear(pos: Array, clear_by: float = APART) -> bool:
     i, j = np.triu_indices(len(pos), 1)
-    return bool(np.hypot(*(pos[i] - pos[j])[:, :2].T).min() > APART)
+    return bool(np.hypot(*(pos[i] - pos[j])[:, :2].T).min() > clear_by)
 
 
 def _waypoint(t: float, pos: Array) -> Waypoint:
@@ -172,23 +178,13 @@ def _fly_apart(
         for i, replanner in enumerate(replanners):
             received = np.minimum(newest[tick, i], len(known) - 1)
             received[i] = len(known) - 1
-            rows.append(replanner.update(_alone(reference, i), _received(reference.t, known, received)))
+            rows.append(
+                replanner.update(
+                    of_vehicles(reference, np.array([i])), _received(reference.t, known, received)
+                )
+            )
         flown.append(_joined(reference, rows))
     return flown
-
-
-def _alone(whole: SwarmSetpoint, row: int) -> SwarmSetpoint:
-    one = slice(row, row + 1)
-    return replace(
-        whole,
-        names=whole.names[one],
-        pos=whole.pos[one],
-        vel=whole.vel[one],
-        acc=whole.acc[one],
-        yaw=whole.yaw[one],
-        yaw_rate=whole.yaw_rate[one],
-        status=whole.status[one],
-    )
 
 
 def _received(t: float, flown: Sequence[SwarmSetpoint], tick: Array) -> SwarmState:

@@ -8,11 +8,12 @@ hull of its Bernstein control points c_k, so for every unit n
 holds for all t of the stretch (`convex_zone`). With n the zone's normal at the middle of the stretch the
 bound is second order in its length. Stretches whose bound is above the least distance found so far are
 discarded; the others are halved. The result is the clearance: a lower bound of the signed distance over all
-pairs and all t, within TOLERANCE. It is proven up to ROUNDING. After their last waypoint vehicles are at
-rest; that time is covered by their last point.
+pairs and all t, within TOLERANCE, less a bound of all rounding that grows with the coefficients
+(`rounding_bound`), at least ROUNDING: it holds for the exact polynomials and for the setpoints that a player
+computes from them. After their last waypoint vehicles are at rest; that time is covered by their last point.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,19 +23,23 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
+from q2q_planner.offline.rounding_bound import DEEPEST, rounding_bound
 from q2q_planner.offline.shared_pieces import SharedPieces, shared_pieces
 
 TOLERANCE = 1e-5
 """How far the clearance may lie below the true least distance [m]."""
 
 ROUNDING = 1e-9
-"""Slack for rounding [m]: 1e5 times the last bit of a position of 50 m."""
+"""Least slack for rounding [m]: 1e5 times the last bit of a position of 50 m."""
+
+MOST_ROUNDING = 1.0
+"""Rounding beyond which nothing is computed, so that nothing overflows [m]."""
+
+MOST_STRETCHES = 10_000_000
+"""Stretches beyond which a plan is not searched further, for its memory: a hundred vehicles have a tenth."""
 
 LIKELY = 256
 """Number of nearest boxes evaluated first, for an initial least distance."""
-
-DEEPEST = 40
-"""Most halvings of a piece: 1e-12 of its length."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +47,8 @@ class Certificate:
     """Proven clearance of a plan from a zone."""
 
     clearance: float
-    """Lower bound of every pair's distance to the zone at any t [m]; infinite for one vehicle."""
+    """Lower bound of every pair's distance to the zone at any t [m]; infinite for one vehicle, -infinite if
+    rounding is above MOST_ROUNDING, or there are more than MOST_STRETCHES."""
     pair: tuple[str, str] | None
     """The pair that comes nearest."""
     t: float
@@ -58,12 +64,23 @@ def certify(plan: SwarmPlan, zone: Zone, tolerance: float = TOLERANCE) -> Certif
     """Return the proven clearance of a plan from a zone."""
     if len(plan.names) < 2:
         return Certificate(np.inf, None, 0.0)
+    rounding = max(ROUNDING, rounding_bound(plan.trajectories))
+    if not rounding < MOST_ROUNDING:
+        return Certificate(-np.inf, (plan.names[0], plan.names[1]), 0.0)
     lathe, shared = lathe_around(zone), shared_pieces(plan.trajectories)
+    if len(shared.durations) * len(plan.names) * (len(plan.names) - 1) > 2 * MOST_STRETCHES:
+        return Certificate(-np.inf, (plan.names[0], plan.names[1]), 0.0)
     stretches = _stretches(shared, lathe)
     bound, where = _least_distance(stretches, lathe, tolerance)
     first, second = (plan.names[row] for row in (stretches.first[where[0]], stretches.second[where[0]]))
     t = shared.starts[stretches.piece[where[0]]] + where[1] * shared.durations[stretches.piece[where[0]]]
-    return Certificate(bound - ROUNDING, (first, second), float(t))
+    return Certificate(bound - rounding, (first, second), float(t))
+
+
+def as_certified(plan: SwarmPlan, lathe: Lathe) -> SwarmPlan:
+    """Return a plan marked as certified for a zone, of which its certificate was found to hold."""
+    profile = tuple((float(radius), float(height)) for radius, height in lathe.profile)
+    return replace(plan, certified=True, zone_profile=profile)
 
 
 Rows = NDArray[np.intp]
@@ -130,6 +147,8 @@ def _least_distance(stretches: _Stretches, lathe: Lathe, tolerance: float) -> tu
         owner = np.concatenate([owner[open_], owner[open_]])
         length *= 0.5
         share = np.concatenate([share[open_], share[open_] + length])
+        if len(owner) > MOST_STRETCHES:
+            break
     return min(floor, best, float(_lower_bounds(points, *_at_middle(points, lathe)).min())), where
 
 

@@ -10,6 +10,7 @@ Every zone lies in its Lathe: a cylinder is one with a single profile point; any
 height, and each piece of its profile gets a corner that contains it.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,9 @@ TANGENTS = 16
 
 SHORTEST_EDGE = 1e-9
 """Edges of a profile shorter than this are rounding [m]."""
+
+BENT = 1e-6
+"""Turns of a profile smaller than this are rounding [rad]: the last bit of 1 m over SHORTEST_EDGE."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,6 +125,33 @@ def lathe_around(zone: Zone) -> Lathe:
     )
     normal = _directions(corners.max(axis=0))
     return _wrapped(normal, (normal @ corners.T).max(axis=1))
+
+
+def lathe_of_profile(corners: Sequence[tuple[float, float]]) -> Lathe:
+    """Return the Lathe of a profile from elsewhere.
+
+    Raises:
+        ValueError: no corner, or corners (radius, height) not in the order of a convex first quadrant.
+    """
+    made = Lathe(np.array(corners, dtype=np.float64).reshape(-1, 2))
+    if not made.profile.any():
+        raise ValueError("the profile of the zone has no corner away from its centre")
+    _, step, _ = made._edges()  # noqa: SLF001
+    along = step / np.hypot(step[:, 0], step[:, 1])[:, None]
+    turns = along[:-1, 0] * along[1:, 1] - along[:-1, 1] * along[1:, 0]
+    if (along[:, 0] > BENT).any() or (along[:, 1] < -BENT).any() or (turns < -BENT).any():
+        raise ValueError("the profile of the zone is not convex, with rising heights and falling radii")
+    return made
+
+
+def lathe_by_support(support: Callable[[Array], Array], size: Array) -> Lathe:
+    """Return a Lathe around the convex solid of a support function of unit directions (k, 2) of its profile.
+
+    `size` is about its radius and half height [m], (2,): directions are spread evenly on such a profile.
+    """
+    normal = _directions(size)
+    normal /= np.hypot(normal[:, 0], normal[:, 1])[:, None]
+    return _wrapped(normal, support(normal))
 
 
 def _radii(zone: Zone, heights: Array) -> Array:

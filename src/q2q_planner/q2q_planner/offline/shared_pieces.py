@@ -40,14 +40,19 @@ def split(trajectory: Trajectory, cuts: Array) -> Trajectory:
 
 def shared_pieces(trajectories: Sequence[Trajectory]) -> SharedPieces:
     """Return the positions of all vehicles on the union of their pieces."""
-    ends = np.concatenate([np.cumsum(trajectory.durations) for trajectory in trajectories])
-    cuts = _merged(np.concatenate([[0.0], ends]))
+    cuts = common_cuts(trajectories)
     order = max(trajectory.coefficients.shape[-1] for trajectory in trajectories)
     aligned = np.zeros((len(cuts) - 1, len(trajectories), 3, order))
     for row, trajectory in enumerate(trajectories):
         pieces = split(trajectory, cuts).coefficients[:, :3]
         aligned[:, row, :, : pieces.shape[-1]] = pieces
     return SharedPieces(cuts[:-1], np.diff(cuts), aligned)
+
+
+def common_cuts(trajectories: Sequence[Trajectory]) -> Array:
+    """Return 0 and the times at which a piece of any vehicle ends [s], rising, more than SAME_TIME apart."""
+    ends = [np.cumsum(trajectory.durations) for trajectory in trajectories]
+    return _merged(np.concatenate([[0.0], *ends]))
 
 
 def _merged(times: Array) -> Array:

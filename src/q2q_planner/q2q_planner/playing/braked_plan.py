@@ -5,6 +5,8 @@ plan time, so they keep the relative positions for which the plan was certified.
 in s becomes one of twice its degree in tau.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.polynomial import polynomial
 
@@ -18,7 +20,7 @@ BRAKE_S = 1.0
 def braked(plan: SwarmPlan, s: float, duration: float = BRAKE_S) -> SwarmPlan:
     """Return the plan that starts at plan time s [s] of `plan` and comes to rest within `duration` [s]."""
     curves = tuple(_braked(one, s, duration) for one in plan.trajectories)
-    return SwarmPlan(plan.names, curves, plan.certified)
+    return replace(plan, trajectories=curves)
 
 
 def _braked(curve: Trajectory, s: float, duration: float) -> Trajectory:

@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.node.reply import Reply
-from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint
+from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.playing.braked_plan import braked
 from q2q_planner.playing.glide import GlideParams, glide
@@ -101,11 +101,11 @@ class PlanPlayer:
         return Reply(granted=True, reason=f"at rest in {stopping.duration:.1f} s")
 
     def _see(self, frame: MocapFrame) -> None:
-        for row, name in enumerate(frame.names):
-            if name in self._plan.names and np.isfinite(frame.pos[row]).all():
-                yaw = float(yaw_from_quat(frame.quat[row]))
-                own = self._plan.names.index(name)
-                self._seen[own] = [*frame.pos[row], yaw if np.isfinite(yaw) else 0.0]
+        rows = index_of(frame.names, self._plan.names)
+        seen = (rows >= 0) & np.isfinite(frame.pos).all(axis=1)
+        yaw = yaw_from_quat(frame.quat[seen])
+        self._seen[rows[seen], :3] = frame.pos[seen]
+        self._seen[rows[seen], 3] = np.where(np.isfinite(yaw), yaw, 0.0)
 
     def _resting(self, t: float) -> SwarmSetpoint:
         missing = [

@@ -23,9 +23,9 @@ from q2q_model.ros.node.tick import TickWiring
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import MocapFrame, SwarmSetpoint
-from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.offline.certified_file import load_plan
 from q2q_planner.playing.glide import GlideParams
 from q2q_planner.playing.plan_player import PlanPlayer, Played
 
@@ -52,7 +52,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         raise ValueError(
             "parameter plan is empty: give a plan file, e.g. one written by `ros2 run q2q_planner plan`"
         )
-    plan = plan_file.load(Path(params.plan))
+    plan = load_plan(Path(params.plan))
     player = PlanPlayer(plan, params.start, declare(node, GlideParams()), wait=params.wait)
     played = _PlayedPlan(player, node.create_publisher(Plan, "plan", LATCHED))
     if player.played is not None:  # known before the first tick, in time for previews

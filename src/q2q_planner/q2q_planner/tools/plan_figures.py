@@ -11,10 +11,12 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
 
+from q2q_model import palette
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.geometry.zone import Zone
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Names
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.offline.altitude_response import PAPER_LOOP, altitude_errors
 from q2q_planner.offline.convex_zone import lathe_around
@@ -77,8 +79,10 @@ def _heights(plan: SwarmPlan, curves: dict[str, Array], model: InteractionModel)
         t = TICK * np.arange(len(pos))
         for row, name in enumerate(plan.names):
             axis: Axes = axes[row, column]
-            axis.plot(t, pos[:, row, 2], color="tab:green", label="reference")
-            axis.plot(t, pos[:, row, 2] + errors[:, row], color="tab:blue", linewidth=0.8, label="simulated")
+            axis.plot(t, pos[:, row, 2], "--", color=palette.REFERENCE, label="reference", zorder=4.0)
+            axis.plot(
+                t, pos[:, row, 2] + errors[:, row], color=palette.MODEL, linewidth=0.8, label="simulated"
+            )
             axis.set_ylabel("z [m]")
             axis.set_title(f"{name}, {title}: RMS {np.sqrt((errors[:, row] ** 2).mean()):.4f} m")
     axes[0, 0].legend()
@@ -95,16 +99,19 @@ def _checked(figure: object) -> Figure:
 def _beside(plan: SwarmPlan, curves: dict[str, Array], zone: Zone) -> Figure:
     """Draw trajectories above relative distances, one column per curve."""
     figure = plt.figure(figsize=(5.5 * len(curves), 8.5))
+    below: list[Axes] = []
     for column, (title, pos) in enumerate(curves.items()):
         space = figure.add_subplot(2, len(curves), column + 1, projection="3d")
-        for row, name in enumerate(plan.names):
-            space.plot(*pos[:, row].T, label=name)
+        _paths(space, plan.names, pos)
         space.set_title(title)
-        space.set_xlabel("x [m]")
-        space.set_ylabel("y [m]")
-        if len(plan.names) <= MOST_PAIRS:
-            space.legend()
-        _distances(figure.add_subplot(2, len(curves), len(curves) + column + 1), plan, pos, zone)
+        space.set_aspect("equal")
+        below.append(figure.add_subplot(2, len(curves), len(curves) + column + 1))
+        _distances(below[-1], plan, pos, zone)
+    low, high = (pick(axis.get_ylim()[k] for axis in below) for k, pick in enumerate((min, max)))
+    for axis in below:
+        axis.axhspan(min(low, 0.0), 0.0, color=palette.ZONE, alpha=0.4, label="inside the zone")
+        axis.set_ylim(low, high)
+        axis.legend(fontsize="small", loc="lower right")
     return _checked(figure)
 
 
@@ -116,10 +123,8 @@ def _distances(axis: Axes, plan: SwarmPlan, pos: Array, zone: Zone) -> None:
     for row in nearest:
         i, j = pairs[row]
         axis.plot(t, distances[row], label=f"{plan.names[i]}, {plan.names[j]}")
-    axis.axhspan(min(0.0, axis.get_ylim()[0]), 0.0, color="tab:red", alpha=0.2, label="inside the zone")
     axis.set_xlabel("t [s]")
     axis.set_ylabel("distance to the zone [m]")
-    axis.legend(fontsize="small")
 
 
 def _solid(plan: SwarmPlan, pos: Array, zone: Zone) -> Figure:
@@ -127,18 +132,26 @@ def _solid(plan: SwarmPlan, pos: Array, zone: Zone) -> Figure:
     pairs = list(combinations(range(pos.shape[1]), 2))
     figure = plt.figure(figsize=(7, 7))
     space = figure.add_subplot(projection="3d")
-    for row, name in enumerate(plan.names):
-        space.plot(*pos[:, row].T, label=name)
+    _paths(space, plan.names, pos)
     if pairs:
         distances = np.array([zone.signed_distance(pos[:, i] - pos[:, j]) for i, j in pairs])
         pair, moment = np.unravel_index(distances.argmin(), distances.shape)
         centre = pos[moment, pairs[pair][1]]
-        space.plot_surface(*(_surface(zone) + centre[:, None, None]), color="tab:red", alpha=0.2)
+        space.plot_surface(*(_surface(zone) + centre[:, None, None]), color=palette.ZONE, alpha=0.4)
         space.scatter(*pos[moment].T, color="black", s=12)
         space.set_title(f"nearest at t = {moment * TICK:.2f} s, zone around {plan.names[pairs[pair][1]]}")
-    if len(plan.names) <= MOST_PAIRS:
-        space.legend()
+    space.set_aspect("equal")
     return _checked(figure)
+
+
+def _paths(space: Axes3D, names: Names, pos: Array) -> None:
+    """Draw the path of every vehicle."""
+    for row, name in enumerate(names):
+        space.plot(*pos[:, row].T, color=palette.VEHICLES[row % len(palette.VEHICLES)], label=name)
+    space.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    space.locator_params(axis="z", nbins=4)
+    if len(names) <= MOST_PAIRS:
+        space.legend(loc="upper left", fontsize="small")
 
 
 def _surface(zone: Zone) -> Array:

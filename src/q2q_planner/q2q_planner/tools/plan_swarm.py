@@ -1,12 +1,12 @@
 """Planning from the command line: zone, search, certificate, and the files of the plan."""
 
-import json
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from time import process_time
 
+from q2q_model.documents.json_file import write_json
 from q2q_model.downwash.level_set import level_set
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
@@ -15,12 +15,14 @@ from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
-from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.certificate import MOST_ROUNDING, Certificate, as_certified, certify
+from q2q_planner.offline.convex_zone import lathe_around
 from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_feasible, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.tools.export import write_samples, write_uploads
+from q2q_planner.tools.risk_options import risk_facts, terms_of, zone_by_risk
 from q2q_planner.tools.waypoint_file import read_waypoints
 
 LARGEST = 5.0
@@ -52,13 +54,19 @@ def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, bef
         found = avoid(swarm, zone, asked.reading, params, warm)
         return Planned(found.plan, found.certificate, found.cost, found.infimum, _ms_since(before))
     plan = minimum_snap_plan(swarm, asked.reading)
-    cost, proof = plan_cost(plan), certify(plan, zone)
-    plan = SwarmPlan(plan.names, plan.trajectories, proof.holds)
-    return Planned(plan, proof, cost, cost, _ms_since(before))
+    lathe = lathe_around(zone)
+    cost, proof = plan_cost(plan), certify(plan, lathe)
+    shown = as_certified(plan, lathe) if proof.holds else plan
+    return Planned(shown, proof, cost, cost, _ms_since(before))
 
 
 def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
     """Return the zone of the command line, and its description."""
+    if asked.risk is not None:
+        return zone_by_risk(asked)
+    for option in ("tube", "tube_risk", "hold"):
+        if getattr(asked, option) is not None:
+            raise ValueError(f"--{option.replace('_', '-')} needs --risk, whose zone it changes")
     if asked.cut is not None:
         return _zone_by_cut(asked, swarm)
     if asked.model and asked.threshold is not None:
@@ -113,7 +121,8 @@ def run(asked: Namespace) -> int:
     swarm, before = swarm_of(asked), process_time()
     zone, words = zone_of(asked, swarm)
     made = planned(asked, swarm, zone, before)
-    check_feasible(made.plan, swarm, vehicle_by_name(asked.vehicle))
+    reserve = 0.0 if asked.risk is None else terms_of(asked).hold
+    check_feasible(made.plan, swarm, vehicle_by_name(asked.vehicle), reserve)
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     plan_file.save(asked.out, made.plan, facts)
@@ -128,7 +137,8 @@ def run(asked: Namespace) -> int:
 
 def _write_others(asked: Namespace, made: Planned) -> None:
     if asked.json:
-        asked.json.write_text(json.dumps(as_json(made), indent=1) + "\n")
+        facts = as_json(made) | risk_facts(asked, len(made.plan.names))
+        write_json(facts, asked.json)
     if asked.csv:
         write_samples(asked.csv, made.plan)
     if asked.upload:
@@ -148,6 +158,8 @@ def _verdict(made: Planned) -> str:
     proof = made.proof
     if proof.pair is None:
         return "one vehicle: no pair to certify"
+    if not isfinite(proof.clearance):
+        return f"NOT proven: coefficients so large that positions are rounded by more than {MOST_ROUNDING} m"
     nearest = f"{' and '.join(proof.pair)} at {proof.t:.2f} s"
     if proof.holds:
         return f"certified out of the zone for every t; nearest {proof.clearance * 1e3:.2f} mm, {nearest}"

@@ -21,7 +21,9 @@ FORMAT = FileFormat(name="q2q-air", noun="q2q air", version=1, maker="learn_air"
 
 def save(path: Path, air: RoomAir) -> None:
     """Write an air file; raise AirError if a number is not finite."""
-    path.write_text(encode(air), encoding="utf-8")
+    text = encode(air)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
 
 
 def load(path: Path) -> RoomAir:

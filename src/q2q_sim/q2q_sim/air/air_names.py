@@ -5,6 +5,8 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from q2q_model.files.shipped_folder import shipped_folder
+
 SUFFIX = ".air"
 LAWS = ("none", "paper", "measured")
 """Wake laws (q2q_sim.air.wake_laws)."""
@@ -17,8 +19,6 @@ RECORDED = "recorded"
 flights are named `recorded:PATH`."""
 FLIGHTS = Path("neural_swarm")
 """Folder of the room's flights within Q2Q_DATA."""
-IN_SHARE = Path("share", "q2q_sim", "config")
-IN_SOURCE = Path(__file__).resolve().parents[2] / "config"
 OWN = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 """module:Class."""
 
@@ -57,7 +57,7 @@ def recorded_paths(name: str, flights: Sequence[str] = ()) -> list[Path]:
         if not Path(given).exists():
             raise AirError(f"air {name}: no {given}: give a bag, a table or a folder of them")
         return [Path(given)]
-    folder = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / FLIGHTS
+    folder = flights_folder()
     paths = [folder / f"{flight}.parquet" for flight in flights]
     lacking = [path.stem for path in paths if not path.is_file()]
     if not folder.is_dir() or lacking:
@@ -67,6 +67,11 @@ def recorded_paths(name: str, flights: Sequence[str] = ()) -> list[Path]:
             f"{RECORDED}:PATH"
         )
     return paths
+
+
+def flights_folder() -> Path:
+    """Return the folder of recorded real flights in Q2Q_DATA; it may not exist."""
+    return Path(os.environ.get("Q2Q_DATA", "../shared/data")) / FLIGHTS
 
 
 def air_path(name: str) -> Path:
@@ -86,8 +91,5 @@ def air_path(name: str) -> Path:
 
 
 def shipped_airs() -> Path:
-    """Return the folder of the shipped `.air` files: in an ament prefix, else in the source tree."""
-    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        if prefix and (found := Path(prefix) / IN_SHARE).is_dir():
-            return found
-    return IN_SOURCE
+    """Return the folder of the shipped `.air` files."""
+    return shipped_folder(Path(__file__).resolve().parents[1])

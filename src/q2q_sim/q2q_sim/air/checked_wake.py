@@ -6,6 +6,9 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import AirError, cause
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
 
+LARGEST = Push(np.array(1e3), np.array(1.0))
+"""Largest acceleration [m/s^2], a hundred g, and torque [N m], hundreds of times that of a wake's edge."""
+
 
 class CheckedWake:
     """Wake that raises AirError where its class fails or answers with something that cannot be flown in."""
@@ -31,7 +34,10 @@ class CheckedWake:
             raise self._failed("push", error) from error
         if not isinstance(push, Push):
             raise AirError(f"air {self._name}: push returned a {type(push).__name__}: return a Push")
-        return Push(*(self._finite(what, part, now.t) for what, part in push._asdict().items()))
+        limits = LARGEST._asdict()
+        return Push(
+            *(self._within(what, part, float(limits[what]), now.t) for what, part in push._asdict().items())
+        )
 
     def _reset(self, setup: AirSetup) -> None:
         try:
@@ -42,7 +48,7 @@ class CheckedWake:
     def _failed(self, what: str, error: BaseException) -> AirError:
         return AirError(f"air {self._name}: {what} raised {cause(error)}")
 
-    def _finite(self, what: str, values: Array, t: float) -> Array:
+    def _within(self, what: str, values: Array, limit: float, t: float) -> Array:
         shape = (self._count, 3)
         try:
             given = np.asarray(values)
@@ -55,11 +61,12 @@ class CheckedWake:
                 f"air {self._name}: {what} is {given.dtype} of shape {given.shape}: floats of shape {shape} "
                 "are needed"
             )
-        if not np.isfinite(given).all():
-            row = int(np.argmin(np.isfinite(given).all(axis=1)))
+        allowed = (np.abs(given) <= limit).all(axis=1)  # not NaN either
+        if not allowed.all():
+            row = int(np.argmin(allowed))
             raise AirError(
                 f"air {self._name}: {what} of vehicle {row} at {t:.3f} s is {given[row]}: "
-                "finite numbers are needed"
+                f"finite numbers of at most {limit:g} are needed"
             )
         return given
 

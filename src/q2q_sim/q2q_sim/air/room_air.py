@@ -8,6 +8,7 @@
     k_g     = 1 + b (R / max(z, R))^2                             thrust over that away from the ground
     a_wind  = mean + gust                                         wind
     a_0     = offset_mean + offset_std n                          of each vehicle, drawn for each flight
+    a_drag  = - k (v - (v . b) b)                                 drag of its rotors, b: body z
 
 (dz, r) are measured from the axis of the jet at the vehicle's height. Its air left the source at t - tau,
 tau = dz / travel_speed, and has moved since:
@@ -48,8 +49,8 @@ LEAST_ABSORBED = 1e-3
 INSIDE = 0.05
 """e_0 [m/s^2]: |eta| from which on a vehicle is inside a wake."""
 ATTITUDE_FREQUENCY = 80.0
-"""Attitude loop of real Crazyflies [rad/s]: `validate` reads it, or more, from each of 19 flights; above, the
-lag of the rotors hides it."""
+"""Attitude loop of the vehicles of a room, critically damped [rad/s]. The public flights show one with more
+damping (q2q_sim.experiments.validation.onboard_law)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,13 +167,23 @@ class VehicleTerm:
     thrust_lag_s: float
     """Time constant of thrust [s]."""
     headroom: float
-    """Largest thrust over hover thrust with a full battery [-]."""
+    """Largest thrust over hover thrust at the start of a flight [-]."""
     headroom_per_volt: float
-    """Its loss for each volt of battery below full [1/V]."""
+    """Its loss for each volt of battery [1/V]."""
     discharge_v_per_s: float
     """Fall of the battery's voltage in flight [V/s]."""
     attitude_frequency: float = ATTITUDE_FREQUENCY
     """Natural frequency of the critically damped onboard attitude loop [rad/s]."""
+    headroom_std: float = 0.0
+    """Standard deviation of the headroom between vehicles and flights [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class RotorDragTerm:
+    """Drag of the rotors, across the thrust."""
+
+    per_s: float
+    """Acceleration over speed [1/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +198,7 @@ class RoomAir:
     ground: GroundTerm | None = None
     wind: WindTerm | None = None
     vehicle: VehicleTerm | None = None
+    rotor_drag: RotorDragTerm | None = None
     flights: tuple[str, ...] = ()
     """Flights it was learned from."""
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Compare controllers in air learned from recorded flights, with models learned from others: plot, tables.
+"""Compare controllers in airs that their models were not learned from: plot, tables.
 
 Models are learned from the flights of Q2Q_DATA (docs/real_flights.md) unless --json has them already, as
 docs/ablation.json has.
@@ -7,13 +7,12 @@ docs/ablation.json has.
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
-from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 EXAMPLE = """  ros2 run q2q_sim ablation --json docs/ablation.json --out docs/ablation.md --jobs 2
-  ros2 run q2q_sim ablation --seeds 2 --only stack3 --json out/stack3.json --out out/stack3.md"""
+  ros2 run q2q_sim ablation --seeds 2 --only stack3 --airs ring --json out/stack3.json --out out/stack3.md"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -31,22 +30,24 @@ def _prepare(_: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("ablation", __doc__, EXAMPLE)
-    made.add_argument("--seeds", type=int, default=4, metavar="N", help="draws with each model, 1 to 25")
+    made.add_argument("--seeds", type=int, default=4, metavar="N", help="draws with each model, 1 to 5")
     made.add_argument(
         "--json",
-        type=Path,
+        type=output_file,
         required=True,
         metavar="FILE",
         help="file of numbers; flights in it are not repeated",
     )
     made.add_argument(
-        "--out", type=Path, required=True, metavar="FILE", help="page to write (.md); plot beside it"
+        "--out", type=output_file, required=True, metavar="FILE", help="page to write (.md); plot beside it"
     )
     made.add_argument("--jobs", type=int, default=1, metavar="N", help="parallel flights")
     made.add_argument(
         TABLE_ONLY, action="store_true", help="write the page of the present numbers without flying"
     )
-    made.add_argument("--only", nargs="+", metavar="SCENARIO", help="fly only these scenarios")
+    made.add_argument("--only", nargs="+", metavar="PATHS", help="fly only these paths")
+    made.add_argument("--airs", nargs="+", metavar="AIR", help="fly only in these airs")
+    made.add_argument("--controllers", nargs="+", metavar="NAME", help="fly only these controllers")
     return made
 
 

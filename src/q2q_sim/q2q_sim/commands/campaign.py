@@ -1,7 +1,12 @@
 """Fly random faults in random scenarios and check every flight: `campaign --runs N`.
 
 A run is a seed. Finished runs are kept in a file of JSON lines, from which an interrupted campaign resumes;
-a violation prints its seed and keeps its bag and scenario. The exit status is 1 if any policy is violated.
+a violation prints its seed and keeps its bag, its scenario and a replay page. The exit status is 1 if any
+policy is violated.
+
+With --guided, an optimiser searches for the faults that leave the policies the least margin; what it finds is
+shrunk to the fewest faults and kept as a case file, which --case flies again. The same search is measured on
+seeded bugs, beside random faults.
 """
 
 import argparse
@@ -10,13 +15,15 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, output_folder, run_command
 from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios.choices import ENGINES
 
 EXAMPLE = """  scripts/campaign --runs 20
   scripts/campaign --runs 2000 --jobs 2 --through-nodes 200 --json out/campaign.json
-  DASK_SCHEDULER_ADDRESS=tcp://host:8786 scripts/campaign --runs 20000 --engine dask"""
+  DASK_SCHEDULER_ADDRESS=tcp://host:8786 scripts/campaign --runs 20000 --engine dask
+  scripts/campaign --guided --runs 400 --jobs 2 --json out/guided.json
+  scripts/campaign --case out/campaign/cases/case_7.yaml"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -29,8 +36,17 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if args.through_nodes > args.runs:
         raise ValueError(f"--through-nodes {args.through_nodes}: at most the {args.runs} --runs")
+    if args.guided and args.through_nodes:
+        raise ValueError("--guided flies without nodes: leave out --through-nodes")
+    if args.case and not args.case.is_file():
+        raise ValueError(f"no case at {args.case}")
     if args.air:
         check_air(args.air)
+    if args.case or args.guided:
+        from q2q_sim.experiments.guided.guided_campaign import fly_case
+        from q2q_sim.experiments.guided.guided_campaign import run as run_guided
+
+        return fly_case if args.case else run_guided
     from q2q_sim.experiments.campaign.resume import run
 
     return run
@@ -46,14 +62,24 @@ def parser() -> CommandLine:
     )
     made.add_argument("--seed", type=_count, default=0, help="seed of the first run; the others follow it")
     made.add_argument("--engine", choices=ENGINES, default="local", help="engine of parallel runs")
-    made.add_argument("--out", type=Path, default=Path("out/campaign"), help="folder of runs and bags")
+    made.add_argument(
+        "--out", type=output_folder, default=Path("out/campaign"), help="folder of runs and bags"
+    )
     made.add_argument(
         "--air",
         default="",
         help="air in place of wake and disturbance: a shipped name, a .air file or module:Class"
         " (runs of another air need another --out)",
     )
-    made.add_argument("--json", type=Path, help="write the totals to this file")
+    made.add_argument("--guided", action="store_true", help="search for the faults of least margin")
+    made.add_argument(
+        "--bug-runs",
+        type=_count,
+        default=30,
+        help="guided: runs of each search for each of the 20 seeded bugs; 0 leaves them out (default 30)",
+    )
+    made.add_argument("--case", type=Path, help="fly this case file again, and nothing else")
+    made.add_argument("--json", type=output_file, help="write the totals to this file")
     return made
 
 

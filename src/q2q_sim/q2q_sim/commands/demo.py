@@ -1,8 +1,11 @@
-"""Fly one Crazyflie over another three times: ignoring the downwash, aware of it, aware without the limit.
+"""Fly one quadcopter over another three times: ignoring the downwash, aware of it, aware without the limit.
 
 The flight is that of the paper's sections 5.1 and 5.2 (scenario table6): Q1 hovers at 1.5 m, Q2 passes 0.5 m
 above it. The table has the values of the paper's Table 6 for comparison. The last line is the verdict on each
 flight; the exit status is 1 if one is not ok. Ignoring the downwash, Q1 sags without contact, which is ok.
+
+--real begins with recorded flights: a model is fitted to them, scored on flights left out of the fit, and
+flown in air learned from other real flights.
 """
 
 import sys
@@ -10,7 +13,17 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    output_folder,
+    require_existing,
+    run_command,
+)
+
+EXAMPLE = """  scripts/demo --json out.json
+  scripts/demo --real --out out/real_demo"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -18,21 +31,34 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run_command(parser(), _prepare, argv, interrupted="interrupted; all nodes are ended")
 
 
-def _prepare(_: Namespace) -> Work:
+def _prepare(args: Namespace) -> Work:
+    require_existing("flight", *(args.real or []))
     from q2q_sim.processes.warm_start import begin
 
-    print("demo: three flights: starting", file=sys.stderr, flush=True)
     begin()  # it imports in parallel
-    from q2q_sim.tools.demo_flights import run
+    if args.real is not None:
+        from q2q_sim.tools import demo_real
 
-    return run
+        return demo_real.run
+    print("demo: three flights: starting", file=sys.stderr, flush=True)
+    from q2q_sim.tools import demo_flights
+
+    return demo_flights.run
 
 
 def parser() -> CommandLine:
     """Return the parser of the command line."""
-    made = CommandLine("demo", __doc__, "  scripts/demo --json out.json")
-    made.add_argument("--out", type=Path, default=Path("out/demo"), help="output folder")
-    made.add_argument("--json", type=Path, help="write the numbers to this file")
+    made = CommandLine("demo", __doc__, EXAMPLE)
+    made.add_argument(
+        "--real",
+        nargs="*",
+        type=Path,
+        metavar="FLIGHT",
+        help="begin with recorded flights: bags, tables (.parquet, .csv) or folders of them; by default "
+        "those of Q2Q_DATA, or the simulated ones in bags/",
+    )
+    made.add_argument("--out", type=output_folder, default=Path("out/demo"), help="output folder")
+    made.add_argument("--json", type=output_file, help="write the numbers to this file")
     return made
 
 

@@ -9,7 +9,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_folder, run_command
 
 OUT = Path("docs/nodes")
 
@@ -28,7 +28,7 @@ def _prepare(_: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("docs", __doc__, "  scripts/docs\n  scripts/docs --check\n  scripts/docs --images")
-    made.add_argument("--out", type=Path, default=OUT, help="folder of the pages")
+    made.add_argument("--out", type=output_folder, default=OUT, help="folder of the pages")
     made.add_argument("--check", action="store_true", help="write nothing; fail if a page is out of date")
     made.add_argument("--images", action="store_true", help="also draw docs/images")
     return made

@@ -6,7 +6,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.air.air_names import check_air
@@ -146,7 +146,7 @@ def _add_output(made: CommandLine) -> None:
         metavar="TOPIC",
         help="topics for the bag (default: all; without --bag those of the numbers)",
     )
-    made.add_argument("--json", type=Path, help="write the numbers to this file")
+    made.add_argument("--json", type=output_file, help="write the numbers to this file")
     made.add_argument("--real", metavar="FLIGHT", help="replay a recorded flight of Q2Q_DATA instead")
 
 

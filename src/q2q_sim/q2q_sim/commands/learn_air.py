@@ -9,7 +9,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
 from q2q_model.commands.recording_options import add_recording_options
 
 EXAMPLE = """  ros2 run q2q_sim learn_air flights/ --out room.air
@@ -42,8 +42,8 @@ def parser() -> CommandLine:
         metavar="FLIGHT",
         help="bag, table (.parquet, .csv) or folder of them",
     )
-    made.add_argument("--out", type=Path, required=True, metavar="FILE", help="air to write (.air)")
-    made.add_argument("--json", type=Path, metavar="FILE", help="file of values, intervals and checks")
+    made.add_argument("--out", type=output_file, required=True, metavar="FILE", help="air to write (.air)")
+    made.add_argument("--json", type=output_file, metavar="FILE", help="file of values, intervals and checks")
     add_recording_options(made)
     return made
 

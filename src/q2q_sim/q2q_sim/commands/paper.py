@@ -9,7 +9,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, output_folder, run_command
 
 EXAMPLE = """  scripts/paper
   scripts/paper --only table6,fig10 --json out/paper.json"""
@@ -35,8 +35,10 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("paper", __doc__, EXAMPLE)
     made.add_argument("--only", default="", metavar="LIST", help="tables and figures, as table6,fig10")
-    made.add_argument("--out", type=Path, default=Path("out/paper"), help="folder of page, PDF, pictures")
-    made.add_argument("--json", type=Path, metavar="FILE", help="write the rows to this file")
+    made.add_argument(
+        "--out", type=output_folder, default=Path("out/paper"), help="folder of page, PDF, pictures"
+    )
+    made.add_argument("--json", type=output_file, metavar="FILE", help="write the rows to this file")
     made.add_argument("--again", action="store_true", help="run finished experiments again")
     return made
 

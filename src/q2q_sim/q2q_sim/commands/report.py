@@ -8,7 +8,14 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    output_folder,
+    require_existing,
+    run_command,
+)
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
 
@@ -38,8 +45,10 @@ def parser() -> CommandLine:
     made.add_argument(
         "--topics", type=Path, metavar="MAP.yaml", help="topic map of bags that q2q did not record"
     )
-    made.add_argument("--out", type=Path, default=Path("out/report"), help="folder of page and pictures")
-    made.add_argument("--json", type=Path, help="write the numbers to this file")
+    made.add_argument(
+        "--out", type=output_folder, default=Path("out/report"), help="folder of page and pictures"
+    )
+    made.add_argument("--json", type=output_file, help="write the numbers to this file")
     return made
 
 

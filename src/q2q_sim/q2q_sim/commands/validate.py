@@ -10,7 +10,14 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    output_folder,
+    require_existing,
+    run_command,
+)
 from q2q_model.commands.recording_options import add_recording_options
 from q2q_sim.air.air_names import check_air
 
@@ -61,8 +68,10 @@ def parser() -> CommandLine:
         "--air", required=True, metavar="AIR", help="a shipped name, a .air file or module:Class"
     )
     made.add_argument("--draws", type=int, default=20, metavar="N", help="draws of each flight")
-    made.add_argument("--json", type=Path, metavar="FILE", help="file to write the numbers to")
-    made.add_argument("--out", type=Path, metavar="FOLDER", help="folder for the page and its pictures")
+    made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
+    made.add_argument(
+        "--out", type=output_folder, metavar="FOLDER", help="folder for the page and its pictures"
+    )
     add_recording_options(made)
     return made
 

@@ -89,7 +89,8 @@ def apps_in(scenario: Scenario, folder: str, seed: int) -> OnboardApps | None:
     if not folder:
         return None
     noise = AppConditions(acc_noise=scenario.imu.acc_noise, acc_bias=scenario.imu.acc_bias)
-    return OnboardApps(compile_app(Path(folder)), scenario.vehicle, len(scenario.names), noise, seed)
+    libraries = [compile_app(Path(folder))] * len(scenario.names)
+    return OnboardApps(libraries, scenario.vehicle, noise, seed)
 
 
 def rehearse_firmware(scenario: Scenario) -> None:

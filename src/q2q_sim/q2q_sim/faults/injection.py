@@ -56,6 +56,8 @@ class FaultInjection:
         self._tick_ns = tick_ns
         self._rng = stream(seed, "fault outlier")
         self._loss = stream(seed, "fault radio loss")
+        self._rows = {fault: _struck(fault, names) for fault in faults}
+        self._now: tuple[int, list[Fault]] = -1, []  # stamp of a tick [ns], and the faults that act on it
         self._past: list[Delivery] = []
         self._sent: Delivery | None = None
         longest = max((fault.size for fault in faults if fault.kind == "late"), default=0.0)
@@ -69,12 +71,14 @@ class FaultInjection:
         acting = self._acting(stamp_ns)
         for fault in acting:
             if fault.kind in MARKS:
-                injected[self._struck(fault)] |= np.uint8(MARKS[fault.kind])
+                injected[self._rows[fault]] |= np.uint8(MARKS[fault.kind])
             here = replace(self._stamped(here, fault), frame=self._with_rows(here.frame, fault))
         self._past = [*self._past[1 - self._kept :], here]
         for fault in acting:
             here = self._arriving(here, fault)
-        here = replace(here, frame=replace(here.frame, t=time_from_stamp(here.stamp_ns)))
+        stamped = time_from_stamp(here.stamp_ns)
+        if here.frame.t != stamped:
+            here = replace(here, frame=replace(here.frame, t=stamped))
         if all(fault.kind != "stale" for fault in acting):
             self._sent = here
         return here
@@ -86,20 +90,22 @@ class FaultInjection:
             return lost
         for fault in self._acting(stamp_ns):
             if fault.kind == "radio_loss":
-                lost |= self._struck(fault) & (self._loss.random(len(lost)) < fault.size)
+                lost |= self._rows[fault] & (self._loss.random(len(lost)) < fault.size)
         return lost
 
     def weakened(self, drive: Array, stamp_ns: int) -> Array:
         """Return the drive (n, 7) with the rotor gains reduced by battery sag and weak rotors."""
         for fault in self._faults:
             if fault.kind == "battery_sag":
-                drive[self._struck(fault), 3:] *= 1.0 - fault.size * self._elapsed(fault, stamp_ns)
+                drive[self._rows[fault], 3:] *= 1.0 - fault.size * self._elapsed(fault, stamp_ns)
             if fault.kind == "weak_rotor" and self._acts(fault, stamp_ns):
-                drive[self._struck(fault), 3] *= 1.0 - fault.size
+                drive[self._rows[fault], 3] *= 1.0 - fault.size
         return drive
 
     def _acting(self, stamp_ns: int) -> list[Fault]:
-        return [fault for fault in self._faults if self._acts(fault, stamp_ns)]
+        if self._now[0] != stamp_ns:
+            self._now = stamp_ns, [fault for fault in self._faults if self._acts(fault, stamp_ns)]
+        return self._now[1]
 
     def _acts(self, fault: Fault, stamp_ns: int) -> bool:
         return fault.acts_at(time_from_stamp(stamp_ns), time_from_stamp(self._tick_ns))
@@ -108,11 +114,6 @@ class FaultInjection:
         """Return the elapsed fraction of the fault's duration, 0 to 1."""
         since = time_from_stamp(stamp_ns) - fault.start
         return min(max(since / max(fault.duration, time_from_stamp(self._tick_ns)), 0.0), 1.0)
-
-    def _struck(self, fault: Fault) -> Mask:
-        if KINDS[fault.kind].whole or not fault.vehicles:
-            return np.ones(len(self._names), dtype=np.bool_)
-        return np.isin(self._names, fault.vehicles)
 
     def _with_rows(self, frame: MocapFrame, fault: Fault) -> MocapFrame:
         rows = np.array(
@@ -155,3 +156,10 @@ class FaultInjection:
         if fault.kind == "reordered" and (here.captured_ns // self._tick_ns) % 2 == 0:
             return self._past[-3] if len(self._past) > 2 else last
         return here
+
+
+def _struck(fault: Fault, names: Names) -> Mask:
+    """Return which vehicles a fault strikes, (n,)."""
+    if KINDS[fault.kind].whole or not fault.vehicles:
+        return np.ones(len(names), dtype=np.bool_)
+    return np.isin(names, fault.vehicles)

@@ -42,6 +42,7 @@ class AppConditions:
     acc_bias: float = tunable(
         0.0, "standard deviation of the accelerometer's bias", unit="m/s^2", low=0.0, high=10.0
     )
+    radio_range: float = tunable(100.0, "largest distance of a broadcast", unit="m", low=0.0, high=1e4)
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -60,13 +61,16 @@ class OnboardApps:
     """Apps of all vehicles, and the packets in the air."""
 
     def __init__(
-        self, library: AppLibrary, vehicle: Vehicle, count: int, conditions: AppConditions, seed: int
+        self, libraries: Sequence[AppLibrary], vehicle: Vehicle, conditions: AppConditions, seed: int
     ) -> None:
+        """Start the apps of vehicles like `vehicle`, one of `libraries` on each."""
+        count = len(libraries)
         self.eta = np.zeros(count)
         """Subtracted from each setpoint's acceleration now [m/s^2]."""
-        self._apps = [NativeApp(library) for _ in range(count)]
+        self._apps = [NativeApp(library) for library in libraries]
         self._acc_per_pwm = vehicle.full_pwm_thrust / PWM_FULL / vehicle.mass
         self._loss, self._noise = conditions.broadcast_loss, conditions.acc_noise
+        self._range = conditions.radio_range
         self._losses, self._rng = stream(seed, "app broadcasts"), stream(seed, "app accelerometer")
         self._bias = conditions.acc_bias * self._rng.standard_normal(count)
         self._steps = 0
@@ -89,7 +93,7 @@ class OnboardApps:
             state[:, ACC][:, 2] + GRAVITY + self._bias + self._noise * self._rng.standard_normal(len(axis))
         )
         thrust = self._acc_per_pwm * rows.memory[:, THRUST]
-        self._deliver()
+        self._deliver(motion[:, :3])
         for i, app in enumerate(self._apps):
             known = StepInput(now_us, motion[i], float(force[i]), float(thrust[i]), bool(flying[i]))
             self.eta[i] = app.step(known)
@@ -98,10 +102,11 @@ class OnboardApps:
         rows.setpoints[:, :, SET_ACC + 2] = wanted - self.eta[:, None]
         self._steps += 1
 
-    def _deliver(self) -> None:
-        """Deliver what was broadcast in the step before."""
+    def _deliver(self, pos: Array) -> None:
+        """Deliver what was broadcast in the step before, to receivers at `pos` (n, 3) within range."""
         for one in self._sent:
-            for i, app in enumerate(self._apps):
+            near = np.linalg.norm(pos - pos[one.sender], axis=1) <= self._range
+            for i in np.flatnonzero(near).tolist():
                 if i != one.sender and self._losses.random() >= self._loss:
-                    app.hear(one.packet, one.left_us)
+                    self._apps[i].hear(one.packet, one.left_us)
         self._sent.clear()

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.bag import read_flight
+from q2q_model.bag import BagError, read_flight
 from q2q_model.flights.flight import Flight
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
+from q2q_sim.flight.unfinished_bag import REMEDY, why_unfinished
 from q2q_sim.processes.processes import NodeSpec
 
 PLAYER = "bag_play"
@@ -20,7 +21,7 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
         folder: output folder for parameters, logs and the new bag.
 
     Raises:
-        ValueError: the bag cannot be read.
+        ValueError: the bag cannot be read, or the replay not be recorded to its end.
         NodeDiedError, TimeoutError: a node did not start or ended early.
     """
     made = folder / "replayed"
@@ -29,6 +30,8 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
         running.processes.expect_exit(PLAYER)  # it exits after the bag
         running.director.start(PLAYER)
         running.director.wait_playback()
+    if unfinished := why_unfinished(made, folder):
+        raise BagError(f"the replay of {bag} was not recorded to its end ({unfinished}): {REMEDY}")
     return read_flight(made)
 
 

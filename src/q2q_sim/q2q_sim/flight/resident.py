@@ -9,7 +9,6 @@ import warnings
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Self
@@ -44,15 +43,16 @@ class ResidentNodes:
         self._domain.__exit__(None, None, None)
 
     def fly(self, specs: Sequence[NodeSpec], folder: Path) -> FlightTiming:
-        """Fly nodes (scenario_flight.node_specs, with the stack) in the process; bag and parameters stay.
+        """Fly the stack of scenario_flight.node_specs, in lockstep; bag and parameters stay.
 
         Raises:
             NodeDiedError: the process ended.
             ValueError, TimeoutError: a node refused its parameters, or the flight stalled.
         """
+        (stack,) = specs
         folder.mkdir(parents=True, exist_ok=True)
         parameters = folder / "stack.yaml"
-        parameters.write_text(yaml.safe_dump(sections(_together(specs))))
+        parameters.write_text(yaml.safe_dump(sections(stack)))
         try:
             return self._pool.submit(_fly, parameters).result()
         except BrokenProcessPool as died:
@@ -69,13 +69,6 @@ class ResidentNodes:
             initargs=(self._log,),
             max_tasks_per_child=RECYCLE,
         )
-
-
-def _together(specs: Sequence[NodeSpec]) -> NodeSpec:
-    """Return one process with all the nodes."""
-    (stack,) = (spec for spec in specs if spec.inside)
-    beside = tuple(spec for spec in specs if not spec.inside)
-    return replace(stack, inside=(*stack.inside, *beside))
 
 
 def _redirect_output(log: Path) -> None:

@@ -37,7 +37,7 @@ def running_nodes(
     """Yield connected nodes; on exit drain their messages and end them.
 
     Args:
-        specs: the nodes; one of them is the recorder.
+        specs: the nodes; one of them is the recorder. Those without cores get theirs.
         folder: output folder for parameters and logs.
         meanwhile: called while they start.
 
@@ -50,7 +50,8 @@ def running_nodes(
         environment = profile_environment(folder, beside_chain(domain, cores))
         with Processes(folder, environment) as processes:
             for spec in specs:
-                processes.start(replace(spec, cores=cores_of(spec.executable, domain, cores)))
+                own = spec.cores or cores_of(spec.executable, domain, cores)
+                processes.start(replace(spec, cores=own))
             with FlightDirector(processes.check) as director:
                 names = [name for spec in specs for name in spec.nodes]
                 director.wait_wired(names, WIRING_TIMEOUT_S, meanwhile)

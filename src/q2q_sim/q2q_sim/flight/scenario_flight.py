@@ -8,20 +8,23 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from q2q_model.bag import FlightFacts, facts_as_text, read_flight
+from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.node.wiring import PROMISE_S
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
-from q2q_model.vehicle.constants import firmware_of
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
+from q2q_sim.flight.unfinished_bag import end_of_bag, read_flown, why_unfinished
 from q2q_sim.loop import assembly
 from q2q_sim.loop.flight_clock import FlightTiming, timing_of
-from q2q_sim.loop.scenario_air import air_of, air_words
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
+from q2q_sim.loop.scenario_air import air_of
+from q2q_sim.loop.scenario_facts import scenario_facts
+from q2q_sim.loop.topics import PREDICTION_TYPE, PREDICTIONS
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_finding, with_lost_ticks
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.processes.cores import allowed_cores
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario, with_air, with_choices
@@ -47,7 +50,7 @@ class FlightRequest:
     model: str = ""
     """Interaction model in place of the scenario's; empty keeps that."""
     stack: bool = False
-    """Run the nodes from mocap_filter to controller in one process."""
+    """Run the nodes in one process; live, and if distributed, those from mocap_filter to controller."""
     distributed: bool = False
     """Fly one MPC node for each vehicle, which exchange predictions."""
     record: tuple[str, ...] = ()
@@ -106,6 +109,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
 
     Raises:
         ValueError: an unknown scenario, vehicle or parameter.
+        BagError: nothing can be read from the bag.
         NodeDiedError, TimeoutError: a node did not start or ended early.
     """
     scenario = load_scenario(request)
@@ -117,9 +121,22 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
     with running_nodes(specs, folder, lambda: progress(0.0)) as running:
         running.director.start()
         summary = running.director.wait_summary(lambda ticks: progress(ticks / total))
-    flight, timing = read_flight(bag), timing_of(summary)
+    return recorded_run(request, timing_of(summary), folder, bag)
+
+
+def recorded_run(request: FlightRequest, timing: FlightTiming, folder: Path, bag: Path) -> FlightRun:
+    """Return metrics and verdict of a flight from its bag; one that is not finished is not ok.
+
+    Raises:
+        BagError: nothing can be read from the bag.
+    """
+    scenario, unfinished = load_scenario(request), why_unfinished(bag, folder)
+    flight = read_flown(bag, unfinished)
     around = Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
-    verdict = verdict_of(flight, around, timing.missed_ticks)
+    verdict = with_lost_ticks(verdict_of(flight, around, timing.missed_ticks), flight, timing.ticks)
+    if unfinished:
+        flown = timing.ticks * assembly.TICK_S
+        verdict = with_finding(verdict, end_of_bag(bag, flight, flown, unfinished))
     return FlightRun(request, flight, measure(flight, scenario.vehicle), timing, bag, verdict)
 
 
@@ -134,33 +151,33 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
     apart: tuple[NodeSpec, ...] = ()
     if request.distributed:
         chain, apart = chain[:-1], one_for_each(chain[-1], scenario.names)
-    return [
-        _recorder(scenario, request, bag),
-        *(one_process(chain) if request.stack else chain),
-        *apart,
-        _simulator(request),
-    ]
+    recorder, simulator = _recorder(scenario, request, bag), _simulator(request)
+    if request.stack and not request.live and not apart:
+        return one_process((*chain, simulator, recorder))  # the recorder last: it makes the bag
+    return [recorder, *(one_process(chain) if request.stack else chain), *apart, simulator]
 
 
 def one_for_each(mpc: NodeSpec, vehicles: tuple[str, ...]) -> tuple[NodeSpec, ...]:
-    """Return a distributed node `mpc_<name>` for each vehicle."""
+    """Return a distributed node `mpc_<name>` for each vehicle, on any core: they compute at the same time."""
+    cores = allowed_cores()
     return tuple(
         replace(
-            mpc, name=f"mpc_{name}", parameters={**mpc.parameters, "vehicles": (name,), "distributed": True}
+            mpc,
+            name=f"mpc_{name}",
+            parameters={**mpc.parameters, "vehicles": (name,), "distributed": True},
+            cores=cores,
         )
         for name in vehicles
     )
 
 
-def _of_one(mpc: NodeSpec, vehicle: str) -> dict[str, ParameterValue]:
-    return {**mpc.parameters, "vehicles": (vehicle,), "distributed": True}
-
-
 def _recorder(scenario: Scenario, request: FlightRequest, bag: Path) -> NodeSpec:
+    predictions = request.distributed and (not request.record or PREDICTIONS in request.record)
     parameters: dict[str, ParameterValue] = {
         "bag": str(bag),
         "stamps": "receive" if request.live else "header",
-        "topics": request.record,
+        "topics": tuple(topic for topic in request.record if not (predictions and topic == PREDICTIONS)),
+        "extra": (f"{PREDICTIONS}:{PREDICTION_TYPE}",) if predictions else (),
         "facts": facts_as_text(facts_of(scenario, request)),
     }
     return NodeSpec("q2q_sim", RECORDER, parameters)
@@ -177,7 +194,8 @@ def _chain(scenario: Scenario, request: FlightRequest, plan: Path) -> tuple[Node
         NodeSpec("q2q_planner", "replanner", replanner),
         NodeSpec("q2q_control", request.controller, controller),
     )
-    promised = {"promise_s": PROMISE_S} if request.live else {}
+    watched = request.live and not request.distributed  # by the controller
+    promised = {"promise_s": PROMISE_S} if watched else {}
     return tuple(replace(spec, parameters={**spec.parameters, **promised}) for spec in nodes)
 
 
@@ -197,17 +215,7 @@ def _simulator(request: FlightRequest) -> NodeSpec:
 
 def facts_of(scenario: Scenario, request: FlightRequest) -> FlightFacts:
     """Return the metadata for the bag of a flight."""
-    return FlightFacts(
-        vehicle=scenario.vehicle.name,
-        firmware=firmware_of(scenario.vehicle),
-        scenario=request.scenario,
-        mode=request.mode,
-        controller=request.controller,
-        model=scenario.model,
-        wake="" if scenario.air else scenario.wake,
-        air=air_words(scenario),
-        seed=str(request.seed),
-    )
+    return scenario_facts(scenario, request.options, request.seed, request.scenario)
 
 
 def one_process(chain: tuple[NodeSpec, ...]) -> list[NodeSpec]:

@@ -12,9 +12,9 @@ from pathlib import Path
 from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.node.wiring import PROMISE_S
-from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
 from q2q_model.vehicle.constants import firmware_of
+from q2q_planner.offline.certified_file import load_plan
 from q2q_sim.flight.running_nodes import RECORDER
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.processes.processes import NodeSpec
@@ -72,7 +72,8 @@ CRAZYSWARM_ARGUMENTS = (
     Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
     Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
     Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
-    Argument("poses_version", "1", "as in motion_capture.yaml: 2 is NamedPoseArrayV2", ("1", "2")),
+    Argument("poses_version", "1", "without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")),
+    Argument("motion_capture", "", "its motion_capture.yaml, in place of poses_version"),
     Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
     Argument("scenario", "table6", "with twin: scenario of the vehicles and the wake"),
     Argument("model", "measured_law", MODEL.description),
@@ -143,6 +144,7 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         "poses_in": "" if twin else "/poses",
         "poses_out": "/poses_filtered",
         "poses_version": _whole(given["poses_version"], "poses_version"),
+        "motion_capture": given["motion_capture"],
     }
     room: dict[str, ParameterValue] = {"scenario": given["scenario"], "crtp": True}
     return [
@@ -167,7 +169,7 @@ def _checked(given: Mapping[str, str]) -> Path:
             raise ValueError(f"give {name}:=FILE")
         if not Path(given[name]).is_file():
             raise ValueError(f"{name}:={given[name]}: there is no such file")
-    plan_file.load(Path(given["plan"]))
+    load_plan(Path(given["plan"]))
     find_model(given["model"])
     folder = folder_of(given["folder"])
     if (folder / "bag").exists():

@@ -1,4 +1,4 @@
-"""Compiled loops of `q2q_sim.link.radio`: send packets, and deliver those that have arrived.
+"""Compiled loops of `q2q_sim.link.radio`: round, send and deliver packets.
 
 | name | meaning [unit] |
 |---|---|
@@ -10,11 +10,19 @@
 | applied | setpoint of each vehicle, columns as `what`, (n, 4) |
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
+from q2q_model.vehicle.thrust_map import PWM_FULL, RPYT_PWM_MAX
+
+DEGREES, RADIANS = 180.0 / math.pi, math.pi / 180.0
+"""Degrees in a radian, and radians in a degree."""
+PWM_MIN = 1000
+"""MIN_THRUST of the firmware [PWM]."""
 
 LEVEL_AFTER_NS = 500_000_000
 """COMMANDER_WDT_TIMEOUT_STABILIZE of the firmware [ns]."""
@@ -109,3 +117,21 @@ def deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int]
                 out[s, row, 0] = 0.0
     applied[:] = out[steps - 1]
     return left
+
+
+@compiled
+def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
+    """Write commands as vehicles read them in packets: integer PWM, and 32-bit floats in degrees.
+
+    The numbers are those of q2q_control.radio.rpyt_scale, which takes numpy's calls: ten times as long.
+
+    Args:
+        values: commands, rows as the columns of `what`, (4, k).
+        full_pwm_thrust: collective thrust at PWM_FULL [N].
+        out: written, (4, k).
+    """
+    for k in range(values.shape[1]):
+        pwm = min(max(np.rint(values[0, k] / full_pwm_thrust * PWM_FULL), 0.0), RPYT_PWM_MAX)
+        out[0, k] = pwm / PWM_FULL * full_pwm_thrust if pwm >= PWM_MIN else 0.0
+        for c in range(1, 4):
+            out[c, k] = np.float64(np.float32(values[c, k] * DEGREES)) * RADIANS

@@ -9,8 +9,8 @@ On board, as in the Crazyflie firmware (crtp_commander_rpyt.c, commander.c):
 - thrust below 1000 PWM is set to 0, above 60000 to 60000.
 
 Watchdogs are checked once a tick. A packet carries angles as 32-bit floats in degrees and thrust as integer
-PWM; with `quantised` off it carries the exact command. Apart from q2q_control.radio.rpyt_scale this is the
-only place with degrees and PWM.
+PWM; with `quantised` off it carries the exact command. Apart from q2q_control.radio.rpyt_scale,
+q2q_sim.link.packets is the only place with degrees and PWM.
 """
 
 from dataclasses import dataclass
@@ -18,16 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
 from q2q_model.signals.values import Array, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.link.packets import deliver, put
+from q2q_sim.link.packets import deliver, put, round_packets
 from q2q_sim.random_streams import stream
 from q2q_sim.sensors.episodes import Mask
-
-PWM_MIN = 1000
-"""MIN_THRUST of the firmware [PWM]."""
 
 Rows = NDArray[np.intp]
 
@@ -55,7 +51,7 @@ class Radio:
         """Start with every vehicle level at a thrust [N] of `at_start` (n,)."""
         n = len(at_start)
         self._params = params
-        self._scale, self._rpyt_thrust_max = LegacyScale(vehicle.full_pwm_thrust), vehicle.rpyt_thrust_max
+        self._full_pwm_thrust, self._rpyt_thrust_max = vehicle.full_pwm_thrust, vehicle.rpyt_thrust_max
         self._loss, self._jitter = stream(seed, "radio loss"), stream(seed, "radio jitter")
         self._gap_ns, self._latency_ns = round(1e9 / params.rate), round(1e9 * params.latency)
         self._next_ns = np.zeros(n, dtype=np.int64)
@@ -66,9 +62,10 @@ class Radio:
         applied[:, 0] = np.where(locked, 0.0, at_start)
         self._onboard = np.zeros(n, dtype=np.int64), locked, applied
         sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
-        put(
-            self._flying, 0, (np.zeros((4, 0)), self._rpyt_thrust_max), sent, (0, 0, 0)
-        )  # loads the kernel before the first tick
+        none = np.zeros(0)
+        nothing = SwarmCommand(0.0, (), none, none, none, none, none.astype(np.uint8))
+        coded = self._coded(nothing), self._rpyt_thrust_max
+        put(self._flying, 0, coded, sent, (0, 0, 0))  # loads the kernels before the first tick
 
     def send(self, now_ns: int, rows: Rows, command: SwarmCommand, jammed: Mask) -> None:
         """Send the command of the tick at now_ns; row k of it is for vehicle rows[k].
@@ -101,10 +98,10 @@ class Radio:
 
     def _coded(self, command: SwarmCommand) -> Array:
         """Return the commands as sent: thrust [N], roll, pitch [rad], yaw rate [rad/s], (4, k)."""
+        values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
+        values = values.reshape(4, len(command.names))
         if not self._params.quantised:
-            values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-            return values.reshape(4, -1)
-        pitch, roll, yaw_rate, pwm = legacy_setpoints(command, self._scale).T
-        degrees = np.stack([roll, pitch, yaw_rate]).astype(np.float32).astype(np.float64)
-        thrust = self._scale.thrust_of(np.where(pwm < PWM_MIN, 0.0, pwm))
-        return np.stack([thrust, *np.radians(degrees)])
+            return values
+        rounded = np.empty_like(values)
+        round_packets(values, self._full_pwm_thrust, rounded)
+        return rounded

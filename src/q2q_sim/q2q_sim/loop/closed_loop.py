@@ -3,9 +3,10 @@
     room.capture -> mocap filter -> predictor -> plan -> replanner -> controller -> room.advance
 
 Order, inputs and stamps are those of the nodes in lockstep; a test checks that both give the same numbers.
+`fly` records everything; `answered_ticks` computes only what moves the vehicles, for campaigns.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from q2q_model.downwash.interaction_model import InteractionModel
@@ -13,7 +14,7 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import SwarmCommand
+from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.loop.assembly import TICK_S, Blocks, Mode, Options, blocks_of
@@ -48,7 +49,18 @@ class FlightOptions:
     correct: ResidualProcess | None = None
     """Residual of the model that the controller corrects by accelerometers; None corrects nothing."""
     on_signal: Listener = ignore_signals
-    """Called with every signal, as a recorder of the nodes' topics."""
+    """Called with every signal of q2q_sim.loop.topics, as a recorder of the nodes' topics."""
+
+
+@dataclass(frozen=True, slots=True)
+class BlockSignals:
+    """Signals with which the blocks answer the frame of a tick."""
+
+    state: SwarmState
+    planned: SwarmSetpoint
+    given: SwarmSetpoint
+    """By the replanner."""
+    command: SwarmCommand
 
 
 def fly(scenario: Scenario, options: FlightOptions) -> Flight:
@@ -57,11 +69,7 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
     Raises:
         ValueError: an unknown mode or controller, a seed below 0, or an air that cannot be flown in.
     """
-    corrects = options.correct is not None
-    choice = Options(options.mode, options.controller, options.replan, corrects)
-    residual = options.correct or REAL_FLIGHTS
-    blocks = blocks_of(scenario, choice, options.model, options.plan, residual)
-    return fly_blocks(scenario, blocks, options)
+    return fly_blocks(scenario, _blocks(scenario, options), options)
 
 
 def fly_blocks(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Flight:
@@ -69,12 +77,40 @@ def fly_blocks(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Fl
     room = Room(scenario, options.seed, options.air)
     recording = FlightRecording(scenario.names, ticks_of(scenario))
     while room.tick * TICK_S < scenario.duration:
-        number, tick = room.tick, room.capture()
+        number, tick, imu = room.tick, room.capture(), room.imu()
         recording.frame(number, tick.stamp_ns, tick.frame)
-        recording.truth(number, tick.truth, tick.truth_interference, tick.imu)
+        recording.truth(number, tick.truth, tick.truth_interference, imu)
         options.on_signal("truth", tick.stamp_ns, tick.truth)
-        room.advance(_answer(blocks, tick, recording, options))
+        options.on_signal("truth_interference", tick.stamp_ns, tick.truth_interference)
+        options.on_signal("imu", tick.stamp_ns, imu)
+        state = blocks.mocap_filter.update(tick.frame)
+        downwash = blocks.predictor.update(state)
+        answer = _answer(blocks, tick, state, downwash if options.mode != "ignoring" else None)
+        blocks.sense(imu)
+        _record(recording, tick, answer, downwash)
+        _tell(options.on_signal, tick, answer, downwash)
+        room.advance(answer.command)
     return recording.flight(f"{scenario.name} {options.mode} seed {options.seed}")
+
+
+def answered_ticks(scenario: Scenario, options: FlightOptions) -> Iterator[tuple[Tick, BlockSignals]]:
+    """Fly a scenario; yield each tick and its answer, before the vehicles move on.
+
+    The flight is that of `fly`, which also computes what is only recorded.
+
+    Raises:
+        ValueError: as `fly`.
+    """
+    blocks, room = _blocks(scenario, options), Room(scenario, options.seed, options.air)
+    while room.tick * TICK_S < scenario.duration:
+        tick = room.capture()
+        state = blocks.mocap_filter.update(tick.frame)
+        downwash = blocks.predictor.update(state) if options.mode != "ignoring" else None
+        answer = _answer(blocks, tick, state, downwash)
+        if options.correct is not None:
+            blocks.sense(room.imu())
+        yield tick, answer
+        room.advance(answer.command)
 
 
 def ticks_of(scenario: Scenario) -> int:
@@ -83,20 +119,27 @@ def ticks_of(scenario: Scenario) -> int:
     return count + (count * TICK_S < scenario.duration)
 
 
-def _answer(blocks: Blocks, tick: Tick, recording: FlightRecording, options: FlightOptions) -> SwarmCommand:
-    """Return the command of a tick and record the signals that led to it."""
-    number = tick.stamp_ns // TICK_NS
-    state = blocks.mocap_filter.update(tick.frame)
-    downwash = blocks.predictor.update(state)
+def _blocks(scenario: Scenario, options: FlightOptions) -> Blocks:
+    choice = Options(options.mode, options.controller, options.replan, options.correct is not None)
+    return blocks_of(scenario, choice, options.model, options.plan, options.correct or REAL_FLIGHTS)
+
+
+def _answer(blocks: Blocks, tick: Tick, state: SwarmState, downwash: Interference | None) -> BlockSignals:
+    """Return the answer to a tick; without downwash, the controller ignores it."""
     planned = setpoint_at(blocks.plan, tick.frame.t)
     given = blocks.replanner.update(planned, state)
-    command = blocks.controller.update(state, given, downwash if options.mode != "ignoring" else None)
-    blocks.sense(tick.imu)
-    recording.state(number, state, downwash)
-    recording.setpoints(number, planned, given)
-    recording.command(number, command)
-    signals: dict[str, Signal] = {"mocap": tick.frame, "state": state, "reference_safe": given}
-    signals["command"] = command
+    return BlockSignals(state, planned, given, blocks.controller.update(state, given, downwash))
+
+
+def _record(recording: FlightRecording, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
+    number = tick.stamp_ns // TICK_NS
+    recording.state(number, answer.state, downwash)
+    recording.setpoints(number, answer.planned, answer.given)
+    recording.command(number, answer.command)
+
+
+def _tell(on_signal: Listener, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
+    signals: dict[str, Signal] = {"mocap": tick.frame, "state": answer.state, "interference": downwash}
+    signals |= {"reference": answer.planned, "reference_safe": answer.given, "command": answer.command}
     for topic, signal in signals.items():
-        options.on_signal(topic, tick.stamp_ns, signal)
-    return command
+        on_signal(topic, tick.stamp_ns, signal)

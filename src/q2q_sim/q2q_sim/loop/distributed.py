@@ -2,20 +2,22 @@
 
     each Mpc -- command of its vehicle --> joined command
         |  ^
-        +--+-- predictions, `delay` ticks later, some of them lost
+        +--+-- predictions, in turns, `delay` ticks later, some of them lost
 
 In a tick every MPC answers by what it has heard in earlier ticks, as the nodes do.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.mpc.prediction.neighbours import PredictedPaths
+from q2q_control.mpc.prediction.slots import RATE_HZ, BroadcastSchedule
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.loop.assembly import Options, mpc_params
 from q2q_sim.loop.lockstep import joined_command
@@ -25,18 +27,24 @@ from q2q_sim.scenarios.scenario import Scenario
 
 @dataclass(frozen=True, slots=True)
 class ExchangeParams:
-    """Network between the MPCs of a distributed flight."""
+    """MPCs of a distributed flight, and the network between them."""
 
+    rate_hz: float = RATE_HZ
+    """Predictions of a vehicle per second."""
     delay: int = 0
     """Ticks by which a prediction arrives later than before the next tick."""
     loss: float = 0.0
     """Share of predictions that a receiver does not get, 0 to 1."""
     seed: int = 0
+    controlled: tuple[Names, ...] = ()
+    """Vehicles of each MPC; one each if empty."""
 
     def __post_init__(self) -> None:
         """Check the bounds."""
         if self.delay < 0 or not 0.0 <= self.loss <= 1.0:
             raise ValueError(f"delay {self.delay}, loss {self.loss:g}: 0 or more, and 0 to 1 are allowed")
+        if self.rate_hz <= 0.0:
+            raise ValueError(f"rate_hz {self.rate_hz:g}: more than 0 is allowed")
 
 
 class DistributedMpc:
@@ -51,19 +59,25 @@ class DistributedMpc:
         exchange: ExchangeParams | None = None,
     ) -> None:
         """Control the vehicles of `scenario`; `model` is the downwash as the controllers know it."""
+        self._exchange = exchange or ExchangeParams()
+        self._controlled = self._exchange.controlled or tuple((name,) for name in scenario.names)
         params = mpc_params(scenario, limited=options.limited)
         preview = sampled_preview(plan.names, plan.trajectories, 0.0)
-        setups = [MpcSetup((name,), preview=preview, exchange=True) for name in scenario.names]
+        period = 1.0 / self._exchange.rate_hz
+        setups = [MpcSetup(names, preview=preview, exchange_period=period) for names in self._controlled]
         self._mpcs = [Mpc(params, scenario.vehicle, model, setup) for setup in setups]
         hover = scenario.vehicle.hover_thrust
         self._guards = [Guard(mpc, FallbackParams(), hover) for mpc in self._mpcs]
-        self._names, self._exchange = scenario.names, exchange or ExchangeParams()
+        self._schedules = [BroadcastSchedule(names[:1], period) for names in self._controlled]
+        self._names = scenario.names
         self.reset()
 
     def reset(self) -> None:
         """Forget all ticks."""
         for guard in self._guards:
             guard.reset()
+        for schedule in self._schedules:
+            schedule.reset()
         self._under_way: list[list[PredictedPaths]] = []
         self._losses = stream(self._exchange.seed, "exchange")
 
@@ -74,11 +88,18 @@ class DistributedMpc:
         if len(self._under_way) > self._exchange.delay:
             self._deliver(self._under_way.pop(0))
         commands = [guard.update(state, setpoint, interference) for guard in self._guards]
-        self._under_way.append([mpc.prediction for mpc in self._mpcs if mpc.prediction is not None])
+        self._under_way.append(list(self._broadcast(state)))
         return joined_command(self._names, commands)
+
+    def _broadcast(self, state: SwarmState) -> Iterator[PredictedPaths]:
+        """Yield the predictions that are sent in this tick."""
+        for mpc, schedule in zip(self._mpcs, self._schedules, strict=True):
+            prediction = mpc.prediction
+            if prediction is not None and schedule.take_turn(state):
+                yield prediction
 
     def _deliver(self, predictions: list[PredictedPaths]) -> None:
         for prediction in predictions:
-            for name, mpc in zip(self._names, self._mpcs, strict=True):
-                if name not in prediction.names and self._losses.random() >= self._exchange.loss:
+            for names, mpc in zip(self._controlled, self._mpcs, strict=True):
+                if names != prediction.names and self._losses.random() >= self._exchange.loss:
                     mpc.hear(prediction)

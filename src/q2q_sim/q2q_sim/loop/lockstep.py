@@ -83,7 +83,7 @@ class ResendTimer:
 
 def check_known(names: Names, known: Names) -> None:
     """Raise ValueError if a command names a vehicle that does not exist."""
-    unknown = [name for name in names if name not in known]
+    unknown = [] if names == known else [name for name in names if name not in known]
     if unknown:
         raise ValueError(f"command for unknown vehicle {', '.join(unknown)}; flying are {', '.join(known)}")
 

@@ -1,11 +1,13 @@
 """Simulated room: motion capture, inertial sensors, radio, faults and vehicles, advanced in 10 ms ticks.
 
-    capture()          measurements of VICON and the inertial sensors now, with the truth
+    capture()          frame of VICON now, with the truth
+    imu()              readings of the inertial sensors now, for who uses or records them
     advance(command)   send the command of the tick over the radio, advance everything by one tick
 
 Delays: a controller knows only capture stamps, so a late frame and a late command are equivalent. The
-camera's latency is therefore added to the radio's, and frames arrive at once. Both calls are deterministic:
-the same scenario, seed and commands give the same numbers to the last bit.
+camera's latency is therefore added to the radio's, and frames arrive at once. All calls are deterministic:
+the same scenario, seed and commands give the same numbers to the last bit. Nothing in the room depends on
+`imu`, which is called in every tick or in none: a call draws the noise of one tick.
 """
 
 import math
@@ -44,7 +46,7 @@ STEPS = PHYSICS_RATE // 100
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """Measurements and truth of one tick."""
+    """Frame and truth of one tick."""
 
     stamp_ns: int
     """True time; it identifies the tick."""
@@ -53,7 +55,6 @@ class Tick:
     truth: SwarmState
     truth_interference: Interference
     frame: MocapFrame
-    imu: SwarmImu
 
 
 class Room:
@@ -91,6 +92,7 @@ class Room:
         self._valid.flags.writeable = self._exact.flags.writeable = False
         self._tick = 0
         self._seen: Tick | None = None
+        self._read: SwarmImu | None = None
 
     @property
     def tick(self) -> int:
@@ -103,7 +105,7 @@ class Room:
         return self._vicon.injected
 
     def capture(self) -> Tick:
-        """Return the present measurements; repeated calls in a tick return the same."""
+        """Return frame and truth now; repeated calls in a tick return the same."""
         if self._seen is None:
             stamp_ns = self._tick * TICK_NS
             truth = self._swarm.truth(time_from_stamp(stamp_ns))
@@ -115,9 +117,14 @@ class Room:
                 truth=truth,
                 truth_interference=self._true_downwash(truth),
                 frame=delivery.frame,
-                imu=self._imu.read(truth, self._swarm.state[:, ACC]),
             )
         return self._seen
+
+    def imu(self) -> SwarmImu:
+        """Return the readings of the inertial sensors now; repeated calls in a tick return the same."""
+        if self._read is None:
+            self._read = self._imu.read(self.capture().truth, self._swarm.state[:, ACC])
+        return self._read
 
     def advance(self, command: SwarmCommand | None) -> None:
         """Advance by one tick; `command` is None if none arrived.
@@ -132,7 +139,7 @@ class Room:
         applied = self._radio.applied(now_ns, TICK_NS // STEPS, STEPS)
         self._swarm.step(applied, self._faults.weakened(self._ambient.drive(), now_ns))
         self._tick += 1
-        self._seen = None
+        self._seen = self._read = None
 
     @property
     def swarm(self) -> Swarm:
@@ -144,7 +151,7 @@ class Room:
         self.capture()
         move(self._ambient.drive())
         self._tick += 1
-        self._seen = None
+        self._seen = self._read = None
 
     def _rows_of(self, command: SwarmCommand) -> Rows:
         if command.names != self._commanded:

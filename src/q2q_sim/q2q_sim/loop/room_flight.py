@@ -108,7 +108,15 @@ class RoomFlight:
     def receive(self, data: bytes) -> Output:
         """Take a serialised command; return the next tick if it was complete and the pace is lockstep."""
         try:
-            command = self._gate.offer(header_stamp_ns(data), self._reader.read(data))
+            stamp_ns, command = header_stamp_ns(data), self._reader.read(data)
+        except ValueError as refusal:
+            return self._refused(refusal)
+        return self.take(stamp_ns, command)
+
+    def take(self, stamp_ns: int, offered: SwarmCommand) -> Output:
+        """Take the command of a stamp [ns], as `receive` does."""
+        try:
+            command = self._gate.offer(stamp_ns, offered)
         except ValueError as refusal:
             return self._refused(refusal)
         if command is None or not self.is_flying or self._command is not None:
@@ -168,7 +176,7 @@ class RoomFlight:
         truths = (
             StampedSignal("truth", tick.truth, tick.stamp_ns),
             StampedSignal("truth_interference", tick.truth_interference, tick.stamp_ns),
-            StampedSignal("imu", tick.imu, tick.stamp_ns),
+            StampedSignal("imu", self._room.imu(), tick.stamp_ns),
         )
         return Output((_frame(tick), *truths), clock_ns=tick.stamp_ns, refusal=refusal)
 
@@ -181,6 +189,6 @@ def rehearsed_room(scenario: Scenario, seed: int) -> Room:
     """Return a new room, after two ticks of a temporary one: the first real tick is not slow."""
     temporary = Room(scenario, seed=0)
     for _ in range(2):
-        temporary.capture()
+        temporary.imu()
         temporary.advance(None)
     return Room(scenario, seed)

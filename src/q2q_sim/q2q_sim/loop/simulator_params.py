@@ -42,8 +42,9 @@ class SimulatorParams:
         read_only=True,
     )
     give_up_s: float = tunable(
-        10.0, "lockstep: fly on without a command after", unit="s", low=0.01, high=3600.0, read_only=True
+        120.0, "lockstep: fly on without a command after", unit="s", low=0.01, high=3600.0, read_only=True
     )
+    """Longer than a scripted flight waits for a tick: a stalled one fails instead of flying differently."""
 
     def __post_init__(self) -> None:
         """Check the bounds."""

@@ -27,3 +27,6 @@ TYPE_NAMES: dict[str, str] = {
     topic: f"q2q_msgs/msg/{LAYOUTS[kind].message}" for topic, kind in TICK_TOPICS.items()
 }
 """Topic to message type."""
+
+PREDICTIONS, PREDICTION_TYPE = "predictions", "q2q_msgs/msg/Prediction"
+"""Topic of a distributed MPC's predictions, one message of each vehicle a slot, and its message type."""

@@ -8,12 +8,13 @@
 | a vehicle left the room | policy `room` |
 | commands ended before the flight | last command older than the firmware's watchdog, 0.5 s |
 | ticks were missed | more than 1 % without a command in time |
+| the recording ends before the flight | a bag that was not closed (`with_finding`) |
 
 The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -90,6 +91,28 @@ def verdict_of(
     ]
     found.sort(key=lambda one: one.t)
     return FlightVerdict(_duration(flight), tuple(found), tuple(_unjudged(evidence)))
+
+
+def with_lost_ticks(verdict: FlightVerdict, flight: Flight, flown: int) -> FlightVerdict:
+    """Return a verdict that names how many of the ticks flown the recording lacks."""
+    lost = flown - len(flight.t)
+    if lost <= 0:
+        return verdict
+    return replace(verdict, unjudged=(*verdict.unjudged, f"{lost} of {flown} ticks, which the recorder lost"))
+
+
+def with_finding(verdict: FlightVerdict, finding: Finding) -> FlightVerdict:
+    """Return a verdict with a further failure."""
+    found = sorted((*verdict.findings, finding), key=lambda one: one.t)
+    return replace(verdict, findings=tuple(found))
+
+
+def with_unknown_end(verdict: FlightVerdict, flight: Flight) -> FlightVerdict:
+    """Return the verdict on a flight whose recording was cut off, by a kill or a full disk."""
+    end = float(flight.t[-1])
+    return with_finding(
+        verdict, Finding(end, f"the recording was cut off at {end:.1f} s: its end is unknown")
+    )
 
 
 def verdict_line(flights: Sequence[tuple[str, FlightVerdict]]) -> str:

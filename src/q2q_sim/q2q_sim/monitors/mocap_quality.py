@@ -6,6 +6,7 @@ Computed from frames and filtered states, so that it works on any bag, without t
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.flights.flight import Flight
 
@@ -30,17 +31,23 @@ class MocapQuality:
 
 def mocap_quality(flight: Flight) -> dict[str, MocapQuality]:
     """Return the motion-capture quality of each vehicle of a flight."""
-    return {name: _of(flight, row) for row, name in enumerate(flight.names)}
+    rejected = rejected_samples(flight)
+    return {name: _of(flight, rejected, row) for row, name in enumerate(flight.names)}
 
 
-def _of(flight: Flight, row: int) -> MocapQuality:
+def rejected_samples(flight: Flight) -> NDArray[np.bool_]:
+    """Return the measurements that the filter did not follow, (T, n)."""
+    offset = np.linalg.norm(flight.mocap_pos - flight.pos, axis=-1)
+    return np.asarray(np.isfinite(offset) & (offset > REJECTED_OFFSET))
+
+
+def _of(flight: Flight, rejected: NDArray[np.bool_], row: int) -> MocapQuality:
     seen = np.isfinite(flight.mocap_pos[:, row, 0])
     stamps = flight.t[seen]
     gaps = np.diff(stamps)
-    offset = np.linalg.norm(flight.mocap_pos[:, row] - flight.pos[:, row], axis=-1)
     return MocapQuality(
         rate_hz=float(1.0 / np.median(gaps)) if len(gaps) else 0.0,
         seen_share=float(seen.mean()) if len(seen) else 0.0,
         longest_gap_s=float(gaps.max()) if len(gaps) else float("inf"),
-        rejected=int((offset[np.isfinite(offset)] > REJECTED_OFFSET).sum()),
+        rejected=int(rejected[:, row].sum()),
     )

@@ -68,7 +68,7 @@ class Disturbance:
         """
         self._rng = stream(seed, "air")
         self._std = params.air_std
-        self._mean = np.array(mean)
+        self._mean, self._steady = np.array(mean), any(mean)
         self._keep = math.exp(-tick / params.air_time)
         self._fresh = params.air_std * math.sqrt(-math.expm1(-2.0 * tick / params.air_time))
         gain = stream(seed, "thrust gain").uniform(
@@ -89,6 +89,6 @@ class Disturbance:
         if self._std > 0.0:
             fresh = self._rng.standard_normal((len(now), 3))
             self.drive[:, :3] = self._keep * now[:, :3] + self._fresh * fresh
-        if self._mean.any():
+        if self._steady:
             now[:, :3] += self._mean
         return now

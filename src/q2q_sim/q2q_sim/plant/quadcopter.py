@@ -32,7 +32,13 @@ import numpy as np
 
 from q2q_control.attitude.allocation import rotor_frame
 from q2q_control.attitude.allocation_kernel import allocate
-from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, attitude_gains, attitude_torque
+from q2q_control.attitude.attitude_law import (
+    AttitudeGains,
+    AttitudeParams,
+    Axes,
+    attitude_gains,
+    attitude_torque,
+)
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
@@ -66,8 +72,13 @@ TORQUE = slice(TX, CEILING)
 GAIN1 = 3
 """Column of the first rotor's gain in a drive row, after the acceleration by moving air [m/s^2]."""
 
+Two = tuple[float, float]
 Three = tuple[float, float, float]
 Four = tuple[float, float, float, float]
+
+
+SMALL_SQUARE = 1e-3
+"""Square of an angle up to which the series of its sine and cosine are exact [rad^2]."""
 
 
 class Body(NamedTuple):
@@ -108,13 +119,14 @@ def state_at_rest(start: Array, mass: float) -> Array:
 
 
 @compiled(**BORROWING)
-def _torque(rotors: Four, lever: float, drag: float) -> Three:
+def rotor_torque(rotors: Four, lever: float, drag: float) -> Three:
+    """Return the torque of the rotors [N m], body."""
     f1, f2, f3, f4 = rotors
     return lever * (-f1 - f2 + f3 + f4), lever * (-f1 + f2 + f3 - f4), drag * (-f1 + f2 - f3 + f4)
 
 
 @compiled(**BORROWING)
-def _tilt(quat: Four) -> Three:
+def tilt(quat: Four) -> Three:
     """Return roll, pitch [rad], and 0 for the yaw, which the attitude law does not read."""
     x, y, z, w = quat
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
@@ -129,62 +141,99 @@ def _write_rotors(row: Array, command: Four, body: Body, commanded: Array) -> No
         commanded[:] = 0.0
         return
     lever, drag, _ = body.frame
-    torque_now = _torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
-    attitude = _tilt((row[QX], row[QY], row[QZ], row[QW]))
+    torque_now = rotor_torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
+    attitude = tilt((row[QX], row[QY], row[QZ], row[QW]))
     rate = (row[P], row[Q], row[R])
     tx, ty, tz = attitude_torque(attitude, rate, torque_now, (roll, pitch, yaw_rate), body.gains)
     allocate((thrust, tx, ty, tz), body.frame, True, commanded)  # noqa: FBT003  numba takes no keywords here
 
 
 @compiled(**BORROWING)
-def _push(row: Array, push: Three, body: Body) -> None:
-    """Integrate velocity and position over one step."""
-    x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
-    thrust_acc = (row[F1] + row[F2] + row[F3] + row[F4]) / body.mass
-    h = body.step
-    row[AX] = thrust_acc * 2.0 * (x * z + w * y) + push[0]
-    row[AY] = thrust_acc * 2.0 * (y * z - w * x) + push[1]
-    row[AZ] = thrust_acc * (1.0 - 2.0 * (x * x + y * y)) - GRAVITY + push[2]
-    for k in range(3):
-        before = row[VX + k]
-        row[VX + k] = before + row[AX + k] * h
-        row[X + k] += 0.5 * (before + row[VX + k]) * h
+def acceleration(quat: Four, rotors: Four, push: Three, body: Body) -> Three:
+    """Return the acceleration [m/s^2], world."""
+    x, y, z, w = quat
+    thrust_acc = (rotors[0] + rotors[1] + rotors[2] + rotors[3]) / body.mass
+    return (
+        thrust_acc * 2.0 * (x * z + w * y) + push[0],
+        thrust_acc * 2.0 * (y * z - w * x) + push[1],
+        thrust_acc * (1.0 - 2.0 * (x * x + y * y)) - GRAVITY + push[2],
+    )
 
 
 @compiled(**BORROWING)
-def _half_turn(square: float) -> tuple[float, float]:
-    """Return sin x / x and cos x for x^2 = square; below 1e-3 the series are exact to the last digit."""
-    if square > 1e-3:
-        x = math.sqrt(square)
-        return math.sin(x) / x, math.cos(x)
+def rate_after(rate: Three, torque: Three, inertia: Axes, step: float) -> Three:
+    """Return the body rates after one step under the torque [N m] of rotors and air."""
+    p, q, r = rate
+    ix, iy, iz = inertia[0], inertia[1], inertia[2]
+    return (
+        p + step * (torque[0] + (iy - iz) * q * r) / ix,
+        q + step * (torque[1] + (iz - ix) * p * r) / iy,
+        r + step * (torque[2] + (ix - iy) * p * q) / iz,
+    )
+
+
+@compiled(**BORROWING)
+def small_half_turn(square: float) -> Two:
+    """Return sin x / x and cos x for x^2 = square up to SMALL_SQUARE; exact to the last digit."""
     sine = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0)))
     rest = 1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))
     return sine, 1.0 - square * (0.5 - square * rest)
 
 
 @compiled(**BORROWING)
-def _turn(row: Array, body: Body) -> None:
-    """Integrate angular velocity and attitude over one step."""
-    lever, drag, _ = body.frame
-    tx, ty, tz = _torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
-    ix, iy, iz = body.gains.inertia[0], body.gains.inertia[1], body.gains.inertia[2]
-    h = body.step
-    p, q, r = row[P], row[Q], row[R]
-    tx, ty, tz = tx + row[TX], ty + row[TY], tz + row[TZ]
-    wx = p + h * (tx + (iy - iz) * q * r) / ix
-    wy = q + h * (ty + (iz - ix) * p * r) / iy
-    wz = r + h * (tz + (ix - iy) * p * q) / iz
-    row[P], row[Q], row[R] = wx, wy, wz
-    s, c = _half_turn(0.25 * h * h * (wx * wx + wy * wy + wz * wz))
-    s *= 0.5 * h
-    ex, ey, ez = s * wx, s * wy, s * wz
-    x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
+def _half_turn(square: float) -> Two:
+    """Return sin x / x and cos x for x^2 = square."""
+    if square > SMALL_SQUARE:
+        x = math.sqrt(square)
+        return math.sin(x) / x, math.cos(x)
+    return small_half_turn(square)
+
+
+@compiled(**BORROWING)
+def half_turn_squared(rate: Three, step: float) -> float:
+    """Return the square of half the angle of a step's turn [rad^2]."""
+    p, q, r = rate
+    return 0.25 * step * step * (p * p + q * q + r * r)
+
+
+@compiled(**BORROWING)
+def quat_after(quat: Four, rate: Three, half_turn: Two, step: float) -> Four:
+    """Return the attitude after one step at `rate`; `half_turn` is sin x / x, cos x of half the angle."""
+    s, c = half_turn
+    s *= 0.5 * step
+    ex, ey, ez = s * rate[0], s * rate[1], s * rate[2]
+    x, y, z, w = quat
     nx = w * ex + x * c + y * ez - z * ey
     ny = w * ey - x * ez + y * c + z * ex
     nz = w * ez + x * ey - y * ex + z * c
     nw = w * c - x * ex - y * ey - z * ez
     scale = 1.5 - 0.5 * (nx * nx + ny * ny + nz * nz + nw * nw)  # 1 / sqrt near 1, by Newton
-    row[QX], row[QY], row[QZ], row[QW] = nx * scale, ny * scale, nz * scale, nw * scale
+    return nx * scale, ny * scale, nz * scale, nw * scale
+
+
+@compiled(**BORROWING)
+def _push(row: Array, push: Three, body: Body) -> None:
+    """Integrate velocity and position over one step."""
+    quat, rotors = (row[QX], row[QY], row[QZ], row[QW]), (row[F1], row[F2], row[F3], row[F4])
+    row[AX], row[AY], row[AZ] = acceleration(quat, rotors, push, body)
+    for k in range(3):
+        before = row[VX + k]
+        row[VX + k] = before + row[AX + k] * body.step
+        row[X + k] += 0.5 * (before + row[VX + k]) * body.step
+
+
+@compiled(**BORROWING)
+def _turn(row: Array, body: Body) -> None:
+    """Integrate angular velocity and attitude over one step."""
+    lever, drag, _ = body.frame
+    tx, ty, tz = rotor_torque((row[F1], row[F2], row[F3], row[F4]), lever, drag)
+    torque = (tx + row[TX], ty + row[TY], tz + row[TZ])
+    rate = rate_after((row[P], row[Q], row[R]), torque, body.gains.inertia, body.step)
+    half_turn = _half_turn(half_turn_squared(rate, body.step))
+    row[P], row[Q], row[R] = rate
+    row[QX], row[QY], row[QZ], row[QW] = quat_after(
+        (row[QX], row[QY], row[QZ], row[QW]), rate, half_turn, body.step
+    )
 
 
 @compiled(**BORROWING)

@@ -13,6 +13,7 @@ from q2q_sim.plant.jet_push import PushTable
 from q2q_sim.plant.jet_reach import EXTREMES_WIDTH, Bound, bound_of
 from q2q_sim.plant.order_by_x import Rows
 from q2q_sim.plant.quadcopter import Body
+from q2q_sim.random_streams import stream
 
 FARTHEST = 5.0
 """Largest value of a unit process that is searched [-]."""
@@ -47,10 +48,10 @@ class RoomNumbers(NamedTuple):
     torque_radius: float
     ground: float
     rotor_radius: float
-    full_thrust: float
-    """Largest thrust of a rotor with a full battery [N]; infinite if there is no vehicle term."""
     fading: float
-    """Its loss [N/s]."""
+    """Loss of the largest thrust of a rotor [N/s]."""
+    drag: float
+    """[1/s]"""
 
 
 class RoomLaw(NamedTuple):
@@ -64,6 +65,8 @@ class RoomLaw(NamedTuple):
     """Block of the unit processes, (steps, n, WIDTH)."""
     extremes: Array
     """Largest slope and speed of the vehicles (q2q_sim.plant.jet_reach), (EXTREMES_WIDTH,)."""
+    ceilings: Array
+    """Largest thrust of a rotor of each vehicle at the start [N], (n,); infinite without a vehicle term."""
     places: Array
     """Room for x, y, z [m] of the vehicles by rising x, (3, n)."""
     under: Array
@@ -72,8 +75,8 @@ class RoomLaw(NamedTuple):
     """Room for their rows, (n,)."""
 
 
-def room_law(air: RoomAir, count: int, body: Body) -> RoomLaw:
-    """Return the compiled form of an air for `count` vehicles."""
+def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
+    """Return the compiled form of an air for `count` vehicles of a flight of a seed."""
     jet = air.jet or NO_JET
     ends = ends_of_jet(air.jet, air.absorption) if air.jet else np.zeros(1)
     lean = FARTHEST * air.meander.std if air.meander else 0.0
@@ -83,10 +86,20 @@ def room_law(air: RoomAir, count: int, body: Body) -> RoomLaw:
         bound=bound_of(jet, ends, lean),
         unit=np.zeros((block_steps(body.step), count, WIDTH)),
         extremes=np.zeros(EXTREMES_WIDTH),
+        ceilings=ceilings(air, count, body.mass, seed),
         places=np.zeros((3, count)),
         under=np.zeros((count, UNDER_WIDTH)),
         met=np.zeros(count, dtype=np.int64),
     )
+
+
+def ceilings(air: RoomAir, count: int, mass: float, seed: int) -> Array:
+    """Return the largest thrust of a rotor of each vehicle [N], (n,), drawn for a flight."""
+    if air.vehicle is None:
+        return np.full(count, math.inf)
+    drawn = stream(seed, "vehicle headroom").standard_normal(count)
+    headroom = air.vehicle.headroom + air.vehicle.headroom_std * drawn
+    return np.asarray(0.25 * mass * GRAVITY * headroom)
 
 
 def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
@@ -111,6 +124,6 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
         torque_radius=torque.radius_m if torque else 1.0,
         ground=ground.coefficient if ground else 0.0,
         rotor_radius=ground.rotor_radius_m if ground else 1.0,
-        full_thrust=hover * own.headroom if own else math.inf,
         fading=hover * own.headroom_per_volt * own.discharge_v_per_s if own else 0.0,
+        drag=air.rotor_drag.per_s if air.rotor_drag else 0.0,
     )

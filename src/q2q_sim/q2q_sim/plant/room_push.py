@@ -33,6 +33,9 @@ from q2q_sim.plant.quadcopter import (
     TX,
     TY,
     TZ,
+    VX,
+    VY,
+    VZ,
     Three,
     X,
     Y,
@@ -205,8 +208,20 @@ def shed(state: Array, room: RoomLaw, j: int, count: int) -> None:
 
 
 @compiled(**BORROWING)
+def drag(state: Array, i: int, per_s: float) -> None:
+    """Add the drag of the rotors to the push on a vehicle: against its velocity across its thrust."""
+    x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
+    bx, by, bz = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+    vx, vy, vz = state[i, VX], state[i, VY], state[i, VZ]
+    along = vx * bx + vy * by + vz * bz
+    state[i, ETA_X] -= per_s * (vx - along * bx)
+    state[i, ETA_Y] -= per_s * (vy - along * by)
+    state[i, ETA] -= per_s * (vz - along * bz)
+
+
+@compiled(**BORROWING)
 def surround(state: Array, i: int, unit: float, one: RoomNumbers, mass: float) -> None:
-    """Add the residual and the ground effect to the push on a vehicle."""
+    """Add the residual, the ground effect and the drag of the rotors to the push on a vehicle."""
     eta = abs(state[i, ETA])
     state[i, ETA] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
     near = one.rotor_radius / max(state[i, Z], one.rotor_radius)
@@ -215,15 +230,17 @@ def surround(state: Array, i: int, unit: float, one: RoomNumbers, mass: float) -
     state[i, ETA_X] = lift * 2.0 * (x * z + w * y)
     state[i, ETA_Y] = lift * 2.0 * (y * z - w * x)
     state[i, ETA] += lift * (1.0 - 2.0 * (x * x + y * y))
+    if one.drag != 0.0:
+        drag(state, i, one.drag)
 
 
 @compiled(**BORROWING)
-def clear(state: Array, ceiling: float) -> None:
-    """Write no push, no torque and the largest thrust of a rotor into every state."""
+def clear(state: Array, ceilings: Array, faded: float) -> None:
+    """Write no push, no torque and the largest thrust of a rotor, less what faded, into every state."""
     for i in range(state.shape[0]):
         for column in range(ETA, CEILING):
             state[i, column] = 0.0
-        state[i, CEILING] = ceiling
+        state[i, CEILING] = max(ceilings[i] - faded, 0.0)
 
 
 @compiled(**BORROWING)
@@ -250,7 +267,7 @@ def add_jets(state: Array, ring: Array, rows: Rows, room: RoomLaw) -> None:
 def room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float) -> None:
     """Write push, torque and largest rotor thrust of every vehicle; `mass` in [kg]."""
     n, one, unit = state.shape[0], room.numbers, room.unit
-    clear(state, max(one.full_thrust - one.fading * one.step * float(rows[n]), 0.0))
+    clear(state, room.ceilings, one.fading * one.step * float(rows[n]))
     if n > 1 and room.bound.near > 0.0:
         add_jets(state, ring, rows, room)
     tick = rows[n] % unit.shape[0]

@@ -1,7 +1,7 @@
 """Physics step of a swarm: all vehicles, and the air between them, in one compiled loop.
 
 Each physics step finds the push of the air on every vehicle, then steps every vehicle
-(q2q_sim.plant.quadcopter). The air is a wake law (law_push.py), that of a room (room_push.py), or a class
+(q2q_sim.plant.block_step). The air is a wake law (law_push.py), that of a room (room_push.py), or a class
 outside the loop (own_wake.py), which is asked between single steps. Both loops over pairs sort the vehicles
 by x. States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash; between slots
 they are interpolated. A test compares the kernel with a plain numpy implementation.
@@ -23,6 +23,7 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake import AirSetup
 from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
+from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.law_push import law_push
 from q2q_sim.plant.order_by_x import Rows
 from q2q_sim.plant.own_wake import OwnWake
@@ -38,7 +39,6 @@ from q2q_sim.plant.quadcopter import (
     VEL,
     Body,
     X,
-    advance,
     body_of,
     state_at_rest,
 )
@@ -79,12 +79,10 @@ def air_push(state: Array, air: Air, body: Body) -> None:
 @compiled(nogil=True)
 def run(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
     """Advance by one physics step for each row of commands; releases the GIL."""
-    rotors = np.empty(4)
+    work = (np.zeros(BLOCK_WIDTH * LANES), np.zeros(4))
     for k in range(commands.shape[0]):
         air_push(state, air, body)
-        for i in range(state.shape[0]):
-            command = (commands[k, i, 0], commands[k, i, 1], commands[k, i, 2], commands[k, i, 3])
-            advance(state[i], command, drive[i], body, rotors)
+        advance_rows(state, commands[k], drive, body, work)
         remember(state, air.ring, air.rows, body.mass * GRAVITY)
 
 
@@ -96,13 +94,13 @@ def write_push(state: Array, air: Air, body: Body, push: Array) -> None:
         push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA]
 
 
-def still_air(state: Array, air: FlownAir, body: Body) -> Air:
+def still_air(state: Array, air: FlownAir, body: Body, seed: int = 0) -> Air:
     """Return the air around vehicles that have always hovered at their present positions."""
     order = np.append(np.argsort(state[:, X], kind="stable"), 0).astype(np.int64)
     now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (body.mass * GRAVITY)])  # (n, 4)
-    kind, delay, room = OWN, 0.0, room_law(RoomAir(), 0, body)
+    kind, delay, room = OWN, 0.0, room_law(RoomAir(), 0, body, seed)
     if isinstance(air, RoomAir):
-        kind, delay, room = ROOM, MAX_DELAY, room_law(air, len(state), body)
+        kind, delay, room = ROOM, MAX_DELAY, room_law(air, len(state), body, seed)
         now = np.column_stack([now, np.zeros((len(state), ROOM_WIDTH - LAW_WIDTH))])
     elif isinstance(air, WakeLaw):
         kind, delay = int(air), max_delay(air)
@@ -124,9 +122,9 @@ class Swarm:
         self.names = names
         step = 1.0 / PHYSICS_RATE
         self._flown = vehicle_in(air, vehicle)
-        self.body = body_of(self._flown, _attitude_loop(air), step)
+        self.body = body_of(self._flown, attitude_loop_in(air), step)
         self.state = state_at_rest(start, vehicle.mass)
-        self.air = still_air(self.state, air, self.body)
+        self.air = still_air(self.state, air, self.body, seed)
         self._block = -1
         self._processes = UnitProcesses(air, len(names), step, seed) if isinstance(air, RoomAir) else None
         setup = AirSetup(vehicle, len(names), step, seed)
@@ -203,7 +201,7 @@ def vehicle_in(air: FlownAir, vehicle: Vehicle) -> Vehicle:
     return replace(vehicle, thrust_lag=own.thrust_lag_s, thrust_max=own.headroom * vehicle.hover_thrust)
 
 
-def _attitude_loop(air: FlownAir) -> AttitudeParams:
+def attitude_loop_in(air: FlownAir) -> AttitudeParams:
     """Return the attitude loop of a room's vehicles, else that of the plant."""
     if not isinstance(air, RoomAir) or air.vehicle is None:
         return AttitudeParams()

@@ -100,7 +100,7 @@ def _commanded_rotors(state: Array, command: Array, body: Body) -> Array:
 
 
 def _move(state: Array, moving_air: Array, body: Body) -> None:
-    mass, h, inertia = body.mass, body.step, body.gains.inertia
+    mass, h, inertia = body.mass, body.step, np.asarray(body.gains.inertia)
     wrench = wrench_of(state[:, ROTORS], RotorFrame(*body.frame))
     up = np.array([0.0, 0.0, 1.0])
     thrust_acc = rotate(state[:, QUAT], wrench[:, :1] / mass * up)

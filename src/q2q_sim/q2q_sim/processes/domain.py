@@ -7,18 +7,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from q2q_model.node.loopback import RANGE, restrict
+
 DOMAINS = range(20, 100)
 """Candidate domains: below 101, above those usually set by hand (ROS 2 documentation, domain id)."""
 
 
 @contextmanager
 def own_domain() -> Iterator[int]:
-    """Reserve a free domain and set ROS_DOMAIN_ID; a domain set by the user is kept.
+    """Reserve a free domain on this machine and set ROS_DOMAIN_ID; a domain or range set by the user is kept.
 
     Raises:
         RuntimeError: all domains are taken.
     """
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ.setdefault(RANGE, "LOCALHOST")
+    restrict(os.environ)
     if os.environ.get("ROS_DOMAIN_ID"):
         yield int(os.environ["ROS_DOMAIN_ID"])
         return

@@ -28,7 +28,7 @@ class NodeSpec:
     executable: str
     parameters: Mapping[str, ParameterValue]
     cores: frozenset[int] = frozenset()
-    """Allowed cores; empty is any."""
+    """Allowed cores; empty is any, within a flight those of `cores_of`."""
     inside: tuple["NodeSpec", ...] = ()
     """Nodes within its process."""
     name: str = ""
@@ -83,6 +83,7 @@ class Processes:
         parameters = self._folder / f"{spec.label}.yaml"
         parameters.write_text(yaml.safe_dump(sections(spec)))
         remapped = ("-r", f"__node:={spec.name}") if spec.name else ()
+        self._log(spec.label).touch()  # a node that is killed at once never opens it
         self._running[spec.label] = fork(
             NodeStart(
                 package=spec.package,

@@ -16,6 +16,7 @@ from importlib import import_module
 from multiprocessing import forkserver, get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from types import TracebackType
 
 PARENT = "q2q_sim.ros.warm_parent"
 """Module that the fork server imports."""
@@ -64,6 +65,17 @@ def die_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
+def say_in_a_line(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    """Report an uncaught exception; in one line, where the process that asks for forks was killed meanwhile.
+
+    The warm parent's excepthook: what such a fork should become can no longer be read (EOFError).
+    """
+    if isinstance(error, EOFError):
+        print("the flight was killed while this node was starting", file=sys.stderr)
+    else:
+        sys.__excepthook__(kind, error, trace)
+
+
 def settle(cores: frozenset[int]) -> None:
     """Make this process a session of its own on its cores that ends with the warm parent.
 
@@ -79,6 +91,7 @@ def settle(cores: frozenset[int]) -> None:
 
 
 def _become(start: NodeStart) -> None:
+    sys.excepthook = sys.__excepthook__
     settle(start.cores)
     with start.log.open("wb") as log:
         for stream in (1, 2):

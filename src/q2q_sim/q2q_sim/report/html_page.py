@@ -1,29 +1,43 @@
-"""Self-contained HTML page with tables and pictures."""
+"""Self-contained HTML page: title, lead, then verdict, numbers, tables and pictures in the given order."""
 
+import re
 from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from q2q_model import palette
+
+COLOURS = f":root {{ color-scheme: light; --good: {palette.GREEN}; --bad: {palette.VERMILLION}; }}"
 CSS = """
-body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 1120px; }
-body { margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
-table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
-table { display: block; overflow-x: auto; }
-th, td { padding: .3rem .7rem; border-bottom: 1px solid #ddd; text-align: right; }
-th { background: #f4f5f7; font-weight: 600; } td:first-child, th:first-child { text-align: left; }
-td:nth-child(2), th:nth-child(2), .words { text-align: left !important; }
-td:not(.words) { white-space: nowrap; }
-.pictures { display: grid; gap: 1rem; }
-.pictures { grid-template-columns: repeat(auto-fit, minmax(min(460px, 100%), 1fr)); }
-@media (max-width: 600px) { th, td { padding: .2rem .25rem; font-size: 11px; line-height: 1.3; } }
-figure { margin: 0; } img { width: 100%; } figcaption { color: #666; font-size: .9rem; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 1120px; }
+body { margin: 1.5rem auto; padding: 0 1rem; overflow-wrap: break-word; }
+h1 { font-size: 1.6rem; line-height: 1.2; margin: 0 0 .4rem; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; }
+.verdict { border-left: .3rem solid var(--good); padding: .2rem .8rem; background: #f4f5f7; }
+.verdict.bad { border-color: var(--bad); font-weight: 600; }
+.numbers { display: grid; gap: 1rem 1.5rem; margin: 1.2rem 0; max-width: 50rem; }
+.numbers { grid-template-columns: repeat(auto-fit, minmax(9rem, 1fr)); }
+.numbers b { display: block; font-size: 2.2rem; line-height: 1.15; }
+.numbers div { border-top: .3rem solid #888; padding-top: .3rem; }
+.scroll { overflow-x: auto; margin: 1rem 0; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
+th, td { padding: .3rem .7rem; border-bottom: 1px solid #ddd; text-align: right; white-space: nowrap; }
+th { background: #f4f5f7; font-weight: 600; white-space: pre-line; vertical-align: bottom; }
+.text, .words { text-align: left; } td.words { white-space: normal; min-width: 12rem; }
+.pictures { display: grid; gap: 1.2rem; margin: 1rem 0; }
+.pictures { grid-template-columns: repeat(auto-fill, minmax(min(420px, 100%), 1fr)); }
+@media (max-width: 600px) { th, td { padding: .25rem .4rem; } body { padding: 0 .8rem; } }
+pre { overflow-x: auto; background: #f4f5f7; padding: .6rem .8rem; font-size: .88rem; }
+figure { margin: 0; } img { width: 100%; height: auto; } figcaption { color: #555; font-size: .9rem; }
 """
 
 WORDS = 24
-"""Cell length from which a column is text: left-aligned and wrapped."""
+"""Cell length from which a column is wrapped."""
+NUMBER = re.compile(r"[+-]?[\d.]+(?: · 10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?%?|-|")
+"""Cell of a column that is right-aligned, where one has a digit."""
+DIGIT = re.compile(r"\d")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,30 +56,102 @@ class Grid:
     rows: Sequence[Sequence[str]]
 
 
-def page(title: str, lead: str, parts: Sequence[Grid | Sequence[Picture] | str]) -> str:
-    """Return the page's HTML: title, one lead paragraph, then tables, picture grids and texts in order."""
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """Heading of a section."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class PageVerdict:
+    """Outcome of all that a page shows, in one line."""
+
+    text: str
+    ok: bool
+
+
+@dataclass(frozen=True, slots=True)
+class KeyNumber:
+    """Number with its unit, shown large, and what it is."""
+
+    value: str
+    meaning: str
+    colour: str = palette.GREY
+
+
+@dataclass(frozen=True, slots=True)
+class Markup:
+    """HTML of our own, such as a flight replay, that is placed as it is."""
+
+    html: str
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramOutput:
+    """Lines as a program printed them."""
+
+    text: str
+
+
+Part = Grid | Heading | PageVerdict | Markup | ProgramOutput | Sequence[Picture] | Sequence[KeyNumber] | str
+
+
+def page(title: str, lead: str, parts: Sequence[Part]) -> str:
+    """Return the page's HTML: title, one lead paragraph, then the parts in order."""
     body = "\n".join(_part(part) for part in parts)
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f'<meta name="viewport" content="width=device-width"><style>{CSS}</style></head>\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<style>{COLOURS}{CSS}</style></head>\n"
         f"<body><h1>{escape(title)}</h1><p>{escape(lead)}</p>\n{body}\n</body></html>\n"
     )
 
 
-def _part(part: Grid | Sequence[Picture] | str) -> str:
-    if isinstance(part, str):
-        return f"<p>{escape(part)}</p>"
-    if isinstance(part, Grid):
-        return _table(part)
-    return f'<div class="pictures">{"".join(_figure(picture) for picture in part)}</div>'
+def _part(part: Part) -> str:
+    match part:
+        case str():
+            return f"<p>{escape(part)}</p>"
+        case Markup():
+            return part.html
+        case Heading() | ProgramOutput():
+            tag = "h2" if isinstance(part, Heading) else "pre"
+            return f"<{tag}>{escape(part.text)}</{tag}>"
+        case PageVerdict():
+            return f'<p class="verdict{"" if part.ok else " bad"}">{escape(part.text)}</p>'
+        case Grid():
+            return _table(part)
+        case _:
+            return _row_of(part)
+
+
+def _row_of(parts: Sequence[Picture] | Sequence[KeyNumber]) -> str:
+    """Return pictures or numbers beside each other."""
+    pictures = "".join(_figure(one) for one in parts if isinstance(one, Picture))
+    numbers = "".join(_number(one) for one in parts if isinstance(one, KeyNumber))
+    return f'<div class="{"pictures" if pictures else "numbers"}">{pictures}{numbers}</div>'
+
+
+def _number(one: KeyNumber) -> str:
+    value, meaning = escape(one.value), escape(one.meaning)
+    return f'<div style="border-color: {one.colour}"><b>{value}</b>{meaning}</div>'
 
 
 def _table(grid: Grid) -> str:
-    long_text = [any(len(cell) >= WORDS for cell in column) for column in zip(*grid.rows, strict=True)]
-    kinds = [' class="words"' if words else "" for words in long_text or [False] * len(grid.head)]
+    columns = list(zip(*grid.rows, strict=True)) or [()] * len(grid.head)
+    kinds = [_kind(column) for column in columns]
     lines = [_line("td", kinds, row) for row in grid.rows]
     head = _line("th", kinds, grid.head)
-    return f"<table><thead>{head}</thead><tbody>{''.join(lines)}</tbody></table>"
+    table = f"<table><thead>{head}</thead><tbody>{''.join(lines)}</tbody></table>"
+    return f'<div class="scroll">{table}</div>'
+
+
+def _kind(column: Sequence[str]) -> str:
+    """Return the class of a column's cells: long text, text, or numbers."""
+    if any(len(cell) >= WORDS for cell in column):
+        return ' class="words"'
+    is_number = any(map(DIGIT.search, column)) and all(map(NUMBER.fullmatch, column))
+    return "" if is_number else ' class="text"'
 
 
 def _line(tag: str, kinds: Sequence[str], cells: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""Table of flights, one row for each vehicle and mode, as the paper's Table 6."""
+"""Table of flights, one row for each vehicle and mode, as the paper's Table 6; a summary of many vehicles."""
 
 from collections.abc import Sequence
 
@@ -6,10 +6,12 @@ from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 from rich.table import Table
 
-from q2q_sim.flight.run_json import finite
 from q2q_sim.flight.scenario_flight import FlightRun
 from q2q_sim.monitors.flight_verdict import verdict_line
+from q2q_sim.monitors.metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.report.html_page import Grid
+from q2q_sim.report.significant import significant
+from q2q_sim.report.vehicle_rows import vehicle_rows
 
 MODE_WORDS = {
     "ignoring": "ignoring",
@@ -22,7 +24,7 @@ HEAD = (
     "z RMSE\n[m]",
     "xy RMSE\n[m]",
     "U1 energy\n[N²s]",
-    "above\nhover",
+    "above\nhover\n[N²s]",
     "max U1\n[N]",
     "separation\n[m]",
 )
@@ -46,7 +48,7 @@ def run_table(runs: Sequence[FlightRun]) -> Table:
 
 
 def run_notes(runs: Sequence[FlightRun]) -> list[str]:
-    """Print zone time and timing of each flight."""
+    """Return zone time and timing of each flight."""
     return [_note(run) for run in runs]
 
 
@@ -57,29 +59,26 @@ def run_verdicts(runs: Sequence[FlightRun]) -> str:
 
 def _note(run: FlightRun) -> str:
     timing = run.timing
+    latency, tail = significant(timing.latency_p50_ms, 2), significant(timing.latency_p99_ms, 2)
     return (
-        f"{MODE_WORDS[run.request.mode]}: {_number(run.metrics.zone_time_s, 2)} s in the zone, "
-        f"{_number(timing.real_time_factor, 1)} x real time, {timing.missed_ticks} ticks missed, "
-        f"mocap to command {_number(timing.latency_p50_ms, 2)} ms (p99 {_number(timing.latency_p99_ms, 2)})"
+        f"{MODE_WORDS[run.request.mode]}: {significant(run.metrics.zone_time_s)} s in the zone, "
+        f"{significant(timing.real_time_factor, 2)} x real time, {timing.missed_ticks} ticks missed, "
+        f"mocap to command {latency} ms (p99 {tail})"
     )
 
 
 def _rows(run: FlightRun) -> list[tuple[str, ...]]:
-    return [
-        (
-            MODE_WORDS[run.request.mode],
-            name,
-            _number(one.z_rmse_m, 5),
-            _number(one.xy_rmse_m, 5),
-            _number(one.u1_energy, 2),
-            _number(one.u1_energy_above_hover, 2),
-            _number(one.u1_max, 3),
-            _number(run.metrics.min_separation_m, 3),
-        )
-        for name, one in run.metrics.vehicles.items()
-    ]
+    numbers = {name: _numbers(run.metrics, one) for name, one in run.metrics.vehicles.items()}
+    mode = MODE_WORDS[run.request.mode]
+    return [(mode, name, *map(significant, row)) for name, row in vehicle_rows(numbers)]
 
 
-def _number(value: float | None, digits: int) -> str:
-    known = finite(value)
-    return "-" if known is None else f"{known:.{digits}f}"
+def _numbers(metrics: FlightMetrics, one: VehicleMetrics) -> tuple[float, ...]:
+    return (
+        one.z_rmse_m,
+        one.xy_rmse_m,
+        one.u1_energy,
+        one.u1_energy_above_hover,
+        one.u1_max,
+        metrics.min_separation_m,
+    )

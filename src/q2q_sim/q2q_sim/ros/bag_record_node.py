@@ -1,20 +1,29 @@
-"""Recording node: the serialised messages of a flight's topics into a rosbag2 MCAP bag."""
+"""Recording node: the serialised messages of a flight's topics into a rosbag2 MCAP bag.
 
+If the disk takes no more, the node says so, records nothing further, and goes on answering, so that the
+flight is flown to its end; its exit status is then 2.
+"""
+
+import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from time import time_ns
 
+from rclpy.event_handler import QoSMessageLostInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
 
-from q2q_model.bag import BagWriter, facts_from_text
+from q2q_model.bag import BagError, BagWriter, facts_from_text
 from q2q_model.node.health import Health
+from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.qos import RECORD
-from q2q_model.signals.cdr import header_stamp_ns
+from q2q_model.signals.cdr import encode, header_stamp_ns
+from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.loop.topics import TYPE_NAMES
 
@@ -44,26 +53,73 @@ class Recorder:
         params = declare(node, RecordParams())
         if not params.bag:
             raise ValueError("parameter bag is empty: give the folder to write, e.g. -p bag:=out/my_flight")
-        self._health = Health()
+        self.health = Health()
+        """Messages stored (ticks) and lost (missed)."""
+        self._lost: dict[str, int] = {}
+        self.is_full = False
+        """Whether the disk has taken no more."""
         self._by_header = params.stamps == "header"
         self._writer = BagWriter(Path(params.bag), facts=facts_from_text(params.facts))
+        bus = bus_of(node)
         for topic, kind in (_signal_types(params.topics) | _extra(params.extra)).items():
             whole = node.resolve_topic_name(topic)
             self._writer.add_topic(whole, kind)
-            node.create_subscription(_class_of(kind), topic, self._storing(whole), RECORD, raw=True)
-        publish_health(node, self._health)
+            if bus.carries(topic):
+                bus.listen(topic, self._storing_signals(whole))
+                continue
+            counting = SubscriptionEventCallbacks(message_lost=self._counting(whole))
+            node.create_subscription(
+                _class_of(kind), topic, self._storing(whole), RECORD, raw=True, event_callbacks=counting
+            )
+        publish_health(node, self.health)
 
     def close(self) -> None:
-        """Close the bag."""
-        self._writer.close()
+        """Close the bag; name the topics of which messages were lost.
+
+        Raises:
+            BagError: the disk took no more, before or now.
+        """
+        try:
+            self._writer.close()
+        except BagError as refusal:
+            self._give_up(refusal)
+        for topic, count in self._lost.items():
+            print(f"bag_record: lost {count} messages of {topic}: this machine is too busy", file=sys.stderr)
+        if self.is_full:
+            raise BagError(f"bag {self._writer.path} lacks what came after its disk took no more")
+
+    def _storing_signals(self, topic: str) -> Listener:
+        store = self._storing(topic)
+        return lambda stamp_ns, signal: store(encode(signal, stamp_ns))
 
     def _storing(self, topic: str) -> Callable[[bytes], None]:
         def take(data: bytes) -> None:
+            if self.is_full:
+                self.health.missed += 1
+                return
             stamp = header_stamp_ns(data) if self._by_header else time_ns()
-            self._writer.write_raw(topic, stamp, data)
-            self._health.ticks += 1
+            try:
+                self._writer.write_raw(topic, stamp, data)
+            except BagError as refusal:
+                self._give_up(refusal)
+            else:
+                self.health.ticks += 1
 
         return take
+
+    def _give_up(self, refusal: BagError) -> None:
+        """Record nothing further."""
+        self.is_full = True
+        self.health.refuse(str(refusal))
+        with suppress(OSError):  # a log on the same disk
+            print(f"bag_record: {refusal}; nothing more is recorded", file=sys.stderr, flush=True)
+
+    def _counting(self, topic: str) -> Callable[[QoSMessageLostInfo], None]:
+        def count(lost: QoSMessageLostInfo) -> None:
+            self._lost[topic] = lost.total_count
+            self.health.missed = sum(self._lost.values())
+
+        return count
 
 
 def _signal_types(chosen: tuple[str, ...]) -> dict[str, str]:

@@ -13,24 +13,23 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.client import Client
 from rclpy.executors import Executor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from q2q_model.node.wiring import undelivered, unmatched, wiring_from_text
 from q2q_model.ros.node.ready import DRAINED, SERVICE
-from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
 from q2q_model.signals.stamps import stamp_from_parts
 from q2q_sim.loop.room import TICK_NS
 
 POLL_S = 0.05
 """Period of graph queries [s]."""
-START_S = 5.0
-"""Time-out for discovery of the start service [s]; rclpy's own wait polls every 0.25 s."""
-DRAIN_S = 10.0
-"""Time-out for draining the messages of one node [s]."""
+START_S = 60.0
+"""Time-out for discovery within processes that are ready [s]; rclpy's own wait polls every 0.25 s."""
+DRAIN_S = 60.0
+"""Time-out for draining the messages of one node [s]: a starved recorder takes a millisecond a message."""
 STILL_S = 60.0
 """Time without a tick after which a flight has failed [s]."""
 SOURCES = ("/simulator", "/bag_play")
@@ -49,7 +48,7 @@ class FlightDirector:
         """
         self._started_ros = executor is None
         if self._started_ros:
-            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # the tool handles signals
+            start_ros()  # the tool handles signals
         self._node = Node("flight_director")
         self._executor = executor or make_executor()
         self._executor.add_node(self._node)

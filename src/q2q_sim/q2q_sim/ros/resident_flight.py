@@ -1,32 +1,25 @@
 """Flights of scenarios through the nodes within this process.
 
-    parameter file -> start ROS -> stack + simulator + recorder on one executor -> connect -> fly -> end
+    parameter file -> start ROS -> nodes of `ros2 run q2q_sim stack` on one executor -> connect -> fly -> end
 
-The nodes are those of `ros2 run q2q_sim stack`, with the simulator and the recorder; messages between
-processes there pass through the middleware here, too. ROS and every node are created anew for each flight, so
-that only loaded code remains from the one before.
+ROS and every node are created anew for each flight, so that only loaded code remains from the one before.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import rclpy
 from rclpy.executors import Executor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 
 from q2q_model.ros.node.ready import offer_drained, offer_ready
-from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_sim.loop.flight_clock import FlightTiming, timing_of
 from q2q_sim.ros import stack
-from q2q_sim.ros.bag_record_node import Recorder
-from q2q_sim.ros.flight_director import FlightDirector
-from q2q_sim.ros.simulator_node import Simulator
+from q2q_sim.ros.flight_director import START_S, FlightDirector
 
-RECORDER, SIMULATOR = "bag_record", "simulator"
-WIRE_S = 20.0
-"""Time-out for connecting the nodes of one process [s]."""
+SIMULATOR = "simulator"
 
 
 def fly_here(parameters: Path) -> FlightTiming:
@@ -36,14 +29,12 @@ def fly_here(parameters: Path) -> FlightTiming:
         ValueError: a node refuses a parameter.
         TimeoutError: the nodes do not connect, or the flight stalls.
     """
-    rclpy.init(
-        args=["--ros-args", "--params-file", str(parameters)], signal_handler_options=SignalHandlerOptions.NO
-    )
+    start_ros(["--ros-args", "--params-file", str(parameters)])
     executor = make_executor()
     try:
         with _nodes(executor) as nodes, FlightDirector(lambda: None, executor) as director:
             names = [node.get_name() for node in nodes]
-            director.wait_wired(names, WIRE_S)
+            director.wait_wired(names, START_S)
             director.start(SIMULATOR)
             summary = director.wait_summary(lambda _: None)
             director.wait_drained(names)
@@ -55,13 +46,9 @@ def fly_here(parameters: Path) -> FlightTiming:
 
 @contextmanager
 def _nodes(executor: Executor) -> Iterator[list[Node]]:
-    """Yield the nodes of a flight, the recorder last; on exit close the bag."""
-    own = Node(RECORDER)
-    recorder = Recorder(own)
+    """Yield the nodes of a flight in the order of their parameter `nodes`; on exit close the bag."""
+    kept = stack.build()
     try:
-        chain: Mapping[Node, object] = stack.build()
-        simulator = Node(SIMULATOR)
-        kept = {**chain, simulator: Simulator(simulator), own: recorder}
         for node in kept:
             offer_ready(node)
             offer_drained(node)
@@ -71,4 +58,5 @@ def _nodes(executor: Executor) -> Iterator[list[Node]]:
             executor.remove_node(node)
             node.destroy_node()
     finally:
-        recorder.close()
+        for made in kept.values():
+            stack.close(made)

@@ -5,11 +5,15 @@
 | lockstep | the command of the tick: the same seed gives the same flight, faster than real time |
 | live | the wall clock, 100 Hz |
 
+In one process with the controller (`q2q_sim.ros.stack`), lockstep runs in bursts of BURST ticks; between them
+the other callbacks of the process run.
+
 With `crtp` the vehicles fly by their own firmware under CRTP clients (docs/real_vehicles.md): live, until the
 node is ended; `command` is not read.
 """
 
 import json
+from collections import deque
 from collections.abc import Mapping
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -19,13 +23,16 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
+from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
-from q2q_model.signals.cdr import encode, encode_stamp
+from q2q_model.signals.cdr import encode_stamp
+from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.flight_clock import as_fields
 from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, rehearsed_room
@@ -33,6 +40,13 @@ from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 
 if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
+
+
+COMMAND = "command"
+BURST = 20
+"""Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
+BURST_PERIOD_S = 0.001
+"""Longest wait for the next burst [s]."""
 
 
 class Simulator:
@@ -50,15 +64,14 @@ class Simulator:
             self._crtp = open_crtp(node, room, scenario)
         firmware = self._crtp.fly if self._crtp else None
         self._flight = RoomFlight(room, params, scenario.duration, perf_counter, firmware)
+        self._due: deque[Output] = deque()
         self._writers = {
-            topic: node.create_publisher(MESSAGES[signal], topic, TICK_WRITER)
-            for topic, signal in OUTPUTS.items()
+            topic: SignalPublisher(node, topic, signal, TICK_WRITER) for topic, signal in OUTPUTS.items()
         }
         self._clock = node.create_publisher(Clock, "/clock", TICK)
         self._summary = node.create_publisher(String, "flight_summary", LATCHED)
         if not params.crtp:
-            command = MESSAGES[SwarmCommand]
-            node.create_subscription(command, "command", self._on_command, MANY_WRITERS, raw=True)
+            self._listen()
         node.create_service(Trigger, "~/start", self._on_start)
         steady_timer(node, self._flight.period_s, self._on_timer)
         publish_health(node, self._flight.health, self._diagnostics)
@@ -70,11 +83,32 @@ class Simulator:
         if self._crtp is not None:
             self._crtp.close()
 
+    def _listen(self) -> None:
+        """Take commands from this process, or from another one."""
+        bus = bus_of(self._node)
+        if bus.carries(COMMAND):
+            bus.listen(COMMAND, self._on_own_command)
+            steady_timer(self._node, BURST_PERIOD_S, self._on_burst)
+        else:
+            kind = MESSAGES[SwarmCommand]
+            self._node.create_subscription(kind, COMMAND, self._on_command, MANY_WRITERS, raw=True)
+
+    def _on_own_command(self, stamp_ns: int, command: Signal) -> None:
+        if isinstance(command, SwarmCommand):
+            self._due.append(self._flight.take(stamp_ns, command))
+
+    def _on_burst(self) -> None:
+        for _ in range(BURST):
+            if not self._due:
+                return
+            self._publish(self._due.popleft())
+
     def _on_command(self, data: bytes) -> None:
         self._publish(self._flight.receive(data))
 
     def _on_timer(self) -> None:
-        self._publish(self._flight.on_timer())
+        if not self._due:  # else the tick is not published yet, however late it is
+            self._publish(self._flight.on_timer())
 
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         response.success = not self._flight.is_flying
@@ -84,8 +118,8 @@ class Simulator:
 
     def _publish(self, output: Output) -> None:
         for topic, signal, stamp_ns in output.signals:
-            self._writers[topic].publish(encode(signal, stamp_ns))
-        if output.clock_ns is not None:
+            self._writers[topic].post(stamp_ns, signal)
+        if output.clock_ns is not None and self._clock.get_subscription_count():
             self._clock.publish(encode_stamp(output.clock_ns))
         if output.refusal:
             self._node.get_logger().error(f"command refused: {output.refusal}", throttle_duration_sec=1.0)

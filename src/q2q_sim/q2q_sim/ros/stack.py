@@ -1,11 +1,11 @@
-"""Nodes from mocap_filter to controller in one process, for the smallest latency.
+"""Nodes in one process: live from mocap_filter to controller, in lockstep all nodes of a flight.
 
 Every node keeps its name, topics, services and parameters (one parameter file with a section for each node).
-Within the process signals pass over a bus (q2q_model.signals.local_bus); the command is published before the
-signals that led to it.
+Within the process signals pass over a bus (q2q_model.signals.local_bus), and on ROS to whoever subscribes.
+Without a recorder in the process the command is published before the signals that led to it.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from rclpy.node import Node
@@ -18,8 +18,11 @@ from q2q_model.ros.node.run import run_together
 from q2q_model.signals.local_bus import LocalBus
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.ros import replanner_node, trajectory_node
+from q2q_sim.loop.room_flight import OUTPUTS
+from q2q_sim.ros.bag_record_node import Recorder
+from q2q_sim.ros.simulator_node import Simulator
 
-BUILDERS: Mapping[str, Callable[[Node], object]] = {
+CONTROL_LOOP: Mapping[str, Callable[[Node], object]] = {
     "mocap_filter": mocap_filter_node.build,
     "interference": interference_node.build,
     "trajectory": trajectory_node.build,
@@ -27,15 +30,22 @@ BUILDERS: Mapping[str, Callable[[Node], object]] = {
     "pid": pid_node.build,
     "mpc": mpc_node.build,
 }
-WRITES = {
-    "mocap_filter": "state",
-    "interference": "interference",
-    "trajectory": "reference",
-    "replanner": "reference_safe",
-    "pid": "command",
-    "mpc": "command",
+BUILDERS: Mapping[str, Callable[[Node], object]] = {
+    **CONTROL_LOOP,
+    "simulator": Simulator,
+    "bag_record": Recorder,
 }
-"""The tick topic of each."""
+WRITES: Mapping[str, Collection[str]] = {
+    "mocap_filter": ("state",),
+    "interference": ("interference",),
+    "trajectory": ("reference",),
+    "replanner": ("reference_safe",),
+    "pid": ("command",),
+    "mpc": ("command",),
+    "simulator": OUTPUTS,
+    "bag_record": (),
+}
+"""The tick topics of each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +71,7 @@ def build() -> dict[Node, object]:
     """Return every node with the objects that it needs to stay alive."""
     own = Node("stack")
     chosen = declare(own, StackParams()).nodes
-    bus = LocalBus({WRITES[name] for name in chosen})
+    bus = LocalBus({topic for name in chosen for topic in WRITES[name]})
     made: dict[Node, object] = {own: None}
     for name in chosen:
         node = BusNode(name, bus)
@@ -69,6 +79,12 @@ def build() -> dict[Node, object]:
     return made
 
 
+def close(made: object) -> None:
+    """Close the ports of a simulator and the bag of a recorder."""
+    if isinstance(made, Simulator | Recorder):
+        made.close()
+
+
 def main() -> None:
     """Run the process `stack`."""
-    run_together("stack", build)
+    run_together("stack", build, close)

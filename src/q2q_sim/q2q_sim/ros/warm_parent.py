@@ -5,11 +5,12 @@ garbage collectors of forks skip them, so their memory stays shared.
 """
 
 import gc
+import sys
 from dataclasses import replace
 from importlib import import_module
 
 from q2q_model.node.lean_imports import lean_imports
-from q2q_sim.processes.warm_start import die_with_parent
+from q2q_sim.processes.warm_start import die_with_parent, say_in_a_line
 from q2q_sim.scenarios.choices import CONTROLLERS
 
 NODES = ("bag_play_node", "bag_record_node", "simulator_node", "stack")
@@ -31,6 +32,7 @@ def rehearse() -> None:
 
 
 die_with_parent()
+sys.excepthook = say_in_a_line
 with lean_imports():
     for name in NODES:
         import_module(f"q2q_sim.ros.{name}")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_planner.offline.certified_file import load_plan
 from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
 from q2q_sim.scenarios.scenario_files import FOLDER, PLAN, names, path_of, swarm_size
 from q2q_sim.scenarios.swarm_scenario import swarm_scenario
@@ -48,4 +48,4 @@ def _read(path: Path) -> Scenario:
 def _plan(parsed: object, folder: Path) -> SwarmPlan | None:
     """Return the plan that a document names; its path is relative to the document's folder."""
     named = parsed.get("plan") if isinstance(parsed, Mapping) else None
-    return plan_file.load(folder / named) if isinstance(named, str) else None
+    return load_plan(folder / named) if isinstance(named, str) else None

@@ -2,7 +2,7 @@
 
 Onsets are a Poisson process for each row (rate lambda): in a tick of dt one occurs with probability
 1 - exp(-lambda dt). The duration is uniform between two bounds, at least one tick; during an episode no
-other starts in the same row.
+other starts in the same row. Nothing in a flight acts on them, so AHEAD ticks are drawn at a time.
 """
 
 import math
@@ -15,6 +15,9 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
 Mask = NDArray[np.bool_]
+
+AHEAD = 32
+"""Ticks drawn at a time: enough that their calls cost little, few enough for the tick that draws."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +41,27 @@ class Episodes:
         self._numbers = chance, frequency.shortest, frequency.longest - frequency.shortest, tick
         self._rng = rng
         self._left = np.zeros(rows, dtype=np.int64)
+        self._tick = 0
+        self._draw()
 
-    def step(self) -> tuple[Mask, Mask]:
-        """Advance one tick; return which rows are in an episode and which start one, (rows,) each."""
-        n = len(self._left)
-        draws, acting, begins = self._rng.random((2, n)), np.empty(n, np.bool_), np.empty(n, np.bool_)
-        advance_episodes(self._left, draws, self._numbers, acting, begins)
-        return acting, begins
+    def step(self) -> tuple[Mask, Mask] | None:
+        """Advance one tick; return which rows are in an episode and which start one, (rows,) each.
+
+        None if no row is in one, as in most ticks.
+        """
+        if self._tick == AHEAD:
+            self._draw()
+            self._tick = 0
+        k, self._tick = self._tick, self._tick + 1
+        return (self._acting[k], self._begins[k]) if self._some[k] else None
+
+    def _draw(self) -> None:
+        """Draw AHEAD ticks, the same numbers as one tick at a time."""
+        rows = len(self._left)
+        draws = self._rng.random((AHEAD, 2, rows))
+        self._acting, self._begins = np.empty((AHEAD, rows), np.bool_), np.empty((AHEAD, rows), np.bool_)
+        advance_episodes(self._left, draws, self._numbers, self._acting, self._begins)
+        self._some: list[bool] = np.asarray(self._acting.any(axis=1)).tolist()
 
 
 @compiled
@@ -59,16 +76,17 @@ def advance_episodes(
 
     Args:
         left: remaining ticks, (n,).
-        draws: uniform deviates, (2, n).
+        draws: uniform deviates of each tick, (ticks, 2, n).
         numbers: probability of an onset, shortest duration, longest minus shortest, tick [s].
-        acting: written: which rows are in an episode.
-        begins: written: which start one.
+        acting: written: which rows are in an episode, (ticks, n).
+        begins: written: which start one, (ticks, n).
     """
     chance, shortest, spread, tick = numbers
-    for i in range(left.size):
-        if left[i] > 0:
-            left[i] -= 1
-        begins[i] = left[i] == 0 and draws[0, i] < chance
-        if begins[i]:
-            left[i] = max(round((shortest + spread * draws[1, i]) / tick), 1)
-        acting[i] = left[i] > 0
+    for k in range(len(draws)):
+        for i in range(left.size):
+            if left[i] > 0:
+                left[i] -= 1
+            begins[k, i] = left[i] == 0 and draws[k, 0, i] < chance
+            if begins[k, i]:
+                left[i] = max(round((shortest + spread * draws[k, 1, i]) / tick), 1)
+            acting[k, i] = left[i] > 0

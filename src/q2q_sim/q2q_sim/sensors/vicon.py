@@ -96,7 +96,6 @@ class Vicon:
             for name, frequency in _frequencies(params).items()
             if frequency.rate > 0.0
         }
-        self._never = np.zeros(vehicles, dtype=np.bool_)
         self._turn = np.zeros((vehicles, 4))
         self._partner = np.arange(vehicles)
         self._last: tuple[Array, Array] | None = None
@@ -113,7 +112,11 @@ class Vicon:
         pos, quat = self._swapped(truth.pos, pos, quat)
         pos = self._with_outliers(pos)
         pos, quat = self._stale(pos, quat)
-        seen = self._present()
+        absent = self._absent()
+        if absent is None:
+            return MocapFrame(t=truth.t, names=truth.names, pos=pos, quat=quat)
+        self._mark(absent, Injected.DROPOUT)
+        seen = ~absent
         names = tuple(name for name, here in zip(truth.names, seen, strict=True) if here)
         return MocapFrame(t=truth.t, names=names, pos=pos[seen], quat=quat[seen])
 
@@ -127,19 +130,21 @@ class Vicon:
         return pos, quat
 
     def _flipped(self, quat: Array) -> Array:
-        flips, begins = self._step("flip")
+        happening = self._step("flip")
+        if happening is None:
+            return quat
+        flips, begins = happening
         if begins.any():
             axis = self._rng["flip axis"].integers(0, 3, len(quat))
             self._turn[begins] = np.eye(3, 4)[axis[begins]]  # half a turn about x, y or z
-        if not flips.any():
-            return quat
         self._mark(flips, Injected.FLIP)
         return np.where(flips[:, None], quat_multiply(quat, self._turn), quat)
 
     def _swapped(self, true_pos: Array, pos: Array, quat: Array) -> tuple[Array, Array]:
-        swaps, begins = self._step("swap")
-        if len(pos) < 2 or not swaps.any():
+        happening = self._step("swap")
+        if len(pos) < 2 or happening is None:
             return pos, quat
+        swaps, begins = happening
         for row in np.flatnonzero(begins):
             away = np.linalg.norm(true_pos - true_pos[row], axis=1)
             away[row] = np.inf
@@ -151,9 +156,10 @@ class Vicon:
         return pos[rows], quat[rows]
 
     def _with_outliers(self, pos: Array) -> Array:
-        outliers, _ = self._step("outlier")
-        if not outliers.any():
+        happening = self._step("outlier")
+        if happening is None:
             return pos
+        outliers, _ = happening
         params, rng = self._params, self._rng["outlier size"]
         direction = rng.standard_normal(pos.shape)
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
@@ -162,25 +168,27 @@ class Vicon:
         return np.where(outliers[:, None], pos + size * direction, pos)
 
     def _stale(self, pos: Array, quat: Array) -> tuple[Array, Array]:
-        stale, _ = self._step("stale")
-        if stale[0] and self._last is not None:
+        if self._step("stale") is not None and self._last is not None:
             self._mark(np.ones(len(pos), dtype=np.bool_), Injected.STALE)
             return self._last
         self._last = pos, quat
         return pos, quat
 
-    def _step(self, name: str) -> tuple[Mask, Mask]:
-        """Return which rows are in an episode and which start one, and advance one tick."""
+    def _step(self, name: str) -> tuple[Mask, Mask] | None:
+        """Advance one tick; return which rows are in an episode and which start one, None if none is."""
         happens = self._happens.get(name)
-        return happens.step() if happens else (self._never, self._never)
+        return happens.step() if happens else None
 
     def _mark(self, rows: Mask, what: Injected) -> None:
         self.injected[rows] |= np.uint8(what)
 
-    def _present(self) -> Mask:
-        absent = self._step("dropout")[0] | self._step("missing")[0]
-        self._mark(absent, Injected.DROPOUT)
-        return ~absent
+    def _absent(self) -> Mask | None:
+        """Return which vehicles are not in the frame, (n,); None if all are."""
+        dropout, missing = self._step("dropout"), self._step("missing")
+        if dropout is None or missing is None:
+            either = dropout or missing
+            return None if either is None else either[0]
+        return dropout[0] | missing[0]
 
 
 @compiled

@@ -1,22 +1,27 @@
-"""Pictures of the documentation without a display: the view of a flight, and its altitudes.
+"""Pictures of the documentation without a display: a simulated flight, and the downwash of a real one.
 
-The flight is table6 by the closed loop, so the picture needs no ROS and is reproducible.
+The simulated flight is table6 by the closed loop, so that its picture needs no ROS and is reproducible. The
+real one is that of scripts/demo --real.
 """
 
+import sys
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
+from q2q_model import palette
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Interference, SwarmState, TrackStatus
 from q2q_sim.loop.assembly import plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.report.figures import COLOURS, REFERENCE_COLOUR
+from q2q_sim.report.panels import save
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.tools.demo_real import find_flights, score_flights
+from q2q_sim.tools.demo_real_page import held_out_figure, typical
 from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
 from q2q_sim.view.shapes import Scene, Shape, ShapeKind
 
@@ -32,13 +37,23 @@ DPI = 100
 
 
 def write_images(out: Path = OUT) -> list[Path]:
-    """Fly table6 ignoring the downwash and aware of it; write flight.png; return the files."""
+    """Write flight.png and, where there are recorded flights, real_flight.png; return the files."""
+    flights = find_flights([])
+    if not flights.further:
+        print(f"docs: real_flight.png is left as it is: {flights.origin}", file=sys.stderr)
+        return [write_flight(out)]
+    shown = typical(score_flights(flights).flights)
+    return [write_flight(out), save(held_out_figure(shown), out / "real_flight.png")]
+
+
+def write_flight(out: Path) -> Path:
+    """Fly table6 ignoring the downwash and aware of it; write flight.png; return it."""
     scenario = library.load(SCENARIO)
     model = find_model(scenario.model).interaction
     ignoring = fly(scenario, FlightOptions(mode="ignoring", model=model))
     aware = fly(scenario, FlightOptions(mode="aware", model=model))
     figure = Figure(figsize=(10.0, 4.4))
-    left = Axes3D(figure, rect=(0.0, 0.02, 0.46, 0.9), auto_add_to_figure=False)
+    left = Axes3D(figure, rect=(0.03, 0.05, 0.46, 0.87), auto_add_to_figure=False)
     figure.add_axes(left)
     draw_scene(left, scene_at(scenario, aware, SHOWN_AT))
     left.set_title(f"as the view shows it, t = {SHOWN_AT:g} s")
@@ -46,7 +61,7 @@ def write_images(out: Path = OUT) -> list[Path]:
     out.mkdir(parents=True, exist_ok=True)
     path = out / "flight.png"
     figure.savefig(path, dpi=DPI)
-    return [path]
+    return path
 
 
 def scene_at(scenario: Scenario, flight: Flight, t: float) -> Scene:
@@ -75,7 +90,8 @@ def draw_scene(axes: Axes3D, scene: Scene) -> None:
     axes.set(xlim=(-0.6, 0.6), ylim=(-2.0, 2.0), zlim=(0.4, 3.0))
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_xticks([-0.5, 0.5])
-    axes.set_box_aspect((1.2, 4.0, 2.6), zoom=1.1)
+    axes.set_yticks([-2.0, -1.0, 0.0, 1.0, 2.0])
+    axes.set_box_aspect((1.2, 4.0, 2.6), zoom=0.95)
     axes.view_init(elev=12.0, azim=-28.0)
 
 
@@ -87,14 +103,14 @@ def _draw_cylinder(axes: Axes3D, shape: Shape) -> None:
 
 
 def _draw_altitudes(figure: Figure, flights: dict[str, Flight]) -> None:
-    axes = figure.add_axes((0.58, 0.13, 0.4, 0.76))
-    for colour, (label, flight) in zip(COLOURS, flights.items(), strict=False):
+    axes = figure.add_axes((0.58, 0.13, 0.4, 0.7))
+    for colour, (label, flight) in zip(palette.FLIGHTS, flights.items(), strict=False):
         row = flight.names.index(LOWER)
         axes.plot(flight.t, flight.true_pos[:, row, 2], color=colour, label=label)
-    axes.plot(flight.t, flight.ref_pos[:, row, 2], "--", color=REFERENCE_COLOUR, label="plan")
-    axes.set(title=f"altitude of {LOWER}, the lower vehicle", xlabel="t [s]", ylabel="z [m]")
+    axes.plot(flight.t, flight.ref_pos[:, row, 2], "--", color=palette.REFERENCE, zorder=4.0, label="plan")
+    axes.set(xlabel="t [s]", ylabel=f"z of {LOWER}, the lower vehicle [m]")
     axes.grid(alpha=0.3)
-    axes.legend(loc="lower right")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize="small")
 
 
 def _scene_signals(flight: Flight, tick: int) -> SceneSignals:

@@ -1,6 +1,5 @@
 """Flight of one scenario from the command line, with progress, table and verdict."""
 
-import json
 import sys
 import tempfile
 from argparse import Namespace
@@ -10,8 +9,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from q2q_model.documents.json_file import write_json
 from q2q_sim.flight.run_json import runs_json
 from q2q_sim.flight.scenario_flight import MEASURED, FlightRequest, FlightRun, fly, load_scenario
+from q2q_sim.flight.unfinished_bag import recorder_notes
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.report.run_table import run_notes, run_table, run_verdicts
 from q2q_sim.scenarios import library
@@ -30,8 +31,7 @@ def run(args: Namespace) -> int:
     flown = _fly(args)
     show([flown])
     if args.json:
-        args.json.parent.mkdir(parents=True, exist_ok=True)
-        args.json.write_text(json.dumps(runs_json([flown]), indent=1) + "\n")
+        write_json(runs_json([flown]), args.json)
     return conclude([flown])
 
 
@@ -98,4 +98,6 @@ def fly_with_progress(
 
         run = fly(request, folder, bag, follow)
         bar.update(task, completed=1.0)
+    for note in recorder_notes(folder):
+        print(note, file=sys.stderr)
     return run

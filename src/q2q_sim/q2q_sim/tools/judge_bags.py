@@ -2,12 +2,13 @@
 
 import json
 import sys
+import warnings
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from q2q_model.bag import BagReader
+from q2q_model.bag import BagReader, BagRepairWarning
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_sim.flight.run_json import Json, finite
@@ -50,8 +51,14 @@ def circumstances_of(bag: Path, scenario: str, vehicle: str) -> Circumstances:
 
 
 def evidence_in(bag: Path) -> Evidence:
-    """Return the evidence in a bag; raise ValueError for a bag that cannot be read or has no flight."""
+    """Return the evidence in a bag, with a BagRepairWarning if messages may be missing.
+
+    Raises:
+        ValueError: the bag cannot be read or has no flight.
+    """
     reader = BagReader(bag)
+    for repair in reader.repairs:
+        warnings.warn(repair, BagRepairWarning, stacklevel=2)
     known = {topic for topic in reader.topics if topic.lstrip("/") in TICK_TOPICS}
     return evidence_of(
         RecordedSignal(one.topic.lstrip("/"), time_from_stamp(one.stamp_ns), one.signal)

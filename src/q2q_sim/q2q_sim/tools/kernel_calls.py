@@ -15,6 +15,7 @@ from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, solve_situations
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.neighbours import HeardPath, positions_at
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
@@ -31,6 +32,7 @@ from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
+from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 
@@ -80,10 +82,13 @@ def _in_a_rooms_air() -> None:
     n = len(start)
     drive = np.hstack([np.zeros((n, 3)), np.ones((n, 4))])
     swarm.step(np.zeros((1, n, 4)), drive)
+    rooms = Rooms(RoomsSetup(scenario.vehicle, start[None], air))
+    rooms.step(np.zeros((1, 1, n, 4)), drive[None])
 
 
 def _replanned() -> None:
-    _flown("stack3", replan="safe")
+    _flown("stack3", replan="safe")  # with bounded jerk
+    fly(replace(library.load("stack3"), duration=TICKS, overrides={}), FlightOptions(replan="safe"))
 
 
 def _many() -> None:
@@ -97,6 +102,7 @@ def _firmware() -> None:
 
 
 def _mpc() -> None:
+    positions_at(HeardPath(0.0, 0.0, 1.0, np.zeros((2, 3))), np.zeros(1), np.zeros((1, 3)))
     for model in ("measured_law", "paper_law"):
         block = Mpc(MpcParams(), TEXTBOOK_065, find_model(model).interaction)
         for names in (MANY[:2], MANY):

@@ -1,6 +1,5 @@
 """Learning of a room's air from recorded flights, with progress bar, table and JSON."""
 
-import json
 import sys
 import time
 from argparse import Namespace
@@ -8,6 +7,7 @@ from dataclasses import asdict
 
 from threadpoolctl import threadpool_limits
 
+from q2q_model.documents.json_file import write_json
 from q2q_model.tools.recordings import topic_map
 from q2q_sim.air.air_file import save
 from q2q_sim.air.learning.evidence.fitted import Fitted
@@ -24,7 +24,7 @@ def run(args: Namespace) -> int:
         found = learn_air(recordings, flown.vehicle, _tell_step)
     save(args.out, found.air)
     if args.json:
-        args.json.write_text(json.dumps(_as_json(found, time.process_time() - began), indent=1) + "\n")
+        write_json(_as_json(found, time.process_time() - began), args.json)
     for note in (*notes, *filter(None, [flown.note]), *found.notes):
         print(f"learn_air: {note}", file=sys.stderr)
     print(table(found))

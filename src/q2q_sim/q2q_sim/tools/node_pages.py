@@ -11,7 +11,8 @@ from pathlib import Path
 
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.ros.stand_in import Declared, RecordedPort
-from q2q_sim.tools.docs_images import write_images
+from q2q_sim.tools.docs_animation import write_animation
+from q2q_sim.tools.docs_images import OUT, write_images
 
 MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then run it again. -->"
 
@@ -27,7 +28,7 @@ def run(args: Namespace) -> int:
     write(current, args.out)
     print(f"docs: {len(current)} pages in {args.out}, {len(stale)} new or changed")
     if args.images:
-        print(*(f"docs: {path}" for path in write_images()), sep="\n")
+        print(*(f"docs: {path}" for path in [*write_images(), write_animation(OUT)]), sep="\n")
     return 0
 
 

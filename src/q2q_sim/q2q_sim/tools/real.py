@@ -4,29 +4,27 @@ The observed downwash is the vertical force in the flight's log by
 q2q_model.identification.force.downwash_force; the predicted one is the output of the node `interference`.
 """
 
-import json
-import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from q2q_model.bag import read_flight_log
+from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight_table import flight_table
 from q2q_model.flights.table_file import read_columns
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, pooled
 from q2q_model.identification.force.recorded_force import motion_of, push_of_log
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array
+from q2q_sim.air.air_names import FLIGHTS, flights_folder
 from q2q_sim.flight.replay import replay
-from q2q_sim.report import figures
+from q2q_sim.report.panels import save
+from q2q_sim.report.prediction_figure import PredictedPush, prediction_figure
 from q2q_sim.tools.import_table import write_bag
 
-DATA = Path("neural_swarm")
-"""Folder of the flights within Q2Q_DATA."""
 DEFAULT_MODEL = "measured_law"
 OUT = Path("out/real")
 
@@ -45,11 +43,15 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
     motion = Motion(log.t, seen.pos[at], seen.vel[at], seen.axis[at])
     samples = force_samples(push_of_log(name, log, motion))
     found = scored(samples, flight.eta[at, :, 2])
-    picture = figures.save(draw(samples, log.names, flight.eta[at, :, 2]), OUT / f"{name}.png")
+    pushes = [
+        PredictedPush(log.names[one.vehicle], log.t, one.y, one.exposed, flight.eta[at, one.vehicle, 2])
+        for one in samples
+    ]
+    picture = save(prediction_figure(pushes), OUT / f"{name}.png")
     print_score(name, chosen, found)
     print(f"plot: {picture}")
     if json_file:
-        json_file.write_text(json.dumps({"flight": name, "model": chosen, **asdict(found)}, indent=1) + "\n")
+        write_json({"flight": name, "model": chosen, **asdict(found)}, json_file)
     return 0
 
 
@@ -77,27 +79,10 @@ def find_flight(name: str) -> Path:
     Raises:
         ValueError: Q2Q_DATA is not a folder of flights, or has no flight of this name.
     """
-    folder = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / DATA
+    folder = flights_folder()
     known = sorted(path.stem for path in folder.glob("*.parquet"))
     if not known:
-        raise ValueError(f"no recorded flights in {folder}: set Q2Q_DATA to the folder that holds {DATA}/")
+        raise ValueError(f"no recorded flights in {folder}: set Q2Q_DATA to the folder that holds {FLIGHTS}/")
     if name not in known:
         raise ValueError(f"no flight {name!r} in {folder}; there are {', '.join(known)}")
     return folder / f"{name}.parquet"
-
-
-def draw(samples: Sequence[ForceSamples], names: Names, predicted: Array) -> Figure:
-    """Draw observed and predicted vertical downwash, one panel a vehicle."""
-    figure = Figure(figsize=(9.0, 2.8 * len(samples)), layout="constrained")
-    panels = figure.subplots(len(samples), 1, sharex=True, squeeze=False)[:, 0]
-    for one, axes in zip(samples, panels, strict=True):
-        t = one.motion.t
-        axes.plot(t, one.y, color="#bbbbbb", linewidth=0.6, label="observed")
-        under = np.where(one.exposed, one.y, np.nan)
-        axes.plot(t, under, color="#1f77b4", linewidth=0.9, label="observed, under another")
-        axes.plot(t, predicted[:, one.vehicle], color="#c0392b", label="predicted")
-        axes.set_ylabel(f"{names[one.vehicle]}: downwash z [m/s²]")
-        axes.grid(alpha=0.3)
-    panels[0].legend(loc="lower right", ncols=3)
-    panels[-1].set_xlabel("t [s]")
-    return figure

@@ -1,35 +1,40 @@
 """Report on recorded flights: metrics and figures of all on one HTML page."""
 
-import json
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.bag import TopicMap, read_flight, read_mapped_flight
+from q2q_model.bag import BagReader, TopicMap, read_flight, read_mapped_flight
+from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import CommandStatus
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.tools.recordings import topic_map
+from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.flight.run_json import Json, finite
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line, verdict_of
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line, verdict_of, with_unknown_end
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.mocap_quality import MocapQuality, mocap_quality
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.replay_page import MOST_RUNS, replay_element, replay_run
 from q2q_sim.report import figures
-from q2q_sim.report.figures import PlotCurve
-from q2q_sim.report.html_page import Grid, Picture, page
+from q2q_sim.report.figures import PlotCurve, draw
+from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
+from q2q_sim.report.panels import save
+from q2q_sim.report.significant import significant
+from q2q_sim.report.vehicle_rows import drawn_vehicles, vehicle_rows
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 
 TRACKING = {
     "z_rmse_m": "z RMSE [m]",
     "xy_rmse_m": "xy RMSE [m]",
     "u1_energy": "U1 energy [N²s]",
-    "u1_energy_above_hover": "above hover",
+    "u1_energy_above_hover": "above hover [N²s]",
     "u1_max": "max U1 [N]",
     "under_rms_m": "z RMSE under another [m]",
     "clear_rms_m": "in clear air [m]",
@@ -37,9 +42,9 @@ TRACKING = {
 }
 """Columns of the first table by their field of VehicleMetrics."""
 HEAD = ("flight", "vehicle", *TRACKING.values())
-HEAD_LIMITS = ("flight", "vehicle", "saturated [%]", "fallback [%]", "separation [m]", "in zone [s]")
+HEAD_LIMITS = ("flight", "vehicle", "saturated [%]", "fallback [%]", "separation [m]", "in the zone [s]")
 HEAD_NODES = ("flight", "node", "seconds", "in trouble", "worst", "last values")
-HEAD_MOCAP = ("flight", "vehicle", "rate [Hz]", "seen [%]", "longest gap [s]", "not believed")
+HEAD_MOCAP = ("flight", "vehicle", "rate [Hz]", "seen [%]", "longest gap [s]", "rejected")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +57,7 @@ class Reported:
     lives: tuple[NodeLife, ...]
     """Health of its nodes, if `/diagnostics` was recorded."""
     verdict: FlightVerdict
+    vehicle: Vehicle
     note: str = ""
     """Assumed vehicle, if the bag does not name it."""
 
@@ -62,7 +68,7 @@ def run(args: Namespace) -> int:
     flights = [reported(bag, flown_vehicle(bag, args.vehicle), topics) for bag in bags]
     write(flights, args.out)
     if args.json:
-        args.json.write_text(json.dumps(as_json(flights), indent=1) + "\n")
+        write_json(as_json(flights), args.json)
     for note in notes(flights):
         print(f"report: {note}", file=sys.stderr)
     print(f"page: {args.out / 'index.html'}")
@@ -74,8 +80,10 @@ def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None) -> 
     """Return a bag's flight with its metrics; `topics` maps the topics of a foreign bag."""
     flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
     verdict = verdict_of(flight, Circumstances(vehicle=flown.vehicle))
+    if BagReader(bag).is_cut:
+        verdict = with_unknown_end(verdict, flight)
     metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)
-    return Reported(flight, metrics, quality, recorded_lives(bag), verdict, flown.note)
+    return Reported(flight, metrics, quality, recorded_lives(bag), verdict, flown.vehicle, flown.note)
 
 
 def verdicts(flights: Sequence[Reported]) -> str:
@@ -89,23 +97,47 @@ def notes(flights: Sequence[Reported]) -> list[str]:
 
 
 def write(flights: Sequence[Reported], out: Path) -> None:
-    """Draw the pictures and write the page into a folder."""
+    """Draw the pictures and write the page into a folder: verdict, tables, pictures."""
     out.mkdir(parents=True, exist_ok=True)
-    curves = [PlotCurve(one.flight, one.flight.name) for one in flights]
-    pictures = [
-        Picture(figures.save(draw(curves, name), out / f"{name}_{what}.png"), f"{name}: {what}")
-        for what, draw in figures.KINDS.items()
-        for name in flights[0].flight.names
-    ]
-    grids = [
+    first = flights[0]
+    pictures = _draw(flights, out)
+    parts: list[Part] = [
+        PageVerdict(verdicts(flights), all(one.verdict.ok for one in flights)),
+        *notes(flights),
+        _replay(flights),
+        Heading("Tracking"),
         Grid(HEAD, [row for one in flights for row in _tracking(one)]),
+        *([pictures] if pictures else []),
+        Heading("Commands and separation"),
         Grid(HEAD_LIMITS, [row for one in flights for row in _limits(one)]),
+        Heading("Motion capture"),
         Grid(HEAD_MOCAP, [row for one in flights for row in _mocap(one)]),
         *_nodes(flights),
     ]
-    title = f"Flight {flights[0].flight.name}"
     lead = "Tracking against the plan, on the true positions where the bag has them."
-    (out / "index.html").write_text(page(title, lead, [*grids, *notes(flights), verdicts(flights), pictures]))
+    html = page(f"Flight {first.flight.name}", lead, parts)
+    (out / "index.html").write_text(html, encoding="utf-8")
+
+
+def _replay(flights: Sequence[Reported]) -> Part:
+    """Return the replay of the first flights beside each other, or why there is none."""
+    try:
+        runs = [replay_run(one.flight, one.vehicle, verdict=one.verdict) for one in flights[:MOST_RUNS]]
+        return Markup(replay_element(runs))
+    except ValueError as lacking:
+        return f"No replay: {lacking}."
+
+
+def _draw(flights: Sequence[Reported], out: Path) -> list[Picture]:
+    """Draw what was recorded and can be seen, each vehicle apart; of many vehicles the worst."""
+    curves = [PlotCurve(one.flight, one.flight.name, one.vehicle.thrust_max) for one in flights]
+    shown = drawn_vehicles({name: one.z_rmse_m for name, one in flights[0].metrics.vehicles.items()})
+    return [
+        Picture(save(draw(quantity, curves, name), out / f"{name}_{what}.png"), f"{name}: {quantity.title}")
+        for what, quantity in figures.KINDS.items()
+        for name in figures.recorded_vehicles(quantity, curves)
+        if name in shown
+    ]
 
 
 def as_json(flights: Sequence[Reported]) -> Json:
@@ -123,55 +155,49 @@ def as_json(flights: Sequence[Reported]) -> Json:
 
 
 def _tracking(one: Reported) -> list[tuple[str, ...]]:
-    return [
-        (one.flight.name, name, *(_text(numbers[field]) for field in TRACKING))
-        for name, numbers in ((name, asdict(vehicle)) for name, vehicle in one.metrics.vehicles.items())
-    ]
+    numbers = {name: asdict(vehicle) for name, vehicle in one.metrics.vehicles.items()}
+    return _lines(one, {name: [found[field] for field in TRACKING] for name, found in numbers.items()})
 
 
 def _limits(one: Reported) -> list[tuple[str, ...]]:
-    status = one.flight.command_status
-    separation, zone_time = one.metrics.min_separation_m, one.metrics.zone_time_s
-    return [
-        (
-            one.flight.name,
-            name,
-            _percent(status[:, row] == CommandStatus.SATURATED),
-            _percent(status[:, row] >= CommandStatus.HOLD),
-            _text(separation),
-            _text(zone_time),
-        )
-        for row, name in enumerate(one.flight.names)
-    ]
+    status, near = one.flight.command_status, (one.metrics.min_separation_m, one.metrics.zone_time_s)
+    return _lines(
+        one,
+        {
+            name: [
+                _percent(status[:, row] == CommandStatus.SATURATED),
+                _percent(status[:, row] >= CommandStatus.HOLD),
+                *near,
+            ]
+            for row, name in enumerate(one.flight.names)
+        },
+    )
 
 
 def _mocap(one: Reported) -> list[tuple[str, ...]]:
-    return [
-        (
-            one.flight.name,
-            name,
-            f"{quality.rate_hz:.1f}",
-            f"{100.0 * quality.seen_share:.2f}",
-            _text(quality.longest_gap_s),
-            str(quality.rejected),
-        )
-        for name, quality in one.quality.items()
-    ]
+    return _lines(
+        one,
+        {
+            name: [found.rate_hz, 100.0 * found.seen_share, found.longest_gap_s, found.rejected]
+            for name, found in one.quality.items()
+        },
+    )
 
 
-def _nodes(flights: Sequence[Reported]) -> list[Grid]:
-    """Return the table of the nodes; none if no bag has `/diagnostics`."""
+def _lines(one: Reported, numbers: Mapping[str, Sequence[float]]) -> list[tuple[str, ...]]:
+    """Return the rows of a table about one flight."""
+    return [(one.flight.name, name, *map(significant, row)) for name, row in vehicle_rows(numbers)]
+
+
+def _nodes(flights: Sequence[Reported]) -> list[Part]:
+    """Return heading and table of the nodes; none if no bag has `/diagnostics`."""
     rows = [
         (one.flight.name, life.node, str(life.seconds), str(life.warned), life.worst.name, life.values)
         for one in flights
         for life in one.lives
     ]
-    return [Grid(HEAD_NODES, rows)] if rows else []
+    return [Heading("Nodes"), Grid(HEAD_NODES, rows)] if rows else []
 
 
-def _percent(condition: NDArray[np.bool_]) -> str:
-    return f"{100.0 * float(np.mean(condition)):.2f}" if len(condition) else "-"
-
-
-def _text(value: float) -> str:
-    return "-" if finite(value) is None else f"{value:.5g}"
+def _percent(condition: NDArray[np.bool_]) -> float:
+    return 100.0 * float(np.mean(condition)) if len(condition) else np.nan

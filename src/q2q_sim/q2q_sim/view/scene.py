@@ -4,7 +4,7 @@
 |---|---|---|
 | vehicle | box | pose; grey while coasting, dark when lost |
 | name | text | name, above the vehicle |
-| zone | cylinder | I(eps, d) about the vehicle; red while another vehicle is in it |
+| zone | cylinder | I(eps, d) about the vehicle; vermillion while another vehicle is in it |
 | wake | line | air that left the rotors: r(t - tau) - b(t - tau) w tau, b body z, w its speed |
 | force | arrow | eta, `force_scale` metres for each m/s^2 |
 | plan | line | planned path; the recent reference without a plan |
@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model import palette
 from q2q_model.geometry.rotations import rotate
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.layout import Signal
@@ -35,21 +36,16 @@ from q2q_sim.air.wake_laws import MEASURED_SPEED
 from q2q_sim.view.shapes import Colour, Point, Scene, Shape, ShapeKind
 from q2q_sim.view.trails import AirTrail, Span, Trail, point_of
 
-COLOURS: tuple[Colour, ...] = (
-    (0.12, 0.47, 0.71, 1.0),
-    (0.17, 0.63, 0.33, 1.0),
-    (0.84, 0.47, 0.09, 1.0),
-    (0.56, 0.27, 0.68, 1.0),
-)
+COLOURS: tuple[Colour, ...] = tuple(palette.rgba(colour) for colour in palette.VEHICLES)
 """One for each vehicle, repeated."""
 COASTING: Colour = (0.6, 0.6, 0.6, 1.0)
 LOST: Colour = (0.2, 0.2, 0.2, 1.0)
-CLEAR: Colour = (0.4, 0.6, 0.9, 0.12)
-BREACHED: Colour = (0.85, 0.1, 0.1, 0.3)
-AIR: Colour = (0.3, 0.75, 0.9, 0.8)
-FORCE: Colour = (0.9, 0.15, 0.15, 1.0)
-TEXT: Colour = (0.1, 0.1, 0.1, 1.0)
-REPLANNED: Colour = (0.95, 0.6, 0.1, 1.0)
+CLEAR: Colour = palette.rgba(palette.GREY, 0.12)
+BREACHED: Colour = palette.rgba(palette.PUSH, 0.3)
+AIR: Colour = palette.rgba(palette.AIR, 0.8)
+FORCE: Colour = palette.rgba(palette.PUSH)
+TEXT: Colour = palette.rgba(palette.BLACK)
+REPLANNED: Colour = palette.rgba(palette.BLACK)
 
 BODY: Point = (0.092, 0.092, 0.029)
 """A Crazyflie's motor diagonal and height [m] (Bitcraze)."""

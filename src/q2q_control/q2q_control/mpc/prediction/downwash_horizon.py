@@ -44,8 +44,8 @@ from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_
 from q2q_model.downwash.state_history import states_at
 from q2q_model.signals.values import Array
 
-ALL_PAIRS = 4
-"""Up to this many vehicles all pairs are checked; above, a sweep over sorted x finds candidates."""
+ALL_PAIRS = 64
+"""Up to this many pairs all are checked; above, a sweep over sorted x finds candidates."""
 
 GAUSS_HERMITE = ((-math.sqrt(3.0), 1.0 / 6.0), (0.0, 2.0 / 3.0), (math.sqrt(3.0), 1.0 / 6.0))
 """Places [standard deviations] and weights of the mean over a normal distribution, exact to degree 5."""
@@ -74,14 +74,13 @@ def predict_downwash(
     model: InteractionModel, tracks: Tracks, rule: SlopeRule, others: Others | None = None
 ) -> DownwashHorizon:
     """Return downwash and slopes along the horizon; with `others`, only what `own` vehicles feel."""
-    near = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]))
+    n, stages = tracks.axis.shape[:2]
     terms = SourceTerms(absorption=source_terms(model).absorption)  # loading is in the tracks' weight
-    if others is not None and terms == PAIRS_ALONE:
-        near = near[0][near[0] < others.own], near[1][near[0] < others.own]
+    felt = others.own if others is not None and terms == PAIRS_ALONE else n
+    near = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]), felt)
     i, j = np.ascontiguousarray(near[0]), np.ascontiguousarray(near[1])  # one layout, one kernel
     if i.size == 0:
         return no_downwash(tracks)
-    n, stages = tracks.axis.shape[:2]
     moves = np.array(rule.moves)
     if others is not None and others.spread[j].any():
         law = _widened(model, tracks, (i, j), moves, others.spread)
@@ -104,24 +103,28 @@ def no_downwash(tracks: Tracks) -> DownwashHorizon:
     return DownwashHorizon(np.zeros((n, stages, 3)), none, none, np.zeros((0, stages, 3, 3)))
 
 
-def _near_pairs(reach: Reach, path: Array) -> Pairs:
-    """Return the ordered pairs that come within reach at some stage of `path` (N + 1, n, 3)."""
+def _near_pairs(reach: Reach, path: Array, felt: int) -> Pairs:
+    """Return the ordered pairs that come within reach at some stage of `path` (N + 1, n, 3).
+
+    Only the first `felt` vehicles feel.
+    """
     n = path.shape[1]
     if reach.horizontal <= 0.0 or n < 2:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
-    if n <= ALL_PAIRS:
-        pairs = _all_pairs(n)
+    if felt * (n - 1) <= ALL_PAIRS:
+        pairs = _all_pairs(felt, n)
     else:
         centre, half = bounding_boxes(path)
         aside = reach.horizontal + 2.0 * float(np.hypot(half[0], half[1]))
         pairs = pairs_in_reach(centre, Reach(aside, reach.vertical + 2.0 * float(half[2])))
+        pairs = (pairs[0][pairs[0] < felt], pairs[1][pairs[0] < felt]) if felt < n else pairs
     hit = within_reach(path, pairs, (reach.horizontal, reach.vertical))
     return pairs if hit.all() else (pairs[0][hit], pairs[1][hit])
 
 
 @lru_cache(maxsize=ALL_PAIRS)
-def _all_pairs(n: int) -> Pairs:
-    i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
+def _all_pairs(felt: int, n: int) -> Pairs:
+    i, j = np.nonzero(~np.eye(felt, n, dtype=np.bool_))
     return i, j
 
 

@@ -1,9 +1,9 @@
 """Predicted paths that MPCs exchange, and the paths of neighbours as they are known now.
 
-Every MPC sends the paths it has solved for its own vehicles. A receiver interpolates the newest one from
-before its own tick, so that a distributed flight does not depend on which of two messages of one tick arrives
-first. A path that is later than the usual tick turns into what is known without it, and its position becomes
-uncertain:
+Every MPC sends the paths it has solved for its own vehicles, once in each slot of T
+(q2q_control.mpc.prediction.slots). A receiver interpolates the newest one from before its own tick, so that a
+distributed flight does not depend on which of two messages of one tick arrives first. A path that is older
+than T turns into what is known without it, and its position becomes uncertain:
 
     w = exp(-a / FADE),   r_j = w r_heard + (1 - w) r_known,   sigma = (1 - w) TRACKING
 
@@ -12,28 +12,28 @@ uncertainty widens the downwash of the neighbour (q2q_control.mpc.prediction.dow
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| a | age | time since the prediction, less one tick [s] |
+| a | late | time since the prediction, less T [s] |
 | w | share | weight of the prediction [-] |
 | sigma | spread | standard deviation of the horizontal position, each axis [m] |
 """
 
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.inputs.alignment import Aligned
 from q2q_control.mpc.prediction.surroundings import FAR, Neighbours
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
+from q2q_model.compiled import compiled
+from q2q_model.signals.recent_ticks import SAME_STAMP
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
 
 FADE = 0.2
 """Time constant of a late prediction [s]: the MPC's shift_time, as long as it follows its own last plan."""
 TRACKING = 0.05
 """Spread of a neighbour about its reference [m]: the `tracking` of the safe replanner."""
-TICK = 0.01
-"""Age of a prediction that is not late [s]: the 100 Hz tick."""
-SAME = 1e-6
-"""Two stamps that differ by less [s] are the same."""
 CLOCK_JUMP = 1.0
 """A prediction older than the last one by more [s] is of a clock that was set back."""
 
@@ -67,46 +67,71 @@ class PredictedPaths:
             raise ValueError(f"prediction of {', '.join(self.names)} is not finite: send finite positions")
 
 
+class HeardPath(NamedTuple):
+    """Predicted path of one vehicle."""
+
+    t: float
+    start: float
+    step: float
+    """As those of PredictedPaths [s]."""
+    pos: Array
+    """[m], world, (N + 1, 3)."""
+
+
 class HeardPredictions:
     """Newest predictions of every neighbour."""
 
-    def __init__(self) -> None:
-        """Start without predictions."""
-        self._heard: dict[str, list[tuple[PredictedPaths, int]]] = {}
+    def __init__(self, period: float) -> None:
+        """Start without predictions; a newer one is expected every `period` [s]."""
+        self._period = period
+        self.reset()
 
     def reset(self) -> None:
         """Forget all predictions."""
-        self._heard.clear()
+        self._heard: dict[str, list[HeardPath]] = {}
 
     def hear(self, prediction: PredictedPaths) -> None:
         """Take a prediction; the last two of a vehicle are kept, since one may be of the tick to come."""
+        t, pos = prediction.t, prediction.pos.astype(np.float64)
         for row, name in enumerate(prediction.names):
+            heard = HeardPath(t, prediction.start, prediction.step, pos[row])
             kept = [
                 one
                 for one in self._heard.get(name, [])
-                if abs(one[0].t - prediction.t) > SAME and one[0].t < prediction.t + CLOCK_JUMP
+                if abs(one.t - heard.t) > SAME_STAMP and one.t < heard.t + CLOCK_JUMP
             ]
-            kept.append((prediction, row))
-            self._heard[name] = sorted(kept, key=lambda one: one[0].t)[-2:]
+            self._heard[name] = sorted([*kept, heard], key=lambda one: one.t)[-2:]
 
     def has(self, name: str, t: float) -> bool:
         """Return whether a prediction made at t [s] or later has arrived."""
-        return any(one.t > t - SAME for one, _ in self._heard.get(name, ()))
+        return any(one.t > t - SAME_STAMP for one in self._heard.get(name, ()))
 
-    def neighbours(self, t: float, known: Neighbours, times: Array) -> Neighbours:
-        """Return `known` with the predictions made before a tick at t [s], at the stages' `times` [s]."""
-        path, inputs, spread = known.path.copy(), known.inputs.copy(), known.spread.copy()
-        for row, name in enumerate(known.names):
-            before = [one for one in self._heard.get(name, ()) if one[0].t < t - SAME]
-            if not before or known.spread[row] == 0.0:
-                continue
-            prediction, at = before[-1]
-            share = np.exp(-max(t - prediction.t - TICK - SAME, 0.0) / FADE)
-            heard = interpolated(prediction, at, times)
-            path[row] = share * heard + (1.0 - share) * path[row]
-            inputs[row] = share * _accelerations(heard, times) + (1.0 - share) * inputs[row]
-            spread[row] *= 1.0 - share
-        return known._replace(path=path, inputs=inputs, spread=spread)
+    def follow(self, t: float, neighbours: Neighbours, times: Array) -> tuple[Neighbours, Array]:
+        """Return neighbours on the predictions made before a tick at t [s], and the shares of those, (n,).
+
+        Neighbours that are not heard, or out of reach, keep the paths they have, with a share of 0.
+        """
+        path, share = neighbours.path.copy(), np.zeros(len(neighbours.names))
+        for row, name in enumerate(neighbours.names):
+            heard = self._before(t, name)
+            if heard is not None and abs(path[row, 0, 2]) < FAR:
+                positions_at(heard, times, path[row])
+                share[row] = math.exp(-max(t - heard.t - self._period - SAME_STAMP, 0.0) / FADE)
+        return neighbours._replace(path=path, inputs=_accelerations(path, times)), share
+
+    def _before(self, t: float, name: str) -> HeardPath | None:
+        """Return a vehicle's newest path from before t [s]."""
+        return next((one for one in reversed(self._heard.get(name, ())) if one.t < t - SAME_STAMP), None)
+
+
+def blended(heard: Neighbours, known: Neighbours, share: Array) -> Neighbours:
+    """Return neighbours as heard and as known without predictions, by the shares of the predictions (n,)."""
+    along = share[:, None, None]
+    return known._replace(
+        path=along * heard.path + (1.0 - along) * known.path,
+        inputs=along * heard.inputs + (1.0 - along) * known.inputs,
+        spread=(1.0 - share) * known.spread,
+    )
 
 
 def predicted(tick: Aligned, path: Array, times: Array) -> PredictedPaths | None:
@@ -118,46 +143,47 @@ def predicted(tick: Aligned, path: Array, times: Array) -> PredictedPaths | None
     return PredictedPaths(tick.t, names, float(times[0]), float(times[1] - times[0]), pos)
 
 
-def known_neighbours(
-    straight: Neighbours, state: SwarmState, setpoint: SwarmSetpoint, references: Array
-) -> Neighbours:
+def known_neighbours(straight: Neighbours, setpoint: SwarmSetpoint, references: Array) -> Neighbours:
     """Return neighbours as known without predictions: on their references, if they have any.
 
     Args:
         straight: at constant velocity, far away if they have no state.
-        state: all vehicles.
         setpoint: all vehicles that have one.
         references: of the vehicles of `setpoint`, (m, N + 1, 9).
     """
     names = straight.names
     if not names:
         return straight
-    rows, among = index_of(names, state.names), index_of(names, setpoint.names)
+    among = index_of(names, setpoint.names)
     planned = references[among]
     here = np.abs(straight.pos).max(axis=1) < FAR
     use = here & (among >= 0) & np.isfinite(planned).all(axis=(1, 2))
     row = use[:, None, None]
     return Neighbours(
         names=names,
-        pos=np.where(here[:, None], state.pos[rows], straight.pos),
+        pos=straight.pos,
         path=np.where(row, planned[..., :3], straight.path),
         inputs=np.where(row, planned[:, :-1, 6:9], straight.inputs),
         spread=np.where(here, TRACKING, 0.0),
     )
 
 
-def interpolated(prediction: PredictedPaths, row: int, times: Array) -> Array:
-    """Return one vehicle's positions at `times`, linear between stages and beyond the ends, (K, 3)."""
-    pos = prediction.pos[row].astype(np.float64)
-    place = (times - prediction.start) / prediction.step
-    before = np.clip(np.floor(place), 0, len(pos) - 2).astype(np.intp)
-    share = (place - before)[:, None]
-    return np.asarray(pos[before] + share * (pos[before + 1] - pos[before]))
+@compiled
+def positions_at(heard: HeardPath, times: Array, path: Array) -> None:
+    """Write the positions at `times` to `path` (K, 3): linear between stages and beyond the last one."""
+    last = heard.pos.shape[0] - 1
+    for k in range(times.size):
+        place = max((times[k] - heard.start) / heard.step, 0.0)
+        before = min(int(place), last - 1)
+        share = place - before
+        for axis in range(3):
+            here = heard.pos[before, axis]
+            path[k, axis] = here + share * (heard.pos[before + 1, axis] - here)
 
 
 def _accelerations(path: Array, times: Array) -> Array:
-    """Return the accelerations along a path (N + 1, 3), by second differences, (N, 3)."""
-    acc = np.empty((len(path) - 1, 3))
-    acc[1:] = np.diff(path, 2, axis=0) / (times[2] - times[1]) ** 2
-    acc[0] = acc[1]
+    """Return the accelerations along paths (n, N + 1, 3), by second differences, (n, N, 3)."""
+    acc = np.empty((len(path), times.size - 1, 3))
+    acc[:, 1:] = (path[:, 2:] - 2.0 * path[:, 1:-1] + path[:, :-2]) / (times[2] - times[1]) ** 2
+    acc[:, 0] = acc[:, 1]
     return acc

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.inputs.alignment import ETA, Aligned
-from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import (
     Others,
@@ -89,13 +88,13 @@ def correct_downwash(
     tick.table[:, ETA] = np.where(uncertain[:, None], now, tick.table[:, ETA])
 
 
-def future_reference(
-    tick: Aligned, setpoint: SwarmSetpoint, preview: ReferencePreview | None, times: Array
-) -> Array:
-    """Return the references of the tick's vehicles, 0 where a setpoint is missing or not finite."""
-    whole = np.ascontiguousarray(shifted_preview(setpoint, preview, times))
+def future_reference(tick: Aligned, setpoint: SwarmSetpoint, references: Array) -> Array:
+    """Return the references of the tick's vehicles, 0 where a setpoint is missing or not finite.
+
+    `references` are those of the vehicles of `setpoint`, (m, N + 1, 9).
+    """
     if setpoint.names == tick.names and tick.usable.all():
-        return whole
+        return np.ascontiguousarray(references)
     rows = index_of(tick.names, setpoint.names)
-    picked = np.where((rows >= 0)[:, None, None], whole[rows], 0.0)
+    picked = np.where((rows >= 0)[:, None, None], references[rows], 0.0)
     return np.where(np.isfinite(picked), picked, 0.0)

@@ -6,12 +6,14 @@ that is no longer visible is extrapolated likewise, and the weight of its downwa
 but its position is uncertain. The past reaches back as far as the longest downwash delay.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.inputs.alignment import POS, Aligned
 from q2q_control.mpc.prediction.downwash_stages import Tracks
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -62,8 +64,7 @@ class Surroundings:
     def reset(self) -> None:
         """Forget the past."""
         self._names: Names = ()
-        self._when: list[float] = []
-        self._where: list[Array] = []
+        self._when, self._where = np.zeros(0), np.zeros((0, 0, 3))
         self._unseen: dict[str, float] = {}
 
     def tracks(self, tick: Aligned, future: Future, others: Neighbours) -> Tracks:
@@ -83,13 +84,9 @@ class Surroundings:
         self._remember(tick.t, names, here)
         times = np.concatenate([self._when, future.times])
         times[len(self._when)] = max(future.times[0], tick.t + MIN_STEP)
-        pos = np.ascontiguousarray(np.concatenate([np.stack(self._where), future.path.transpose(1, 0, 2)]))
-        thrust_acc = future.inputs + np.array([0.0, 0.0, GRAVITY])  # thrust over mass
-        size = np.sqrt((thrust_acc * thrust_acc).sum(axis=-1, keepdims=True))  # (n, N, 1)
-        weight = np.ones(size.shape[:2]) * trust[:, None]
-        if self._loading > 0.0:
-            weight *= 1.0 + self._loading * (size[..., 0] / GRAVITY - 1.0)
-        return Tracks(times, pos, thrust_acc / size, weight, len(self._when))
+        pos = np.ascontiguousarray(np.concatenate([self._where, future.path.transpose(1, 0, 2)]))
+        axis, weight = thrust_axes(np.ascontiguousarray(future.inputs), trust, self._loading)
+        return Tracks(times, pos, axis, weight, len(self._when))
 
     def _trust(self, tick: Aligned, path: Array) -> Array:
         """Return the weight of each vehicle's downwash by visibility, (n,); move negligible ones far away."""
@@ -109,12 +106,33 @@ class Surroundings:
 
     def _remember(self, t: float, names: Names, here: Array) -> None:
         if names != self._names:
-            self._names, self._when, self._where = names, [], []
-        self._when.append(t)
-        self._where.append(here)
-        while len(self._when) > 1 and self._when[1] <= t - self._span:
-            self._when.pop(0)
-            self._where.pop(0)
+            self._names, self._when, self._where = names, np.zeros(0), np.zeros((0, len(names), 3))
+        when = np.append(self._when, t)
+        first = max(int(np.searchsorted(when, t - self._span, side="right")) - 1, 0)
+        self._when = when[first:]
+        self._where = np.concatenate([self._where, here[None]])[first:]
+
+
+@compiled
+def thrust_axes(inputs: Array, trust: Array, loading: float) -> tuple[Array, Array]:
+    """Return body z along the thrust, (n, N, 3), and the weight of each source's downwash, (n, N).
+
+    Args:
+        inputs: acceleration by thrust, less gravity [m/s^2], world, (n, N, 3).
+        trust: weight by visibility, (n,).
+        loading: share of thrust beyond weight that adds downwash.
+    """
+    n, stages = inputs.shape[0], inputs.shape[1]
+    axis, weight = np.empty((n, stages, 3)), np.empty((n, stages))
+    for i in range(n):
+        for k in range(stages):
+            x, y, z = inputs[i, k, 0], inputs[i, k, 1], inputs[i, k, 2] + GRAVITY
+            size = math.sqrt(x * x + y * y + z * z)
+            axis[i, k, 0], axis[i, k, 1], axis[i, k, 2] = x / size, y / size, z / size
+            weight[i, k] = trust[i]
+            if loading > 0.0:
+                weight[i, k] *= 1.0 + loading * (size / GRAVITY - 1.0)
+    return axis, weight
 
 
 def _with_others(
@@ -133,20 +151,22 @@ def _with_others(
 
 
 def at_constant_velocity(state: SwarmState, own: Names, times: Array) -> Neighbours:
-    """Return the vehicles of `state` that are not `own`, extrapolated to the stages' `times` (N + 1,) [s]."""
+    """Return the vehicles of `state` that are not `own`, extrapolated to the stages' `times` (N + 1,) [s].
+
+    Vehicles without state are far away.
+    """
     rows = [row for row, name in enumerate(state.names) if name not in own] if state.names != own else []
-    path = np.array([extrapolated(state, row, times) for row in rows]).reshape(len(rows), times.size, 3)
+    pos = state.pos[rows]
+    path = pos[:, None] + state.vel[rows][:, None] * (times - state.t)[:, None]
+    known = (state.status[rows] != _LOST) & np.isfinite(path).all(axis=(1, 2))
+    if not known.all():
+        away = np.full_like(pos, -FAR) * (1.0 + np.array(rows))[:, None]
+        pos = np.where(known[:, None], pos, away)
+        path = np.where(known[:, None, None], path, away[:, None])
     return Neighbours(
         names=tuple(state.names[row] for row in rows),
-        pos=path[:, 0],
+        pos=pos,
         path=path,
         inputs=np.zeros((len(rows), times.size - 1, 3)),
         spread=np.zeros(len(rows)),
     )
-
-
-def extrapolated(state: SwarmState, row: int, times: Array) -> Array:
-    """Return the path (N + 1, 3) of a vehicle at constant velocity; far away if it has no state."""
-    straight = state.pos[row] + state.vel[row] * (times - state.t)[:, None]
-    known = np.isfinite(straight).all() and state.status[row] != _LOST
-    return straight if known else np.full_like(straight, -FAR * (1.0 + row))

@@ -28,7 +28,7 @@ class Horizon(NamedTuple):
     low: Array
     """Least input of each axis [m/s^2], (n, 3)."""
     high: Array
-    """Largest input [m/s^2], (n, 3)."""
+    """Largest input of each axis at each stage [m/s^2], (n, N, 3)."""
     step: Array
     """Largest difference of input and acceleration [m/s^2], (3,)."""
 

@@ -35,3 +35,10 @@ def input_bounds(quat: Array, most: AccelerationLimits) -> tuple[Array, Array]:
         high[v, 0], high[v, 1], high[v, 2] = most.side, most.side, most.thrust * upright - GRAVITY
         low[v, 0], low[v, 1], low[v, 2] = -most.side, -most.side, min(-FALL * GRAVITY, high[v, 2])
     return low, high
+
+
+def stage_bounds(low: Array, high: Array, kept: Array) -> Array:
+    """Return the largest input of each stage, (n, N, 3): on z less what it keeps (n, N), at least `low`."""
+    bounds = np.repeat(high[:, None], kept.shape[1], axis=1)
+    bounds[..., 2] = np.maximum(bounds[..., 2] - kept, low[:, None, 2])
+    return bounds

@@ -108,7 +108,7 @@ def _fill_bounds(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: L
             for row in range(3):
                 problem.start[3 * c + row] = horizon.start[v, axis, row]
             for k in range(problem.low.shape[0]):
-                problem.low[k, c], problem.high[k, c] = horizon.low[v, axis], horizon.high[v, axis]
+                problem.low[k, c], problem.high[k, c] = horizon.low[v, axis], horizon.high[v, k, axis]
 
 
 @compiled

@@ -34,12 +34,15 @@ def definition_of(type_name: str) -> tuple[str, str]:
 
 
 def _message_folder() -> Path:
-    prefixes = map(Path, filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)))
-    sources = [parent / PACKAGE for parent in Path(__file__).resolve().parents]
-    places = [prefix / "share" / PACKAGE / "msg" for prefix in prefixes] + [
-        source / "msg" for source in sources
+    """Return the folder of the .msg files: installed by pip, in an ament prefix, or in the source tree."""
+    here = Path(__file__).resolve()
+    prefixes = filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep))
+    places = [
+        here.parents[2] / "msg",
+        *(Path(prefix, "share", PACKAGE, "msg") for prefix in prefixes),
+        *(parent / PACKAGE / "msg" for parent in here.parents),
     ]
     for place in places:
         if (place / "MocapFrame.msg").is_file():
             return place
-    raise BagError("cannot find the .msg files of q2q_msgs: source scripts/env.sh")
+    raise BagError("cannot find the .msg files of q2q_msgs: source scripts/env.sh, or pip install q2q again")

@@ -101,9 +101,7 @@ def _count_before(waiting: list[Logged], later: list[int]) -> int:
 
 def _named_files(bag: Path) -> list[Path]:
     """Return the files that a folder's metadata names."""
-    fast = yaml.CSafeLoader if yaml.__with_libyaml__ else yaml.SafeLoader
-    loaded = yaml.load((bag / "metadata.yaml").read_text(encoding="utf-8"), Loader=fast)  # noqa: S506 (safe)
-    info = loaded["rosbag2_bagfile_information"]
+    info = yaml.safe_load((bag / "metadata.yaml").read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
     files = [bag / Path(name).name for name in info["relative_file_paths"]]
     plain = info["storage_identifier"] == "mcap" and not info.get("compression_mode")
     if not (plain and info["version"] <= NEWEST and files and all(file.is_file() for file in files)):

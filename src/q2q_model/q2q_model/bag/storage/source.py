@@ -54,6 +54,8 @@ class Source:
     repairs: tuple[str, ...]
     ros1: bool = False
     """Whether messages are in ROS 1 serialisation, not CDR."""
+    is_cut: bool = False
+    """Whether messages may be missing: its writer was killed, or the file was damaged."""
 
 
 def is_bag(path: Path) -> bool:
@@ -73,6 +75,9 @@ def open_source(path: Path | str) -> Source:
         raise BagError(f"no bag at {bag}")
     if bag.is_dir() and not (bag / "metadata.yaml").exists():
         return _open_bare_folder(bag)
+    if not is_bag(bag):
+        kinds = ", ".join((*STORAGES, ROS1_SUFFIX))
+        raise BagError(f"{bag} is no bag: give a rosbag2 folder or a file ({kinds})")
     try:
         return _regular(bag, bag)
     except Exception as damage:  # noqa: BLE001 - a parser on damaged bytes raises anything
@@ -163,7 +168,9 @@ def _salvaged(bag: Path, why: str) -> Source:
         f"bag {bag}: {why}; recovered {len(raw)} messages",
         *(loss for one in recovered for loss in one.losses),
     )
-    return Source(bag, channels, lambda topics: (found for found in raw if found.topic in topics), repairs)
+    return Source(
+        bag, channels, lambda topics: (found for found in raw if found.topic in topics), repairs, is_cut=True
+    )
 
 
 def _storage_files(bag: Path) -> list[Path]:

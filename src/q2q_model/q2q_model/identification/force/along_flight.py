@@ -24,6 +24,9 @@ from q2q_model.downwash.source_strength import (
 from q2q_model.downwash.state_history import states_at
 from q2q_model.signals.values import Array
 
+Pair = tuple[int, int]
+"""Vehicle that feels, vehicle that causes."""
+
 
 @dataclass(frozen=True, slots=True)
 class Motion:
@@ -39,6 +42,92 @@ class Motion:
     """Body z, world, (T, n, 3)."""
 
 
+@dataclass(frozen=True, slots=True)
+class _PairRows:
+    """States of a pair at the rows."""
+
+    feels: Array
+    """pos, vel, axis of the vehicle that feels, (k, 9)."""
+    causes: Array
+    """Of the source, (k, 9)."""
+    across2: Array
+    """Square of the horizontal distance [m^2], (k,)."""
+    apart: Array
+    """|dz| [m], (k,)."""
+    fastest: float
+    """Bound of the source's speed [m/s]."""
+
+
+class VehicleRows:
+    """One vehicle of a flight at some ticks, gathered once for the evaluation of many models."""
+
+    def __init__(self, motion: Motion, vehicle: int, ticks: NDArray[np.intp]) -> None:
+        """Gather vehicle number `vehicle` at `ticks` (k,)."""
+        self.ticks = ticks
+        self._vehicle = vehicle
+        self._t, self._vel = np.ascontiguousarray(motion.t), np.ascontiguousarray(motion.vel)
+        self._states = np.concatenate((motion.pos, motion.vel, motion.axis), axis=2)  # (T, n, 9)
+        self._pairs: dict[Pair, _PairRows] = {}
+
+    def eta(self, model: InteractionModel) -> Array:
+        """Return eta of the vehicle [m/s^2], (k, 3)."""
+        if source_terms(model) != PAIRS_ALONE:
+            return self._eta_of_stack(model)
+        eta = np.zeros((self.ticks.size, 3))
+        for j in range(self._states.shape[1]):
+            if j != self._vehicle:
+                self._add_pair(model, (self._vehicle, j), eta)
+        return eta
+
+    def _eta_of_stack(self, model: InteractionModel) -> Array:
+        """Return eta with the strengths of the sources, (k, 3)."""
+        terms = source_terms(model)
+        feels, causes = np.nonzero(~np.eye(self._states.shape[1], dtype=np.bool_))
+        law = np.zeros((feels.size, self.ticks.size, 3))
+        thrust = np.ones((feels.size, self.ticks.size))
+        for p, pair in enumerate(zip(feels.tolist(), causes.tolist(), strict=True)):
+            self._add_pair(model, pair, law[p])
+            if terms.loading != 0.0:
+                thrust[p] = self._thrust_ratio(model, pair)
+        share = strengths(feels, causes, np.ascontiguousarray(law[..., 2]), thrust, terms)
+        own = feels == self._vehicle
+        return np.asarray((share[own, :, None] * law[own]).sum(axis=0))
+
+    def _add_pair(self, model: InteractionModel, pair: Pair, eta: Array) -> None:
+        """Add the downwash of source pair[1] alone on pair[0] to `eta` (k, 3)."""
+        rows = self._rows(pair)
+        near = np.flatnonzero(_in_reach(model, rows))
+        now, feels, t = rows.causes[near], rows.feels[near], self._t[self.ticks[near]]
+        pairs = retarded_pairs(
+            model, feels[:, :3], feels[:, 3:6], _sources(now), lambda delay: self._source_at(pair, t - delay)
+        )
+        eta[near] += model.acceleration(*pairs)
+
+    def _thrust_ratio(self, model: InteractionModel, pair: Pair) -> Array:
+        """Return thrust over weight of source pair[1] when the air that pair[0] meets left it, (k,)."""
+        rows, now = self._rows(pair), self._t[self.ticks]
+        left = now - model.delay(rows.causes[:, :3] - rows.feels[:, :3])
+        before, after = left - HALF_SPAN_S, np.minimum(left + HALF_SPAN_S, now)
+        source = np.full(now.size, pair[1])
+        vel = [states_at(self._t, self._vel, when, source) for when in (before, after)]
+        return thrust_ratio(vel[0], vel[1], after - before)
+
+    def _source_at(self, pair: Pair, when: Array) -> SourceStates:
+        """Return source pair[1], interpolated at times (k,) [s]."""
+        return _sources(states_at(self._t, self._states, when, np.full(when.size, pair[1])))
+
+    def _rows(self, pair: Pair) -> _PairRows:
+        """Return the states of a pair, gathered once."""
+        if pair not in self._pairs:
+            feels, causes = (self._states[self.ticks, vehicle] for vehicle in pair)
+            rel_pos = causes[:, :3] - feels[:, :3]
+            across2 = rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2
+            vel = self._states[:, pair[1], 3:6]
+            fastest = float(np.sqrt(3.0) * np.abs(vel).max(initial=0.0))
+            self._pairs[pair] = _PairRows(feels, causes, across2, np.abs(rel_pos[:, 2]), fastest)
+        return self._pairs[pair]
+
+
 def eta_along(model: InteractionModel, motion: Motion) -> Array:
     """Return eta [m/s^2], world, (T, n, 3)."""
     ticks, n = motion.pos.shape[:2]
@@ -48,71 +137,15 @@ def eta_along(model: InteractionModel, motion: Motion) -> Array:
 
 def eta_on_vehicle(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.intp]) -> Array:
     """Return eta of vehicle i at ticks `rows` (k,), [m/s^2], (k, 3)."""
-    terms, others = source_terms(model), [j for j in range(motion.pos.shape[1]) if j != i]
-    if terms == PAIRS_ALONE:
-        eta = np.zeros((rows.size, 3))
-        for j in others:
-            _add_pair(model, motion, (i, j), rows, eta)
-        return eta
-    return _eta_of_stack(model, motion, i, rows)
+    return VehicleRows(motion, i, rows).eta(model)
 
 
-def _eta_of_stack(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.intp]) -> Array:
-    """Return eta of vehicle i at ticks `rows` (k,) with the strengths of its sources, (k, 3)."""
-    terms = source_terms(model)
-    feels, causes = np.nonzero(~np.eye(motion.pos.shape[1], dtype=np.bool_))
-    law = np.zeros((feels.size, rows.size, 3))
-    thrust = np.ones((feels.size, rows.size))
-    for p, pair in enumerate(zip(feels.tolist(), causes.tolist(), strict=True)):
-        _add_pair(model, motion, pair, rows, law[p])
-        if terms.loading != 0.0:
-            thrust[p] = _thrust_ratio(model, motion, pair, rows)
-    share = strengths(feels, causes, np.ascontiguousarray(law[..., 2]), thrust, terms)
-    own = feels == i
-    return np.asarray((share[own, :, None] * law[own]).sum(axis=0))
-
-
-def _add_pair(
-    model: InteractionModel, motion: Motion, pair: tuple[int, int], rows: NDArray[np.intp], eta: Array
-) -> None:
-    """Add the downwash of source pair[1] alone on pair[0] to `eta` (k, 3)."""
-    i, j = pair
-    near = _in_reach(model, motion.pos[rows, j] - motion.pos[rows, i], motion.vel[:, j])
-    ticks = rows[near]
-    now = SourceStates(motion.pos[ticks, j], motion.vel[ticks, j], motion.axis[ticks, j])
-    pairs = retarded_pairs(
-        model,
-        motion.pos[ticks, i],
-        motion.vel[ticks, i],
-        now,
-        lambda delay: _at(motion, j, motion.t[ticks] - delay),
-    )
-    eta[near] += model.acceleration(*pairs)
-
-
-def _thrust_ratio(
-    model: InteractionModel, motion: Motion, pair: tuple[int, int], rows: NDArray[np.intp]
-) -> Array:
-    """Return thrust over weight of source pair[1] when the air that pair[0] meets at `rows` left it, (k,)."""
-    i, j = pair
-    now = motion.t[rows]
-    left = now - model.delay(motion.pos[rows, j] - motion.pos[rows, i])
-    before, after = left - HALF_SPAN_S, np.minimum(left + HALF_SPAN_S, now)
-    return thrust_ratio(_at(motion, j, before).vel, _at(motion, j, after).vel, after - before)
-
-
-def _in_reach(model: InteractionModel, rel_pos: Array, vel: Array) -> NDArray[np.bool_]:
+def _in_reach(model: InteractionModel, rows: _PairRows) -> NDArray[np.bool_]:
     """Return where a source may act, (k,): within reach, allowing for its motion during the delay."""
-    moved = 0.0
-    if model.max_delay > 0.0:  # a cheap bound of the speed
-        moved = model.max_delay * float(np.sqrt(3.0) * np.abs(vel).max(initial=0.0))
-    across2 = rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2
+    moved = model.max_delay * rows.fastest if model.max_delay > 0.0 else 0.0
     wide, tall = model.reach.horizontal + moved, model.reach.vertical + moved
-    return np.asarray((across2 <= wide * wide) & (np.abs(rel_pos[:, 2]) <= tall))
+    return np.asarray((rows.across2 <= wide * wide) & (rows.apart <= tall))
 
 
-def _at(motion: Motion, j: int, when: Array) -> SourceStates:
-    """Return vehicle j, interpolated at times (k,) [s]."""
-    t, row = np.ascontiguousarray(motion.t), np.full(when.size, j)
-    values = (np.ascontiguousarray(one) for one in (motion.pos, motion.vel, motion.axis))
-    return SourceStates(*(states_at(t, one, when, row) for one in values))
+def _sources(states: Array) -> SourceStates:
+    return SourceStates(states[:, :3], states[:, 3:6], states[:, 6:])

@@ -11,3 +11,8 @@ class BusNode(Node):  # type: ignore[misc]  # rclpy has no types
     def __init__(self, name: str, bus: LocalBus) -> None:
         super().__init__(name)
         self.bus = bus
+
+
+def bus_of(node: Node) -> LocalBus:
+    """Return the bus of a node; one of its own if it shares none."""
+    return node.bus if isinstance(node, BusNode) else LocalBus(())

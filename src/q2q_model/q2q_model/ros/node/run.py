@@ -2,13 +2,14 @@
 
 SIGINT and SIGTERM are handled here: rclpy would shut ROS down in the middle of a callback. While nodes are
 built, a signal raises KeyboardInterrupt; once nodes spin, the running callback completes first. An interrupt
-swallowed by foreign code still ends the process.
+swallowed by foreign code, or by a callback of Python's own, still ends the process, and is not reported.
 """
 
 import gc
+import os
 import signal
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import FrameType
 from typing import TypeVar
 from weakref import WeakSet
@@ -20,6 +21,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
+from q2q_model.node.loopback import restrict
 from q2q_model.ros.node.node_parameters import refuse_undeclared
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 
@@ -63,7 +65,7 @@ def run_together(
     ending = _Ending()
     gc.disable()  # objects created during start-up are never freed
     try:
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        start_ros()
         kept = build()
         refuse_undeclared(kept)
         for node in kept:
@@ -86,6 +88,18 @@ def run_together(
         _leave()
 
 
+def start_ros(arguments: Sequence[str] | None = None) -> None:
+    """Start ROS without signal handlers, on loopback if it is to stay on this machine.
+
+    Args:
+        arguments: command line; None takes the process's own.
+    """
+    restrict(os.environ)
+    rclpy.init(
+        args=None if arguments is None else list(arguments), signal_handler_options=SignalHandlerOptions.NO
+    )
+
+
 def _leave() -> None:
     """Shut ROS down; SIGALRM ends the process if the middleware does not return within LEAVE_S."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
@@ -93,11 +107,18 @@ def _leave() -> None:
     rclpy.try_shutdown()
 
 
+def report_unraisable(unraisable: "sys.UnraisableHookArgs") -> None:
+    """Report an exception that Python ignores, but for an interrupt, which `_Ending` keeps."""
+    if unraisable.exc_type is not KeyboardInterrupt:
+        sys.__unraisablehook__(unraisable)
+
+
 class _Ending:
     """Flag that the end was requested."""
 
     def __init__(self) -> None:
         self.requested, self.interrupts = False, True
+        sys.unraisablehook = report_unraisable
         for number in ENDING:
             signal.signal(number, self._ask)
 

@@ -12,16 +12,15 @@ from q2q_model.compiled import COMPILED
 from q2q_model.node.health import Health
 from q2q_model.node.rehearsal import rehearse
 from q2q_model.node.stopwatch import Stopwatch
-from q2q_model.ros.node.bus_node import BusNode
+from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.topics.deadlines import publisher_qos, watch
 from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK
-from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.local_bus import LocalBus
 from q2q_model.signals.signal_facts import facts
 from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import Names
@@ -59,11 +58,11 @@ class TickWiring(Generic[Made]):
         self._node = node
         topic, signal = output
         quality = publisher_qos(declare(node, TickWriterParams()).promise_s)
-        self._publisher = node.create_publisher(MESSAGES[signal], topic, quality)
+        self._publisher = SignalPublisher(node, topic, signal, quality)
         self._inputs = inputs
         self._after: list[Callable[[int, Made], None]] = []
         self._topic = topic
-        self._bus = node.bus if isinstance(node, BusNode) else LocalBus(())
+        self._bus = bus_of(node)
         self._last: Made | None = None
         self._may_begin: Callable[[], bool] = _always
         self._held: _HeldTick[Made] | None = None
@@ -96,7 +95,7 @@ class TickWiring(Generic[Made]):
 
     def publish(self, stamp_ns: int, signal: Made) -> None:
         """Publish a signal with a stamp, first to listeners within the process if there is a bus."""
-        self._bus.post(self._topic, stamp_ns, signal, partial(self._publish_to_ros, stamp_ns, signal))
+        self._publisher.post(stamp_ns, signal)
 
     def listen(self, topic: str, take: Callable[[int, Signal], None]) -> None:
         """Call `take(stamp_ns, signal)` for every message of an input, including incomplete ticks."""
@@ -127,11 +126,8 @@ class TickWiring(Generic[Made]):
             self._node.get_logger().warning(f"compiled in flight: {late}; run scripts/setup")
             self._compiled = len(COMPILED)
 
-    def _publish_to_ros(self, stamp_ns: int, signal: Made) -> None:
-        self._publisher.publish(encode(signal, stamp_ns))
-
     def _publish_and_follow(self, stamp_ns: int, signal: Made) -> None:
-        self._publish_to_ros(stamp_ns, signal)
+        self._publisher.publish(stamp_ns, signal)
         for follow in self._after:
             follow(stamp_ns, signal)
 

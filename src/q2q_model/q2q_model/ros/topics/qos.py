@@ -18,8 +18,14 @@ LATCHED = QoSProfile(
 OUTSIDE = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Streams from other software: matches any publisher."""
 
-RECORD = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
-"""Queue of the recorder: 10 s of a topic at 100 Hz."""
+EVERY_TICK = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+"""Queue of a reader that joins topics by tick: 10 s of a topic at 100 Hz."""
+
+RECORD = QoSProfile(depth=100_000, reliability=ReliabilityPolicy.RELIABLE)
+"""Queue of the recorder, beyond the 5000 messages that Fast DDS 2.14 keeps: it counts the others as lost."""
+
+SENSOR = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Sensors' samples from any publisher, each of which counts: 1 s at 100 Hz."""
 
 MANY_WRITERS = QoSProfile(depth=256, reliability=ReliabilityPolicy.RELIABLE)
 """Tick signals of one writer for each vehicle: a depth of 1 would keep the last writer's only."""

@@ -10,6 +10,7 @@ vanishes. Any y satisfies all waypoint constraints exactly, and the curve keeps 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -54,7 +55,12 @@ class DeviationSpace:
 
 def deviation_space(vehicle: VehicleWaypoints, reading: Reading, pieces: int) -> DeviationSpace:
     """Return the deviations of a vehicle with each stretch between waypoints cut into equal pieces."""
-    times = vehicle.times
+    return _space(tuple(vehicle.times.tolist()), reading, pieces)
+
+
+@lru_cache(maxsize=64)
+def _space(times: tuple[float, ...], reading: Reading, pieces: int) -> DeviationSpace:
+    """Return the deviations between waypoints at these times [s]; those of a swarm are often the same."""
     inner = [np.linspace(a, b, pieces + 1)[:-1] for a, b in pairwise(times)]
     knots = np.concatenate([*inner, times[-1:]])
     free = _free(len(knots), pieces, reading)

@@ -9,6 +9,7 @@ offset by the sagitta ds^2 / (8 eps) of a chord of the zone's radius.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,13 +61,22 @@ def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, watche
     """
     first, second = pairs
     seen, passing = watched.copy(), np.zeros(watched.shape, dtype=np.intp)
-    for pair in range(len(first)):
+    for pair in _meeting(positions, pairs, lathe):
         rel = positions[:, first[pair]] - positions[:, second[pair]]
-        near = _near(rel, lathe)
-        if near.any():
-            passing[pair] = np.cumsum(near[1:] & ~near[:-1], dtype=np.intp)[np.arange(-1, len(near) - 1)]
-            seen[pair] |= near & _thinned(rel, SPACING * lathe.eps)
+        near = _near(rel.T, lathe)
+        passing[pair] = np.cumsum(near[1:] & ~near[:-1], dtype=np.intp)[np.arange(-1, len(near) - 1)]
+        seen[pair] |= near & _thinned(rel, SPACING * lathe.eps)
     return _watch(positions, pairs, lathe, (seen, passing))
+
+
+def _meeting(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Rows:
+    """Return the pairs with a sample near the zone, rising; `first` of the pairs must rise."""
+    axes = np.ascontiguousarray(positions.transpose(2, 1, 0))  # (3, n, S): a row for each vehicle
+    begin = np.searchsorted(pairs[0], np.arange(positions.shape[1] + 1))
+    meets = []
+    for i, (start, end) in enumerate(pairwise(begin)):
+        meets.append(_near(axes[:, i, None] - axes[:, pairs[1][start:end]], lathe).any(axis=-1))
+    return np.flatnonzero(np.concatenate(meets))
 
 
 def _watch(
@@ -82,9 +92,10 @@ def _watch(
 
 
 def _near(rel: Array, lathe: Lathe) -> Mask:
+    """Return which relative positions (3, ...) are near the zone, (...,)."""
     look = LOOK * lathe.eps
-    near = rel[:, 0] ** 2 + rel[:, 1] ** 2 < (lathe.eps + look) ** 2
-    return np.asarray(near & (np.abs(rel[:, 2]) < lathe.d + look))
+    near = rel[0] ** 2 + rel[1] ** 2 < (lathe.eps + look) ** 2
+    return np.asarray(near & (np.abs(rel[2]) < lathe.d + look))
 
 
 def _thinned(rel: Array, spacing: float) -> Mask:

@@ -25,7 +25,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.offline.avoidance.convexification import Attempt, Problem, Start, search
 from q2q_planner.offline.avoidance.deviation_space import deviation_space
-from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.certificate import Certificate, as_certified, certify
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
@@ -92,7 +92,7 @@ def avoid(
     free = minimum_snap_plan(swarm, reading)
     infimum, proof = plan_cost(free), certify(free, lathe)
     if proof.holds:
-        return AvoidancePlan(_marked(free), proof, infimum, infimum, 0)
+        return AvoidancePlan(as_certified(free, lathe), proof, infimum, infimum, 0)
     _check_held(swarm, lathe)
     spaces = tuple(deviation_space(vehicle, reading, numbers.pieces) for vehicle in swarm)
     problem = Problem(free, infimum, spaces, lathe, numbers.margin, numbers.steps)
@@ -102,7 +102,7 @@ def avoid(
         raise InfeasibleError(_explanation(found))
     best = min(certified, key=lambda attempt: attempt.cost)
     steps = sum(attempt.steps for attempt in found)
-    return AvoidancePlan(_marked(best.plan), best.proof, best.cost, infimum, steps)
+    return AvoidancePlan(as_certified(best.plan, lathe), best.proof, best.cost, infimum, steps)
 
 
 def _starts(problem: Problem, params: AvoidanceParams, warm: SwarmPlan | None) -> Iterator[Start]:
@@ -131,32 +131,38 @@ def _sides(start: int, pairs: int, generator: np.random.Generator) -> Array:
 
 def _check_held(swarm: Sequence[VehicleWaypoints], lathe: Lathe) -> None:
     """Raise if waypoints at the same time, or a rest after the last one, lie in each other's zone."""
-    for row, vehicle in enumerate(swarm):
-        for index, waypoint in enumerate(vehicle.waypoints):
-            for other in (*swarm[:row], *swarm[row + 1 :]):
-                at = _held_at(other, waypoint.t)
-                if at is None:
-                    continue
-                clearance = float(
-                    lathe.signed_distance(np.array(waypoint.pos) - np.array(other.waypoints[at].pos))
-                )
-                if clearance <= 0.0:
-                    both = f"{vehicle.name}, waypoint {index} and {other.name}, waypoint {at}"
-                    depth = f"{-clearance:.3g} m inside each other's zone at t = {waypoint.t} s"
-                    raise InfeasibleError(f"{both} lie {depth}; no trajectory can keep them apart")
+    held = list(_held_together(swarm))
+    if not held:
+        return
+    rel = [
+        np.subtract(swarm[i].waypoints[at].pos, swarm[j].waypoints[other].pos) for (i, at), (j, other) in held
+    ]
+    clearance = lathe.signed_distance(np.array(rel))
+    inside = np.flatnonzero(clearance <= 0.0)
+    if inside.size:
+        (i, at), (j, other) = held[inside[0]]
+        both = f"{swarm[i].name}, waypoint {at} and {swarm[j].name}, waypoint {other}"
+        depth = f"{-clearance[inside[0]]:.3g} m inside each other's zone at t = {swarm[i].waypoints[at].t} s"
+        raise InfeasibleError(f"{both} lie {depth}; no trajectory can keep them apart")
 
 
-def _held_at(vehicle: VehicleWaypoints, t: float) -> int | None:
-    """Return the waypoint at which a vehicle is at time t [s], or None."""
-    times = vehicle.times
+def _held_together(swarm: Sequence[VehicleWaypoints]) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
+    """Yield (vehicle, waypoint) and each (other vehicle, waypoint) that is held at its time."""
+    times = [vehicle.times for vehicle in swarm]
+    for i, vehicle in enumerate(swarm):
+        for at, waypoint in enumerate(vehicle.waypoints):
+            for j, there in enumerate(times):
+                other = _held_at(there, waypoint.t)
+                if j != i and other is not None:
+                    yield (i, at), (j, other)
+
+
+def _held_at(times: Array, t: float) -> int | None:
+    """Return the waypoint, of those at `times`, at which a vehicle is at time t [s], or None."""
     if t >= times[-1]:
         return len(times) - 1
     near = int(np.abs(times - t).argmin())
     return near if abs(times[near] - t) < SAME_MOMENT else None
-
-
-def _marked(plan: SwarmPlan) -> SwarmPlan:
-    return SwarmPlan(plan.names, plan.trajectories, certified=True)
 
 
 def _explanation(found: Sequence[Attempt]) -> str:

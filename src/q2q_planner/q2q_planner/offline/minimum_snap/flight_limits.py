@@ -78,11 +78,16 @@ def peak_norm(trajectory: Trajectory, derivative: int, offset: Array | None = No
         length = np.tile(0.5 * length[near], 2)
 
 
-def check_feasible(plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: Vehicle) -> None:
-    """Raise ValueError with vehicle, waypoint and bound if a trajectory needs too much thrust."""
+def check_feasible(
+    plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: Vehicle, reserve: float = 0.0
+) -> None:
+    """Raise ValueError with vehicle, waypoint and bound if a trajectory needs too much thrust.
+
+    `reserve` is the acceleration that the thrust must give beside the plan's, in any direction [m/s^2].
+    """
     for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
         peak = peak_norm(trajectory, 2, np.array([0.0, 0.0, GRAVITY]))
-        thrust = vehicle.mass * peak.value
+        thrust = vehicle.mass * (peak.value + reserve)
         if thrust > vehicle.rpyt_thrust_max:
             after = int(np.searchsorted(waypoints.times, peak.t, side="right")) - 1
             where = f"{waypoints.name}, after waypoint {after} (t = {peak.t:.2f} s)"

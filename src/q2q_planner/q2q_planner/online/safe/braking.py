@@ -48,18 +48,22 @@ class Motions(NamedTuple):
     """[s], (n,)."""
     growth: Array
     """g0 [m] and g1 [m/s], (n, 2)."""
+    jerk: Array
+    """Held jerk [m/s^3], (n, 3), where the law bounds it (`jerk_limited`); `acc` is then where it starts."""
 
 
 class BrakingLaw(NamedTuple):
-    """Zone and deceleration of a proof."""
+    """Zone, deceleration and jerk of a proof."""
 
     eps: float
     d: float
     brake: float
+    jerk: float = 0.0
+    """Largest jerk of an axis [m/s^3]; 0 does not bound it."""
 
 
 @compiled
-def _distance(x: float, y: float, z: float, law: BrakingLaw) -> float:
+def zone_distance(x: float, y: float, z: float, law: BrakingLaw) -> float:
     """Return the signed distance to I(eps, d) [m]."""
     side, cap = np.sqrt(x * x + y * y) - law.eps, abs(z) - law.d
     if side > 0.0 and cap > 0.0:
@@ -111,7 +115,7 @@ def stays_out(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -
         x = _coordinate(motions, i, 0, s, share_i) - _coordinate(motions, j, 0, s, share_j)
         y = _coordinate(motions, i, 1, s, share_i) - _coordinate(motions, j, 1, s, share_j)
         z = _coordinate(motions, i, 2, s, share_i) - _coordinate(motions, j, 2, s, share_j)
-        left = _distance(x, y, z, law) - wide - rate * s
+        left = zone_distance(x, y, z, law) - wide - rate * s
         if step == 0:
             keep = min(floor, NEARER * left)
         if not (left >= keep and left >= 0.0):  # NaN too

@@ -20,6 +20,7 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.braking import BrakingLaw, Motions, stays_out
 from q2q_planner.online.safe.broad_phase import Pairs, Rows
+from q2q_planner.online.safe.jerk_limited import rest_time, stays_out_smoothly, stop_reach
 
 OLD, NEW, BROKEN = 0, 1, 2
 
@@ -50,6 +51,14 @@ class _Selection(NamedTuple):
 
 
 @compiled
+def _stays_out(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
+    """Return whether a pair is proven to stay apart, by the law's kind of motion."""
+    if law.jerk > 0.0:
+        return stays_out_smoothly(motions, i, j, law, floor)
+    return stays_out(motions, i, j, law, floor)
+
+
+@compiled
 def _reach(motions: Motions, brake: float) -> Array:
     """Return the stopping distance of each row with its growth until rest [m], (rows,)."""
     reach = np.empty(motions.hold.size)
@@ -75,15 +84,28 @@ def _stopping_time(motions: Motions, brake: float) -> float:
 
 
 @compiled
-def _near_pairs(new: Motions, old: Motions, pairs: Pairs, law: BrakingLaw) -> Rows:
-    """Return the rows of pairs whose stopping distances overlap, (k,): the others are proven.
+def _stopping_distances(new: Motions, old: Motions, law: BrakingLaw) -> Array:
+    """Return how far each row may move, with growth, before all rest [m], (rows,).
 
     A pair's growth continues until both rest, which the longest stopping time of all bounds.
     """
+    if law.jerk > 0.0:
+        last = 0.0
+        for row in range(new.hold.size):
+            last = max(last, rest_time(new, row, law), rest_time(old, row, law))
+        reach: Array = np.maximum(stop_reach(new, law, last), stop_reach(old, law, last))
+        return reach
     longest = max(_stopping_time(new, law.brake), _stopping_time(old, law.brake))
     rate = new.growth[:, 1].max()
     late = rate * (longest + 2.0 * rate / law.brake)
-    stopping_distances = np.maximum(_reach(new, law.brake), _reach(old, law.brake)) + late
+    distances: Array = np.maximum(_reach(new, law.brake), _reach(old, law.brake)) + late
+    return distances
+
+
+@compiled
+def _near_pairs(new: Motions, old: Motions, pairs: Pairs, law: BrakingLaw) -> Rows:
+    """Return the rows of pairs whose stopping distances overlap, (k,): the others are proven."""
+    stopping_distances = _stopping_distances(new, old, law)
     found = np.empty(pairs.i.size, np.intp)
     count = 0
     for row in range(pairs.i.size):
@@ -105,14 +127,15 @@ def _is_proven(selection: _Selection, i: int, j: int, rule: ChoiceRule) -> bool:
         (j < own and choice[j] == OLD) or (j >= own and selection.proven[i, j - own])
     )
     if both_old:
-        return stays_out(selection.old, i, j, rule.law, 0.0)
-    return stays_out(selection.chosen, i, j, rule.law, rule.floor)
+        return _stays_out(selection.old, i, j, rule.law, 0.0)
+    return _stays_out(selection.chosen, i, j, rule.law, rule.floor)
 
 
 @compiled
 def _take(selection: _Selection, motions: Motions, row: int, choice: int) -> None:
     selection.choice[row] = choice
     selection.chosen.acc[row] = motions.acc[row]
+    selection.chosen.jerk[row] = motions.jerk[row]
     selection.chosen.hold[row] = motions.hold[row]
 
 
@@ -140,7 +163,7 @@ def _record_proven(selection: _Selection, pairs: Pairs, rule: ChoiceRule) -> Non
     for row in range(pairs.i.size):
         i, j = pairs.i[row], pairs.j[row] - own
         if j >= 0 and selection.choice[i] != BROKEN and not selection.proven[i, j]:
-            selection.proven[i, j] = stays_out(selection.chosen, i, j + own, rule.law, rule.floor)
+            selection.proven[i, j] = _stays_out(selection.chosen, i, j + own, rule.law, rule.floor)
 
 
 @compiled
@@ -155,7 +178,7 @@ def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rul
             place.
         rule: see ChoiceRule.
     """
-    chosen = Motions(new.pos, new.vel, new.acc.copy(), new.hold.copy(), new.growth)
+    chosen = Motions(new.pos, new.vel, new.acc.copy(), new.hold.copy(), new.growth, new.jerk.copy())
     choice = np.full(new.hold.size, NEW, np.int8)
     selection = _Selection(new, old, chosen, choice, proven)
     near = _near_pairs(new, old, pairs, rule.law)

@@ -5,28 +5,35 @@ of the zone I(eps, d) of every other trajectory of the swarm and of every extern
 that follows its modified trajectory within `tracking`. A trajectory exceeds `acc_max` only where it equals
 the reference.
 
+With `tracking_z` the tolerance is a tube, `tracking` wide and `tracking_z` high: the zone and both tubes are
+kept apart. With `jerk_max` every modified trajectory has bounded jerk and acceleration on every axis,
+whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_max` is left at that tick.
+
 **Conditions.** The promise is broken, and reported at the same tick, if
 1. at the first tick, or when a vehicle appears, two can no longer brake outside their zone;
 2. a vehicle is measured further from its modified trajectory than `tracking`, plus `drift` times the age of
    the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it;
 3. an external vehicle (one of `state` without a setpoint here) does what no vehicle under this law does:
    accelerate beyond `acc_max`, exceed `speed_max`, or fly on when it should brake; or its last known state is
-   older than `forget`.
+   older than `forget`;
+4. with `jerk_max`: a modified trajectory is faster than `speed_max`, for which no tube is known, or a vehicle
+   comes near an external one, whose acceleration nobody sends.
 The reference is arbitrary; it is followed as far as the promise allows, and bit for bit where nothing is
 near.
 
 **Proof.** At each tick every vehicle has a motion: an acceleration held for `hold`, then braking to rest
-(`braking`). All pairs of motions are proven to stay apart for all time. A vehicle whose new motion fails
-against any other continues the motion of the previous tick, which was proven and whose rest remains proven
-against all that do the same; so a proven choice always exists. Lost ticks only lead further along a proven
-motion. Of an external vehicle only an older state is known: since then its velocity may have changed by
-acc_max times the age, so its zone grows by 1/2 acc_max age^2, and further at acc_max age per second. Two
-replanners with delayed messages of each other thus keep the promise together: at every tick each proves its
-motion against every motion the other may have chosen at that tick, and any other choice is the rest of a
-motion proven before.
+(`braking`), or with `jerk_max` a jerk held for `hold`, then the fastest stop (`jerk_limited`). All pairs of
+motions are proven to stay apart for all time. A vehicle whose new motion fails against any other continues
+the motion of the previous tick, which was proven and whose rest remains proven against all that do the same;
+so a proven choice always exists. Lost ticks only lead further along a proven motion. Of an external vehicle
+only an older state is known: since then its velocity may have changed by acc_max times the age, so its zone
+grows by 1/2 acc_max age^2, and further at acc_max age per second. Two replanners with delayed messages of
+each other thus keep the promise together: at every tick each proves its motion against every motion the other
+may have chosen at that tick, and any other choice is the rest of a motion proven before.
 
 **Control law.** The tracking law of (20), corrected by control barriers (`barrier`): e'' = -k_d e' - k_p e
-and the least push along the zone's normal that keeps the pair's approach stoppable.
+and the least push along the zone's normal that keeps the pair's approach stoppable. With `jerk_max` the
+acceleration approaches it with the time constant LAG.
 """
 
 from dataclasses import replace
@@ -39,6 +46,7 @@ from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint
 from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.braking import BrakingLaw, Motions
 from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, propagated
+from q2q_planner.online.safe.jerk_limited import jerk_towards
 from q2q_planner.online.safe.last_known_states import LastKnownStates
 from q2q_planner.online.safe.motion_choice import (
     BROKEN,
@@ -55,6 +63,8 @@ from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
 FLOOR = 1e-3
 """Distance that a new motion keeps from the zone, added to all growth [m]."""
+LAG = 0.05
+"""Time constant at which the acceleration approaches the wanted one where jerk is bounded [s]."""
 TURN = 0.01
 """Time for which the same vehicle of a pair yields first [s]: one tick."""
 
@@ -90,18 +100,20 @@ class SafeReplanner:
             return self._answer
         if state is not None:
             self._last_known.update(state)
-        params, names = self.params, setpoint.names
-        committed = propagated(self._committed, setpoint, params.acc_max)
+        params, names = self.params.with_tube, setpoint.names
+        committed = propagated(self._committed, setpoint, params.acc_max, params.jerk_max)
         known = None if state is None else self._last_known.of(names, setpoint.t)
         growth = own_uncertainty(committed, known, params)
         external = self._last_known.external(names, setpoint.t, params.forget)
         committed, traffic = traffic_at(committed, setpoint, growth, external, params)
         desired, pushed = _desired(committed, setpoint, traffic, params)
+        new = _new_motion(committed, setpoint, desired, params)
         self._recognise(names, external.names)
-        choice = _choice(committed, traffic, desired, self._proven, params)
-        self._committed = _decided(committed, desired, choice, pushed, params.hold)
-        broken = ((choice == BROKEN) | off_trajectory(committed, known, params)) & params.enabled
-        self._answer = _answer(setpoint, self._committed, broken, params.acc_max)
+        choice = _choice(committed, traffic, new, self._proven, params)
+        self._committed = _decided(committed, new, choice, pushed)
+        off = off_trajectory(committed, known, self.params)
+        broken = ((choice == BROKEN) | off | _outside(self._committed, traffic, params)) & params.enabled
+        self._answer = _answer(setpoint, self._committed, broken, _acceleration(self._committed, params))
         return self._answer
 
     def _recognise(self, own: Names, external: Names) -> None:
@@ -139,25 +151,37 @@ def _desired(
     return limited, pushed | (limited != acc).any(axis=1)
 
 
+def _new_motion(
+    committed: CommittedMotion, setpoint: SwarmSetpoint, desired: Array, params: SafeReplannerParams
+) -> CommittedMotion:
+    """Return the motion with wanted accelerations (n, 3), from the reference's acceleration where on it."""
+    hold = np.full(len(committed.names), params.hold)
+    if params.jerk_max == 0.0:
+        return replace(committed, acc=desired, hold=hold)
+    acc = np.where(committed.on_reference[:, None], setpoint.acc, committed.acc)
+    return replace(committed, acc=acc, hold=hold, jerk=jerk_towards(desired, acc, LAG, params.jerk_max))
+
+
 def _choice(
     committed: CommittedMotion,
     traffic: TrafficTable,
-    desired: Array,
+    new: CommittedMotion,
     proven: Proven,
     params: SafeReplannerParams,
 ) -> Choices:
     """Return the choice of each vehicle of the swarm, (n,); `proven` is updated in place."""
     if not (params.enabled and len(traffic.pairs.i)):
         return np.full(traffic.own, NEW, dtype=np.int8)
-    own, acc = traffic.own, np.zeros_like(traffic.pos)
-    acc[:own] = desired
-    new = Motions(traffic.pos, traffic.vel, acc, np.full(len(acc), params.hold), traffic.growth)
+    own, still = traffic.own, np.zeros_like(traffic.pos[traffic.own :])
+    acc, jerk = np.concatenate([new.acc, still]), np.concatenate([new.jerk, still])
+    hold = np.full(len(acc), params.hold)
+    fresh = Motions(traffic.pos, traffic.vel, acc, hold, traffic.growth, jerk)
     certain = traffic.growth[:own] * np.array([1.0, 0.0])  # a proven motion needs no growth rate
-    going = committed.pos, committed.vel, committed.acc, committed.hold, certain
+    going = committed.pos, committed.vel, committed.acc, committed.hold, certain, committed.jerk
     old = Motions(*(np.concatenate(both) for both in zip(going, traffic.certain, strict=True)))
-    law = BrakingLaw(params.eps, params.d, params.acc_max)
+    law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
     rule = ChoiceRule(law, FLOOR, round(committed.t / TURN))
-    return choose_motions(new, old, traffic.pairs, proven, rule)[:own]
+    return choose_motions(fresh, old, traffic.pairs, proven, rule)[:own]
 
 
 @compiled
@@ -172,26 +196,42 @@ def _limited(acc: Array, most: float) -> Array:
 
 
 def _decided(
-    committed: CommittedMotion, desired: Array, choice: Choices, pushed: Mask, hold: float
+    committed: CommittedMotion, new: CommittedMotion, choice: Choices, pushed: Mask
 ) -> CommittedMotion:
     """Return the motion that the swarm commits to."""
     fresh = choice != OLD
     return replace(
         committed,
-        acc=np.where(fresh[:, None], desired, committed.acc),
-        hold=np.where(fresh, hold, committed.hold),
+        acc=np.where(fresh[:, None], new.acc, committed.acc),
+        hold=np.where(fresh, new.hold, committed.hold),
+        jerk=np.where(fresh[:, None], new.jerk, committed.jerk),
         on_reference=committed.on_reference & fresh & ~pushed,
         pushed=pushed | ~fresh,
     )
 
 
-def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, brake: float) -> SwarmSetpoint:
+def _outside(committed: CommittedMotion, traffic: TrafficTable, params: SafeReplannerParams) -> Mask:
+    """Return which vehicles of bounded jerk are too fast, or near an external vehicle, (n,)."""
+    if params.jerk_max == 0.0:
+        return np.zeros(traffic.own, np.bool_)
+    outside: Mask = np.sqrt((committed.vel**2).sum(-1)) > params.speed_max
+    outside[traffic.pairs.i[traffic.pairs.j >= traffic.own]] = True
+    return outside
+
+
+def _acceleration(committed: CommittedMotion, params: SafeReplannerParams) -> Array:
+    """Return the acceleration of the motion at its time [m/s^2], (n, 3)."""
+    if params.jerk_max > 0.0:
+        return committed.acc
+    speed = np.sqrt((committed.vel**2).sum(-1, keepdims=True))
+    stopping = -params.acc_max * committed.vel / np.where(speed > 0.0, speed, 1.0)
+    return np.where((committed.hold > 0.0)[:, None], committed.acc, stopping)
+
+
+def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:
     """Return the setpoint of the tick; the reference object itself if no vehicle deviates from it."""
     if committed.on_reference.all() and not broken.any():
         return setpoint
-    speed = np.sqrt((committed.vel**2).sum(-1, keepdims=True))
-    stopping = -brake * committed.vel / np.where(speed > 0.0, speed, 1.0)
-    acc = np.where((committed.hold > 0.0)[:, None], committed.acc, stopping)
     moved = np.sqrt(((committed.pos - setpoint.pos) ** 2).sum(-1)) > SHIFT_TOLERANCE
     status = np.where(moved, np.uint8(SetpointStatus.SHIFTED), setpoint.status)
     status = np.where(broken, np.uint8(SetpointStatus.PROMISE_BROKEN), status).astype(np.uint8)

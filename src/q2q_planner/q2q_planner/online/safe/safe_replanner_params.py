@@ -1,6 +1,6 @@
 """Parameters of the safe replanner (`safe_replanner`)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from q2q_model.tunable import check_bounds, tunable
 
@@ -24,12 +24,44 @@ class SafeReplannerParams:
     height: float = tunable(
         0.05, "weight of height in a push: below 1 prefers horizontal pushes", low=1e-3, high=1.0
     )
-    tracking: float = tunable(0.05, "largest tracking error of a vehicle", unit="m", low=0.0, high=1.0)
+    tracking: float = tunable(
+        0.05,
+        "largest tracking error of a vehicle; horizontal, if tracking_z is set",
+        unit="m",
+        low=0.0,
+        high=1.0,
+    )
+    tracking_z: float = tunable(
+        0.0, "largest vertical tracking error; 0: tracking bounds the distance", unit="m", low=0.0, high=1.0
+    )
+    jerk_max: float = tunable(
+        0.0, "largest jerk of an axis; 0 does not bound it", unit="m/s^3", low=0.0, high=1000.0
+    )
     drift: float = tunable(0.2, "largest drift of an unmeasured vehicle", unit="m/s", low=0.0, high=10.0)
-    speed_max: float = tunable(2.0, "largest speed of an external vehicle", unit="m/s", low=0.1, high=100.0)
+    grace: float = tunable(
+        0.1, "age of a measurement up to which tracking covers the drift", unit="s", low=0.0, high=10.0
+    )
+    speed_max: float = tunable(
+        2.0,
+        "largest speed of an external vehicle, and of all if jerk_max is set",
+        unit="m/s",
+        low=0.1,
+        high=100.0,
+    )
     forget: float = tunable(
         2.0, "age at which an external vehicle's state is dropped", unit="s", low=0.1, high=600.0
     )
+
+    @property
+    def with_tube(self) -> "SafeReplannerParams":
+        """Return the parameters with the tubes of a pair in the zone instead of in `tracking`.
+
+        A zone I(eps, d) and two tubes of radius r and half height r_z add up to I(eps + 2 r, d + 2 r_z).
+        """
+        if self.tracking_z == 0.0:
+            return self
+        eps, d = self.eps + 2.0 * self.tracking, self.d + 2.0 * self.tracking_z
+        return replace(self, eps=eps, d=d, tracking=0.0, tracking_z=0.0)
 
     def __post_init__(self) -> None:
         """Raise ValueError where a number is out of bounds."""

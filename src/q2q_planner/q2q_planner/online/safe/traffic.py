@@ -1,12 +1,12 @@
 """Table of all vehicles of a tick: the swarm's rows first, then those of external vehicles.
 
 Uncertainty grows a vehicle's zone by g0 [m] now and by g1 [m/s] ahead. For a vehicle of the swarm it is
-`tracking`, and `drift` while measurements are missing. An external vehicle with a state of age A may have
-accelerated by acc_max since, and may for another `hold`, so its velocity is known within acc_max (A + hold)
-and its position within half of that times A + hold; neither changes by more than `speed_max` allows; and it
-may be off its own trajectory by `tracking`. The motion that an external vehicle under this law *certainly*
-flies has less uncertainty: it brakes from `hold` after its message on, since any other choice was proven
-against us.
+`tracking`, and `drift` while measurements are missing for longer than `grace`: a tube that is learned from
+flights covers their gaps. An external vehicle with a state of age A may have accelerated by acc_max since,
+and may for another `hold`, so its velocity is known within acc_max (A + hold) and its position within half of
+that times A + hold; neither changes by more than `speed_max` allows; and it may be off its own trajectory by
+`tracking`. The motion that an external vehicle under this law *certainly* flies has less uncertainty: it
+brakes from `hold` after its message on, since any other choice was proven against us.
 """
 
 from dataclasses import dataclass, replace
@@ -16,12 +16,16 @@ import numpy as np
 from q2q_model.signals.values import Array, SwarmSetpoint
 from q2q_planner.online.safe.braking import Motions, motion_after
 from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
-from q2q_planner.online.safe.committed_motion import SNAP_POS, SNAP_VEL, CommittedMotion, Mask, near_reference
+from q2q_planner.online.safe.committed_motion import (
+    SNAP_POS,
+    SNAP_VEL,
+    CommittedMotion,
+    Mask,
+    can_be_followed,
+    near_reference,
+)
 from q2q_planner.online.safe.last_known_states import KnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-
-GRACE = 0.1
-"""Age at which a measurement counts as missing [s]: until then `tracking` covers the drift."""
 
 NO_PAIRS = Pairs(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))
 
@@ -60,7 +64,7 @@ _ALONE = TrafficTable(
     _EMPTY,
     _EMPTY,
     np.zeros((0, 2)),
-    Motions(_EMPTY, _EMPTY, _EMPTY, np.zeros(0), np.zeros((0, 2))),
+    Motions(_EMPTY, _EMPTY, _EMPTY, np.zeros(0), np.zeros((0, 2)), _EMPTY),
     NO_PAIRS,
 )
 """Table without external vehicles."""
@@ -73,7 +77,7 @@ def own_uncertainty(
     growth = np.tile([params.tracking + SNAP_POS, SNAP_VEL], (len(committed.names), 1))
     if states is None:
         return growth
-    unseen = np.maximum(np.minimum(states.age, params.forget) - GRACE, 0.0)
+    unseen = np.maximum(np.minimum(states.age, params.forget) - params.grace, 0.0)
     growth[:, 0] += params.drift * unseen
     growth[:, 1] += np.where(unseen > 0.0, params.drift, 0.0)
     return growth
@@ -86,7 +90,12 @@ def off_trajectory(
     if states is None:
         return np.zeros(len(committed.names), np.bool_)
     age = np.minimum(states.age, params.forget)
-    away = np.sqrt(((states.pos + states.vel * age[:, None] - committed.pos) ** 2).sum(-1))
+    error = states.pos + states.vel * age[:, None] - committed.pos
+    since = params.drift * age + 0.5 * params.acc_max * age**2
+    if params.tracking_z > 0.0:
+        above, aside = np.abs(error[:, 2]), np.hypot(error[:, 0], error[:, 1])
+        return np.asarray((aside > params.tracking + since) | (above > params.tracking_z + since))
+    away = np.sqrt((error**2).sum(-1))
     return np.asarray(away > params.tracking + params.drift * age + 0.5 * params.acc_max * age**2)
 
 
@@ -99,11 +108,15 @@ def traffic_at(
 ) -> tuple[CommittedMotion, TrafficTable]:
     """Return the motion with vehicles snapped onto their references, and the table of all vehicles.
 
-    A vehicle on its reference without a pair stays on it, even if the reference jumps.
+    A vehicle on its reference without a pair stays on it, even if that jumps, unless jerk is bounded.
     """
     external = _external_rows(states, params)
     near = near_reference(committed, setpoint)
-    for stay in (committed.on_reference, np.zeros_like(near)):
+    stays = committed.on_reference
+    if params.jerk_max > 0.0:
+        near = near & can_be_followed(committed, setpoint, params)
+        stays = stays & near
+    for stay in (stays, np.zeros_like(near)):
         put = near | stay
         placed = replace(
             committed,
@@ -127,12 +140,12 @@ def _external_rows(states: KnownStates, params: SafeReplannerParams) -> TrafficT
     growth = np.stack([spread, np.minimum(most * age, fastest) + SNAP_VEL], -1)
     count = len(states.names)
     still = np.zeros((count, 3))
-    motions = Motions(states.pos, states.vel, still, np.minimum(step, states.age), growth)
+    motions = Motions(states.pos, states.vel, still, np.minimum(step, states.age), growth, still)
     pos, vel = motion_after(motions, states.age, most)
     rest = np.sqrt((states.vel**2).sum(-1)) / most
     slack = params.tracking - 0.5 * most * step**2 - most * step * rest - SNAP_POS - SNAP_VEL * rest
     hold, slacks = np.maximum(step - states.age, 0.0), np.stack([slack, np.zeros(count)], -1)
-    certain = Motions(pos, vel, still, hold, slacks)
+    certain = Motions(pos, vel, still, hold, slacks, still)
     there = states.pos + states.vel * states.age[:, None]
     return TrafficTable(0, there, states.vel, growth, certain, NO_PAIRS)
 
@@ -165,10 +178,16 @@ def _with_pairs(
     )
 
 
+def _longest_ramps(params: SafeReplannerParams) -> float:
+    """Return by how much ramps of the acceleration delay a stop at most [s]; 0 if jerk is not bounded."""
+    return params.hold + 4.0 * params.acc_max / params.jerk_max if params.jerk_max > 0.0 else 0.0
+
+
 def _stopping_distances(traffic: TrafficTable, params: SafeReplannerParams) -> tuple[Array, float]:
     """Return the stopping distance of each row with growth [m], (rows,), and the largest speed [m/s]."""
-    fast = np.sqrt((traffic.vel**2).sum(-1)) + params.acc_max * params.hold
+    hold = params.hold + _longest_ramps(params)
+    fast = np.sqrt((traffic.vel**2).sum(-1)) + params.acc_max * hold
     top, rate = float(fast.max()), 2.0 * float(traffic.growth[:, 1].max())
-    rest = params.hold + (top + rate) / params.acc_max
-    distance = fast * (params.hold + 0.5 * fast / params.acc_max)
+    rest = hold + (top + rate) / params.acc_max
+    distance = fast * (hold + 0.5 * fast / params.acc_max)
     return distance + traffic.growth[:, 0] + traffic.growth[:, 1] * rest, top

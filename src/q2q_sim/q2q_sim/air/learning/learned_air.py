@@ -18,7 +18,8 @@ from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
 from q2q_sim.air.learning.lateral import lateral_force
 from q2q_sim.air.learning.residual_term import residual_term
-from q2q_sim.air.learning.vehicle_term import vehicle_term
+from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
+from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
 from q2q_sim.air.learning.wind_term import wind_term
 from q2q_sim.air.room_air import (
     AbsorptionTerm,
@@ -68,7 +69,9 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
     wakes = _wakes(records, vehicle, on_step)
     on_step("ground, wind and vehicles")
     ground, wind, vehicles = ground_term(records), wind_term(records), vehicle_term(records, vehicle)
-    learned = (wakes.jet, wakes.absorption, wakes.residual, wakes.edge_torque, ground, wind, vehicles)
+    drag = rotor_drag_term(records)
+    acting = (wakes.jet, wakes.absorption, wakes.residual, wakes.edge_torque)
+    learned = (*acting, ground, wind, vehicles, drag)
     values = tuple(value for one in learned if one for value in one.values)
     air = RoomAir(
         jet=_term(wakes.jet),
@@ -78,10 +81,11 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
         ground=ground.term,
         wind=_term(wind),
         vehicle=_term(vehicles),
+        rotor_drag=_term(drag),
         flights=tuple(record.name for record in records),
         intervals={one.path: ends for one in values if (ends := one.ends)},
     )
-    return LearnedAir(air, values, wakes.checks, (*notes, *_absent(records, air)))
+    return LearnedAir(air, values, wakes.checks, (*notes, *_absent(records, air, vehicle)))
 
 
 def _wakes(records: Sequence[AirRecord], vehicle: Vehicle, on_step: OnStep) -> _Wakes:
@@ -104,7 +108,7 @@ def _term(learned: LearnedTerm[T] | None) -> T | None:
     return None if learned is None else learned.term
 
 
-def _absent(records: Sequence[AirRecord], air: RoomAir) -> list[str]:
+def _absent(records: Sequence[AirRecord], air: RoomAir, vehicle: Vehicle) -> list[str]:
     """Return one sentence on each term that the flights do not show."""
     alone = [record.name for record in records if record.vehicles < 2]
     if air.jet is None:
@@ -114,9 +118,20 @@ def _absent(records: Sequence[AirRecord], air: RoomAir) -> list[str]:
         "residual": "too few rows lie under another vehicle",
         "edge_torque": "no log of motor duties under another vehicle",
         "wind": "too few rows in clear air",
-        "vehicle": "too few flights with clear air",
+        "rotor_drag": "no vehicle moves in clear air with an accelerometer",
+        "vehicle": _no_vehicle(records, vehicle),
     }
     notes = [
         f"no {term.replace('_', ' ')}: {why}" for term, why in reasons.items() if getattr(air, term) is None
     ]
     return [f"{', '.join(alone)}: one vehicle, no wake", *notes] if alone else notes
+
+
+def _no_vehicle(records: Sequence[AirRecord], vehicle: Vehicle) -> str:
+    mass = hovering_mass(records, vehicle)
+    if mass is None:
+        return "too few flights with clear air"
+    return (
+        f"{vehicle.name} weighs {1e3 * vehicle.mass:.1f} g, but the thrust commands of these flights carry "
+        f"{1e3 * mass:.1f} g: give the vehicle that was flown (--vehicle)"
+    )

@@ -43,7 +43,8 @@ def recorded_air(name: str) -> RoomAir:
         recordings = [_recording(path) for path in _flights(recorded_paths(name, room.flights))]
     except ValueError as error:
         raise AirError(f"air {name}: {error}") from error
-    records, _ = air_records(recordings, CRAZYFLIE_2_0)
+    lag = room.vehicle.thrust_lag_s if room.vehicle else CRAZYFLIE_2_0.thrust_lag
+    records, _ = air_records(recordings, CRAZYFLIE_2_0, lag)
     played = played_back(records, room)
     if len(played) < SHORTEST:
         raise AirError(

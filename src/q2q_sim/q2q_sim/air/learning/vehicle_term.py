@@ -2,7 +2,8 @@
 
     a_0 = median over clear air of (R f)_z - T_c b_z / m      T_c: commanded thrust after the thrust lag
 
-for each vehicle of each flight, with the vehicle's nominal mass m. Lag and motor curve are medians over
+for each vehicle of each flight, with the vehicle's nominal mass m. A mean offset beyond HEAVIEST is that of
+another vehicle: its term is not learned. Lag and motor curve are medians over
 flights; headroom is at the highest voltage flown, its loss by volt the slope from there to the lowest.
 """
 
@@ -11,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import Vehicle
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.evidence.air_record import AirRecord
 from q2q_sim.air.learning.evidence.block_bootstrap import spread
 from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
@@ -22,22 +23,33 @@ FEWEST_CLEAR = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
 FEWEST = 2
 """Fewest flights of vehicles for a deviation."""
+HEAVIEST = 0.1 * GRAVITY
+"""Largest mean offset of a vehicle of the given mass [m/s^2]: thrust maps are off by a few per cent."""
 OFFSETS = ("vehicle.offset_mean_mps2", "vehicle.offset_std_mps2")
 HEADROOM = ("vehicle.headroom", "vehicle.headroom_per_volt", "vehicle.discharge_v_per_s")
+BETWEEN = "vehicle.headroom_std"
 LAG = "vehicle.thrust_lag_s"
 
 
 def vehicle_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[VehicleTerm] | None:
-    """Return the differences; None with fewer than FEWEST flights of vehicles in clear air."""
+    """Return the differences; None with fewer than FEWEST flights of vehicles in clear air, or of others."""
     offsets = _offsets(records, vehicle)
-    if offsets.size < FEWEST:
+    if offsets.size < FEWEST or abs(offsets.mean()) > HEAVIEST:
         return None
     values = [
         *_spread_of_offsets(offsets, vehicle.mass),
         _lag(records, vehicle),
         *_headroom(motor_curves(records), vehicle),
     ]
-    return LearnedTerm(VehicleTerm(*(one.value for one in values)), tuple(values))
+    found = {one.path.removeprefix("vehicle."): one.value for one in values}
+    term = VehicleTerm(**found)
+    return LearnedTerm(term, tuple(values))
+
+
+def hovering_mass(records: Sequence[AirRecord], vehicle: Vehicle) -> float | None:
+    """Return the mass that the thrust commands carry in clear air [kg], None if unknown."""
+    offsets = _offsets(records, vehicle)
+    return float(vehicle.mass * (1.0 - offsets.mean() / GRAVITY)) if offsets.size >= FEWEST else None
 
 
 def _offsets(records: Sequence[AirRecord], vehicle: Vehicle) -> Array:
@@ -76,7 +88,7 @@ def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
         source = f"not learned: that of {vehicle.name}"
         return [
             Fitted(path, value, None, None, 0, source)
-            for path, value in zip(HEADROOM, (ratio, 0.0, 0.0), strict=True)
+            for path, value in zip((*HEADROOM, BETWEEN), (ratio, 0.0, 0.0, 0.0), strict=True)
         ]
     start = [one.start_volts for one in curves]
     full, empty = max(start), min(start)
@@ -84,15 +96,16 @@ def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
     def estimate(weight: Array) -> Array:
         drawn = [curves[int(k)] for k in _drawn(np.arange(float(len(curves))), weight)]
         power = usual_power(drawn)
-        at_full, at_empty = (
-            np.median([one.headroom(volts, power) for one in drawn]) for volts in (full, empty)
-        )
+        each = np.array([[one.headroom(volts, power) for one in drawn] for volts in (full, empty)])
+        at_full, at_empty = np.median(each, axis=1)
         per_volt = (at_full - at_empty) / (full - empty) if full > empty else 0.0
-        return np.array([at_full, per_volt, np.median([one.discharge for one in drawn])])
+        started = np.array([one.headroom(one.start_volts, power) for one in drawn])
+        discharge = np.median([one.discharge for one in drawn])
+        return np.array([np.median(started), per_volt, discharge, started.std(ddof=min(1, len(drawn) - 1))])
 
     source = f"flights of vehicles with a motor log, {empty:.2f} to {full:.2f} V at hover"
     found = spread(estimate, len(curves))
-    return [fitted(found, k, path, len(curves), source) for k, path in enumerate(HEADROOM)]
+    return [fitted(found, k, path, len(curves), source) for k, path in enumerate((*HEADROOM, BETWEEN))]
 
 
 def _drawn(values: Array, weight: Array) -> Array:

@@ -1,86 +1,128 @@
-"""Flights of the ablation: paths, the air they are flown in, and the family of flights behind the models.
+"""Cases of the ablation: paths, the air they are flown in, and the flights behind the controllers' models.
 
-A plant is an air learned from recorded flights of one family; the models that controllers are given in it are
-learned from flights of the other family (q2q_sim.experiments.ablation.learned_models). Air and model share
-neither a flight nor a form: the air has a table, and a model a Gaussian jet.
+Controllers are given models learned from recorded flights of one family (learned_models), in air that shares
+no flight with them: an air learned from another family, or one of another form. The air `paper` is the
+exception: model and air are one law.
 
-All paths are flown by the vehicles, in the room, and with the gains of `table6_room` in an air. Draws are
-SPACING apart in one room, out of reach of each other's downwash, each with its own noise, losses, gusts,
-residual and vehicles: one flight gives as many independent samples as draws.
+All paths are flown by the vehicles, in the room, and with the gains of `table6_room` in an air; of each path
+the part around its passages is flown, and the first 3 s of that are not judged (q2q_sim.monitors.exposure).
 """
 
 from dataclasses import dataclass, replace
 
-from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_sim.air.air_names import ROOM
+import numpy as np
+
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
+from q2q_planner.offline.shared_pieces import split
+from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_sim.air.air_names import MADE, RECORDED, ROOM
+from q2q_sim.loop.assembly import plan_of
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario, with_air
 
-SPACING = 10.0
-"""Between draws [m]: ten times the reach of any downwash; 25 of them lie within +-20 m."""
-COLUMNS = 5
-"""Draws in a row."""
 PASSAGE = "table6_room"
+SIX_FLIGHTS = "table2"
+LAW = "paper"
+"""Air whose law is the controllers' model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Paths:
+    """Part of one or more scenarios that is flown; several fly at once, apart from each other."""
+
+    scenarios: tuple[str, ...]
+    start: float
+    """Time of the scenario at which the flight starts [s]."""
+    end: float
+    """[s]"""
+    draws: int = 0
+    """Draws, all with the model of all flights; 0 for several draws with each model of a part of them."""
+
+
+PATHS = {
+    PASSAGE: Paths((PASSAGE,), 15.0, 36.5),
+    "stack3": Paths(("stack3",), 12.0, 28.5),
+    "crossing": Paths(("crossing",), 17.0, 34.5, draws=5),
+    SIX_FLIGHTS: Paths(tuple(f"table2_{k}" for k in range(1, 7)), 15.0, 25.0, draws=5),
+}
+"""By name, the most important first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plant:
-    """Air of a case, and the flights that its controllers' models are learned from."""
+    """Air of a case, and the flights behind its controllers' models."""
 
     air: str
-    """A shipped air that was learned from flights (q2q_sim.air.air_names)."""
+    """Name of the air (q2q_sim.air.air_names)."""
     family: str
-    """Recorded flights behind the air: the start of their names."""
+    """Recorded flights behind the air: the start of their names; empty for none."""
     models: str
-    """Recorded flights behind the models."""
+    """Recorded flights behind the models; LAW for the law of that name."""
 
 
-SHIPPED = Plant(ROOM, "dc21", "dc19")
+PLANTS = (
+    Plant(ROOM, "dc21", "dc19"),
+    Plant(RECORDED, "dc21", "dc19"),
+    *(Plant(air, "dc19", "dc21") for air in MADE),  # as strong as a law fitted to dc19
+    Plant(LAW, "", LAW),
+)
+SHIPPED = PLANTS[0]
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
     """Paths and plant of a table."""
 
-    scenario: str
+    name: str
+    """Key of PATHS."""
     plant: Plant = SHIPPED
 
     @property
     def title(self) -> str:
         """Return the heading of the case's table."""
-        return f"{self.scenario}, air {self.plant.air}"
+        return f"{self.name}, air {self.plant.air}"
+
+    @property
+    def paths(self) -> Paths:
+        """Return the paths."""
+        return PATHS[self.name]
 
 
-CASES = (Case(PASSAGE), Case("stack3"))
-"""Cases, the most important first."""
+JUDGED = tuple(plant for plant in PLANTS if plant.air != LAW)
+"""Plants whose air is not of the models' family."""
+SHOWN = (PASSAGE, "stack3")
+"""Paths of the conclusion and the plot."""
+CASES = tuple(Case(name, plant) for name in PATHS for plant in PLANTS)
 
 
-def scenario_of(case: Case) -> Scenario:
-    """Return the scenario of a case; the air of its flight is given to the closed loop."""
+def scenarios_of(name: str) -> tuple[Scenario, ...]:
+    """Return the scenarios of PATHS[name], cut to the flown part; their air is given to the closed loop."""
+    paths = PATHS[name]
     flown = with_air(library.load(PASSAGE), ROOM, ())
-    paths = library.load(case.scenario)
-    return replace(
-        flown,
-        name=paths.name,
-        duration=paths.duration,
-        reading=paths.reading,
-        waypoints=paths.waypoints,
-    )
+    sensed = replace(flown.imu, acc_noise=REAL_FLIGHTS.noise)
+    found = []
+    for scenario in paths.scenarios:
+        planned = plan_of(library.load(scenario))
+        plan = SwarmPlan(
+            planned.names, tuple(between(one, paths.start, paths.end) for one in planned.trajectories)
+        )
+        found.append(
+            replace(
+                flown,
+                name=scenario,
+                duration=paths.end - paths.start,
+                imu=sensed,
+                plan=plan,
+                waypoints=waypoints_of(plan),
+            )
+        )
+    return tuple(found)
 
 
-def side_by_side(scenario: Scenario, count: int) -> Scenario:
-    """Return `count` draws in one room; vehicle v of draw k is row k * vehicles + v."""
-    rows = (count + COLUMNS - 1) // COLUMNS
-    vehicles = []
-    for k in range(count):
-        aside = (SPACING * (k % COLUMNS - COLUMNS // 2), SPACING * (k // COLUMNS - rows // 2))
-        vehicles += [_moved(one, f"{one.name}_{k}", aside) for one in scenario.waypoints]
-    return replace(scenario, waypoints=tuple(vehicles))
-
-
-def _moved(vehicle: VehicleWaypoints, name: str, aside: tuple[float, float]) -> VehicleWaypoints:
-    points = tuple(
-        replace(point, pos=(point.pos[0] + aside[0], point.pos[1] + aside[1], point.pos[2]))
-        for point in vehicle.waypoints
-    )
-    return replace(vehicle, name=name, waypoints=points)
+def between(trajectory: Trajectory, start: float, end: float) -> Trajectory:
+    """Return the part of a trajectory from `start` to `end` [s]."""
+    pieces = split(trajectory, np.array([start, end]))
+    middle = np.cumsum(pieces.durations) - 0.5 * pieces.durations
+    kept = (middle > start) & (middle < end)
+    return Trajectory(pieces.durations[kept], pieces.coefficients[kept])

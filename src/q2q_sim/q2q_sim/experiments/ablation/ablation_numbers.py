@@ -1,7 +1,7 @@
 """Numbers of the ablation in a file, saved after each flight, so that an interrupted run resumes."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,10 +10,11 @@ import numpy as np
 from q2q_model.downwash.jet import Jet
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.ablation.ablation_cases import Case, Plant
-from q2q_sim.experiments.ablation.learned_models import LearnedModel
+from q2q_sim.experiments.ablation.ablation_cases import Case
+from q2q_sim.experiments.ablation.contenders import ONBOARD
+from q2q_sim.experiments.ablation.learned_models import MOST, LearnedModel
 
-DIGITS = 5
+DIGITS = 3
 """Significant digits that are kept."""
 
 
@@ -22,35 +23,43 @@ class Numbers:
     """Finished flights, and what was learned for them."""
 
     draws: int
-    """Draws with each model."""
+    """Draws with each model of a part of a family's flights."""
     models: dict[str, list[LearnedModel]] = field(default_factory=dict)
     """By the family of their flights."""
     airs: dict[str, list[str]] = field(default_factory=dict)
-    """Flights behind each air, by its plant's name."""
-    flights: dict[str, dict[int, Array]] = field(default_factory=dict)
-    """COLUMNS of each draw (draws, 6), by `key` and number of the model."""
+    """Flights behind each learned air, by its name."""
+    flights: dict[str, Array] = field(default_factory=dict)
+    """COLUMNS of each draw (draws, 3), by `key`."""
 
     def cell(self, case: Case, contender: str) -> Array | None:
-        """Return COLUMNS of all models and draws, (models, draws, 6); None unless all were flown."""
-        flown, wanted = self.flights.get(key(case, contender), {}), self.models_for(case.plant)
-        if not wanted or len(flown) < len(wanted):
+        """Return COLUMNS of all models and draws, (models, draws, 3); None unless flown."""
+        flown = self.flights.get(key(case, contender))
+        if flown is None:
             return None
-        return np.array([flown[k] for k in range(len(wanted))])
+        models, paths = len(self.models_for(case)), len(case.paths.scenarios)
+        draws = flown.reshape(-1, models, paths, flown.shape[-1])  # draw k has model k mod models
+        return np.asarray(draws.swapaxes(0, 1).reshape(models, -1, flown.shape[-1]))
 
-    def models_for(self, plant: Plant) -> Sequence[LearnedModel]:
-        """Return the models of a plant's controllers; none before they are learned."""
-        return self.models.get(plant.models, [])
+    def models_for(self, case: Case) -> Sequence[LearnedModel]:
+        """Return the models of a case's controllers; none before they are learned."""
+        learned = self.models.get(case.plant.models, [])
+        return learned[-1:] if case.paths.draws else learned[:-1]
+
+    def draws_of(self, case: Case, contender: str) -> int:
+        """Return the draws that are flown in a case, of all models together; on board, half as many."""
+        each = (self.draws + 1) // 2 if contender in ONBOARD else self.draws
+        return case.paths.draws or MOST * each
 
     def save(self, file: Path) -> None:
         """Replace a file by these numbers."""
         models = {
-            family: {one.name: encode(ModelFile(one.jet)) for one in learned}
+            family: [[one.name, encode(ModelFile(one.jet, residual=one.residual))] for one in learned]
             for family, learned in self.models.items()
         }
         known = json.dumps({"draws": self.draws, "airs": self.airs, "models": models}, indent=1)
         flights = ",\n".join(
-            f"  {json.dumps(name)}: {json.dumps({k: _rounded(flown[k]) for k in sorted(flown)})}"
-            for name, flown in sorted(self.flights.items())
+            f"  {json.dumps(name)}: {json.dumps(_rounded(rows))}"
+            for name, rows in sorted(self.flights.items())
         )
         file.parent.mkdir(parents=True, exist_ok=True)
         fresh = file.with_suffix(".part")
@@ -61,7 +70,7 @@ class Numbers:
 
 def key(case: Case, contender: str) -> str:
     """Return the name of a cell."""
-    return f"{case.scenario}|{case.plant.air}|{contender}"
+    return f"{case.name}|{case.plant.air}|{contender}"
 
 
 def read(file: Path, draws: int) -> Numbers:
@@ -72,10 +81,7 @@ def read(file: Path, draws: int) -> Numbers:
         body = json.loads(file.read_text(encoding="utf-8"))
         found = Numbers(int(body["draws"]), airs={str(k): list(v) for k, v in body["airs"].items()})
         found.models = {family: _models(texts) for family, texts in body["models"].items()}
-        found.flights = {
-            name: {int(k): np.array(rows, dtype=np.float64) for k, rows in flown.items()}
-            for name, flown in body["flights"].items()
-        }
+        found.flights = {name: np.array(rows, dtype=np.float64) for name, rows in body["flights"].items()}
     except (KeyError, TypeError, AttributeError, ValueError) as wrong:
         raise ValueError(f"{file} is not an ablation ({wrong}): remove it, or give another --json") from wrong
     if found.draws != draws:
@@ -89,11 +95,11 @@ def _rounded(rows: Array) -> list[list[float]]:
     return [[float(f"{value:.{DIGITS}g}") for value in row] for row in rows]
 
 
-def _models(texts: Mapping[str, str]) -> list[LearnedModel]:
+def _models(texts: Sequence[Sequence[str]]) -> list[LearnedModel]:
     found = []
-    for name, text in texts.items():
-        jet = decode(text).interaction
-        if not isinstance(jet, Jet):
+    for name, text in texts:
+        content = decode(text)
+        if not isinstance(content.interaction, Jet):
             raise ValueError(f"{name} is no jet")  # noqa: TRY004  a bad document
-        found.append(LearnedModel(name, jet))
+        found.append(LearnedModel(name, content.interaction, content.residual))
     return found

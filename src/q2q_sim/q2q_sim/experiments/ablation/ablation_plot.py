@@ -1,4 +1,4 @@
-"""Plot of the ablation: height errors of each controller; colours of Okabe and Ito, 2008."""
+"""Plot of the ablation: worst errors of each controller in every air."""
 
 from collections.abc import Sequence
 
@@ -7,55 +7,61 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from q2q_sim.experiments.ablation.ablation_cases import Case
+from q2q_model import palette
+from q2q_sim.experiments.ablation.ablation_cases import JUDGED, SHOWN, Case, Plant
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
-from q2q_sim.experiments.ablation.conclusion import MM, column
-from q2q_sim.experiments.ablation.contenders import CONTENDERS
-from q2q_sim.experiments.ablation.two_level_interval import median_interval
+from q2q_sim.experiments.ablation.conclusion import MM, WORST_MM, column
+from q2q_sim.experiments.ablation.contenders import NAMES
 
-WIDTH, ROW, EDGES = 5.4, 0.3, 1.0
-"""Width of the figure, height of a row and of a panel's edges [inch]; 11 points are legible on a phone."""
-STYLE = {"font.size": 11, "axes.grid": True, "grid.alpha": 0.3, "axes.titlesize": 11}
-MARKS = {
-    "clear": ("#56b4e9", "o", "rms in clear air"),
-    "under": ("#0072b2", "s", "rms under another vehicle"),
-    "worst": ("#d55e00", "D", "worst under another vehicle"),
-}
-"""Colour, marker and label of each column."""
-APART = 0.22
-"""Distance of the columns of a row [rows]."""
+SIZE = (5.4, 7.6)
+"""[inch]; 11 points are legible on a phone."""
+STYLE = {"font.size": 11, "axes.grid": True, "grid.alpha": 0.3, "axes.titlesize": 10}
+TITLES = {SHOWN[0]: "A vehicle passes over another", SHOWN[1]: "Two vehicles pass under a third"}
+TICKS = (5, 10, 20, 50, 100, 200, 500)
+"""[mm]"""
 
 
-def ablation_figure(numbers: Numbers, cases: Sequence[Case]) -> Figure:
-    """Draw medians and 95 % intervals of the height errors in each case."""
+def ablation_figure(numbers: Numbers) -> Figure:
+    """Draw the median worst error of each controller in each air that is not of the models' family."""
     with mpl.rc_context(STYLE):
-        height = len(cases) * (ROW * len(CONTENDERS) + EDGES) + 0.8
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        panels = figure.subplots(len(cases), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, case in zip(panels, cases, strict=True):
-        _draw(axes, numbers, case)
-    panels[0].set_xlim(left=0.0)
+        figure = Figure(figsize=SIZE, layout="constrained")
+        panels = figure.subplots(len(SHOWN), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, name in zip(panels, SHOWN, strict=True):
+        _draw(axes, numbers, name)
+    panels[0].set_xscale("log")
+    panels[0].set_xlim(0.8 * TICKS[0], TICKS[-1] * 1.5)
+    panels[0].set_xticks(TICKS, [str(tick) for tick in TICKS])
+    panels[0].minorticks_off()
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", fontsize=10, ncols=1)
-    panels[-1].set_xlabel("height error [mm], median and 95 % interval")
+    figure.legend(handles, labels, loc="outside upper center", fontsize=10, ncols=2)
+    panels[-1].set_xlabel("worst height error under another vehicle [mm]")
     return figure
 
 
-def _draw(axes: Axes, numbers: Numbers, case: Case) -> None:
-    flown = [name for name in CONTENDERS if numbers.cell(case, name) is not None]
-    for k, (name, (colour, marker, label)) in enumerate(MARKS.items()):
-        found = np.array([median_interval(MM * column(numbers, case, one, name)) for one in flown])
-        middle, low, high = found.reshape(-1, 3).T
-        axes.errorbar(
-            middle,
-            np.arange(len(flown)) + APART * (k - 1),
-            xerr=(middle - low, high - middle),
-            fmt=marker,
-            color=colour,
-            label=label,
-            markersize=5,
-            capsize=2,
+def _draw(axes: Axes, numbers: Numbers, name: str) -> None:
+    measured, *others = JUDGED
+    for row, contender in enumerate(NAMES):
+        made = _worst(numbers, name, contender, others)
+        real = _worst(numbers, name, contender, [measured])
+        first = {} if row else {"air": "other airs", "room": "air of a real room", "all": "median over airs"}
+        axes.plot(made, [row] * len(made), "o", color=palette.SKY, markersize=6, label=first.get("air"))
+        axes.plot(
+            real, [row] * len(real), "D", color=palette.VERMILLION, markersize=6, label=first.get("room")
         )
-    axes.set_yticks(np.arange(len(flown)), flown)
+        if made or real:
+            middle = float(np.median(made + real))
+            axes.plot(middle, row, "|", color=palette.BLACK, ms=18, mew=2, label=first.get("all"))
+    axes.axvline(WORST_MM, color=palette.REFERENCE, linestyle=":", label=f"target, {WORST_MM:g} mm")
+    axes.set_yticks(np.arange(len(NAMES)), NAMES)
     axes.invert_yaxis()
-    axes.set_title(f"{case.scenario}: air of {case.plant.family}, models of {case.plant.models}")
+    axes.set_title(f"{TITLES[name]} ({name})", x=0.35)
+
+
+def _worst(numbers: Numbers, name: str, contender: str, plants: Sequence[Plant]) -> list[float]:
+    """Return the median worst error in each air that was flown [mm]."""
+    cases = [Case(name, plant) for plant in plants]
+    return [
+        MM * float(np.median(column(numbers, case, contender, "worst")))
+        for case in cases
+        if numbers.cell(case, contender) is not None
+    ]

@@ -1,129 +1,155 @@
 """Conclusion of the ablation in three sentences, made from its numbers.
 
-The first names the controller with the least worst error in each case, those that cannot be told from it, and
-what it reaches; the second what knowing the downwash changes in controllers that differ in nothing else; the
-third what is worse than ignoring, and how far the models move the result. Ratios are of the same draw.
+The first names the controller on the ground with the least worst error, and what it reaches; the second what
+each part is worth; the third how often the targets are met, and what is worse than ignoring. All ratios are
+of the same draw, and ranges are those of the medians in the airs that are not of the models' family.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.ablation.ablation_cases import Case
+from q2q_sim.experiments.ablation.ablation_cases import JUDGED, SHOWN, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS
-from q2q_sim.experiments.ablation.contenders import CONTENDERS, TWINS
+from q2q_sim.experiments.ablation.contenders import ABOARD, CONTENDERS, NAMES, SPARED, TWINS
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
+from q2q_sim.report.significant import significant
 
 MM = 1e3
 """Millimetres in a metre."""
+UNDER_CLEAR, GAIN, UNDER_MM, WORST_MM = 2.0, 6.0, 12.0, 40.0
+"""Targets: rms under another vehicle over that in clear air, worst error of ignoring over the own, rms and
+worst error under another vehicle [mm]."""
 
 
-def conclusion(numbers: Numbers, cases: Sequence[Case]) -> str:
+def conclusion(numbers: Numbers) -> str:
     """Return three sentences, one a line, on the cases that are flown whole; empty if none is."""
-    whole = [case for case in cases if all(numbers.cell(case, name) is not None for name in CONTENDERS)]
-    if not whole:
+    cases = [case for case in judged_cases() if is_whole(numbers, case)]
+    if not cases:
         return ""
-    sentences = (_reached(numbers, whole), _known(numbers, whole), _worse(numbers, whole))
+    sentences = (_reached(numbers, cases), _parts(numbers, cases), _missed(numbers, cases))
     return "\n".join(f"- {sentence}" for sentence in sentences)
 
 
+def judged_cases() -> list[Case]:
+    """Return the shown paths in the airs that are not of the models' family."""
+    return [Case(name, plant) for name in SHOWN for plant in JUDGED]
+
+
+def is_whole(numbers: Numbers, case: Case) -> bool:
+    """Return whether all contenders were flown, perhaps without SPARED."""
+    return set(flown_in(numbers, case)) >= set(NAMES) - SPARED
+
+
+def flown_in(numbers: Numbers, case: Case) -> list[str]:
+    """Return the contenders that were flown."""
+    return [name for name in NAMES if numbers.cell(case, name) is not None]
+
+
 def best_contender(numbers: Numbers, case: Case) -> str:
-    """Return the contender with the least median worst error."""
-    return min(CONTENDERS, key=lambda name: float(np.median(column(numbers, case, name, "worst"))))
+    """Return the contender on the ground with the least median worst error."""
+    flown = [name for name in flown_in(numbers, case) if name in CONTENDERS]
+    return min(flown, key=lambda name: _median(numbers, case, name, "worst"))
 
 
-def worse_than_ignoring(numbers: Numbers, case: Case) -> list[tuple[str, MedianInterval]]:
-    """Return the contenders whose rms error under another vehicle is above ignoring's, and by what ratio.
+def missed_targets(numbers: Numbers, case: Case, contender: str) -> list[str]:
+    """Return the targets that a contender's medians miss, with what it reaches."""
+    under, clear, worst = (column(numbers, case, contender, name) for name in COLUMNS)
+    gain = ratio(numbers, case, ("ignoring", contender), "worst").middle
+    over = float(np.median(under / clear))
+    reached = (
+        (over <= UNDER_CLEAR, f"under / clear {over:.1f}"),
+        (gain >= GAIN, f"gain {gain:.1f}"),
+        (MM * np.median(under) <= UNDER_MM, f"{millimetres(MM * float(np.median(under)))} mm rms"),
+        (MM * np.median(worst) <= WORST_MM, f"{millimetres(MM * float(np.median(worst)))} mm worst"),
+    )
+    return [words for met, words in reached if not met]
 
-    The whole interval of the ratio is above 1.
-    """
-    found = []
-    for name in CONTENDERS:
-        if numbers.cell(case, name) is not None and numbers.cell(case, "ignoring") is not None:
-            times = ratio(numbers, case, (name, "ignoring"), "under")
-            found += [(name, times)] if times.low > 1.0 else []
-    return found
 
-
-def not_smaller(numbers: Numbers, case: Case) -> list[str]:
-    """Return the contenders whose worst error is not shown to be smaller than ignoring's."""
-    others = [name for name in CONTENDERS if name != "ignoring" and numbers.cell(case, name) is not None]
-    return [one for one in others if ratio(numbers, case, (one, "ignoring"), "worst").high >= 1.0]
+def worse_than_ignoring(numbers: Numbers, case: Case) -> list[str]:
+    """Return the contenders whose rms error under another vehicle has an interval above ignoring's."""
+    flown = flown_in(numbers, case)
+    return [name for name in flown if ratio(numbers, case, (name, "ignoring"), "under").low > 1.0]
 
 
 def column(numbers: Numbers, case: Case, contender: str, name: str) -> Array:
-    """Return a column of a cell that is flown whole, (models, draws)."""
+    """Return a column of a flown cell, (models, draws)."""
     cell = numbers.cell(case, contender)
     if cell is None:
-        raise ValueError(f"{contender} is not flown whole in {case.title}")
+        raise ValueError(f"{contender} was not flown in {case.title}: run the command without --table-only")
     return np.asarray(cell[..., COLUMNS.index(name)])
 
 
 def ratio(numbers: Numbers, case: Case, pair: tuple[str, str], name: str) -> MedianInterval:
-    """Return a column of one contender over that of another, draw by draw."""
+    """Return a column of one contender over that of another, draw by draw; as many as both have."""
     first, second = (column(numbers, case, one, name) for one in pair)
-    return median_interval(first / second)
+    draws = min(first.shape[1], second.shape[1])
+    return median_interval(first[:, :draws] / second[:, :draws])
 
 
-def words(found: MedianInterval, digits: int) -> str:
-    """Return a median with its interval as text."""
-    return f"{found.middle:.{digits}f} ({found.low:.{digits}f} to {found.high:.{digits}f})"
+def millimetres(value: float) -> str:
+    """Return a length [mm] with two or three digits."""
+    return significant(value, 2 if value < 100.0 else 3)
+
+
+def _median(numbers: Numbers, case: Case, contender: str, name: str) -> float:
+    return float(np.median(column(numbers, case, contender, name)))
 
 
 def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
+    best = Counter(best_contender(numbers, case) for case in cases).most_common()
     parts = []
-    for case in cases:
-        best = best_contender(numbers, case)
-        alike = [
-            name
-            for name in CONTENDERS
-            if name != best and ratio(numbers, case, (name, best), "worst").low <= 1.0
-        ]
-        besides = f" (not told from it: {', '.join(alike)})" if alike else ""
-        times = ratio(numbers, case, ("ignoring", best), "worst")
-        under, clear = (column(numbers, case, best, name) for name in ("under", "clear"))
-        parts.append(
-            f"in {_place(case)} that of **{best}**{besides}, {words(times, 1)} times smaller than "
-            f"ignoring's, with {words(median_interval(MM * under), 0)} mm rms under another vehicle, "
-            f"{words(median_interval(under / clear), 1)} times that in clear air"
-        )
-    return f"The least worst height error is {'; '.join(parts)}."
-
-
-def _known(numbers: Numbers, cases: Sequence[Case]) -> str:
-    parts = []
-    for aware, blind in TWINS.items():
-        found = [words(ratio(numbers, case, (aware, blind), "under"), 2) for case in cases]
-        parts.append(f"{aware} {' and '.join(found)} times {blind}'s")
+    for name in SHOWN:
+        own = [case for case in cases if case.name == name]
+        if own:
+            worst = _span([MM * _median(numbers, one, best_contender(numbers, one), "worst") for one in own])
+            ignored, aboard = (
+                _span([MM * _median(numbers, one, contender, "worst") for one in own])
+                for contender in ("ignoring", ABOARD)
+            )
+            parts.append(f"{worst} mm in `{name}` (ignoring {ignored} mm, {ABOARD} {aboard} mm)")
+    others = f" (in the others {', '.join(name for name, _ in best[1:])})" if best[1:] else ""
     return (
-        "What a learned model is worth, as rms error under another vehicle over that of the same controller "
-        f"without one, in the same order: {'; '.join(parts)}."
+        f"Of the controllers on the ground, **{best[0][0]}** has the least worst height error under another "
+        f"vehicle in {best[0][1]} of {len(cases)} pairs of paths and air{others}; the best of each has "
+        f"{'; '.join(parts)}."
     )
 
 
-def _worse(numbers: Numbers, cases: Sequence[Case]) -> str:
+def _parts(numbers: Numbers, cases: Sequence[Case]) -> str:
+    parts = []
+    for one, without in TWINS:
+        both = [case for case in cases if {one, without} <= set(flown_in(numbers, case))]
+        times = [ratio(numbers, case, (one, without), "worst").middle for case in both]
+        if not times:
+            continue
+        parts.append(f"{one} {np.median(times):.2f} ({min(times):.2f} to {max(times):.2f}) times {without}'s")
+    return f"The worst error, against that of the same controller without one part, is {', '.join(parts)}."
+
+
+def _missed(numbers: Numbers, cases: Sequence[Case]) -> str:
+    missed = {case: missed_targets(numbers, case, best_contender(numbers, case)) for case in cases}
+    met = sum(not one for one in missed.values())
+    said = (
+        f"The best controller on the ground meets all targets (under / clear at most {UNDER_CLEAR:g}, worst "
+        f"error {GAIN:g} times smaller than ignoring's, {UNDER_MM:g} mm rms, {WORST_MM:g} mm worst) in "
+        f"{met} of {len(cases)}"
+    )
     worse = [
-        f"{name} in {_place(case)} ({words(times, 2)} times)"
+        f"{', '.join(names)} in {case.title}"
         for case in cases
-        for name, times in worse_than_ignoring(numbers, case)
+        if (names := worse_than_ignoring(numbers, case))
     ]
-    said = "No controller is worse than ignoring under another vehicle"
-    if worse:
-        said = f"Worse than ignoring under another vehicle: {', '.join(worse)}"
-    alike = [
-        f"{', '.join(names)} in {_place(case)}" for case in cases if (names := not_smaller(numbers, case))
-    ]
-    if alike:
-        said += f"; the worst error of {' and of '.join(alike)} is not shown to be smaller than ignoring's"
-    spread = []
-    for case in cases:
-        best = best_contender(numbers, case)
-        each = MM * np.median(column(numbers, case, best, "under"), axis=1)
-        spread.append(f"{best}'s from {each.min():.0f} to {each.max():.0f} mm in {_place(case)}")
-    return f"{said}; from model to model, the median rms there goes: {', '.join(spread)}."
+    end = (
+        f"worse than ignoring under another vehicle are {'; '.join(worse)}"
+        if worse
+        else ("no controller is worse than ignoring under another vehicle")
+    )
+    return f"{said}; {end}."
 
 
-def _place(case: Case) -> str:
-    return f"`{case.scenario}`"
+def _span(values: Sequence[float]) -> str:
+    return f"{millimetres(min(values))} to {millimetres(max(values))}"

@@ -1,90 +1,90 @@
-"""Flight of one contender in one case, with the metrics of every draw.
+"""Flight of one contender in one case, with the height errors of every draw.
 
-The closed loop is q2q_sim.loop's, with the contender as controller. Errors are true minus planned positions.
+The closed loop is q2q_sim.loop's. Errors are true minus planned heights.
 
 | column | meaning |
 |---|---|
-| flight | z RMSE of all vehicles over the flight [m] |
-| lower | z RMSE of the first vehicle, the lowest, over the flight [m] |
 | under | z RMSE of vehicles under another (q2q_sim.monitors.exposure) [m] |
-| worst | largest |z error| in the same time [m] |
 | clear | z RMSE of vehicles in clear air [m] |
-| energy | int U1^2 dt of the first vehicle, above hover [N^2 s] |
+| worst | largest |z error| of vehicles under another [m] |
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.signals.values import Array
-from q2q_sim.air.room_air import RoomAir
-from q2q_sim.experiments.ablation.ablation_cases import Case, scenario_of, side_by_side
-from q2q_sim.experiments.ablation.contenders import CONTENDERS, Situation
-from q2q_sim.loop.assembly import TICK_S, Blocks, Options, blocks_of, plan_of
+from q2q_sim.air.find_air import FlownAir
+from q2q_sim.experiments.ablation.ablation_cases import Case, scenarios_of
+from q2q_sim.experiments.ablation.contenders import CONTENDERS, ONBOARD, Contender, Situation
+from q2q_sim.experiments.ablation.learned_models import LearnedModel
+from q2q_sim.experiments.ablation.model_groups import GroupedController, ModelGroup
+from q2q_sim.experiments.ablation.onboard_flight import Trace, flown_on_board
+from q2q_sim.experiments.ablation.side_by_side import part_of, side_by_side
+from q2q_sim.loop.assembly import TICK_S, Mode, Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
-from q2q_sim.monitors.exposure import SETTLE, exposure
+from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios.scenario import Scenario
 
-COLUMNS = ("flight", "lower", "under", "worst", "clear", "energy")
-
-
-@dataclass(frozen=True, slots=True)
-class Trace:
-    """Measured quantities of a flight of n vehicles."""
-
-    pos: Array
-    """True positions [m], world, (T, n, 3)."""
-    error: Array
-    """True minus planned height [m], (T, n)."""
-    thrust: Array
-    """Commanded U1 [N], (T, n)."""
+COLUMNS = ("under", "clear", "worst")
+SEED = 19
+"""Of all flights: another one than those that controllers were designed on (0)."""
 
 
 @dataclass(frozen=True, slots=True)
 class ContenderFlight:
-    """One flight of the ablation: draws side by side, all with one model and one seed."""
+    """One flight of the ablation: draws side by side, draw k with model k mod len(models)."""
 
     case: Case
     contender: str
-    model: Jet
-    air: RoomAir
-    seed: int
+    models: tuple[LearnedModel, ...]
+    air: FlownAir
     draws: int
+    seed: int = SEED
 
 
 def fly_contender(asked: ContenderFlight) -> Array:
-    """Return COLUMNS of every draw, (draws, 6)."""
-    one, contender = scenario_of(asked.case), CONTENDERS[asked.contender]
-    scenario = side_by_side(one, asked.draws)
-    plan = plan_of(scenario)
-    controller = contender.built(Situation(scenario, plan, asked.model))
-    blocks = replace(blocks_of(scenario, Options(), asked.model, plan), controller=controller)
-    options = FlightOptions("aware" if contender.aware else "ignoring", seed=asked.seed, air=asked.air)
-    return measured(flown(scenario, blocks, options), len(one.names), one.vehicle.hover_thrust)
+    """Return COLUMNS of every draw, (draws, 3), draw k of path f in row k * paths + f."""
+    apart = scenarios_of(asked.case.name)
+    each = len(apart[0].names)
+    scenario = side_by_side(apart, asked.draws)
+    places = np.arange(len(scenario.names)) // each
+    group = places // len(apart) % len(asked.models)
+    if asked.contender in ONBOARD:
+        models = [asked.models[k] for k in group]
+        trace = flown_on_board(scenario, models, asked.air, asked.seed, apps=ONBOARD[asked.contender])
+        return measured(trace, each)
+    situations = [
+        Situation(part_of(scenario, tuple(np.array(scenario.names)[group == k].tolist())), model, each)
+        for k, model in enumerate(asked.models)
+    ]
+    rows = [np.flatnonzero(group == k) for k in range(len(asked.models))]
+    contender = CONTENDERS[asked.contender]
+    groups = [ModelGroup(own, contender.built(one)) for own, one in zip(rows, situations, strict=True)]
+    return measured(flown(scenario, contender, groups, asked), each)
 
 
-def flown(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Trace:
-    """Return a flight of the blocks."""
-    flight = fly_blocks(scenario, blocks, options)
-    return Trace(flight.true_pos, flight.true_pos[..., 2] - flight.ref_pos[..., 2], flight.thrust)
+def flown(
+    scenario: Scenario, contender: Contender, groups: Sequence[ModelGroup], asked: ContenderFlight
+) -> Trace:
+    """Return a flight of groups of vehicles in one room."""
+    control = GroupedController(scenario.names, groups)
+    shared = replace(blocks_of(scenario, Options(), NoInteraction()), controller=control, sense=control.sense)
+    mode: Mode = "aware" if contender.aware else "ignoring"
+    flight = fly_blocks(scenario, shared, FlightOptions(mode, seed=asked.seed, air=asked.air))
+    return Trace(flight.true_pos, flight.true_pos[..., 2] - flight.ref_pos[..., 2])
 
 
-def measured(trace: Trace, each: int, weight: float) -> Array:
-    """Return COLUMNS of every draw of `each` vehicles, (draws, 6); NaN if none was under another.
-
-    `weight` is m g [N].
-    """
-    ticks, n = trace.error.shape
-    judged = np.arange(ticks) >= round(SETTLE / TICK_S)
+def measured(trace: Trace, each: int) -> Array:
+    """Return COLUMNS of every draw of `each` vehicles, (draws, 3); NaN if none was under another."""
     rows = []
-    for start in range(0, n, each):
+    for start in range(0, trace.error.shape[1], each):
         own = slice(start, start + each)
         error, (under, clear) = trace.error[:, own], exposure(trace.pos[:, own], TICK_S)
-        energy = float(np.sum(trace.thrust[:, start] ** 2 - weight**2)) * TICK_S
         worst = float(np.abs(error[under]).max()) if under.any() else np.nan
-        flight = error[judged]
-        rows.append([_rms(flight), _rms(flight[:, 0]), _rms(error[under]), worst, _rms(error[clear]), energy])
+        rows.append([_rms(error[under]), _rms(error[clear]), worst])
     return np.array(rows)
 
 

@@ -1,42 +1,37 @@
 """Controllers of the ablation, all with the same gains and the same learned model.
 
-| name | downwash model | against the residual |
+| name | downwash model | against what the model does not explain |
 |---|---|---|
 | ignoring | no | nothing |
 | integral | no | integral |
 | observer | no | disturbance observer |
-| PD aware | yes | nothing |
-| PID aware | yes | integral |
-| observer aware | yes | disturbance observer |
-| MPC | yes, ahead | nothing |
-| MPC observer | yes, ahead | disturbance observer |
-| explicit | yes, ahead | disturbance observer |
+| aware | yes | nothing |
+| aware + observer | yes | disturbance observer |
+| aware + correction | yes | accelerometers |
+| MPC | yes, ahead | disturbance observer |
+| MPC + correction | yes, ahead | accelerometers |
+| MPC + reserve | yes, ahead | accelerometers, and thrust kept free for it on the horizon |
+| distributed | yes, ahead | disturbance observer; one MPC a vehicle, which hears the others' predictions |
+| Mellinger | no | integral, on board |
+| on board | yes | accelerometers, on board: the firmware app around Mellinger's controller |
 
-K_p and K_d are the scenario's; K_i = 0.12 K_p K_d, an eighth of the stability limit (Routh: K_i < K_p K_d).
-The MPC has its default tuning. The explicit law is distilled from "MPC observer" for the vehicle, its bound
-and the model, and replaces only its solver; without active bounds it is the linear law.
+The first ten are the controllers that `fly` flies, from a ground station: `pid`, with an integral or an
+observer in three of them, `mpc`, and `mpc --distributed`. K_p and K_d are the scenario's;
+K_i = 0.12 K_p K_d, an eighth of the stability limit (Routh: K_i < K_p K_d). The MPC has its default tuning.
+Mellinger's controller has its stock gains.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
-import numpy as np
-
-from q2q_control.disturbance.tracker import TrackerParams
-from q2q_control.explicit.distillation import DistillationParams, distil
-from q2q_control.explicit.explicit_solver import explicit_solver
-from q2q_control.explicit.law import ExplicitLaw
-from q2q_control.explicit.teacher import Teacher
+from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
-from q2q_control.inputs.plan_samples import sampled_preview
-from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
-from q2q_model.downwash.jet import Jet
-from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_sim.loop.assembly import mpc_params, pid_params
+from q2q_sim.experiments.ablation.learned_models import LearnedModel
+from q2q_sim.loop.assembly import Blocks, Options, blocks_of, pid_params, plan_of, tracker_params
+from q2q_sim.loop.distributed import DistributedMpc, ExchangeParams
 from q2q_sim.scenarios.scenario import Scenario
 
 INTEGRAL_SHARE = 0.12
@@ -45,78 +40,91 @@ INTEGRAL_SHARE = 0.12
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """What a contender is built for."""
+    """Surroundings that a contender is built for."""
 
     scenario: Scenario
-    plan: SwarmPlan
-    model: Jet
+    model: LearnedModel
+    each: int
+    """Vehicles of a draw, which follow each other in the scenario."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contender:
-    """Row of the tables."""
+    """Controller on a ground station."""
 
-    built: Callable[[Situation], Controller]
+    built: Callable[[Situation], Blocks]
     aware: bool = True
     """Whether it is given the predicted downwash."""
 
 
-def _pd(given: Situation) -> Controller:
-    return Pid(pid_params(given.scenario, limited=False), given.scenario.vehicle)
+def _shipped(choice: Options) -> Callable[[Situation], Blocks]:
+    def built(given: Situation) -> Blocks:
+        return blocks_of(given.scenario, choice, given.model.jet, residual=given.model.process)
+
+    return built
 
 
-def _pid(given: Situation) -> Controller:
+def _integral(given: Situation) -> Blocks:
     gains = pid_params(given.scenario, limited=False)
-    return Pid(replace(gains, k_i_z=INTEGRAL_SHARE * gains.k_p_z * gains.k_d_z), given.scenario.vehicle)
+    gains = replace(gains, k_i_z=INTEGRAL_SHARE * gains.k_p_z * gains.k_d_z)
+    return _with(given, Pid(gains, given.scenario.vehicle))
 
 
-def _observed(given: Situation) -> Controller:
-    latency = given.scenario.vicon.latency + given.scenario.radio.latency
-    gains = pid_params(given.scenario, limited=False)
-    return ObservedPid(gains, TrackerParams(latency=latency), given.scenario.vehicle)
+def _observed(given: Situation) -> Blocks:
+    gains, tracker = pid_params(given.scenario, limited=False), tracker_params(given.scenario)
+    return _with(given, ObservedPid(gains, tracker, given.scenario.vehicle))
 
 
-def _mpc(given: Situation) -> Controller:
-    return Mpc(replace(_params(given), observe=False), given.scenario.vehicle, given.model, _setup(given))
+def _with(given: Situation, controller: Controller) -> Blocks:
+    guarded = Guard(controller, FallbackParams(), given.scenario.vehicle.hover_thrust)
+    return replace(_shipped(Options())(given), controller=guarded)
 
 
-def _observed_mpc(given: Situation) -> Controller:
-    return Mpc(replace(_params(given), observe=True), given.scenario.vehicle, given.model, _setup(given))
+def _reserved(given: Situation) -> Blocks:
+    overrides = {**given.scenario.overrides, "mpc": {"reserve": 1.0}}
+    return _shipped(Options(controller="mpc", correct=True))(
+        replace(given, scenario=replace(given.scenario, overrides=overrides))
+    )
 
 
-def _explicit(given: Situation) -> Controller:
-    vehicle, params = given.scenario.vehicle, _params(given)
-    # the law does not need the room's latency: its inputs include it
-    law = _distilled(Teacher(replace(params, latency=0.0), vehicle, given.model, vehicle.thrust_max))
-    setup = replace(_setup(given), solver=explicit_solver(law))
-    return Mpc(params, vehicle, given.model, setup)
+def _distributed(given: Situation) -> Blocks:
+    names = given.scenario.names
+    controlled = tuple(names[k :: given.each] for k in range(given.each))  # draws are out of reach
+    choice = Options(controller="mpc")
+    network = ExchangeParams(controlled=controlled)
+    controller = DistributedMpc(given.scenario, choice, given.model.jet, plan_of(given.scenario), network)
+    return replace(_shipped(choice)(given), controller=controller)
 
 
 CONTENDERS = {
-    "ignoring": Contender(_pd, aware=False),
-    "integral": Contender(_pid, aware=False),
+    "ignoring": Contender(_shipped(Options("ignoring")), aware=False),
+    "integral": Contender(_integral, aware=False),
     "observer": Contender(_observed, aware=False),
-    "PD aware": Contender(_pd),
-    "PID aware": Contender(_pid),
-    "observer aware": Contender(_observed),
-    "MPC": Contender(_mpc),
-    "MPC observer": Contender(_observed_mpc),
-    "explicit": Contender(_explicit),
+    "aware": Contender(_shipped(Options())),
+    "aware + observer": Contender(_observed),
+    "aware + correction": Contender(_shipped(Options(correct=True))),
+    "MPC": Contender(_shipped(Options(controller="mpc"))),
+    "MPC + correction": Contender(_shipped(Options(controller="mpc", correct=True))),
+    "MPC + reserve": Contender(_reserved),
+    "distributed": Contender(_distributed),
 }
-"""Rows of the tables; a further row is a further entry."""
-TWINS = {"PD aware": "ignoring", "PID aware": "integral", "observer aware": "observer"}
-"""Contenders that differ from another only by knowing the downwash."""
-
-
-def _params(given: Situation) -> MpcParams:
-    """Return the MPC's parameters; sources' loading is the model's own, as no flight has shown another."""
-    return replace(mpc_params(given.scenario, limited=False), loading=0.0)
-
-
-def _setup(given: Situation) -> MpcSetup:
-    return MpcSetup(preview=sampled_preview(given.plan.names, given.plan.trajectories, 0.0))
-
-
-@lru_cache(maxsize=4)
-def _distilled(teacher: Teacher) -> ExplicitLaw:
-    return distil(teacher, DistillationParams(), np.random.default_rng(0))
+"""Contenders on a ground station."""
+ABOARD = "on board"
+ONBOARD = {"Mellinger": False, ABOARD: True}
+"""Contenders on the vehicle, and whether they have the app."""
+NAMES = (*CONTENDERS, *ONBOARD)
+"""Rows of the tables."""
+SPARED = frozenset({"MPC + reserve", "distributed"})
+"""Contenders that need not be flown in every case: a reserve matters where thrust is at its limit, and an MPC
+for each vehicle of a draw has the errors of `MPC` (docs/distributed_mpc.md)."""
+TWINS = (
+    ("aware", "ignoring"),
+    ("aware + observer", "observer"),
+    ("MPC", "aware + observer"),
+    ("aware + correction", "aware + observer"),
+    ("MPC + correction", "MPC"),
+    ("MPC + reserve", "MPC + correction"),
+    ("distributed", "MPC"),
+    ("on board", "Mellinger"),
+)
+"""Contenders that differ from another by one part."""

@@ -10,29 +10,28 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from q2q_sim.air.find_air import FlownAir, find_air
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.ablation.ablation_cases import CASES, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, key, read
 from q2q_sim.experiments.ablation.ablation_plot import ablation_figure
-from q2q_sim.experiments.ablation.ablation_table import SHOWN, page
+from q2q_sim.experiments.ablation.ablation_table import page
 from q2q_sim.experiments.ablation.contender_flight import ContenderFlight, fly_contender
-from q2q_sim.experiments.ablation.contenders import CONTENDERS
-from q2q_sim.experiments.ablation.learned_models import air_of, models_of
+from q2q_sim.experiments.ablation.contenders import NAMES
+from q2q_sim.experiments.ablation.learned_models import models_of
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
-DPI = 130
+DPI = 160
 
 
 def run(given: Namespace) -> int:
     """Fly what is missing, write page and plot; return the exit status."""
-    if not 1 <= given.seeds <= 25 or given.jobs < 1:
-        raise ValueError(f"seeds = {given.seeds}, jobs = {given.jobs}: 1 to 25 seeds, 1 job or more")
-    unknown = sorted(set(given.only or ()) - {case.scenario for case in CASES})
-    if unknown:
-        known = ", ".join(sorted({case.scenario for case in CASES}))
-        raise ValueError(f"--only {' '.join(unknown)}: choose some of {known}")
+    if not 1 <= given.seeds <= 5 or given.jobs < 1:
+        raise ValueError(f"seeds = {given.seeds}, jobs = {given.jobs}: 1 to 5 seeds, 1 job or more")
+    wanted = [(case, name) for case in CASES for name in NAMES if _is_wanted(given, case, name)]
     numbers = read(given.json, given.seeds)
     if not given.table_only:
-        _fill(numbers, [case for case in CASES if not given.only or case.scenario in given.only], given)
+        _fill(numbers, wanted, given)
     words = [word for word in given.argv if word != TABLE_ONLY]
     write(numbers, given.out, f"ros2 run q2q_sim ablation {shlex.join(words)}")
     print(f"page: {given.out}\nnumbers: {given.json}")
@@ -43,11 +42,32 @@ def write(numbers: Numbers, out: Path, command: str) -> None:
     """Write the page and, in `images` beside it, its plot."""
     picture = Path("images") / f"{out.stem}.png"
     (out.parent / picture.parent).mkdir(parents=True, exist_ok=True)
-    ablation_figure(numbers, SHOWN).savefig(out.parent / picture, dpi=DPI)
+    ablation_figure(numbers).savefig(out.parent / picture, dpi=DPI)
     out.write_text(page(numbers, command, picture.as_posix()), encoding="utf-8")
 
 
-def _fill(numbers: Numbers, wanted: Sequence[Case], given: Namespace) -> None:
+def _is_wanted(given: Namespace, case: Case, contender: str) -> bool:
+    """Return whether a flight is among the chosen ones.
+
+    Raises:
+        ValueError: an option names something that is not flown.
+    """
+    airs = sorted({one.plant.air for one in CASES})
+    chosen = True
+    for option, value, known in (
+        ("only", case.name, sorted({one.name for one in CASES})),
+        ("airs", case.plant.air, airs),
+        ("controllers", contender, list(NAMES)),
+    ):
+        asked = getattr(given, option) or known
+        unknown = sorted(set(asked) - set(known))
+        if unknown:
+            raise ValueError(f"--{option} {' '.join(unknown)}: choose some of {', '.join(known)}")
+        chosen = chosen and value in asked
+    return chosen
+
+
+def _fill(numbers: Numbers, wanted: Sequence[tuple[Case, str]], given: Namespace) -> None:
     """Learn missing models, fly missing flights and save the numbers after each."""
     pool = ProcessPoolExecutor(given.jobs, mp_context=get_context("spawn"))
     bar = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
@@ -59,7 +79,7 @@ def _fill(numbers: Numbers, wanted: Sequence[Case], given: Namespace) -> None:
         try:
             for done in as_completed(flights):
                 one = flights[done]
-                numbers.flights.setdefault(key(one.case, one.contender), {})[one.seed] = done.result()
+                numbers.flights[key(one.case, one.contender)] = done.result()
                 numbers.save(given.json)
                 progress.advance(task)
         except BaseException:
@@ -67,18 +87,18 @@ def _fill(numbers: Numbers, wanted: Sequence[Case], given: Namespace) -> None:
             raise
 
 
-def _missing(numbers: Numbers, wanted: Sequence[Case]) -> list[ContenderFlight]:
-    """Return the missing flights, and learn models and airs for them; a model's number is its seed."""
+def _missing(numbers: Numbers, wanted: Sequence[tuple[Case, str]]) -> list[ContenderFlight]:
+    """Return the missing flights, and learn models and airs for them."""
+    left = [(case, name) for case, name in wanted if key(case, name) not in numbers.flights]
+    airs: dict[str, FlownAir] = {}
     asked = []
-    for case in wanted:
+    for case, name in left:
         plant = case.plant
         if plant.models not in numbers.models:
             numbers.models[plant.models] = models_of(plant.models)
-        models = numbers.models_for(plant)
-        cells = {name: numbers.flights.get(key(case, name), {}) for name in CONTENDERS}
-        left = [(k, name) for k in range(len(models)) for name in CONTENDERS if k not in cells[name]]
-        if left:
-            air = air_of(plant)
-            numbers.airs[plant.air] = list(air.flights)
-            asked += [ContenderFlight(case, name, models[k].jet, air, k, numbers.draws) for k, name in left]
+        if plant.air not in airs:
+            airs[plant.air] = air = find_air(plant.air)
+            numbers.airs[plant.air] = list(air.flights) if isinstance(air, RoomAir) else []
+        models = tuple(numbers.models_for(case))
+        asked.append(ContenderFlight(case, name, models, airs[plant.air], numbers.draws_of(case, name)))
     return asked

@@ -1,33 +1,38 @@
-"""Models of the ablation, learned from recorded flights of one family, and its air.
+"""Models of the ablation, learned from recorded flights of one family.
 
 Each model is a jet of the simplest moving form, fitted to the measured pushes of one flight or of one part of
-it (q2q_model.identification.force.jet_fit): a flight is cut into as many parts of equal numbers of samples as
-have LEAST samples under another vehicle. No two models share a sample, so that the spread between them is
-that of models learned from different flights. They do not know what part of a jet a vehicle in it absorbs.
+it (q2q_model.identification.force.jet_fit), with LEAST samples or more under another vehicle. Of a family,
+MOST models are learned, each from a flight; a family with fewer flights is cut into parts of equal numbers of
+samples, of which the second of a flight comes after the first of all others. No two share a sample, so that
+the spread between them is that of models learned from different flights. One more model is learned from all
+flights of the family. The residual of a model is that on all of them. Models do not know what part of a jet a
+vehicle in it absorbs.
 """
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.jet import PAPER_LAW, Jet
+from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.force.residual_fit import fit_residual
 from q2q_model.identification.identification import force_record
 from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.air.air_names import FLIGHTS
-from q2q_sim.air.find_air import find_air
-from q2q_sim.air.room_air import RoomAir
-from q2q_sim.experiments.ablation.ablation_cases import Plant
+from q2q_sim.experiments.ablation.ablation_cases import LAW
 
 LEAST = 600
 """Fewest samples under another vehicle behind a model: 6 s."""
+MOST = 5
+"""Models of a family."""
 FORM = JetForm()
 
 
@@ -38,28 +43,27 @@ class LearnedModel:
     name: str
     """Flight, and which part of it: "dc19_randomwalk_ss_04, part 2 of 4"."""
     jet: Jet
+    residual: ResidualProcess | None = None
+
+    @property
+    def process(self) -> ResidualProcess:
+        """Return the residual, that of real flights where there is none."""
+        return self.residual or REAL_FLIGHTS
 
 
 def models_of(family: str) -> list[LearnedModel]:
-    """Return the models learned from a family's flights.
+    """Return the models learned from parts of a family's flights, then that of all; of LAW, the law.
 
     Raises:
         ValueError: the flights are not there.
     """
+    if family == LAW:
+        return [LearnedModel("paper_law", PAPER_LAW)] * 2
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
-        return [model for path in _tables(family) for model in _models(path)]
-
-
-def air_of(plant: Plant) -> RoomAir:
-    """Return the air of a plant.
-
-    Raises:
-        ValueError: it was not learned from flights.
-    """
-    found = find_air(plant.air)
-    if isinstance(found, RoomAir):
-        return found
-    raise ValueError(f"air {plant.air} is not learned from flights")
+        flights = {path.stem: _samples(path) for path in _tables(family)}
+        every = [one for samples in flights.values() for one in samples]
+        chosen = [*_chosen(flights), (f"{family}, all flights", every)]
+        return [_learned(name, samples, every) for name, samples in chosen]
 
 
 def parts_of(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
@@ -71,14 +75,32 @@ def parts_of(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
     return [[_between(one, *span) for one in samples] for span in pairwise(ends)]
 
 
-def _models(path: Path) -> list[LearnedModel]:
-    record = force_record(recording_of_table(path), CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
-    parts = [] if record is None else parts_of(force_samples(record))
-    ways = [f", part {k} of {len(parts)}" for k in range(1, len(parts) + 1)] if len(parts) > 1 else [""]
-    return [
-        LearnedModel(f"{path.stem}{way}", fit_to_pushes(part, FORM).jet)
-        for way, part in zip(ways, parts, strict=False)
+def _chosen(flights: Mapping[str, Sequence[ForceSamples]]) -> list[tuple[str, list[ForceSamples]]]:
+    """Return names and samples of MOST flights, or parts of them."""
+    parts = {name: found for name, samples in flights.items() if (found := parts_of(samples))}
+    if len(parts) >= MOST:
+        return [(name, list(flights[name])) for name in list(parts)[:MOST]]
+    named = [
+        [
+            (f"{name}, part {k} of {len(found)}" if len(found) > 1 else name, part)
+            for k, part in enumerate(found, 1)
+        ]
+        for name, found in parts.items()
     ]
+    rounds = [part for same in zip_longest(*named) for part in same if part is not None]
+    return sorted(rounds[:MOST], key=lambda part: part[0])
+
+
+def _learned(name: str, samples: Sequence[ForceSamples], family: Sequence[ForceSamples]) -> LearnedModel:
+    """Return the model of some samples, with its residual on all of the family."""
+    jet = fit_to_pushes(samples, FORM).jet
+    residual = fit_residual(jet, family)
+    return LearnedModel(name, jet, None if residual is None else residual.process)
+
+
+def _samples(path: Path) -> list[ForceSamples]:
+    record = force_record(recording_of_table(path), CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
+    return [] if record is None else force_samples(record)
 
 
 def _between(one: ForceSamples, start: float, end: float) -> ForceSamples:

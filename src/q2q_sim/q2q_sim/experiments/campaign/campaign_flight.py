@@ -1,4 +1,4 @@
-"""One run of a campaign by closed_loop, checked against the policies; violations keep their bag."""
+"""One run of a campaign by closed_loop, checked against the policies; a violation keeps bag and replay."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -8,18 +8,20 @@ from time import perf_counter
 import numpy as np
 import yaml
 
-from q2q_model.bag import BagWriter, FlightFacts
+from q2q_model.bag import BagWriter
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.layout import Signal
-from q2q_model.vehicle.constants import firmware_of
 from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
+from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.loop.assembly import MODES
-from q2q_sim.loop.closed_loop import FlightOptions, Listener, fly
-from q2q_sim.loop.scenario_air import air_words
+from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
+from q2q_sim.loop.scenario_facts import scenario_facts
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal, Violation, evidence_of, judge
 
 NS = 1_000_000_000
+JUDGED = ("truth", "truth_interference", "mocap", "state", "reference_safe", "command")
+"""Topics by which the policies judge a run, and those of its bag."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +33,13 @@ class JudgedFlight:
 
 
 def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
-    """Fly the run of a seed by closed_loop and check it; a violation leaves bag and scenario in `kept`."""
+    """Fly the run of a seed by closed_loop and check it; a violation leaves its files in `kept`."""
     began = perf_counter()
     run = drawn(seed, air)
     flown = flown_pure(run)
     if flown.violations:
         keep(run, flown.signals, kept)
+        write_replay(kept / f"{seed}.html", run.scenario, flown.signals, flown.violations)
     return RunOutcome(
         seed,
         through_nodes=False,
@@ -49,19 +52,19 @@ def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
 def flown_pure(run: Run) -> JudgedFlight:
     """Return the run's flight by closed_loop; an error counts as a violation."""
     signals: list[RecordedSignal] = []
-
-    def record(topic: str, stamp_ns: int, signal: Signal) -> None:
-        signals.append(RecordedSignal(topic, stamp_ns / NS, signal))
-
     try:
-        fly(run.scenario, flight_options(run, record))
+        for tick, answer in answered_ticks(run.scenario, flight_options(run)):
+            at, state, given = tick.stamp_ns / NS, answer.state, answer.given
+            seen: tuple[Signal, ...] = (tick.truth, tick.truth_interference, tick.frame)
+            heard = (*seen, state, given, answer.command)
+            signals += [RecordedSignal(topic, at, one) for topic, one in zip(JUDGED, heard, strict=True)]
         violations = judged(run, signals)
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         violations = (crash(error),)
     return JudgedFlight(tuple(signals), violations)
 
 
-def flight_options(run: Run, on_signal: Listener) -> FlightOptions:
+def flight_options(run: Run) -> FlightOptions:
     """Return the options of closed_loop for a run."""
     options = run.options
     return FlightOptions(
@@ -70,7 +73,6 @@ def flight_options(run: Run, on_signal: Listener) -> FlightOptions:
         replan=options.replan,
         seed=run.seed,
         model=find_model(run.scenario.model).interaction,
-        on_signal=on_signal,
     )
 
 
@@ -113,35 +115,21 @@ def keep(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> None:
     (folder / f"{run.seed}.options.yaml").write_text(yaml.safe_dump(asdict(run.options)))
     bag = folder / str(run.seed)
     if signals and not bag.exists():
-        with BagWriter(bag, facts=_facts(run)) as writer:
+        facts = scenario_facts(run.scenario, run.options, run.seed, f"{run.seed}.yaml")
+        with BagWriter(bag, facts=facts) as writer:
             for one in signals:
                 writer.write_signal(f"/{one.topic}", round(one.at * NS), one.signal)
 
 
-def _facts(run: Run) -> FlightFacts:
-    vehicle = run.scenario.vehicle
-    return FlightFacts(
-        vehicle=vehicle.name,
-        firmware=firmware_of(vehicle),
-        scenario=f"{run.seed}.yaml",
-        mode=run.options.mode,
-        controller=run.options.controller,
-        model=run.scenario.model,
-        wake="" if run.scenario.air else run.scenario.wake,
-        air=air_words(run.scenario),
-        seed=str(run.seed),
-    )
-
-
 def write_scenario(run: Run, path: Path) -> None:
     """Write a run as a scenario file."""
-    path.write_text(yaml.safe_dump(_plain(run.document), sort_keys=False))
+    path.write_text(yaml.safe_dump(plain(run.document), sort_keys=False))
 
 
-def _plain(value: object) -> object:
+def plain(value: object) -> object:
     """Return a document without numpy numbers and tuples."""
     if isinstance(value, dict):
-        return {str(key): _plain(one) for key, one in value.items()}
+        return {str(key): plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
+        return [plain(one) for one in value]
     return value.item() if isinstance(value, np.generic) else value

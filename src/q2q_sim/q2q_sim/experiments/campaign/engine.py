@@ -1,10 +1,11 @@
 """Parallel runs of a campaign: in processes of this machine, or by Dask on many."""
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
+from typing import NamedTuple, TypeVar
 
 from q2q_sim.experiments.campaign.campaign_flight import fly_and_judge
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
@@ -15,7 +16,11 @@ RECYCLE = 200
 """Runs after which a process is replaced, which bounds memory leaks. By new pools: with max_tasks_per_child a
 pool may deadlock, https://github.com/python/cpython/issues/115634."""
 
-Fly = Callable[[int], RunOutcome]
+Result = TypeVar("Result")
+Work = Callable[[int], Result]
+"""Work on a number, such as the run of a seed."""
+Died = Callable[[int, BaseException], Result]
+"""Result of work that ended with its process."""
 
 
 def outcomes(engine: str, seeds: Sequence[int], jobs: int, kept: Path, air: str = "") -> Iterator[RunOutcome]:
@@ -24,44 +29,60 @@ def outcomes(engine: str, seeds: Sequence[int], jobs: int, kept: Path, air: str 
     Raises:
         ValueError: an unknown engine, or one that is not installed.
     """
-    fly = partial(fly_and_judge, kept=kept, air=air)
-    if engine == "local":
-        return _local(fly, seeds, jobs)
-    if engine == "dask":
-        return _dask(fly, seeds, jobs)
-    raise ValueError(f"unknown engine {engine!r}: choose one of {', '.join(ENGINES)}")
+    return spread(ParallelRuns(engine, jobs), partial(fly_and_judge, kept=kept, air=air), seeds, _died)
 
 
-def _local(fly: Fly, seeds: Sequence[int], jobs: int) -> Iterator[RunOutcome]:
+class ParallelRuns(NamedTuple):
+    """Where work is done in parallel."""
+
+    engine: str
+    jobs: int
+    """Processes of this machine."""
+
+
+def spread(
+    where: ParallelRuns, work: Work[Result], numbers: Sequence[int], died: Died[Result]
+) -> Iterator[Result]:
+    """Yield the result of work on every number, in the order of completion.
+
+    Raises:
+        ValueError: an unknown engine, or one that is not installed.
+    """
+    if where.engine == "local":
+        return _local(work, numbers, where.jobs, died)
+    if where.engine == "dask":
+        return _dask(work, numbers, where.jobs)
+    raise ValueError(f"unknown engine {where.engine!r}: choose one of {', '.join(ENGINES)}")
+
+
+def _local(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
     if jobs == 1:
-        yield from map(fly, seeds)
+        yield from map(work, numbers)
         return
-    for begin in range(0, len(seeds), jobs * RECYCLE):
-        yield from _by_pool(fly, seeds[begin : begin + jobs * RECYCLE], jobs)
+    for begin in range(0, len(numbers), jobs * RECYCLE):
+        yield from _by_pool(work, numbers[begin : begin + jobs * RECYCLE], jobs, died)
 
 
-def _by_pool(fly: Fly, seeds: Sequence[int], jobs: int) -> Iterator[RunOutcome]:
+def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
     context = get_context("spawn")  # numba's and the solvers' threads do not survive a fork
     with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        running = {pool.submit(fly, seed): seed for seed in seeds}
+        running = {pool.submit(work, number): number for number in numbers}
         try:
             for ended in as_completed(running):
-                yield _result(ended, running[ended])
+                error = ended.exception()
+                yield ended.result() if error is None else died(running[ended], error)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
 
 
-def _result(ended: "Future[RunOutcome]", seed: int) -> RunOutcome:
-    """Return a run's outcome; if its process died, a crash."""
-    error = ended.exception()
-    if error is None:
-        return ended.result()
+def _died(seed: int, error: BaseException) -> RunOutcome:
+    """Return the crash of a run whose process died."""
     what = Violation(CRASH, f"{type(error).__name__}: {error}"[:200], float("nan"), float("nan"), 0.0)
     return RunOutcome(seed, through_nodes=False, what="died", violations=(what,), seconds=0.0)
 
 
-def _dask(fly: Fly, seeds: Sequence[int], jobs: int) -> Iterator[RunOutcome]:
+def _dask(work: Work[Result], numbers: Sequence[int], jobs: int) -> Iterator[Result]:
     """Run on the cluster at DASK_SCHEDULER_ADDRESS, else on a local one of `jobs` processes."""
     try:
         from dask.distributed import Client
@@ -73,5 +94,5 @@ def _dask(fly: Fly, seeds: Sequence[int], jobs: int) -> Iterator[RunOutcome]:
     address = dask.config.get("scheduler-address", None)
     where = {"address": address} if address else {"n_workers": jobs, "threads_per_worker": 1}
     with Client(**where, dashboard_address=None) as client:
-        for ended in ended_first(client.map(fly, list(seeds), pure=False)):
+        for ended in ended_first(client.map(work, list(numbers), pure=False)):
             yield ended.result()

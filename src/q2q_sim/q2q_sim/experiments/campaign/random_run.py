@@ -9,6 +9,7 @@ paper's bound on thrust does not apply in any mode: 6.6 N carry 0.65 kg (6.38 N)
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 
 from q2q_sim.faults.faults import Fault, random_faults
 from q2q_sim.loop.assembly import Options
@@ -74,8 +75,11 @@ class Run:
         return scenario_from_document(f"run {self.seed}", self.document)
 
 
-def drawn(seed: int, air: str = "") -> Run:
-    """Return the run of a seed (0 or above); an air replaces the wake and disturbance of its scenario."""
+def drawn(seed: int, air: str = "", replan: str = "") -> Run:
+    """Return the run of a seed (0 or above).
+
+    An air replaces the wake and disturbance of its scenario; `replan` replaces the replanner drawn.
+    """
     rng = stream(seed, "campaign")
     cut = CUTS[int(rng.integers(len(CUTS)))]
     room = str(rng.choice(ROOMS))
@@ -84,7 +88,8 @@ def drawn(seed: int, air: str = "") -> Run:
         controller=str(rng.choice(["pid", "mpc"], p=[0.8, 0.2])),
         replan=str(rng.choice(["none", "safe"], p=[0.8, 0.2])),
     )
-    document = shortened(library.document(cut.scenario), cut if options.replan == "none" else cut.replanned())
+    options = replace(options, replan=replan or options.replan)
+    document = shortened(_document(cut.scenario), cut if options.replan == "none" else cut.replanned())
     document["room"] = room
     if air:
         document = {**document_in_air(document), "air": air, "room": room}
@@ -93,8 +98,14 @@ def drawn(seed: int, air: str = "") -> Run:
     scenario = scenario_from_document("drawn", document)
     count = int(rng.integers(FEWEST, MOST + 1))
     faults = random_faults(seed, scenario.names, scenario.duration - CALM_S, count)
-    document["faults"] = [_as_document(fault) for fault in faults]
+    document["faults"] = [fault_document(fault) for fault in faults]
     return Run(seed, document, options)
+
+
+@cache
+def _document(scenario: str) -> Mapping[str, object]:
+    """Return the document of a shipped scenario, read once."""
+    return library.document(scenario)
 
 
 def shortened(document: Mapping[str, object], cut: Cut) -> Document:
@@ -117,5 +128,6 @@ def _cut_waypoints(points: Sequence[Mapping[str, object]], cut: Cut) -> list[Doc
     return [{"t": round((t - cut.begin) * cut.pace, 6), "pos": pos} for t, pos in kept]
 
 
-def _as_document(fault: Fault) -> Document:
+def fault_document(fault: Fault) -> Document:
+    """Return a fault as it stands in a scenario document."""
     return asdict(fault) | {"vehicles": list(fault.vehicles)}

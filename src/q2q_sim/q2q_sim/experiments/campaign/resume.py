@@ -10,8 +10,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import outcomes
+from q2q_sim.experiments.campaign.finished_work import mend, read
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 
@@ -27,8 +29,7 @@ def run(args: Namespace) -> int:
     flown, seconds = _fly(args)
     show(flown, seconds)
     if args.json:
-        args.json.parent.mkdir(parents=True, exist_ok=True)
-        args.json.write_text(json.dumps(summary(flown, seconds), indent=1) + "\n")
+        write_json(summary(flown, seconds), args.json)
     return int(any(one.violations for one in flown))
 
 
@@ -37,7 +38,7 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
     log, kept = args.out / "runs.jsonl", args.out / "violations"
     seeds = range(args.seed, args.seed + args.runs)
     by_nodes = set(seeds[: args.through_nodes])
-    runs = read(log)
+    runs = read(log, from_document)
     _reject_other_air(log, runs, args.air)
     done = {
         one.seed: one for one in runs if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes)
@@ -66,35 +67,11 @@ def _all(args: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path)
             yield from map(flights.fly_and_judge, nodes)
 
 
-def read(log: Path) -> list[RunOutcome]:
-    """Return the runs in a file of JSON lines, without an incomplete last line.
-
-    Raises:
-        ValueError: the file has other content.
-    """
-    lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
-    found = []
-    for number, line in enumerate(lines, start=1):
-        try:
-            found.append(from_document(json.loads(line)))
-        except ValueError as wrong:
-            if number < len(lines):
-                raise ValueError(f"{log}, line {number}: {wrong}; delete the file to start anew") from wrong
-    return found
-
-
 def _reject_other_air(log: Path, runs: Sequence[RunOutcome], air: str) -> None:
     """Raise ValueError if a kept run was flown in another air than this campaign's."""
     others = sorted({one.air or "of each scenario" for one in runs if one.air != air})
     if others:
         raise ValueError(f"{log} holds runs in the air {', '.join(others)}: give another --out")
-
-
-def mend(log: Path) -> None:
-    """Remove an incomplete last line."""
-    text = log.read_text(encoding="utf-8") if log.exists() else ""
-    if text and not text.endswith("\n"):
-        log.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")
 
 
 def tell(outcome: RunOutcome, console: Console) -> None:

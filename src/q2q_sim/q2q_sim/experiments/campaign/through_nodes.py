@@ -12,7 +12,9 @@ from typing import Self
 
 import numpy as np
 
+from q2q_model.bag import BagError
 from q2q_sim.experiments.campaign.campaign_flight import (
+    JUDGED,
     at_own_stamps,
     crash,
     flown_pure,
@@ -24,13 +26,12 @@ from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
 from q2q_sim.flight.resident import ResidentNodes
 from q2q_sim.flight.scenario_flight import FlightRequest, fly, load_scenario, node_specs
+from q2q_sim.flight.unfinished_bag import why_unfinished
 from q2q_sim.monitors.policies import Circumstances, Evidence, Violation, evidence_of, judge
 from q2q_sim.tools.judge_bags import evidence_in
 
 TWIN_M = 1e-9
 """Largest deviation of a flight through the nodes from closed_loop [m]: rounding of reordered sums."""
-TOPICS = ("mocap", "truth", "state", "reference_safe", "command")
-"""Recorded topics: those of the policies."""
 APART_EVERY = 20
 """Period of runs with a process for each node; the others use one resident process."""
 
@@ -77,7 +78,7 @@ class NodeFlights:
             controller=options.controller,
             replan=options.replan,
             seed=run.seed,
-            record=TOPICS,
+            record=JUDGED,
             stack=run.seed % APART_EVERY > 0,
         )
         bag = self._folder / "bag"
@@ -96,9 +97,11 @@ class NodeFlights:
         folder = self._folder / "nodes"
         if not request.stack:
             fly(request, folder, bag, lambda _: None)
-            return
-        folder.mkdir(parents=True, exist_ok=True)
-        self._resident.fly(node_specs(load_scenario(request), request, folder, bag), folder)
+        else:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._resident.fly(node_specs(load_scenario(request), request, folder, bag), folder)
+        if unfinished := why_unfinished(bag, folder):
+            raise BagError(f"the bag was not finished: {unfinished}")
 
     def _keep(self, run: Run) -> None:
         keep(run, (), self._kept)

@@ -4,11 +4,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-
+from q2q_model import palette
 from q2q_model.signals.values import Array
+from q2q_sim.report.panels import legend_above, panels, save
+
+ASIDE = ("--", ":")
+"""Styles of references and limits, which lie in front of the curves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,19 +51,26 @@ class Line:
     x: Array
     y: Array
     style: str = "-"
+    colour: str = ""
+    """Empty: that of a reference if dashed or dotted, else that of the flight of its place."""
 
 
 def drawn(path: Path, title: str, labels: tuple[str, str], lines: list[Line]) -> str:
     """Draw one panel into a PNG; return the file's name."""
-    with mpl.rc_context({"font.size": 10, "axes.grid": True, "grid.alpha": 0.3}):
-        figure = Figure(figsize=(7.2, 3.6), layout="constrained")
-        axes: Axes = figure.add_subplot()
-        for line in lines:
-            axes.plot(line.x, line.y, line.style, label=line.label)
-        axes.set_title(title)
-        axes.set_xlabel(labels[0])
-        axes.set_ylabel(labels[1])
-        axes.legend()
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=120)
-    return path.name
+    figure, (axes,) = panels(1)
+    for k, line in enumerate(lines):
+        front = line.style in ASIDE
+        flown = palette.REFERENCE if front else palette.FLIGHTS[k % len(palette.FLIGHTS)]
+        axes.plot(
+            line.x,
+            line.y,
+            line.style,
+            color=line.colour or flown,
+            label=line.label,
+            zorder=3.0 if front else 2.0,
+        )
+    axes.set_title(title)
+    axes.set_xlabel(labels[0])
+    axes.set_ylabel(labels[1])
+    legend_above(figure, axes)
+    return save(figure, path).name

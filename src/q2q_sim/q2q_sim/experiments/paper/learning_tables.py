@@ -10,6 +10,7 @@ from time import perf_counter
 
 import numpy as np
 
+from q2q_model import palette
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import at_rest
 from q2q_model.flights.flight import Flight
@@ -137,8 +138,8 @@ def _decay_picture(folder: Path, decay: DecayFit) -> FigurePicture:
     devs = np.array([one.dev for one in decay.overlaps])
     along = np.linspace(0.0, 1.5, 100)
     lines = [
-        Line("flights", gaps, devs, "o"),
-        Line("fit", along, decay.alpha.value * np.exp(-decay.beta.value * along)),
+        Line("flights", gaps, devs, "o", palette.MEASURED),
+        Line("fit", along, decay.alpha.value * np.exp(-decay.beta.value * along), colour=palette.MODEL),
     ]
     title = "fig4: dev against the height difference"
     return FigurePicture("fig4", drawn(folder / "fig4.png", title, ("dz [m]", "dev [m]"), lines), title)
@@ -153,10 +154,10 @@ def _learned_pictures(
     made = []
     for row in range(2):
         reference = record.ref[:, row, 0]
-        measured = Line("measured", record.t, record.pos[:, row, 2])
-        alone = Line("loop alone", record.t, reference + free[:, row])
-        both = Line("loop and downwash", record.t, reference + pushed[:, row])
-        downwash = Line("learned downwash", record.t, eta[:, row])
+        measured = Line("measured", record.t, record.pos[:, row, 2], colour=palette.MEASURED)
+        alone = Line("loop alone", record.t, reference + free[:, row], colour=palette.ORANGE)
+        both = Line("loop and downwash", record.t, reference + pushed[:, row], colour=palette.MODEL)
+        downwash = Line("learned downwash", record.t, eta[:, row], colour=palette.MODEL)
         for group, unit, lines in (
             ("fig5", "z [m]", [measured, alone]),
             (f"fig{6 + row}", "z [m]", [measured, both]),

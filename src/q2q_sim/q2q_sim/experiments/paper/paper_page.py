@@ -1,5 +1,6 @@
 """Reproduced numbers and figures as JSON, as one HTML page and as a PDF."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from textwrap import fill
@@ -11,7 +12,7 @@ from matplotlib.image import imread
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
 from q2q_sim.experiments.paper.paper_numbers import PaperNumber
 from q2q_sim.flight.run_json import Json, finite
-from q2q_sim.report.html_page import Grid, Picture, page
+from q2q_sim.report.html_page import Grid, Part, Picture, page
 
 TITLE = "The paper, remade"
 CITATION = (
@@ -31,10 +32,19 @@ LEAD = (
 HEAD = ("number", "where", "paper", "ours", "ratio", "unit", "why they differ")
 ROWS_A_PAGE = 18
 """Rows of a PDF page."""
+WHOLE = 1000.0
+"""Size from which a number is told without decimals, and below with three significant digits."""
 NOTE_WIDTH = 92
 """Characters of a note on one line of a page."""
 A4_WIDE = (11.7, 8.3)
 """[inch]"""
+CLOSE = 0.1
+"""Difference to the paper's number up to which ours counts as close, as a share of it."""
+REPEATED = "no result"
+"""In the note of a number that is taken from the paper."""
+EXPONENT = re.compile(r"e([+-])0*(\d+)$")
+POWER = re.compile(r"\^(-?\d+)")
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def as_json(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> Json:
@@ -65,11 +75,26 @@ def rows(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) 
     return [_row(one, finite(found.get(one.id))) for one in numbers]
 
 
+def closeness(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> str:
+    """Return how many numbers are close to the paper's, of the results that it prints too."""
+    found = values(outcomes)
+    ratios = [
+        ours / one.paper
+        for one in numbers
+        if one.paper and REPEATED not in one.note and (ours := finite(found.get(one.id))) is not None
+    ]
+    close = sum(abs(ratio - 1.0) <= CLOSE for ratio in ratios)
+    return (
+        f"Within {100.0 * CLOSE:.0f} % of the paper's: {close} of {len(ratios)} numbers, those taken from "
+        "the paper not counted. The last column says why others differ."
+    )
+
+
 def write_page(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome], out: Path) -> None:
     """Write index.html into a folder."""
     out.mkdir(parents=True, exist_ok=True)
-    parts: list[Grid | list[Picture]] = [Grid(HEAD, rows(numbers, outcomes))]
-    parts.append([Picture(path, one.caption) for one, path in _pictures(numbers, outcomes, out)])
+    pictures = [Picture(path, one.caption) for one, path in _pictures(numbers, outcomes, out)]
+    parts: list[Part] = [closeness(numbers, outcomes), Grid(HEAD, rows(numbers, outcomes)), pictures]
     (out / "index.html").write_text(page(TITLE, LEAD, parts), encoding="utf-8")
 
 
@@ -96,12 +121,21 @@ def _pictures(
 
 
 def _row(one: PaperNumber, ours: float | None) -> tuple[str, ...]:
-    ratio = "-" if ours is None or not one.paper else f"{ours / one.paper:.3g}"
-    return (one.id, one.where, _text(one.paper), _text(ours), ratio, one.unit, one.note)
+    ratio = "-" if ours is None or not one.paper else _text(ours / one.paper)
+    papers = "-" if one.paper is None else _raised(f"{one.paper:g}")
+    unit = POWER.sub(lambda power: power[1].translate(RAISED), one.unit)
+    return (one.id, one.where, papers, _text(ours), ratio, unit, one.note)
 
 
 def _text(value: float | None) -> str:
-    return "-" if value is None else f"{value:.5g}"
+    if value is None:
+        return "-"
+    return _raised(f"{value:.3g}" if abs(value) < WHOLE else f"{value:.0f}")
+
+
+def _raised(number: str) -> str:
+    """Return a number with its power of ten as books print it: 3.14 · 10⁻⁵."""
+    return EXPONENT.sub(lambda found: f" · 10{(found[1] + found[2]).lstrip('+').translate(RAISED)}", number)
 
 
 def _table_page(cells: Sequence[tuple[str, ...]]) -> Figure:

@@ -4,7 +4,6 @@ Finished experiments are cached in OUT/cache and not run again until the code ch
 resume.
 """
 
-import json
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +11,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from q2q_model.documents.json_file import write_json
 from q2q_sim.experiments.paper import learning_tables, planning_tables, tracking_tables
 from q2q_sim.experiments.paper.experiment_cache import PaperCache, fingerprint
 from q2q_sim.experiments.paper.experiment_outcome import Experiment, ExperimentOutcome
@@ -51,8 +51,7 @@ def _remake(numbers: Sequence[PaperNumber], out: Path, json_file: Path | None, *
     write_page(numbers, outcomes, out)
     write_pdf(numbers, outcomes, out)
     if json_file:
-        json_file.parent.mkdir(parents=True, exist_ok=True)
-        json_file.write_text(json.dumps(as_json(numbers, outcomes), indent=1) + "\n")
+        write_json(as_json(numbers, outcomes), json_file)
     print(f"paper: {out / 'index.html'}, {out / 'paper.pdf'}")
     return 0
 

@@ -13,13 +13,15 @@ import numpy as np
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
-from q2q_sim.experiments.ablation.ablation_cases import PASSAGE, SHIPPED, Case
+from q2q_sim.air.find_air import find_air
+from q2q_sim.experiments.ablation.ablation_cases import PASSAGE, Case
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS, ContenderFlight, fly_contender
-from q2q_sim.experiments.ablation.learned_models import air_of
+from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, drawn
 from q2q_sim.loop.assembly import Mode
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.metrics import best_position, measure
+from q2q_sim.report.figures import PlotCurve, thrust_limits
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -44,7 +46,7 @@ def pid(folder: Path) -> ExperimentOutcome:
     found["table6.q1_z_rmse_unlimited"] = unlimited["table6.q1_z_rmse_unlimited"]
     found["fig14.q1_dip"] = _dip(flights["ignoring"])
     shown = {"ignoring": flights["ignoring"], "aware": flights["aware"]}
-    found |= in_learned_air("table6", {"ignoring": "ignoring", "aware": "PD aware"})
+    found |= in_learned_air("table6", {"ignoring": "ignoring", "aware": "aware"})
     return ExperimentOutcome(found, _pictures(folder, "fig14", shown))
 
 
@@ -63,9 +65,10 @@ def in_learned_air(group: str, contenders: Mapping[str, str]) -> dict[str, float
 
     `contenders` are the ablation's, by the suffix of their numbers.
     """
-    found, air = {}, air_of(SHIPPED)
+    found, case = {}, Case(PASSAGE)
+    air, models = find_air(case.plant.air), (LearnedModel("measured_law", MEASURED_LAW),)
     for suffix, contender in contenders.items():
-        rows = fly_contender(ContenderFlight(Case(PASSAGE, SHIPPED), contender, MEASURED_LAW, air, 0, DRAWS))
+        rows = fly_contender(ContenderFlight(case, contender, models, air, DRAWS))
         for name in ("under", "clear", "worst"):
             middle = float(np.median(rows[:, COLUMNS.index(name)]))
             found[f"{group}.learned_air_{name}_{suffix}"] = middle
@@ -100,6 +103,8 @@ def _pictures(folder: Path, group: str, flights: dict[str, Flight]) -> tuple[Fig
         first = next(iter(flights.values()))
         z.append(Line("reference", first.t, first.ref_pos[:, row, 2], "--"))
         thrust = [Line(label, one.t, one.thrust[:, row]) for label, one in flights.items()]
+        limits = thrust_limits([PlotCurve(one, label) for label, one in flights.items()])
+        thrust += [Line(words, first.t, np.full(len(first.t), value), ":") for value, words in limits.items()]
         for what, unit, lines in (("altitude", "z [m]", z), ("thrust", "U1 [N]", thrust)):
             title = f"{group}: {what} of {paper_name.upper()}"
             file = drawn(folder / f"{group}_{paper_name}_{what}.png", title, ("t [s]", unit), lines)

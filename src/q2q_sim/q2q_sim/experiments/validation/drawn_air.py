@@ -2,8 +2,8 @@
 
 Downwash, residual, edge torque, ground effect, headroom and lag act as in any flight, gusts as moving air.
 What differs from flight to flight is that of the recording: the offset of each vehicle, with steady wind in
-it (onboard_law), because the recorded commands contain what the integral had learned of it, and the headroom
-of the motors at the flight's voltage.
+it (onboard_law), because the recorded commands contain what the integral had learned of it, the headroom
+of each vehicle's motors at the flight's voltage, and the drag of the rotors (redrawn_flight).
 """
 
 from collections.abc import Callable
@@ -34,15 +34,30 @@ def draws_in(air: FlownAir, flight: TrackedFlight, vehicle: Vehicle) -> MakeDraw
     """Return what makes the draws of a flight in an air."""
     names, dt = flight.names, flight.dt
     if flight.headroom is not None:
-        vehicle = replace(vehicle, thrust_max=flight.headroom * vehicle.hover_thrust)
-        if isinstance(air, RoomAir) and air.vehicle is not None:
-            air = replace(air, vehicle=replace(air.vehicle, headroom=flight.headroom))
-    wind = air.wind if isinstance(air, RoomAir) else None
-    params = DisturbanceParams()
-    if wind is not None:
-        params = DisturbanceParams(air_std=wind.gust_std_mps2, air_time=wind.gust_time_s)
+        vehicle = replace(vehicle, thrust_max=float(flight.headroom.max()) * vehicle.hover_thrust)
 
     def make(seed: int, start: Array) -> Draw:
-        return Draw(Swarm(names, vehicle, start, air, seed), Disturbance(params, len(names), dt, seed))
+        drawn = _drawn(air, flight.headroom)
+        swarm = Swarm(names, vehicle, start, drawn, seed)
+        if flight.headroom is not None and isinstance(drawn, RoomAir):
+            ceilings = swarm.air.room.ceilings
+            ceilings *= flight.headroom / flight.headroom.max()
+        return Draw(swarm, Disturbance(_gusts(drawn), len(names), dt, seed))
 
     return make
+
+
+def _drawn(air: FlownAir, headroom: Array | None) -> FlownAir:
+    """Return an air with the recorded headroom and no drag."""
+    if not isinstance(air, RoomAir):
+        return air
+    drawn = replace(air, rotor_drag=None)
+    if headroom is None or drawn.vehicle is None:
+        return drawn
+    return replace(drawn, vehicle=replace(drawn.vehicle, headroom=float(headroom.max()), headroom_std=0.0))
+
+
+def _gusts(air: FlownAir) -> DisturbanceParams:
+    if not isinstance(air, RoomAir) or air.wind is None:
+        return DisturbanceParams()
+    return DisturbanceParams(air_std=air.wind.gust_std_mps2, air_time=air.wind.gust_time_s)

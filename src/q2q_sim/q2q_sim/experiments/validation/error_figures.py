@@ -1,20 +1,17 @@
-"""Figures of recorded and simulated height errors over each other; colours of Okabe and Ito, 2008."""
+"""Figures of recorded and simulated height errors over each other."""
 
 from collections.abc import Sequence
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from q2q_model import palette
 from q2q_sim.experiments.validation.comparison import ErrorSums
 from q2q_sim.experiments.validation.error_spectrum import EDGES
 from q2q_sim.experiments.validation.validation import ValidatedFlight
+from q2q_sim.report.panels import legend_above, panels
 
-RECORDED, SIMULATED, WAKE = "#000000", "#0072b2", "#e69f00"
-WIDTH, PANEL = 5.4, 2.3
-"""Width of a figure and height of a panel [inch]: text of 11 points is legible on a phone."""
-STYLE = {"font.size": 11, "axes.grid": True, "grid.alpha": 0.3, "axes.titlesize": 11}
 CENTIMETRE = 100.0
 
 
@@ -22,14 +19,13 @@ def error_figure(one: ValidatedFlight) -> Figure:
     """Draw the height error of each compared vehicle over time, with the rows under a wake shaded."""
     parts = one.under if one.has_wake else one.clear
     vehicles = [i for i, part in enumerate(parts) if part.n]
-    figure, panels = _panels(len(vehicles))
-    for axes, i in zip(panels, vehicles, strict=True):
+    figure, rows = panels(len(vehicles), sharey=True)
+    for axes, i in zip(rows, vehicles, strict=True):
         _draw_errors(axes, one, i)
         axes.set_title(f"{one.flight.names[i]}: height error")
         axes.set_ylabel("z − z_ref [cm]")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", fontsize=9, ncols=2)
-    panels[-1].set_xlabel("t [s]")
+    legend_above(figure, rows[0])
+    rows[-1].set_xlabel("t [s]")
     return figure
 
 
@@ -38,8 +34,11 @@ def spectrum_figure(parts: Sequence[ErrorSums], title: str) -> Figure:
     recorded = CENTIMETRE**2 * sum(part.power for part in parts)
     drawn = CENTIMETRE**2 * sum(part.power_drawn for part in parts)
     segments = 1.0 / np.diff(EDGES)
-    figure, (axes,) = _panels(1)
-    for power, colour, label in ((recorded, RECORDED, "recorded"), (drawn, SIMULATED, "simulated")):
+    figure, (axes,) = panels(1)
+    for power, colour, label in (
+        (recorded, palette.MEASURED, "recorded"),
+        (drawn, palette.MODEL, "simulated"),
+    ):
         axes.stairs(power * segments, EDGES, color=colour, label=label, baseline=None, linewidth=2)
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -48,31 +47,24 @@ def spectrum_figure(parts: Sequence[ErrorSums], title: str) -> Figure:
     axes.set_ylabel("density [cm²/Hz]")
     axes.set_xticks([0.2, 0.5, 1.0, 2.0, 5.0, 10.0], ["0.2", "0.5", "1", "2", "5", "10"])
     axes.minorticks_off()
-    axes.legend(loc="upper right", fontsize=9)
+    legend_above(figure, axes)
     return figure
 
 
 def _draw_errors(axes: Axes, one: ValidatedFlight, i: int) -> None:
     t, drawn = one.flight.t, CENTIMETRE * one.drawn[..., i]
     low, middle, high = np.percentile(drawn, [2.5, 50.0, 97.5], axis=0)
-    axes.fill_between(t, low, high, color=SIMULATED, alpha=0.25, linewidth=0, label="95 % of draws")
-    axes.plot(t, middle, color=SIMULATED, linewidth=1.2, label="median draw")
-    axes.plot(t, CENTIMETRE * one.flight.error[:, i], color=RECORDED, linewidth=0.9, label="recorded")
+    axes.fill_between(t, low, high, color=palette.MODEL, alpha=0.25, linewidth=0, label="95 % of draws")
+    axes.plot(t, middle, color=palette.MODEL, linewidth=1.2, label="median draw")
+    axes.plot(t, CENTIMETRE * one.flight.error[:, i], color=palette.MEASURED, linewidth=0.9, label="recorded")
     axes.fill_between(
         t,
         0.0,
         1.0,
         where=one.flight.exposed[:, i],
         transform=axes.get_xaxis_transform(),
-        color=WAKE,
+        color=palette.WAKE,
         alpha=0.2,
         linewidth=0,
         label="under a wake",
     )
-
-
-def _panels(count: int) -> tuple[Figure, list[Axes]]:
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, PANEL * count + 0.9), layout="constrained")
-        panels = figure.subplots(count, 1, sharex=True, squeeze=False)
-    return figure, list(panels[:, 0])

@@ -1,12 +1,12 @@
 """Control law of the vehicles of a recorded flight, read from their thrust commands.
 
     f = a_ref + g e_z + K_p e + K_d e' + K_i xi + c - eta_ff e_z      e = r_ref - r,  xi = integral of e
-    T = m f . b,   attitude: b -> f / |f|                             b: body z
+    T = m |f|,   attitude: b -> f / |f|                               b: body z
 
-(Lee, Leok and McClamroch, CDC 2010, with an integral). T is linear in the gains and in one constant of each
-vehicle: a robust regression over all vehicles of a flight gives them. On the recorded flights it leaves 0.006
-to 0.015 m/s^2 in swaps and 0.02 to 0.08 in random walks. Lateral gains enter T by the small tilt error only,
-so typical ones stand in where a flight says little about them.
+(Morgan, Subramanian, Chung and Hadaegh, IJRR 2016, section 7). A robust regression of T over all vehicles of
+a flight gives the gains and one vertical constant of each vehicle. On the recorded flights it leaves 0.003 to
+0.008 m/s^2 in swaps and 0.02 in random walks, and the gains are the same round numbers in all flights of a
+family. Lateral gains enter |f| by the tilt only, so typical ones stand in where a flight says little.
 
 The offset c contains errors of the thrust and what the integral had learned before the first row. It is the
 one that balances the recorded motion in clear air: the mean of r'' minus all other terms.
@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.optimize import least_squares
-from scipy.signal import cont2discrete, lfilter
+from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
 
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.geometry.rotations import rotate
@@ -47,7 +47,7 @@ AROUND = 3
 FEWEST = 200
 """Fewest rows of the regression: 2 s at 100 Hz."""
 ROW_ERROR = 0.01
-"""Residual of T / m above which a row loses weight [m/s^2]: three times that of a vehicle in clear air."""
+"""Residual of T / m above which a row loses weight [m/s^2]: three times that of a swap."""
 TYPICAL = np.array([20.0, 10.0, 0.6])
 """Lateral K_p, K_d, K_i where a flight does not tell: those of the flights of June 2020."""
 TYPICAL_SPREAD = 0.5
@@ -55,9 +55,14 @@ TYPICAL_SPREAD = 0.5
 ROWS_TOGETHER = 100
 """Rows that are one independent one: the residuals of a second have one cause."""
 
-CRITICAL = AttitudeParams(damping=1.0)
-"""Attitude loop whose frequency is read from a flight."""
-FREQUENCIES = (15.0, 20.0, 30.0, 40.0, 60.0, 80.0)
+LOOP = AttitudeParams(damping=3.0, lead_ratio=0.15)
+"""Attitude loop whose frequency w is read from a flight. Damping and lead are those of least squares on the
+tilt of dc19_randomwalk_ss_04 (3.0, 0.14) and dc21_randomwalk_ss_00 (3.0, 0.14), 3.0 being the largest
+allowed: a fast loop of the rate under one of the angle, of a gain of w / 6, about 10 1/s."""
+TILT_BAND = (0.8, 4.0)
+"""Band in which tilts are compared [Hz]. Below, errors of the tilt come back in the command through the
+position loop, and the loop seems fast; above, noise of the velocity moves no vehicle, and it seems slow."""
+FREQUENCIES = (15.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0)
 """Frequencies of the attitude loop that are tried [rad/s]; above, the lag of the rotors hides them."""
 
 
@@ -75,7 +80,7 @@ class OnboardLaw:
     """World, (n, 3)."""
     rms: float
     """Standard deviation of the residual of T / m, from the median [m/s^2]."""
-    attitude: AttitudeParams = CRITICAL
+    attitude: AttitudeParams = LOOP
     """Attitude loop of the plant that tilts as the recorded vehicles did."""
 
 
@@ -98,7 +103,7 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     limited = limited_rows(flight)
     law = _regression(flight, limited, vehicle.mass)
     known = _known(flight, law)  # (T, n, 3)
-    attitude = _attitude(flight, known, np.asarray(~limited.any(axis=-1)), vehicle.thrust_lag)
+    attitude = _attitude(flight, known, _steady(flight, limited), vehicle.thrust_lag)
     commanded = _commanded(flight, attitude, vehicle)
     constant = np.stack(
         [
@@ -124,11 +129,16 @@ def limited_rows(flight: TrackedFlight) -> Mask:
     return np.asarray(maximum_filter1d(at_limit, 2 * AROUND + 1, axis=0))
 
 
+def _steady(flight: TrackedFlight, limited: Mask) -> Mask:
+    """Return the rows in clear air without a limited setpoint, or all of the latter if few, (T, n)."""
+    unlimited = ~limited.any(axis=-1)
+    clear = unlimited & flight.free & flight.usable
+    return np.asarray(clear if clear.sum() >= FEWEST else unlimited)
+
+
 def _known(flight: TrackedFlight, law: OnboardLaw) -> Array:
     """Return the terms of f - g e_z that a recording tells, but a_ref and c, (T, n, 3)."""
-    error, rate = flight.ref_pos - flight.pos, flight.ref_vel - flight.vel
-    integral = np.cumsum(error, axis=0) * flight.dt
-    return np.asarray(feedback(law, error, rate, integral) - flight.compensated[..., None] * UP)
+    return np.asarray(feedback(law, *_errors(flight)) - flight.compensated[..., None] * UP)
 
 
 def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> OnboardLaw:
@@ -139,41 +149,44 @@ def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> OnboardLaw
             f"flight {flight.name} cannot be flown again: {rows.sum()} rows with thrust commands, "
             f"{FEWEST} needed to read the gains of its controllers"
         )
-    axis = rotate(flight.quat, UP)
-    columns = _columns(flight, axis)[rows]
-    plain = flight.ref_acc + (GRAVITY - flight.compensated[..., None]) * UP
-    target = (flight.thrust / mass - (plain * axis).sum(axis=-1))[rows]
-    scale = np.maximum(np.abs(columns).max(axis=0), 1e-12)
+    errors = np.stack([error[rows] for error in _errors(flight)])  # (3, k, 3)
+    plain = (flight.ref_acc + (GRAVITY - flight.compensated[..., None]) * UP)[rows]  # (k, 3)
+    wanted = flight.thrust[rows] / mass
+    own = np.nonzero(rows)[1][:, None] == np.arange(len(flight.names))  # (k, n)
     weight = ROW_ERROR * np.sqrt(ROWS_TOGETHER) / TYPICAL_SPREAD
-    prior = np.zeros((3, columns.shape[1]))
-    prior[[0, 1, 2], [3, 4, 5]] = weight / TYPICAL
-    design, wanted = np.vstack([columns, prior]) / scale, np.append(target, np.full(3, weight))
-    found = least_squares(
-        lambda x: design @ x - wanted,
-        np.zeros(len(scale)),
-        jac=lambda _: design,
-        loss="soft_l1",
-        f_scale=ROW_ERROR,
-    )
-    vertical, lateral = (found.x / scale)[:3], (found.x / scale)[3:6]
-    k_p, k_d, k_i = (np.array([xy, xy, z]) for xy, z in zip(lateral, vertical, strict=True))
-    residual = np.abs(columns @ (found.x / scale) - target)
-    return OnboardLaw(k_p, k_d, k_i, np.zeros((len(flight.names), 3)), 1.4826 * float(np.median(residual)))
+    prior = np.zeros((3, 6 + len(flight.names)))
+    prior[:, 3:6] = np.diag(weight / TYPICAL)
+
+    def force(x: Array) -> Array:
+        gains = np.stack([x[3:6], x[3:6], x[:3]], axis=1)  # K_p, K_d, K_i of x, y and z
+        return np.asarray(plain + np.einsum("gj,gkj->kj", gains, errors) + (own @ x[6:])[:, None] * UP)
+
+    def missed(x: Array) -> Array:
+        return np.append(np.linalg.norm(force(x), axis=1) - wanted, prior @ x - weight)
+
+    def slopes(x: Array) -> Array:
+        axis = force(x) / np.linalg.norm(force(x), axis=1, keepdims=True)
+        along = axis * errors  # (3, k, 3)
+        vertical, lateral = along[..., 2].T, along[..., :2].sum(axis=-1).T
+        return np.vstack([np.column_stack([vertical, lateral, axis[:, 2:] * own]), prior])
+
+    start = np.concatenate([TYPICAL, TYPICAL, np.zeros(len(flight.names))])
+    found = least_squares(missed, start, jac=slopes, loss="soft_l1", f_scale=ROW_ERROR).x
+    k_p, k_d, k_i = (np.array([xy, xy, z]) for xy, z in zip(found[3:6], found[:3], strict=True))
+    rms = 1.4826 * float(np.median(np.abs(missed(found)[:-3])))
+    return OnboardLaw(k_p, k_d, k_i, np.zeros((len(flight.names), 3)), rms)
 
 
-def _columns(flight: TrackedFlight, axis: Array) -> Array:
-    """Return the columns of T / m: vertical and lateral gains, then one constant of each vehicle."""
-    error, rate = flight.ref_pos - flight.pos, flight.ref_vel - flight.vel
-    terms = (error, rate, np.cumsum(error, axis=0) * flight.dt)
-    vertical = [axis[..., 2] * term[..., 2] for term in terms]
-    lateral = [(axis[..., :2] * term[..., :2]).sum(axis=-1) for term in terms]
-    constants = [axis[..., 2] * (np.arange(len(flight.names)) == i) for i in range(len(flight.names))]
-    return np.stack([*vertical, *lateral, *constants], axis=-1)
+def _errors(flight: TrackedFlight) -> tuple[Array, Array, Array]:
+    """Return e, e' and xi, (T, n, 3) each."""
+    error = flight.ref_pos - flight.pos
+    return error, flight.ref_vel - flight.vel, np.cumsum(error, axis=0) * flight.dt
 
 
 def _commanded(flight: TrackedFlight, attitude: AttitudeParams, vehicle: Vehicle) -> Array:
     """Return f - g e_z [m/s^2], (T, n, 3), from the thrust, and the tilt after the delay of its loop."""
-    late = round((vehicle.thrust_lag + 2.0 * attitude.damping / attitude.frequency) / flight.dt)
+    lead = attitude.lead_ratio * vehicle.thrust_lag
+    late = round((lead + 2.0 * attitude.damping / attitude.frequency) / flight.dt)
     axis = rotate(flight.quat, UP)
     axis[:-late, :, :2] = axis[late:, :, :2]
     return np.asarray(flight.thrust[..., None] / vehicle.mass * axis - GRAVITY * UP)
@@ -200,14 +213,21 @@ def _attitude(flight: TrackedFlight, known: Array, rows: Mask, lag: float) -> At
     wanted, tilt = (part[..., :2] / part[..., 2:] for part in (force, axis))
     wanted, tilt = wanted - wanted.mean(axis=0), tilt - tilt.mean(axis=0)
 
-    def miss(frequency: float) -> float:
-        return float(np.median(np.abs(_tilted(wanted, frequency, lag, flight.dt) - tilt)[rows]))
+    band = butter(2, TILT_BAND, "bandpass", fs=1.0 / flight.dt, output="sos")
 
-    return replace(CRITICAL, frequency=min(FREQUENCIES, key=miss))
+    def miss(frequency: float) -> float:
+        missed = sosfiltfilt(band, _tilted(wanted, frequency, lag, flight.dt) - tilt, axis=0)
+        return float(np.median(np.abs(missed)[rows]))
+
+    return replace(LOOP, frequency=min(FREQUENCIES, key=miss))
 
 
 def _tilted(wanted: Array, frequency: float, lag: float, dt: float) -> Array:
-    """Return the tilt (T, n, 2) after the attitude loop and the rotors (q2q_control.attitude)."""
-    slow = np.polymul([frequency**-2, 2.0 * CRITICAL.damping / frequency, 1.0], [lag, 1.0])
+    """Return the tilt (T, n, 2) after the attitude loop and the rotors (q2q_control.attitude).
+
+    With a lead l and a lag T it is 1 / (1 + (2 zeta / w + l) s + (1 / w^2 + 2 zeta l / w) s^2 + T / w^2 s^3).
+    """
+    lead, damped = LOOP.lead_ratio * lag, 2.0 * LOOP.damping / frequency
+    slow = np.array([lag * frequency**-2, frequency**-2 + damped * lead, damped + lead, 1.0])
     over, under, _ = cont2discrete((np.ones(1), slow), dt)
     return np.asarray(lfilter(over.ravel(), under, wanted, axis=0))

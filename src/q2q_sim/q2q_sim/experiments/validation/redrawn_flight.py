@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.geometry.rotations import rotate, yaw_from_quat
+from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.flatness import flat_state
-from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.estimate_noise import estimate_noise
 from q2q_sim.experiments.validation.onboard_law import ReadFlight, feedback
@@ -35,6 +34,10 @@ class Draws:
     """Body to world, (draws, T, n, 4)."""
     thrust: Array
     """Commanded collective thrust [N], (draws, T, n)."""
+
+    def first(self) -> "Draws":
+        """Return a copy of the first draw."""
+        return Draws(*(values[:1].copy() for values in (self.pos, self.vel, self.quat, self.thrust)))
 
 
 def redrawn(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence[int]) -> Draws:
@@ -57,7 +60,7 @@ def redrawn(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence[int])
         error = flight.ref_pos[k] - pos
         integral += flight.dt * error
         acc = ahead[k] + feedback(law, error, flight.ref_vel[k] - vel, integral)
-        command = _command(acc, quat, yaw, mass)
+        command = _command(acc, yaw, mass)
         drag = drag_acceleration(read.drag, state[..., VEL], quat)
         for draw, one, slowed in zip(draws, command, drag, strict=True):
             drive = draw.gusts.step()
@@ -68,8 +71,8 @@ def redrawn(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence[int])
     return seen
 
 
-def _command(acc: Array, quat: Array, yaw: Array, mass: float) -> Array:
+def _command(acc: Array, yaw: Array, mass: float) -> Array:
     """Return thrust [N], roll, pitch [rad] and yaw rate [rad/s], (draws, n, 4), for accelerations."""
     attitude = flat_state(acc, np.broadcast_to(yaw, acc.shape[:-1]))
-    thrust = mass * ((acc + GRAVITY * UP) * rotate(quat, UP)).sum(axis=-1)
-    return np.stack([np.maximum(thrust, 0.0), attitude.roll, attitude.pitch, np.zeros_like(thrust)], axis=-1)
+    thrust = mass * attitude.thrust
+    return np.stack([thrust, attitude.roll, attitude.pitch, np.zeros_like(thrust)], axis=-1)

@@ -12,14 +12,13 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, Mask, scored_rows
-from q2q_model.identification.force.recorded_force import FULL_DUTY, MOTORS, lagged
 from q2q_model.identification.gains.altitude_record import UP, resampled
 from q2q_model.identification.identification import Recording, force_record
 from q2q_model.signals.values import Array, Names
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.air.learning.evidence.air_record import air_records
+from q2q_sim.air.learning.evidence.motor_curve import motor_curves, usual_power
 
-ESTIMATE_LAG = 0.057
-"""Lag of thrust_est behind the motors [s]: 0.16 of the way in each 10 ms."""
 SHORTEST = 5.0
 """Shortest flight that is compared [s]: one period of the slowest frequency, 0.2 Hz."""
 
@@ -58,8 +57,8 @@ class TrackedFlight:
     """Rows in clear air, (T, n)."""
     scored: Mask
     """Vehicles with enough rows in clear air to be compared, (n,)."""
-    headroom: float | None = None
-    """Largest thrust over hover thrust, mean of the vehicles; None without a log of the motors."""
+    headroom: Array | None = None
+    """Largest thrust over hover thrust of each vehicle at the start, (n,); None without a motor log."""
 
     @property
     def t(self) -> Array:
@@ -108,27 +107,21 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         exposed=exposed[nearest],
         free=free[nearest],
         scored=np.asarray(free.sum(axis=0) >= FEWEST_FREE),
-        headroom=None if recording.log is None else recorded_headroom(recording.log, vehicle),
+        headroom=recorded_headroom(recording, vehicle),
     )
 
 
-def recorded_headroom(log: FlightLog, vehicle: Vehicle) -> float | None:
-    """Return the thrust of motors at full duty over hover thrust, mean of the vehicles; None without a log.
+def recorded_headroom(recording: Recording, vehicle: Vehicle) -> Array | None:
+    """Return the largest thrust over hover thrust of each vehicle by its motor curve, (n,).
 
-    thrust_est = sum over motors of a u + b u^2 of their duties u, by least squares over the flight, at its
-    voltage.
+    None if a vehicle has no log of its motors, or flies for less than 5 s.
     """
-    if not {"thrust_est", *MOTORS} <= set(log.columns):
+    records, _ = air_records([recording], vehicle, vehicle.thrust_lag)
+    curves = motor_curves(records)
+    if not curves or len(curves) < records[0].vehicles:
         return None
-    duty = np.stack([np.nan_to_num(log.column(motor)) for motor in MOTORS])  # (4, T, n)
-    sums = [lagged((duty**power).sum(axis=0), log.t, ESTIMATE_LAG) for power in (1, 2)]
-    found = []
-    for i in range(len(log.names)):
-        rows = (duty[..., i] > 0.0).all(axis=0) & np.isfinite(log.column("thrust_est")[:, i])
-        columns = np.stack([one[rows, i] for one in sums], axis=-1)
-        a, b = np.linalg.lstsq(columns, log.column("thrust_est")[rows, i], rcond=None)[0]
-        found.append(4.0 * (a * FULL_DUTY + b * FULL_DUTY**2) / vehicle.hover_thrust)
-    return float(np.mean(found))
+    power = usual_power(curves)
+    return np.array([one.headroom(one.start_volts, power) for one in curves])
 
 
 def _compensated(flight: Flight, log: FlightLog | None, mass: float) -> Array:

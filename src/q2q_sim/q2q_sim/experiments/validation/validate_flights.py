@@ -1,11 +1,11 @@
 """Validation of an air by recorded flights: what is flown, told, drawn and written."""
 
-import json
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from q2q_model.documents.json_file import write_json
 from q2q_model.identification.identification import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.find_air import FlownAir
@@ -30,7 +30,7 @@ def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, a
     done = [_flown(one, air, vehicle, args.draws) for one in tracked]
     alone = [_flown_alone(one, air, vehicle, args.draws) for one in single]
     if args.json:
-        args.json.write_text(json.dumps(as_json(done, alone), indent=1) + "\n")
+        write_json(as_json(done, alone), args.json)
     if args.out:
         print(f"page: {write_page(done, alone, Path(args.air).name, args.out)}")
     if alone:

@@ -19,7 +19,7 @@ from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE, EXPOSED_SHARE
 from q2q_sim.experiments.validation.flight_alone import ComparedAlone
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, read_law
-from q2q_sim.experiments.validation.redrawn_flight import redrawn
+from q2q_sim.experiments.validation.redrawn_flight import Draws, redrawn
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
 DRAWS = 20
@@ -42,6 +42,9 @@ class ValidatedFlight:
     """k of rotor_drag [1/s]."""
     drawn: Array
     """z - z_ref of each draw [m], (draws, T, n)."""
+    first: Draws
+    """The first draw alone."""
+    vehicle: Vehicle
     under: tuple[ErrorSums, ...]
     """Rows under a wake, one entry a vehicle."""
     clear: tuple[ErrorSums, ...]
@@ -62,10 +65,11 @@ def validated(
         ValueError: the law cannot be read.
     """
     read = read_law(flight, vehicle)
-    drawn = redrawn(read, vehicle.mass, make, seeds).pos[..., 2] - flight.ref_pos[..., 2]
+    draws = redrawn(read, vehicle.mass, make, seeds)
+    drawn = draws.pos[..., 2] - flight.ref_pos[..., 2]
     under = _sums(flight, drawn, flight.exposed, EXPOSED_SHARE)
     clear = _sums(flight, drawn, flight.free, CLEAR_SHARE)
-    return ValidatedFlight(read.flight, read.law, read.drag, drawn, under, clear)
+    return ValidatedFlight(read.flight, read.law, read.drag, drawn, draws.first(), vehicle, under, clear)
 
 
 def pooled(flights: Sequence[ValidatedFlight]) -> Comparison:
@@ -81,6 +85,11 @@ def verdict(numbers: Comparison) -> str:
     if not misses:
         return "Under a wake, these recorded flights cannot be told from flights in this air."
     return f"This air is not that of the recorded flights: {'; '.join(misses)}."
+
+
+def is_told_apart(numbers: Comparison) -> bool:
+    """Return whether the recorded flights differ from flights in the air."""
+    return not all(ok for ok, _ in _judged(numbers))
 
 
 def as_json(flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone] = ()) -> dict[str, object]:

@@ -16,11 +16,15 @@ from q2q_sim.experiments.validation.validation import (
     RMS_RATIO,
     SPECTRUM_DB,
     ValidatedFlight,
+    is_told_apart,
     pooled,
     verdict,
 )
-from q2q_sim.report.figures import save
-from q2q_sim.report.html_page import Grid, Picture, page
+from q2q_sim.experiments.validation.validation_replay import longest_under, replayed_runs
+from q2q_sim.replay_page import replay_element
+from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
+from q2q_sim.report.panels import save
+from q2q_sim.report.significant import significant
 
 HEAD = (
     "flight",
@@ -29,9 +33,10 @@ HEAD = (
     "rms ratio",
     "correlation",
     "spectrum [dB]",
-    "in band",
-    "worst",
+    "in band [%]",
+    "worst ratio",
 )
+LEAD = "Recorded flights, flown again in simulated air and compared by their height errors."
 NOTES = (
     "Each recorded flight is flown again by its own control law, read from its thrust commands, along its "
     "recorded references. The height error is altitude minus its reference. Ratios are simulated over "
@@ -65,30 +70,48 @@ def write_page(
         for one in flights
         if any(part.n for part in (*one.under, *one.clear))
     ]
-    parts: list[Grid | Sequence[Picture] | str] = [
+    whole = pooled(flights)
+    parts: list[Part] = [
+        PageVerdict(verdict(whole), whole.n == 0 or not is_told_apart(whole)),
+        *_replay(flights),
         targets,
         *_table("Under a wake", [(one.flight.name, comparison(one.under)) for one in flights], under),
         *([_interval_text(flight_intervals([one.under for one in flights]))] if flights else []),
         *_table("In clear air", [(one.flight.name, comparison(one.clear)) for one in flights], clear),
         *([spectra] if spectra else []),
-        curves,
+        *_titled("Height error of each flight", curves),
         *_alone_panel(alone, out),
         NOTES,
     ]
     file = out / "index.html"
-    file.write_text(page(f"Validation of {air}", verdict(pooled(flights)), parts), encoding="utf-8")
+    file.write_text(page(f"Validation of {air}", LEAD, parts), encoding="utf-8")
     return file
 
 
-def _table(
-    title: str, flights: Sequence[tuple[str, Comparison]], parts: Sequence[ErrorSums]
-) -> list[Grid | str]:
+def _replay(flights: Sequence[ValidatedFlight]) -> list[Part]:
+    """Return the replay of the flight with the longest time under a wake, empty without any flight."""
+    if not flights:
+        return []
+    shown = longest_under(flights)
+    title = Heading(f"{shown.flight.name}, recorded and flown again")
+    try:
+        return [title, Markup(replay_element(replayed_runs(shown)))]
+    except ValueError as lacking:
+        return [title, f"No replay: {lacking}."]
+
+
+def _titled(title: str, pictures: Sequence[Picture]) -> list[Part]:
+    """Return pictures under a heading, empty without any."""
+    return [Heading(title), pictures] if pictures else []
+
+
+def _table(title: str, flights: Sequence[tuple[str, Comparison]], parts: Sequence[ErrorSums]) -> list[Part]:
     """Return title and table of the flights that are compared, empty without any."""
     rows = _rows(flights, comparison(parts))
-    return [title, Grid(HEAD, rows)] if rows else []
+    return [Heading(title), Grid(HEAD, rows)] if rows else []
 
 
-def _alone_panel(alone: Sequence[ComparedAlone], out: Path) -> list[Grid | Sequence[Picture] | str]:
+def _alone_panel(alone: Sequence[ComparedAlone], out: Path) -> list[Part]:
     """Return table and spectra of the flights of one vehicle alone, empty without any."""
     if not alone:
         return []
@@ -100,7 +123,8 @@ def _alone_panel(alone: Sequence[ComparedAlone], out: Path) -> list[Grid | Seque
         if any(part.power.any() for part in parts)
     ]
     beside = _row("all, x and y", comparison(lateral))
-    return ["One vehicle alone", ALONE_NOTES, Grid(HEAD, [*rows, beside]), spectra]
+    table = Grid(HEAD, [*rows, beside])
+    return [Heading("One vehicle alone"), ALONE_NOTES, table, *([spectra] if spectra else [])]
 
 
 def _rows(flights: Sequence[tuple[str, Comparison]], whole: Comparison) -> list[tuple[str, ...]]:
@@ -110,11 +134,9 @@ def _rows(flights: Sequence[tuple[str, Comparison]], whole: Comparison) -> list[
 
 def _row(name: str, one: Comparison) -> tuple[str, ...]:
     recorded = None if one.z_rms_recorded_m is None else 100.0 * one.z_rms_recorded_m
-    numbers = (recorded, one.z_rms_ratio, one.correlation, one.spectrum_db)
-    cells = ("-" if value is None else f"{value:.2f}" for value in numbers)
-    inside = "-" if one.coverage95 is None else f"{one.coverage95:.1%}"
-    worst = "-" if one.worst_ratio is None else f"{one.worst_ratio:.2f}"
-    return (name, str(one.n), *cells, inside, worst)
+    inside = None if one.coverage95 is None else 100.0 * one.coverage95
+    numbers = (recorded, one.z_rms_ratio, one.correlation, one.spectrum_db, inside, one.worst_ratio)
+    return (name, str(one.n), *(significant(value, 2) for value in numbers))
 
 
 def _interval_text(intervals: dict[str, tuple[float, float]]) -> str:

@@ -15,7 +15,7 @@
 | action | a vehicle not observed for 60 ms is flown by a fallback | frames, commands |
 | silence | live: no 60 ms without a new command | commands |
 | belief | a state with status tracked is accurate to `belief`, unless a sensor has a steady error | states |
-| return | `settle` after the last fault all are within `back` of their setpoints | true positions |
+| return | `settle` after the last fault, and a push beyond the thrust, all are within `back` | truth |
 """
 
 from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_of

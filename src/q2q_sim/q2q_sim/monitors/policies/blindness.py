@@ -25,12 +25,12 @@ def blind(evidence: Evidence) -> Mask:
 
 def blind_lately(evidence: Evidence, settle: float) -> Mask:
     """Return which vehicles are flown blind at each tick, or were less than `settle` [s] before, (T, n)."""
-    return _lately(evidence, blind(evidence), settle)
+    return lately(evidence, blind(evidence), settle)
 
 
 def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
     """Return which vehicles are sent to the floor, or were less than `settle` [s] before, (T, n)."""
-    return _lately(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
+    return lately(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
 
 
 def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
@@ -65,7 +65,8 @@ def misnamed(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
     return misled(evidence, tuple(fault for fault in faults if fault.kind == "swap"), RECOVERY_S)
 
 
-def _lately(evidence: Evidence, when: Mask, settle: float) -> Mask:
+def lately(evidence: Evidence, when: Mask, settle: float) -> Mask:
+    """Return which vehicles are in a condition, or were less than `settle` [s] before, (T, n)."""
     t = evidence.t[:, None]
     last = np.maximum.accumulate(np.where(when, t, -np.inf), axis=0)
     return np.asarray(t - last < settle)

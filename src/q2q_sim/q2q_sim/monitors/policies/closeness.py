@@ -1,5 +1,6 @@
 """Policies on pairs: separation, and no unplanned entry into the interference zone."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,17 @@ def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     `settle` later.
     """
     found = []
+    for (one, other), inside in clearances(evidence, circumstances):
+        deepest = _lowest(inside)
+        if deepest is not None and inside[deepest] < 0.0:
+            found.append(
+                _violation("zone", evidence, (one, other), _Worst(deepest, float(inside[deepest]), 0.0))
+            )
+    return found
+
+
+def clearances(evidence: Evidence, circumstances: Circumstances) -> Iterator[tuple[tuple[int, int], Array]]:
+    """Yield each ordered pair and its distance from the zone [m], (T,); NaN at ticks that are not judged."""
     settle = circumstances.limits.settle
     lost = blind_lately(evidence, settle) | misled(evidence, circumstances.faults, settle)
     for i, j in _pairs(evidence):
@@ -46,13 +58,7 @@ def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))
             meant = circumstances.zone.signed_distance(_between(evidence.sent_pos, one, other))
             sighted = ~(lost[:, one] | lost[:, other])
-            inside = np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
-            deepest = _lowest(inside)
-            if deepest is not None and inside[deepest] < 0.0:
-                found.append(
-                    _violation("zone", evidence, (one, other), _Worst(deepest, float(inside[deepest]), 0.0))
-                )
-    return found
+            yield (one, other), np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
 
 
 def _pairs(evidence: Evidence) -> list[tuple[int, int]]:

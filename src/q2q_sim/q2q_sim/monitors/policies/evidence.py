@@ -5,13 +5,17 @@ signal belongs to the tick with its stamp; of several, the last counts. Missing 
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names, index_of
+
+Rows = NDArray[np.intp]
 
 NAMING = ("truth", "reference", "reference_safe", "state", "command", "mocap")
 """Topics that give ticks and names, in order of preference."""
@@ -65,6 +69,8 @@ class Evidence:
     """Bag time is wall time, so that gaps count."""
     not_finite: tuple[str, ...]
     """Signals with numbers that are not finite, one line for each topic."""
+    true_downwash: Array = field(default_factory=lambda: np.full((1, 1, 3), np.nan))
+    """True acceleration by the downwash [m/s^2], (T, n, 3); (1, 1, 3) if unknown."""
 
     @property
     def tick(self) -> float:
@@ -86,68 +92,93 @@ def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
     if naming is None:
         raise ValueError(f"no ticks: a flight needs one of {', '.join(NAMING)}")
     names = tuple(dict.fromkeys(name for signal in naming for name in signal.names))
-    table = _Table(np.unique([signal.t for signal in naming]), names)
-    sent = signals.get("reference_safe") or signals.get("reference", [])
-    states, commands = signals.get("state", []), signals.get("command", [])
+    grid = _Grid(np.unique([signal.t for signal in naming]), names)
+    states, commands = _Table(grid, signals.get("state", [])), _Table(grid, signals.get("command", []))
     timed_commands = by_topic.get("command", [])
-    true_pos = table.column(signals.get("truth", []), "pos", 3)
+    true_pos = _Table(grid, signals.get("truth", [])).column("pos", 3)
+    sent = _Table(grid, signals.get("reference_safe") or signals.get("reference", []))
     return Evidence(
-        t=table.t,
+        t=grid.t,
         names=names,
         true_pos=true_pos,
-        sent_pos=table.column(sent, "pos", 3),
-        seen=_seen(table, signals.get("mocap", []), true_pos),
-        state_pos=table.column(states, "pos", 3),
-        state_age=table.column(states, "age", 1),
-        state_status=table.column(states, "status", 1),
-        thrust=table.column(commands, "thrust", 1),
-        roll=table.column(commands, "roll", 1),
-        pitch=table.column(commands, "pitch", 1),
-        command_status=table.column(commands, "status", 1),
+        sent_pos=sent.column("pos", 3),
+        seen=_seen(grid, signals.get("mocap", []), true_pos),
+        state_pos=states.column("pos", 3),
+        state_age=states.column("age", 1),
+        state_status=states.column("status", 1),
+        thrust=commands.column("thrust", 1),
+        roll=commands.column("roll", 1),
+        pitch=commands.column("pitch", 1),
+        command_status=commands.column("status", 1),
         commanded_at=np.array([one.at for one in timed_commands]),
         live=any(abs(one.at - one.signal.t) > SAME_TICK for one in timed_commands),
         not_finite=tuple(filter(None, (_first_not_finite(topic, found) for topic, found in signals.items()))),
+        true_downwash=_Table(grid, signals.get("truth_interference", [])).column("acc", 3),
     )
 
 
-def _seen(table: "_Table", frames: Sequence[Signal], true_pos: Array) -> NDArray[np.bool_]:
+def _seen(grid: "_Grid", frames: Sequence[Signal], true_pos: Array) -> NDArray[np.bool_]:
     """Return which vehicles were observed, (T, n), also under each other's names.
 
     After a clock jump several frames may have the same stamp; each of them counts.
     """
     seen = np.zeros(true_pos.shape[:2], dtype=np.bool_)
-    while last := set(table.last(frames).values()):
-        samples = table.column(frames, "pos", 3)
+    while (table := _Table(grid, frames)).last:
+        samples = table.column("pos", 3)
         apart = np.linalg.norm(samples[:, None] - true_pos[:, :, None], axis=3)  # (T, vehicle, sample)
         seen |= np.isfinite(samples).all(axis=2) | (apart < SIGHT_M).any(axis=2)
-        frames = [frame for k, frame in enumerate(frames) if k not in last]
+        frames = [frame for k, frame in enumerate(frames) if k not in table.last]
     return seen
 
 
+class _Grid(NamedTuple):
+    """Ticks of the rows and vehicles of the columns."""
+
+    t: Array
+    names: Names
+
+
+class _Group(NamedTuple):
+    """Signals with the same names in the same order."""
+
+    signals: list[Signal]
+    place: tuple[Rows, ...]
+    """Their rows and columns, for an array of the grid."""
+    known: NDArray[np.bool_]
+    """Which of their vehicles are in the grid."""
+
+
 class _Table:
-    """Ticks and vehicles of the rows and columns."""
+    """Signals of a topic in the rows and columns of a grid."""
 
-    def __init__(self, t: Array, names: Names) -> None:
-        self.t, self._names = t, names
+    def __init__(self, grid: _Grid, signals: Sequence[Signal]) -> None:
+        self._shape = len(grid.t), len(grid.names)
+        rows = _last_of_rows(grid.t, signals)
+        self.last = rows.keys()
+        """The last signal of each row that has one."""
+        self._groups: list[_Group] = []
+        for names, some in _by_names(signals, rows).items():
+            at = index_of(names, grid.names)
+            place = np.ix_(np.array([rows[k] for k in some]), at[at >= 0])
+            self._groups.append(_Group([signals[k] for k in some], place, at >= 0))
 
-    def column(self, signals: Sequence[Signal], attribute: str, width: int) -> Array:
-        """Return one attribute of a topic, (T, n) or (T, n, width); NaN where missing."""
-        shape = (len(self.t), len(self._names), width)
-        made = np.full(shape if width > 1 else shape[:2], np.nan)
-        row_of = {k: row for row, k in self.last(signals).items()}
-        for names, some in _by_names(signals, row_of).items():
-            at = index_of(names, self._names)
-            values = np.stack([getattr(signals[k], attribute) for k in some])
-            rows = np.array([row_of[k] for k in some])
-            made[np.ix_(rows, at[at >= 0])] = values[:, at >= 0]
+    def column(self, attribute: str, width: int) -> Array:
+        """Return one attribute, (T, n) or (T, n, width); NaN where missing."""
+        made = np.full((*self._shape, width) if width > 1 else self._shape, np.nan)
+        for signals, place, known in self._groups:
+            rows = list(map(attrgetter(attribute), signals))
+            values = np.concatenate(rows).reshape(len(rows), *rows[0].shape)
+            made[place] = values[:, known]
         return made
 
-    def last(self, signals: Sequence[Signal]) -> dict[int, int]:
-        """Return the last signal of each row that has one."""
-        stamps = np.array([signal.t for signal in signals])
-        rows = np.clip(np.searchsorted(self.t, stamps - SAME_TICK), 0, len(self.t) - 1)
-        mine = np.abs(self.t[rows] - stamps) <= SAME_TICK
-        return dict(zip(rows[mine].tolist(), np.flatnonzero(mine).tolist(), strict=True))
+
+def _last_of_rows(t: Array, signals: Sequence[Signal]) -> dict[int, int]:
+    """Return the row of each signal that is the last of its row."""
+    stamps = np.array([signal.t for signal in signals])
+    rows = np.clip(np.searchsorted(t, stamps - SAME_TICK), 0, len(t) - 1)
+    mine = np.abs(t[rows] - stamps) <= SAME_TICK
+    last = dict(zip(rows[mine].tolist(), np.flatnonzero(mine).tolist(), strict=True))
+    return {k: row for row, k in last.items()}
 
 
 def _by_names(signals: Sequence[Signal], chosen: Iterable[int]) -> dict[Names, list[int]]:
@@ -169,10 +200,11 @@ def _first_not_finite(topic: str, signals: Sequence[Signal]) -> str:
     if not signals or isinstance(signals[0], MocapFrame):
         return ""
     for attribute in signals[0].__dataclass_fields__:
-        if attribute in _MAY_BE_NAN or not isinstance(getattr(signals[0], attribute), np.ndarray):
+        one = getattr(signals[0], attribute)
+        if attribute in _MAY_BE_NAN or not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
             continue
         lost = np.isnan if attribute in _MAY_BE_INFINITE else _not_finite
-        if lost(np.concatenate([getattr(signal, attribute) for signal in signals])).any():
+        if lost(np.concatenate(list(map(attrgetter(attribute), signals)))).any():
             first = next(signal for signal in signals if lost(getattr(signal, attribute)).any())
             return f"{topic} at {first.t:.3f} s: {attribute} is not finite"
     return ""

@@ -31,4 +31,5 @@ def evidence_of_flight(flight: Flight) -> Evidence:
         commanded_at=np.zeros(0),
         live=False,
         not_finite=(),
+        true_downwash=flight.true_eta,
     )

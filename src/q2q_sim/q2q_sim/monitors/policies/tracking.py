@@ -3,8 +3,17 @@
 import numpy as np
 
 from q2q_model.signals.values import CommandStatus, TrackStatus
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.blindness import RECOVERY_S, blind, misled, misplaced, sent_down_lately
+from q2q_sim.monitors.policies.blindness import (
+    RECOVERY_S,
+    Mask,
+    blind,
+    lately,
+    misled,
+    misplaced,
+    sent_down_lately,
+)
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst
 
@@ -37,13 +46,26 @@ def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 
 
 def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the vehicles not back on their path `settle` after the last fault."""
+    """Return the vehicles not back on their path `settle` after the last fault.
+
+    No controller returns a vehicle that is pushed down by more than its thrust holds: it has `settle` then.
+    """
     limits = circumstances.limits
+    pushed = lately(evidence, overpowered(evidence, circumstances.vehicle), limits.settle)
     calm = evidence.t > last_fault_end(evidence, circumstances.faults) + limits.settle
     cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
     off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
-    excess = np.where(calm[:, None] & ~cut, off - limits.back, np.nan)
+    excess = np.where(calm[:, None] & ~cut & ~pushed, off - limits.back, np.nan)
     return worst("return", evidence, excess, (off, limits.back))
+
+
+def overpowered(evidence: Evidence, vehicle: Vehicle) -> Mask:
+    """Return which vehicles the true downwash pushes down by more than their largest command holds, (T, n).
+
+    m (g - eta_z) > U1_max. Where the downwash is unknown, none.
+    """
+    needed = vehicle.mass * (GRAVITY - evidence.true_downwash[..., 2])
+    return np.asarray(needed > vehicle.rpyt_thrust_max)
 
 
 def last_fault_end(evidence: Evidence, faults: tuple[Fault, ...]) -> float:

@@ -69,7 +69,7 @@ class AirRecord:
     lag: float
     """Time constant of thrust of all flights [s]."""
     own_lag: float | None
-    """That of this flight alone; None if it does not show."""
+    """That of this flight alone; None if it does not show, or was not looked for."""
     motors: Motors | None
     """None if the flight has no log of them."""
 
@@ -79,12 +79,18 @@ class AirRecord:
         return int(self.motion.pos.shape[1])
 
 
-def air_records(recordings: Sequence[Recording], vehicle: Vehicle) -> tuple[list[AirRecord], list[str]]:
-    """Return the records of flights with a measured force, and one note on each other flight."""
-    lag = thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
+def air_records(
+    recordings: Sequence[Recording], vehicle: Vehicle, known_lag: float | None = None
+) -> tuple[list[AirRecord], list[str]]:
+    """Return the records of flights with a measured force, and one note on each other flight.
+
+    With a known time constant of thrust [s], no flight's own one is looked for.
+    """
+    lag = known_lag or thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
     found, notes = [], []
     for one in recordings:
-        record = _record(one, vehicle, lag)
+        own_lag = None if known_lag else thrust_lag([one.flight], vehicle)
+        record = _record(one, vehicle, lag, own_lag)
         if record is None:
             notes.append(
                 f"{one.flight.name} has no measured force: record imu and command, or faz_est, gap and pwm1-4"
@@ -96,7 +102,7 @@ def air_records(recordings: Sequence[Recording], vehicle: Vehicle) -> tuple[list
     return found, notes
 
 
-def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
+def _record(one: Recording, vehicle: Vehicle, lag: float, own_lag: float | None) -> AirRecord | None:
     forces = force_record(one, vehicle, lag)
     if forces is None:
         return None
@@ -119,7 +125,7 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
         quat=flight.quat,
         rate_body=flight.gyro_body,
         lag=lag,
-        own_lag=thrust_lag([flight], vehicle),
+        own_lag=own_lag,
         motors=_motors(one),
     )
 

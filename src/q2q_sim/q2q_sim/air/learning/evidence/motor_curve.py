@@ -1,12 +1,14 @@
 """Thrust of the motors by duty and battery, of each vehicle and flight.
 
-    T / m g = (d u / p)^k,   u = u_0 - rho t - s d        d: mean duty, u: battery voltage under load
+    T / m g = mean over motors of (d_m u / p)^k,   u = u_0 - rho t - s d
 
-d and u are taken after the thrust lag. Feedback makes the duty answer to gusts, which bends single flights'
-k either way: their median is used.
+taken after the thrust lag. k has the least squared error of all vehicles together: the thrust of one that
+only hovers does not tell it. The motors are taken one by one: under the edge of a wake they differ by most
+of their range, and as thrust is convex in duty, the mean duty falls there while the thrust does not.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
+| d_m, d | | duty of a motor, mean duty [-] |
 | k | power | [-] |
 | p | hover_volts | effective voltage d u at hover [V] |
 | u_0 | start_volts | battery under the load of hover at the start [V] |
@@ -18,16 +20,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from q2q_model.identification.force.recorded_force import lagged
+from q2q_model.identification.force.downwash_force import FLOOR
+from q2q_model.identification.force.recorded_force import FULL_DUTY, lagged
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
 
+Rows = NDArray[np.intp]
 FEWEST = 500
 """Fewest rows of a vehicle in flight: 5 s at 100 Hz."""
 FLYING = 0.7
 """Thrust over hover thrust above which a vehicle flies [-]."""
-USUAL_POWER = 1.5
+POWERS = np.linspace(1.0, 3.0, 21)
+"""k to choose from: thrust in proportion to the speed of the rotors is 1, to its square 2."""
+USUAL_POWER = 1.9
 """k without a motor log [-]: that of the recorded flights."""
 
 
@@ -35,16 +42,18 @@ USUAL_POWER = 1.5
 class MotorCurve:
     """Motor curve of one vehicle of a flight."""
 
-    power: float
+    misses: Array
+    """Squared error of T / m g at each of POWERS, sum over rows."""
     hover_volts: float
+    """At the vehicle's own best power."""
     start_volts: float
     discharge: float
     sag: float
 
     def headroom(self, volts: float, power: float) -> float:
         """Return the thrust at full duty over that of hover, for a voltage at hover [V]."""
-        at_full = volts - self.sag * (1.0 - self.hover_volts / volts)
-        return float((at_full / self.hover_volts) ** power)
+        at_full = volts - self.sag * (FULL_DUTY - self.hover_volts / volts)
+        return float((FULL_DUTY * at_full / self.hover_volts) ** power)
 
 
 def motor_curves(records: Sequence[AirRecord]) -> list[MotorCurve]:
@@ -57,25 +66,34 @@ def motor_curves(records: Sequence[AirRecord]) -> list[MotorCurve]:
 
 
 def usual_power(curves: Sequence[MotorCurve]) -> float:
-    """Return the median k."""
-    return float(np.median([one.power for one in curves])) if curves else USUAL_POWER
+    """Return the k of all vehicles together."""
+    if not curves:
+        return USUAL_POWER
+    return float(POWERS[np.argmin(np.sum([one.misses for one in curves], axis=0))])
 
 
 def _curves(record: AirRecord, motors: Motors) -> list[MotorCurve]:
-    t = record.motion.t
-    duty, volts = (lagged(values, t, record.lag) for values in (motors.duty.mean(axis=2), motors.volts))
+    """Return the curves of the vehicles that fly long enough."""
     found = []
     for i in range(record.vehicles):
-        rows = record.measured[:, i] & (record.strength[:, i] > FLYING) & (duty[:, i] * volts[:, i] > 0.0)
+        flying = (record.strength[:, i] > FLYING) & (record.motion.pos[:, i, 2] > FLOOR)
+        turning = (motors.duty[:, i] > 0.0).all(axis=1) & (motors.volts[:, i] > 0.0)
+        rows = record.measured[:, i] & flying & turning
         if rows.sum() >= FEWEST:
-            found.append(_curve(t[rows], duty[rows, i], volts[rows, i], record.strength[rows, i]))
+            found.append(_curve(record, motors, i, np.flatnonzero(rows)))
     return found
 
 
-def _curve(t: Array, duty: Array, volts: Array, strength: Array) -> MotorCurve:
-    apart, load = np.log(duty * volts), np.log(strength)
-    power, _ = np.polyfit(apart, load, 1)
-    hover = float(np.exp(np.median(apart[np.abs(load) <= np.quantile(np.abs(load), 0.5)])))
-    columns = np.stack([np.ones_like(t), t - t[0], duty - duty.mean()], axis=1)
-    start, slope, by_duty = np.linalg.lstsq(columns, volts)[0]
-    return MotorCurve(float(power), hover, float(start), -float(slope), -float(by_duty))
+def _curve(record: AirRecord, motors: Motors, i: int, rows: Rows) -> MotorCurve:
+    t, strength = record.motion.t, record.strength[rows, i]
+    each = np.maximum(motors.duty[:, i] * motors.volts[:, i, None], 0.0)  # d_m u, (T, 4)
+    powers = np.stack([(each**power).mean(axis=1) for power in POWERS], axis=1)
+    felt = lagged(powers, t, record.lag)[rows]  # (k, K)
+    scale = (strength @ felt) / (felt**2).sum(axis=0)
+    misses = ((strength[:, None] - scale * felt) ** 2).sum(axis=0)
+    best = int(np.argmin(misses))
+    mean = np.stack([motors.duty[:, i].mean(axis=1), motors.volts[:, i]], axis=1)
+    duty, volts = lagged(mean, t, record.lag)[rows].T
+    columns = np.stack([np.ones(rows.size), t[rows] - t[rows[0]], duty - duty.mean()], axis=1)
+    start, fall, by_duty = map(float, np.linalg.lstsq(columns, volts)[0])
+    return MotorCurve(misses, float(scale[best] ** (-1.0 / POWERS[best])), start, -fall, -by_duty)

@@ -1,0 +1,43 @@
+"""Time pure runs of a campaign: flown by closed_loop and judged, in processor time of one core.
+
+Runs are those of successive seeds, by controller and replanner, in one process, after one run of each kind
+that loads its code. Beside them is real time: the length of the same flights.
+"""
+
+from collections.abc import Iterator
+from itertools import count, islice
+from time import process_time
+
+from q2q_sim.experiments.campaign.campaign_flight import flown_pure
+from q2q_sim.experiments.campaign.random_run import Run, drawn
+from row import Row
+
+RUNS = {("pid", "none"): 40, ("pid", "safe"): 10, ("mpc", "none"): 10}
+"""Runs of each controller and replanner."""
+FIRST_SEED = 100_000
+"""Above the seeds of campaigns."""
+
+
+def run() -> list[Row]:
+    """Return runs a second and the time of a run, of each controller and replanner."""
+    rows = []
+    for (controller, replan), runs in RUNS.items():
+        first, *timed = islice(_runs(controller, replan), runs + 1)
+        flown_pure(first)
+        took = [_seconds(one) for one in timed]
+        name = f"campaign run by {controller}, replanner {replan}"
+        length = sum(one.scenario.duration for one in timed)
+        rows.append(Row(name, sum(took) / runs, "s", "real time", length / sum(took)))
+        rows.append(Row(f"{name}, on one core", runs / sum(took), "1/s"))
+    return rows
+
+
+def _runs(controller: str, replan: str) -> Iterator[Run]:
+    drawn_runs = map(drawn, count(FIRST_SEED))
+    return (one for one in drawn_runs if (one.options.controller, one.options.replan) == (controller, replan))
+
+
+def _seconds(one: Run) -> float:
+    began = process_time()
+    flown_pure(one)
+    return process_time() - began

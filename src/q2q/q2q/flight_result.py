@@ -1,0 +1,132 @@
+"""Result of a flight, simulated or recorded: arrays, metrics and verdict; figures, bag and page."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from matplotlib.figure import Figure
+
+from q2q_model.bag import BagError, BagWriter, FlightFacts, read_facts, read_flight
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.stamps import stamp_from_time
+from q2q_model.tools.bag_vehicle import flown_vehicle
+from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.faults.faults import Fault
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
+from q2q_sim.monitors.metrics import FlightMetrics, measure
+from q2q_sim.monitors.policies import Circumstances, RecordedSignal
+from q2q_sim.replay_page import replay_html, replay_run
+from q2q_sim.report.figures import KINDS, PlotCurve, draw
+
+FigureKind = Literal["altitude", "sideways", "downwash", "thrust", "tilt"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlightResult:
+    """Result of a flight of T ticks and n vehicles."""
+
+    arrays: Flight = field(repr=False)
+    """Signals over time, one row a tick: SI, world frame z up, (T, n, ...); NaN where not recorded."""
+    vehicle: Vehicle
+    """Vehicle type of the swarm."""
+    facts: FlightFacts = field(default_factory=FlightFacts)
+    """Scenario, mode, controller, model, air and seed."""
+    faults: tuple[Fault, ...] = ()
+    """Faults injected by the scenario."""
+    signals: tuple[RecordedSignal, ...] = field(default=(), repr=False)
+    """Messages of a simulated flight, as its nodes would publish them."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return the vehicles' names, in the order of the arrays' second axis."""
+        return self.arrays.names
+
+    @property
+    def metrics(self) -> FlightMetrics:
+        """Return RMS errors [m], thrust [N] and separation [m]; of the true positions where known."""
+        return measure(self.arrays, self.vehicle)
+
+    @property
+    def verdict(self) -> FlightVerdict:
+        """Return whether the flight went well, and what did not; `str` gives one line."""
+        return verdict_of(self.arrays, Circumstances(vehicle=self.vehicle, faults=self.faults))
+
+    def plot(self, kind: FigureKind = "altitude", vehicle: str = "") -> Figure:
+        """Return a figure of one vehicle over time; see `q2q.plot`."""
+        return plot({self.arrays.name: self}, kind, vehicle)
+
+    def to_bag(self, path: Path | str) -> Path:
+        """Write the flight as a rosbag2 folder (MCAP) with the nodes' topics; return its path.
+
+        Raises:
+            BagError: the path exists, or the flight was itself read from a bag.
+        """
+        if not self.signals:
+            raise BagError(f"{self.arrays.name} was read from a bag: copy that")
+        with BagWriter(path, facts=self.facts) as writer:
+            for one in self.signals:
+                writer.write_signal(f"/{one.topic}", stamp_from_time(one.at), one.signal)
+        return writer.path
+
+    def page(self, path: Path | str) -> Path:
+        """Write a page that replays the flight in a browser, offline (.html); return its path."""
+        return page({self.arrays.name: self}, path)
+
+
+def read_bag(path: Path | str, vehicle: str = "") -> FlightResult:
+    """Return the flight recorded in a bag; a vehicle that had to be assumed is a warning.
+
+    Args:
+        path: folder of a rosbag2 bag, or its .mcap file.
+        vehicle: name of the vehicle; empty takes that of the bag's metadata, else the default.
+
+    Raises:
+        BagError: the bag cannot be read.
+        ValueError: there is no such vehicle.
+    """
+    flight = read_flight(path)
+    flown = flown_vehicle(Path(path), vehicle)
+    if flown.note:
+        warnings.warn(flown.note, stacklevel=2)
+    return FlightResult(flight, flown.vehicle, read_facts(path))
+
+
+def plot(flights: Mapping[str, FlightResult], kind: FigureKind = "altitude", vehicle: str = "") -> Figure:
+    """Return a figure of one vehicle over time, with a curve for each flight, as in the reports.
+
+    Args:
+        flights: the flights by their labels.
+        kind: altitude [m], horizontal error [m] ("sideways"), vertical downwash [m/s^2], commanded thrust [N]
+            or commanded roll and pitch ("tilt").
+        vehicle: name of the vehicle; empty takes the first.
+
+    Raises:
+        ValueError: an unknown kind, no flight, or a vehicle that is not in all flights.
+    """
+    if not flights:
+        raise ValueError("no flights to plot: give one or more")
+    if kind not in KINDS:
+        raise ValueError(f"unknown kind {kind!r}: choose one of {', '.join(KINDS)}")
+    name = vehicle or next(iter(flights.values())).names[0]
+    for label, flight in flights.items():
+        if name not in flight.names:
+            raise ValueError(f"no vehicle {name!r} in {label}: choose one of {', '.join(flight.names)}")
+    curves = [PlotCurve(one.arrays, label, one.vehicle.thrust_max) for label, one in flights.items()]
+    return draw(KINDS[kind], curves, name)
+
+
+def page(flights: Mapping[str, FlightResult], path: Path | str, title: str = "") -> Path:
+    """Write a page that replays flights side by side in a browser, offline; return its path.
+
+    Args:
+        flights: the flights by their labels.
+        path: file to write (.html), in a folder that need not exist.
+        title: heading; empty takes the labels.
+    """
+    runs = [replay_run(one.arrays, one.vehicle, label) for label, one in flights.items()]
+    html, file = replay_html(runs, title or ", ".join(flights)), Path(path)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(html, encoding="utf-8")
+    return file

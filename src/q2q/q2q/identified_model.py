@@ -1,0 +1,86 @@
+"""Interaction models: identified from flights, loaded and saved."""
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+from threadpoolctl import threadpool_limits
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.files import model_file
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_file import ModelFile
+from q2q_model.identification.identification import Identification, ProcedureParams
+from q2q_model.identification.identification import identify as identify_recordings
+from q2q_model.tools.bag_vehicle import common_vehicle
+from q2q_model.tools.recordings import read_recordings, topic_map
+
+ModelChoice = str | Path | InteractionModel | ModelFile | Identification
+"""Interaction model, with or without zone and gains, its name or file, or an identification."""
+
+
+def identify(
+    bags: Path | str | Sequence[Path | str],
+    *,
+    model_type: Literal["auto", "jet", "envelope_network"] = "auto",
+    vehicle: str = "",
+    threshold: float = 0.1,
+    topics: Path | str | None = None,
+) -> Identification:
+    """Return gains, zone and interaction model of recorded flights, with scores on held-out ones.
+
+    Args:
+        bags: folders of rosbag2 bags, one a flight; two or more for a held-out score, or the only one.
+        model_type: "auto" selects by held-out error.
+        vehicle: name of the vehicle; empty takes that of the bags' metadata, else the default.
+        threshold: downwash on the boundary of the learned zone [m/s^2].
+        topics: topic map (YAML) of bags of other software; None for bags of q2q.
+
+    Repairs of damaged bags, and a vehicle that had to be assumed, are warnings.
+
+    Raises:
+        BagError: a bag cannot be read.
+        ValueError: no bag, or flights that lack data that a step needs; the message names what to record.
+    """
+    paths = [Path(bag) for bag in ([bags] if isinstance(bags, str | Path) else bags)]
+    if not paths:
+        raise ValueError("no bags: give the folder of a recorded flight, or several")
+    flown = common_vehicle(paths, vehicle)
+    recordings, repairs = read_recordings(paths, topic_map(Path(topics) if topics else None))
+    for note in filter(None, (flown.note, *repairs)):
+        warnings.warn(note, stacklevel=2)
+    params = ProcedureParams(model_type, threshold, flown.vehicle)
+    with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
+        return identify_recordings(recordings, params, _ignore_step)
+
+
+def load_model(chosen: ModelChoice) -> ModelFile:
+    """Return an interaction model with its zone and gains.
+
+    Args:
+        chosen: "none", a shipped name, as "measured_law" (fitted to real flights), the path of a .q2q file,
+            or a model.
+
+    Raises:
+        ModelFileError: the model does not exist, or its file is not valid.
+    """
+    if isinstance(chosen, str | Path):
+        return find_model(str(chosen))
+    if isinstance(chosen, Identification):
+        return chosen.file
+    return chosen if isinstance(chosen, ModelFile) else ModelFile(interaction=chosen)
+
+
+def save_model(chosen: ModelChoice, path: Path | str) -> Path:
+    """Write a model as a .q2q file, which nodes and command lines read too; return its path.
+
+    Raises:
+        ModelFileError: a number is not finite, or the model is of a class of your own.
+    """
+    model_file.save(Path(path), load_model(chosen))
+    return Path(path)
+
+
+def _ignore_step(_: str) -> None:
+    """Ignore the name of a step of the identification."""

@@ -1,0 +1,54 @@
+"""Scenarios by name, from a file or from a document."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from q2q_sim.air.find_air import FlownAir, find_air
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario, scenario_from_document, with_air, with_choices
+
+ScenarioChoice = str | Path | Mapping[str, object] | Scenario
+"""Scenario, its name or file, or its document (the keys of a scenario file)."""
+
+
+def scenario(chosen: ScenarioChoice, *, vehicle: str = "", wake: str = "", air: str = "") -> Scenario:
+    """Return a scenario, a frozen dataclass: change its fields by `dataclasses.replace`.
+
+    Args:
+        chosen: name (`scenario_names`; `swarmN` for N vehicles), path of a scenario or waypoint file (.yaml)
+            or of a plan (.json), document with the keys of a scenario file (q2q_sim.scenarios.scenario), or
+            a scenario.
+        vehicle: name of the vehicle, as "crazyflie_2_1"; empty keeps the scenario's own.
+        wake: law of the true downwash, "none", "paper" or "measured"; empty keeps the scenario's own.
+        air: air in place of wake and disturbance: a shipped name, as "room", a .air file or "module:Class".
+
+    Raises:
+        ValueError: a name, key or value that is not allowed; the message says what is.
+    """
+    return with_air(with_choices(_found(chosen), vehicle, wake), air, ())
+
+
+def scenario_names() -> list[str]:
+    """Return the names of the shipped scenarios; `swarm10` represents any `swarmN`."""
+    return library.names()
+
+
+def load_air(name: str, *, without: tuple[str, ...] = ()) -> FlownAir:
+    """Return an air, a frozen dataclass if it is learned: change its terms by `dataclasses.replace`.
+
+    Args:
+        name: a shipped name, as "room", a .air file or "module:Class".
+        without: terms that are switched off, as "residual".
+
+    Raises:
+        AirError: there is no such air or term.
+    """
+    return find_air(name, without)
+
+
+def _found(chosen: ScenarioChoice) -> Scenario:
+    if isinstance(chosen, Scenario):
+        return chosen
+    if isinstance(chosen, Mapping):
+        return scenario_from_document("document", chosen)
+    return library.load(str(chosen))

@@ -1,0 +1,117 @@
+"""Simulated flight of a scenario, as its nodes fly it in lockstep."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+from q2q.flight_result import FlightResult
+from q2q.identified_model import ModelChoice, load_model
+from q2q.scenario_choice import ScenarioChoice, scenario
+from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.inputs.controller import Controller
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import time_from_stamp
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_sim.air.checked_wake import CheckedWake
+from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.room_air import RoomAir
+from q2q_sim.air.wake_laws import WakeLaw
+from q2q_sim.loop.assembly import Blocks, Mode, Options, blocks_of, ignore_accelerometers
+from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
+from q2q_sim.loop.scenario_facts import scenario_facts
+from q2q_sim.monitors.policies import RecordedSignal
+from q2q_sim.scenarios.scenario import Scenario
+
+
+def fly(  # noqa: PLR0913  choices of a user, all by name
+    chosen: ScenarioChoice,
+    *,
+    controller: str | Controller = "pid",
+    aware: bool = True,
+    limit: bool = True,
+    model: ModelChoice | None = None,
+    correct: bool = False,
+    replan: Literal["none", "paper", "safe"] = "none",
+    plan: SwarmPlan | None = None,
+    air: str | FlownAir = "",
+    seed: int = 0,
+) -> FlightResult:
+    """Fly a scenario and return the flight; the same arguments give the same numbers.
+
+    Args:
+        chosen: scenario, or its name, file or document; see `q2q.scenario`.
+        controller: "pid", "mpc", or an object of your own (q2q.Controller), which is guarded like these.
+        aware: whether the predicted downwash is compensated.
+        limit: whether the scenario's thrust limit applies; without it only the vehicle's.
+        model: interaction model of predictor and controller: an object, or a name or file as for
+            `q2q.load_model`; None takes that of the scenario.
+        correct: whether "pid" or "mpc" corrects the predicted downwash by positions and accelerometers.
+        replan: online replanner.
+        plan: flown in place of the scenario's own path; see `q2q.plan`.
+        air: air in place of the scenario's wake and disturbance: a name as for `q2q.scenario`, or an object
+            (`q2q.load_air`, or your own q2q.Wake).
+        seed: of the noise, losses and gusts; 0 or above.
+
+    Raises:
+        ValueError: a choice that is not allowed; the message says what is.
+        TypeError: a controller without the methods of q2q.Controller.
+        AirError: an air of your own failed or returned something that cannot be flown in.
+    """
+    flown = _in_air(scenario(chosen), air)
+    known = load_model(flown.model if model is None else model)
+    mode: Mode = "ignoring" if not aware else "aware" if limit else "aware_unlimited"
+    choice = Options(mode, _name_of(controller), replan, correct)
+    residual = known.residual or REAL_FLIGHTS
+    blocks = blocks_of(flown, choice, known.interaction, plan, residual)
+    if not isinstance(controller, str):
+        _check_controller(controller)
+        if correct:
+            raise ValueError("correct=True is for pid and mpc: a controller of your own corrects by itself")
+        blocks = _with_controller(blocks, controller, flown)
+    signals: list[RecordedSignal] = []
+
+    def record(topic: str, stamp_ns: int, signal: Signal) -> None:
+        signals.append(RecordedSignal(topic, time_from_stamp(stamp_ns), signal))
+
+    options = FlightOptions(mode=mode, seed=seed, air=_own_air(air), on_signal=record)
+    arrays = fly_blocks(flown, blocks, options)
+    facts = replace(scenario_facts(flown, choice, seed), controller=_word(controller))
+    facts = facts if model is None else replace(facts, model=_word(model))
+    facts = facts if isinstance(air, str) else replace(facts, wake="", air=_word(air))
+    return FlightResult(arrays, flown.vehicle, facts, flown.faults, tuple(signals))
+
+
+def _word(choice: object) -> str:
+    """Return a name as it is, else that of the object's class."""
+    return str(choice) if isinstance(choice, str | Path) else type(choice).__name__
+
+
+def _in_air(flown: Scenario, air: str | FlownAir) -> Scenario:
+    """Return the scenario in an air, as `fly --air` does: of two variants, that for another air."""
+    if isinstance(air, str):
+        return scenario(flown, air=air)
+    return flown.in_air or flown
+
+
+def _own_air(air: str | FlownAir) -> FlownAir | None:
+    if isinstance(air, str):
+        return None
+    return air if isinstance(air, WakeLaw | RoomAir) else CheckedWake(air)
+
+
+def _name_of(controller: str | Controller) -> str:
+    """Return the built-in controller of a choice; that of one's own takes its place."""
+    return controller if isinstance(controller, str) else "pid"
+
+
+def _check_controller(own: object) -> None:
+    """Raise TypeError for what is no controller, such as the class in place of an object of it."""
+    if isinstance(own, type) or not isinstance(own, Controller):
+        raise TypeError(f"no controller {own!r}: give pid, mpc, or an object like q2q.Controller")
+
+
+def _with_controller(blocks: Blocks, own: Controller, flown: Scenario) -> Blocks:
+    guarded = Guard(own, FallbackParams(), flown.vehicle.hover_thrust)
+    return replace(blocks, controller=guarded, sense=ignore_accelerometers)

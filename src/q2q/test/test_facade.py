@@ -1,0 +1,80 @@
+"""The public names: scenarios, plans, models and campaigns as the packages below have them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import q2q
+from q2q_model.files.model_file import encode
+from q2q_model.trajectory.polynomials import setpoint_at
+from q2q_planner.offline.certificate import certify
+from q2q_sim.experiments.campaign.campaign_flight import fly_and_judge
+
+CROSSING = {
+    "vehicles": {
+        "cf1": [{"t": 0.0, "pos": [-1.0, 0.0, 1.0]}, {"t": 4.0, "pos": [1.0, 0.0, 1.0]}],
+        "cf2": [{"t": 0.0, "pos": [0.0, -1.0, 1.4]}, {"t": 4.0, "pos": [0.0, 1.0, 1.4]}],
+    }
+}
+
+
+def test_every_public_name_is_documented():
+    lacking = [name for name in q2q.__all__ if not getattr(q2q, name).__doc__]
+    assert lacking == []
+    assert q2q.__all__ == sorted(q2q.__all__)
+
+
+def test_a_scenario_is_found_by_name_and_changed_like_any_dataclass():
+    found = q2q.scenario("table6", vehicle="crazyflie_2_1", wake="measured")
+    assert (found.vehicle.name, found.wake) == ("crazyflie_2_1", "measured")
+    assert replace(found, duration=3.0).duration == 3.0
+    assert q2q.scenario(found) == found
+    assert "table6" in q2q.scenario_names()
+
+
+def test_an_unknown_scenario_is_refused_with_the_nearest_name():
+    with pytest.raises(ValueError, match="table6"):
+        q2q.scenario("tabel6")
+
+
+def test_a_document_is_a_scenario_that_ends_at_its_last_waypoint():
+    assert q2q.scenario(CROSSING).duration == 4.0
+    assert q2q.scenario(CROSSING).names == ("cf1", "cf2")
+
+
+def test_a_plan_passes_its_waypoints_and_around_a_model_stays_out_of_its_zone():
+    free, around = q2q.plan(CROSSING), q2q.plan(CROSSING, around="none")
+    np.testing.assert_allclose(setpoint_at(free, 4.0).pos, [[1.0, 0.0, 1.0], [0.0, 1.0, 1.4]], atol=1e-9)
+    zone = q2q.load_model("none").zone
+    assert not certify(free, zone).holds
+    assert certify(around, zone).holds
+
+
+def test_a_model_is_saved_and_loaded_unchanged(tmp_path: Path):
+    known = q2q.load_model("measured_law")
+    saved = q2q.load_model(q2q.save_model(known, tmp_path / "m.q2q"))
+    assert encode(saved) == encode(known)
+    assert q2q.load_model(known.interaction).interaction == known.interaction
+
+
+def test_a_campaign_yields_the_outcome_of_each_seed(tmp_path: Path):
+    (outcome,) = q2q.campaign(1, seed=7, out=tmp_path)
+    expected = fly_and_judge(7, tmp_path)
+    assert (outcome.seed, outcome.what, outcome.violations) == (7, expected.what, expected.violations)
+
+
+@pytest.mark.parametrize(("bags", "answer"), [("absent", "no bag at absent"), ([], "no bags: give")])
+def test_a_single_path_is_one_bag_and_no_bag_is_refused(bags: str | list[str], answer: str):
+    with pytest.raises(ValueError, match=answer):
+        q2q.identify(bags)
+
+
+def test_a_model_is_identified_from_bags():
+    bags = Path(__file__).parents[3] / "bags"
+    found = q2q.identify([bags / "table2_1", bags / "table2_5"], model_type="jet")
+    # gains of the simulated loop, section 2.2
+    assert found.gains.loop.k_p == pytest.approx(0.81073, rel=0.02)
+    assert found.held_out.r2.lower > 0.95
+    assert q2q.load_model(found) is found.file

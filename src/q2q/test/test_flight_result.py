@@ -1,0 +1,70 @@
+"""Results of flights: metrics and verdict, figures, bags and pages."""
+
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import q2q
+from q2q_model.bag import BagError, FlightFacts
+from q2q_model.flights.flight import Flight
+from q2q_sim.monitors.metrics import measure
+
+SHORT = replace(q2q.scenario("table6_room", air="room"), duration=0.5)
+
+
+@pytest.fixture(scope="module")
+def flight() -> q2q.FlightResult:
+    """Return a short flight in a room's air."""
+    return q2q.fly(SHORT)
+
+
+def test_a_bag_holds_every_array_of_the_flight(flight: q2q.FlightResult, tmp_path: Path):
+    read = q2q.read_bag(flight.to_bag(tmp_path / "bag"))
+    for field in Flight.__dataclass_fields__:
+        if field not in ("name", "names"):
+            np.testing.assert_array_equal(getattr(read.arrays, field), getattr(flight.arrays, field), field)
+    assert read.facts == flight.facts
+    assert read.vehicle == flight.vehicle
+    np.testing.assert_equal(asdict(read.metrics), asdict(flight.metrics))
+
+
+def test_a_flight_of_a_bag_is_not_written_again(flight: q2q.FlightResult, tmp_path: Path):
+    read = q2q.read_bag(flight.to_bag(tmp_path / "bag"))
+    with pytest.raises(BagError, match="copy"):
+        read.to_bag(tmp_path / "copy")
+
+
+def test_an_assumed_vehicle_is_a_warning(flight: q2q.FlightResult, tmp_path: Path):
+    silent = replace(flight, facts=FlightFacts()).to_bag(tmp_path / "silent")
+    with pytest.warns(UserWarning, match="crazyflie_2_0 is assumed"):
+        assert q2q.read_bag(silent).vehicle.name == "crazyflie_2_0"
+
+
+def test_metrics_and_verdict_are_those_of_the_monitors(flight: q2q.FlightResult):
+    np.testing.assert_equal(asdict(flight.metrics), asdict(measure(flight.arrays, SHORT.vehicle)))
+    assert flight.verdict.ok
+    assert "0.5 s" in str(flight.verdict)
+
+
+def test_a_figure_draws_the_chosen_vehicle_of_each_flight(flight: q2q.FlightResult):
+    other = q2q.fly(SHORT, seed=1)
+    axes = q2q.plot({"seed 0": flight, "seed 1": other}, "altitude", "cf2").axes[0]
+    drawn = {line.get_label(): np.asarray(line.get_ydata()) for line in axes.lines}
+    for label, one in (("seed 0", flight), ("seed 1", other)):
+        np.testing.assert_array_equal(drawn[label], one.arrays.true_pos[:, 1, 2])
+
+
+def test_a_figure_of_an_unknown_vehicle_or_kind_is_refused(flight: q2q.FlightResult):
+    with pytest.raises(ValueError, match="cf1, cf2"):
+        flight.plot("altitude", "cf9")
+    with pytest.raises(ValueError, match="altitude"):
+        flight.plot("speed")  # type: ignore[arg-type]
+
+
+def test_a_page_replays_the_flights_under_their_labels(flight: q2q.FlightResult, tmp_path: Path):
+    text = q2q.page({"first": flight, "second": flight}, tmp_path / "new" / "page.html", "Two").read_text()
+    assert text.count('<script type="application/json">') == 2
+    assert "<h1>Two</h1>" in text
+    assert flight.page(tmp_path / "one.html").read_text().count('<script type="application/json">') == 1

@@ -1,0 +1,23 @@
+"""Folder of the data files shipped with a package, wherever the package is installed.
+
+| installed by | folder |
+|---|---|
+| pip | `config/` in the package |
+| colcon | `share/PACKAGE/config` of an ament prefix |
+| nothing: source tree | `config/` beside the package |
+"""
+
+import os
+from pathlib import Path
+
+CONFIG = "config"
+
+
+def shipped_folder(package: Path) -> Path:
+    """Return the folder of the files shipped with a package, given the folder of its modules."""
+    if (inside := package / CONFIG).is_dir():
+        return inside
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        if prefix and (found := Path(prefix, "share", package.name, CONFIG)).is_dir():
+            return found
+    return package.parent / CONFIG

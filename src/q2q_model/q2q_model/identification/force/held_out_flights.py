@@ -1,0 +1,86 @@
+"""Jets fitted to measured downwash and scored on flights that they were not fitted to.
+
+Each taught flight is predicted by the jet of the other taught flights (leave one out), and each further
+flight by the jet of all taught ones.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.downwash.jet import Jet
+from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, pooled, residual_of, score
+from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
+from q2q_model.signals.values import Array
+
+FEWEST = 2
+"""Flights with a vehicle under another that leaving one out needs."""
+
+FlightSamples = Mapping[str, Sequence[ForceSamples]]
+"""Samples of each vehicle of a flight, by the flight's name."""
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOutFlight:
+    """Flight with the prediction of a jet that was not fitted to it."""
+
+    name: str
+    samples: tuple[ForceSamples, ...]
+    predicted: tuple[Array, ...]
+    """eta [m/s^2], (T,), for each of `samples`; NaN in rows that are not usable."""
+    score: ForceScore
+    fitted_to: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOutScores:
+    """Jet of all taught flights, and every flight predicted without itself."""
+
+    jet: Jet
+    flights: tuple[HeldOutFlight, ...]
+
+    @property
+    def together(self) -> ForceScore:
+        """Return the score pooled over all flights."""
+        samples = [sample for one in self.flights for sample in one.samples]
+        y = [sample.y[sample.exposed] for sample in samples]
+        predicted = [eta for one in self.flights for eta in one.predicted]
+        misses = [(sample.y - eta)[sample.exposed] for sample, eta in zip(samples, predicted, strict=True)]
+        return pooled(y, misses, samples)
+
+
+def held_out_scores(
+    taught: FlightSamples, further: FlightSamples, form: JetForm | None = None
+) -> HeldOutScores:
+    """Return the jet of the taught flights and the scores of every flight with exposed rows.
+
+    Raises:
+        ValueError: fewer than two taught flights have a vehicle under another.
+    """
+    known, form = _with_wake(taught), form or JetForm()
+    if len(known) < FEWEST:
+        raise ValueError(
+            f"{len(known)} of {len(taught)} flights have a vehicle 0.1 to 1.2 m under another with a "
+            f"measured force; leaving one out needs {FEWEST}"
+        )
+    found = []
+    for name, samples in known.items():
+        others = {other: some for other, some in known.items() if other != name}
+        found.append(_held_out(name, samples, fit_to_pushes(_all(others), form).jet, others))
+    jet = with_held_out_deviation(fit_to_pushes(_all(known), form).jet, _all(known), form)
+    found += [_held_out(name, samples, jet, known) for name, samples in _with_wake(further).items()]
+    return HeldOutScores(jet, tuple(found))
+
+
+def _held_out(name: str, samples: Sequence[ForceSamples], jet: Jet, fitted: FlightSamples) -> HeldOutFlight:
+    predicted = tuple(np.where(one.usable, one.y - residual_of(jet, one), np.nan) for one in samples)
+    return HeldOutFlight(name, tuple(samples), predicted, score(jet, samples), tuple(fitted))
+
+
+def _with_wake(flights: FlightSamples) -> dict[str, Sequence[ForceSamples]]:
+    return {name: some for name, some in flights.items() if any(one.exposed.any() for one in some)}
+
+
+def _all(flights: FlightSamples) -> list[ForceSamples]:
+    return [sample for some in flights.values() for sample in some]

@@ -1,0 +1,60 @@
+"""Restriction of the middleware to UDP on the loopback interface.
+
+`ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST` limits whom a node looks for, not who finds it: rmw_fastrtps 8.4
+binds its ports on every interface, and a host that names this one in `ROS_STATIC_PEERS` reads and writes all
+topics. It also insists on shared memory, whose ports all domains of a machine share: nodes that start at once
+collide there ("Failed init_port"), topics have stopped (Fast DDS, issues 5737 and 6117), and every flight
+leaves files in /dev/shm. UDP on loopback is as fast for 2, 100 and 200 vehicles.
+
+So the profile has one transport, on 127.0.0.1, that discovers as LOCALHOST does; rmw leaves profiles alone
+under SYSTEM_DEFAULT.
+
+Peers or a discovery server set by the user are on other machines: then nothing is restricted. A profile of
+the user takes precedence. Other middleware ignores ours.
+
+Source: Fast DDS 2.14, XML profiles, `interfaceWhiteList`; rmw_fastrtps_shared_cpp, participant.cpp.
+"""
+
+from collections.abc import Mapping, MutableMapping
+from pathlib import Path
+
+PROFILE = Path(__file__).with_name("loopback.xml")
+PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+"""Environment variables of a profile: up to Fast DDS 2, the version of ours, and from 3."""
+RANGE, DEPRECATED = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"
+BEYOND = ("ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
+"""Environment variables that name other machines."""
+
+
+def stays_here(environment: Mapping[str, str]) -> bool:
+    """Return whether ROS is asked for this machine only."""
+    asked = environment.get(RANGE) == "LOCALHOST" or environment.get(DEPRECATED) == "1"
+    return (asked or is_restricted(environment)) and not any(map(environment.get, BEYOND))
+
+
+def is_restricted(environment: Mapping[str, str]) -> bool:
+    """Return whether an environment is what `restrict` makes of one."""
+    return restriction(PROFILE).items() <= environment.items()
+
+
+def has_own_profile(environment: Mapping[str, str]) -> bool:
+    """Return whether the user has chosen a profile of the middleware."""
+    return any(environment.get(name, "") not in ("", str(PROFILE)) for name in PROFILE_VARIABLES)
+
+
+def restriction(profile: Path) -> dict[str, str]:
+    """Return the environment variables of a node whose transports are those of a profile."""
+    return {PROFILE_VARIABLES[0]: str(profile), RANGE: "SYSTEM_DEFAULT"}
+
+
+def restrict(environment: MutableMapping[str, str]) -> None:
+    """Bind the ports of nodes started in an environment to loopback if they are to stay on this machine."""
+    if has_own_profile(environment):
+        return
+    if stays_here(environment):
+        environment.update(restriction(PROFILE))
+        environment.pop(DEPRECATED, None)
+        return
+    if is_restricted(environment):
+        environment[RANGE] = "LOCALHOST"
+    environment.pop(PROFILE_VARIABLES[0], None)

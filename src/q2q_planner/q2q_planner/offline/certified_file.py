@@ -1,0 +1,39 @@
+"""Plan files whose certificate is not believed: who reads one proves it anew.
+
+A file states that it is certified, for the zone whose profile it has. Its numbers may have been edited since,
+and its checksum written anew; the proof of the numbers that are flown cannot be.
+"""
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+from q2q_model.trajectory import plan_file
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.convex_zone import lathe_of_profile
+
+
+def load_plan(path: Path) -> SwarmPlan:
+    """Return the plan in a file, certified only if that is proven here.
+
+    A plan that states to be certified and does not have its zone is taken as not certified, with a warning.
+
+    Raises:
+        ValueError: the file is absent or no plan, or states to be certified and is not.
+    """
+    plan = plan_file.load(path)
+    if not plan.certified:
+        return plan
+    if not plan.zone_profile:
+        warnings.warn(f"{path} does not have its zone: it is taken as not certified", stacklevel=2)
+        return replace(plan, certified=False)
+    try:
+        proof = certify(plan, lathe_of_profile(plan.zone_profile))
+    except ValueError as wrong:
+        raise ValueError(f"{path} is not a certified plan: {wrong}; {plan_file.REMEDY}") from wrong
+    if not proof.holds:
+        pair = " and ".join(proof.pair or ())
+        proven = f"{pair} have a proven clearance of {proof.clearance:.3g} m at {proof.t:.2f} s"
+        raise ValueError(f"{path} states that it is certified, and is not: {proven}; {plan_file.REMEDY}")
+    return plan

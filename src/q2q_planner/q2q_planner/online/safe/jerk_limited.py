@@ -1,0 +1,160 @@
+"""Motions of bounded jerk: a jerk held for a time, then the fastest stop of every axis; proof of pairs.
+
+An axis of velocity v and acceleration a stops fastest, within |r''| <= A and |r'''| <= J, by the jerks
+-J, 0, J (mirrored where v + a |a| / (2 J), the velocity left once the acceleration is zero, is negative):
+
+    p   = min(max(A, -a), sqrt(J v + a^2 / 2))
+    t_1 = (a + p) / J,    t_2 = (J v + a^2 / 2 - p^2) / (J p),    t_3 = p / J
+
+The rest of a fastest stop is itself a fastest stop, so a motion continues from any of its states. Of two that
+start with the same acceleration, velocities never part further, as those of `braking` never do.
+
+The proof is that of `braking` with accelerations: two vehicles whose velocities differ by u now and whose
+accelerations add up to at most B approach by at most u s + B s^2 / 2 within s, so a distance L is left until
+s = 2 L / (u + sqrt(u^2 + 2 B L)).
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| A, J | law.brake, law.jerk | largest acceleration [m/s^2] and jerk [m/s^3] of an axis |
+| p | peak | largest deceleration of a stop [m/s^2] |
+| B | most | bound of both accelerations, Euclidean [m/s^2] |
+"""
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_planner.online.safe.braking import MOST_STEPS, NEARER, BrakingLaw, Motions, zone_distance
+
+Axis = tuple[float, float, float]
+"""Position [m], velocity [m/s] and acceleration [m/s^2] of one axis."""
+
+
+@compiled
+def _held(start: Axis, jerk: float, s: float) -> Axis:
+    """Return an axis after a jerk [m/s^3] held for s [s]."""
+    pos, vel, acc = start
+    there = pos + s * (vel + s * (0.5 * acc + s * jerk / 6.0))
+    return there, vel + s * (acc + 0.5 * s * jerk), acc + s * jerk
+
+
+@compiled
+def _stop_phases(vel: float, acc: float, law: BrakingLaw) -> tuple[float, float, float, float]:
+    """Return the sign of the velocity to be stopped, and the durations t_1, t_2, t_3 of the stop [s]."""
+    sign = 1.0 if vel + 0.5 * acc * abs(acc) / law.jerk >= 0.0 else -1.0
+    v, a = sign * vel, sign * acc
+    square = max(law.jerk * v + 0.5 * a * a, 0.0)
+    peak = min(max(law.brake, -a), np.sqrt(square))
+    if peak == 0.0:  # the last part of a stop: the acceleration alone is left
+        return sign, max(0.0, a / law.jerk), 0.0, 0.0
+    even = max(0.0, (square - peak * peak) / (law.jerk * peak))
+    return sign, max(0.0, (a + peak) / law.jerk), even, peak / law.jerk
+
+
+@compiled
+def _stopped(start: Axis, s: float, law: BrakingLaw) -> Axis:
+    """Return an axis s [s] after the beginning of its fastest stop."""
+    sign, first, even, last = _stop_phases(start[1], start[2], law)
+    state = start
+    for jerk, span in ((-sign * law.jerk, first), (0.0, even), (sign * law.jerk, last)):
+        step = min(s, span)
+        state = _held(state, jerk, step)
+        s -= step
+        if s <= 0.0:
+            return state
+    return state[0], 0.0, 0.0
+
+
+@compiled
+def axis_at(motions: Motions, row: int, axis: int, s: float, law: BrakingLaw) -> Axis:
+    """Return one axis of a motion at time s [s]."""
+    hold = min(s, motions.hold[row])
+    start = motions.pos[row, axis], motions.vel[row, axis], motions.acc[row, axis]
+    state = _held(start, motions.jerk[row, axis], hold)
+    return _stopped(state, s - hold, law) if s > hold else state
+
+
+@compiled
+def rest_time(motions: Motions, row: int, law: BrakingLaw) -> float:
+    """Return the time at which a motion rests [s]."""
+    longest, hold = 0.0, motions.hold[row]
+    for axis in range(3):
+        _, vel, acc = axis_at(motions, row, axis, hold, law)
+        _, first, even, last = _stop_phases(vel, acc, law)
+        longest = max(longest, first + even + last)
+    return float(hold + longest)
+
+
+@compiled
+def _acceleration_bound(motions: Motions, row: int, law: BrakingLaw) -> float:
+    """Return a bound of |r''| of a motion [m/s^2]."""
+    square = 0.0
+    for axis in range(3):
+        acc = motions.acc[row, axis]
+        then = acc + motions.jerk[row, axis] * motions.hold[row]
+        square += max(law.brake, abs(acc), abs(then)) ** 2
+    return float(np.sqrt(square))
+
+
+@compiled
+def lateness(rate: float, law: BrakingLaw) -> float:
+    """Return by how much later [s] a vehicle may rest whose velocity is known within `rate` [m/s]."""
+    return float(rate / law.brake + 2.0 * np.sqrt(rate / law.jerk))
+
+
+@compiled
+def stop_reach(motions: Motions, law: BrakingLaw, longest: float) -> Array:
+    """Return a bound of how far each row moves until rest, with growth until `longest` [s] [m], (rows,)."""
+    reach = np.empty(motions.hold.size)
+    late = longest + lateness(motions.growth[:, 1].max(), law)
+    for row in range(motions.hold.size):
+        most, growth = _acceleration_bound(motions, row, law), motions.growth[row]
+        speed = np.sqrt((motions.vel[row] ** 2).sum()) + most * (motions.hold[row] + most / law.jerk)
+        reach[row] = speed * rest_time(motions, row, law) + growth[0] + 2.0 * growth[1] * late
+    return reach
+
+
+@compiled
+def stays_out_smoothly(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
+    """Return whether vehicles i and j are proven to stay out of each other's zone; as `braking.stays_out`."""
+    growth = motions.growth
+    wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
+    most = _acceleration_bound(motions, i, law) + _acceleration_bound(motions, j, law)
+    end = max(rest_time(motions, i, law), rest_time(motions, j, law)) + lateness(rate, law)
+    rel, closing = np.empty(3), np.empty(3)
+    s, keep = 0.0, floor
+    for step in range(MOST_STEPS):
+        for axis in range(3):
+            here, there = axis_at(motions, i, axis, s, law), axis_at(motions, j, axis, s, law)
+            rel[axis], closing[axis] = here[0] - there[0], here[1] - there[1]
+        left = zone_distance(rel[0], rel[1], rel[2], law) - wide - rate * s
+        if step == 0:
+            keep = min(floor, NEARER * left)
+        if not (left >= keep and left >= 0.0):  # NaN too
+            return False
+        speed = rate + np.sqrt((closing * closing).sum())
+        free = left - 0.5 * keep  # half of `keep` remains until then
+        s += 2.0 * free / (speed + np.sqrt(speed * speed + 2.0 * most * free)) if free > 0.0 else 0.0
+        if s >= end:
+            return True
+    return False
+
+
+@compiled
+def _smooth_motions_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Array, Array, Array]:
+    pos, vel, acc = np.empty_like(motions.pos), np.empty_like(motions.pos), np.empty_like(motions.pos)
+    for row in range(motions.hold.size):
+        for axis in range(3):
+            state = axis_at(motions, row, axis, s, law)
+            pos[row, axis], vel[row, axis], acc[row, axis] = state
+    return pos, vel, acc
+
+
+def smooth_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Array, Array, Array]:
+    """Return position, velocity and acceleration (n, 3) of n motions at time s [s]."""
+    return _smooth_motions_after(motions, s, law)
+
+
+def jerk_towards(wanted: Array, acc: Array, lag: float, most: float) -> Array:
+    """Return the jerk (n, 3) that approaches wanted accelerations with a time constant, bounded by `most`."""
+    return np.asarray(np.clip((wanted - acc) / lag, -most, most))

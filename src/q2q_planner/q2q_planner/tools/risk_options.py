@@ -1,0 +1,57 @@
+"""Options of `plan --risk`: terms, zone, and what the files say of them."""
+
+from argparse import Namespace
+
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.files.find_model import find_model
+from q2q_model.vehicle.constants import GRAVITY, vehicle_by_name
+from q2q_planner.offline.convex_zone import Lathe
+from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
+
+MODEL = "measured_law"
+"""Downwash without --model: fitted to real flights."""
+MANOEUVRES = 1.0
+"""Acceleration that is kept for the plan itself [m/s^2]: 4 m in 5.5 s."""
+
+
+def terms_of(asked: Namespace) -> RiskTerms:
+    """Return the terms of the command line; raise ValueError naming the option that is not allowed."""
+    for option in ("cut", "threshold"):
+        if getattr(asked, option) is not None:
+            raise ValueError(f"--{option} and --risk both choose the zone: give one of them")
+    if asked.tube is None:
+        raise ValueError(f"--risk {asked.risk:g} needs --tube, the largest tracking error of a flight [m]")
+    tube_risk = 0.5 * asked.risk if asked.tube_risk is None else asked.tube_risk
+    vehicle = vehicle_by_name(asked.vehicle)
+    spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY - MANOEUVRES
+    if asked.hold is None and spare <= 0.0:
+        raise ValueError(f"{vehicle.name} has {spare + MANOEUVRES:.2f} m/s^2 of thrust to spare: give --hold")
+    hold = spare if asked.hold is None else asked.hold
+    horizontal, vertical = asked.tube
+    return RiskTerms(asked.risk, hold, RiskTube(horizontal, vertical, tube_risk), asked.touch)
+
+
+def zone_by_risk(asked: Namespace) -> tuple[Lathe, str]:
+    """Return the zone of the command line, and its description."""
+    terms, file = terms_of(asked), find_model(asked.model or MODEL)
+    residual = file.residual or REAL_FLIGHTS
+    push, tube = largest_push(terms, residual), terms.tube
+    words = (
+        f"risk {terms.alpha:g} a vehicle: {terms.touch:g} m apart, {asked.model or MODEL} below {push:.2f} "
+        f"m/s^2, tube {tube.horizontal:g} m horizontally and {tube.vertical:g} m vertically at {tube.risk:g}"
+    )
+    return risk_zone(file.interaction, terms, residual), words
+
+
+def risk_facts(asked: Namespace, vehicles: int) -> dict[str, float]:
+    """Return what --json says of the risk: of one vehicle, and of any of them (Boole)."""
+    if asked.risk is None:
+        return {}
+    terms = terms_of(asked)
+    return {
+        "risk": terms.alpha,
+        "swarm_risk": min(1.0, vehicles * terms.alpha),
+        "hold": terms.hold,
+        "tube_horizontal_m": terms.tube.horizontal,
+        "tube_vertical_m": terms.tube.vertical,
+    }

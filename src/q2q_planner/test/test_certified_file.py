@@ -1,0 +1,117 @@
+"""A plan file is certified only if that is proven when it is read: no edit of its numbers passes."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.files.sealed_json import checksum
+from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.trajectory import plan_file
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
+from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid
+from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.certified_file import load_plan
+from q2q_planner.offline.convex_zone import lathe_around, lathe_of_profile
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+
+ZONE = Cylinder(0.1, 1.1)
+Document = dict[str, object]
+
+
+@pytest.fixture(scope="module")
+def made() -> AvoidancePlan:
+    """Return a certified plan of two vehicles that cross, whose zone is touched."""
+    swarm = (
+        VehicleWaypoints("cf1", (Waypoint(0.0, (-1.0, 0.0, 1.0)), Waypoint(4.0, (1.0, 0.0, 1.0)))),
+        VehicleWaypoints("cf2", (Waypoint(0.0, (0.0, -1.0, 1.5)), Waypoint(4.0, (0.0, 1.0, 1.5)))),
+    )
+    return avoid(swarm, ZONE)
+
+
+def written(plan: SwarmPlan, file: Path, edit: Callable[[Document], object] | None = None) -> Path:
+    """Write a plan; a hostile edit of its entries gets the checksum that fits."""
+    document = json.loads(plan_file.encode(plan))
+    if edit is not None:
+        document.pop("checksum")
+        edit(document)
+        document["checksum"] = checksum(document)
+    file.write_text(json.dumps(document))
+    return file
+
+
+def nearer(made: AvoidancePlan, by: float) -> SwarmPlan:
+    """Return the plan with the second vehicle moved [m] towards the first, where they are nearest."""
+    pos = setpoint_at(made.plan, made.certificate.t).pos
+    normal, _ = lathe_around(ZONE).nearest(pos[1] - pos[0])
+    first, second = made.plan.trajectories
+    coefficients = second.coefficients.copy()
+    coefficients[:, :3, 0] -= by * normal
+    return replace(made.plan, trajectories=(first, Trajectory(second.durations, coefficients)))
+
+
+def test_a_certified_plan_is_read_as_certified_for_its_zone(made: AvoidancePlan, tmp_path: Path) -> None:
+    found = load_plan(written(made.plan, tmp_path / "plan.json"))
+    assert found.certified
+    assert found.zone_profile == ((ZONE.eps, ZONE.d),)
+    assert certify(found, ZONE).clearance == made.certificate.clearance
+
+
+def test_a_coefficient_that_is_changed_by_hand_is_found(made: AvoidancePlan, tmp_path: Path) -> None:
+    file = written(made.plan, tmp_path / "plan.json")
+    document = json.loads(file.read_text())
+    document["vehicles"][1]["coefficients"][0][2][0] += 1e-6
+    file.write_text(json.dumps(document))
+    with pytest.raises(ValueError, match=r"plan\.json is not a plan: .* edited after it was certified"):
+        load_plan(file)
+    document["certified"] = False
+    file.write_text(json.dumps(document))
+    assert not load_plan(file).certified
+
+
+def test_vehicles_moved_into_their_zone_do_not_pass_with_a_new_checksum(
+    made: AvoidancePlan, tmp_path: Path
+) -> None:
+    assert load_plan(
+        written(nearer(made, -0.001), tmp_path / "apart.json")
+    ).certified  # true of these numbers
+    file = written(nearer(made, made.certificate.clearance + 0.001), tmp_path / "plan.json")
+    assert plan_file.load(file).certified  # its checksum fits
+    with pytest.raises(ValueError, match=r"is not: cf1 and cf2 have a proven clearance of -0\.001"):
+        load_plan(file)
+
+
+def test_a_dent_in_the_zone_does_not_pass(made: AvoidancePlan, tmp_path: Path) -> None:
+    """Distances to a profile that is not convex would be too large."""
+    dents = ([[0.1, 0.5], [0.01, 0.6], [0.1, 1.1]], [[0.1, 1.1], [0.1, 0.2]], [[0.0, 0.0]])
+    for number, profile in enumerate(dents):
+        file = tmp_path / f"{number}.json"
+        written(made.plan, file, lambda document, own=profile: document.update(zone_profile_m=own))
+        with pytest.raises(ValueError, match=rf"{number}\.json is not a certified plan: the profile"):
+            load_plan(file)
+    for number, wrong in enumerate(([[0.1]], [[-0.1, 1.0]], [["a", 1.0]], [[0.1, float("nan")]], 3)):
+        file = tmp_path / f"wrong_{number}.json"
+        written(made.plan, file, lambda document, own=wrong: document.update(zone_profile_m=own))
+        with pytest.raises(ValueError, match=rf"wrong_{number}\.json is not a plan: zone_profile_m"):
+            load_plan(file)
+
+
+def test_what_cannot_be_proven_is_taken_as_not_certified(made: AvoidancePlan, tmp_path: Path) -> None:
+    bare = written(replace(made.plan, zone_profile=()), tmp_path / "bare.json")
+    with pytest.warns(UserWarning, match=r"bare\.json does not have its zone: it is taken as not certified"):
+        assert not load_plan(bare).certified
+    older = tmp_path / "older.json"
+    document = json.loads(bare.read_text())
+    older.write_text(json.dumps({key: one for key, one in document.items() if key != "checksum"}))
+    with pytest.warns(UserWarning, match=r"older\.json has no checksum: it is taken as not certified"):
+        assert not load_plan(older).certified
+
+
+@pytest.mark.parametrize("zone", [ZONE, Ellipsoid(0.4, 0.7), Ellipsoid.around(ZONE)])
+def test_the_profile_of_a_zone_is_read_as_it_is(zone: Zone) -> None:
+    lathe = lathe_around(zone)
+    corners = [(float(radius), float(height)) for radius, height in lathe.profile]
+    np.testing.assert_array_equal(lathe_of_profile(corners).profile, lathe.profile)

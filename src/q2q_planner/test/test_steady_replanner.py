@@ -1,0 +1,102 @@
+"""With bounded jerk and a tube, setpoints keep their bounds whatever the reference does, and pairs apart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
+from q2q_model.trajectory.polynomials import setpoint_at
+from q2q_planner.experiments.encounters import random_encounter
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+
+TICK = 0.01
+PARAMS = SafeReplannerParams(
+    eps=0.2, acc_max=2.0, jerk_max=20.0, speed_max=2.5, tracking=0.06, tracking_z=0.1
+)
+TUBES = Cylinder(PARAMS.eps + 2.0 * PARAMS.tracking, PARAMS.d + 2.0 * PARAMS.tracking_z)
+BROKEN = SetpointStatus.PROMISE_BROKEN
+
+
+def reference(t: float, pos: Array, vel: Array, acc: Array) -> SwarmSetpoint:
+    n = len(pos)
+    names = tuple(f"cf{row}" for row in range(n))
+    return SwarmSetpoint(t, names, pos, vel, acc, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
+
+
+def seen(setpoint: SwarmSetpoint, off: Array) -> SwarmState:
+    """Return the state of vehicles that are `off` their setpoints [m], (n, 3)."""
+    n = len(setpoint.names)
+    quat = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+    return SwarmState(
+        setpoint.t, setpoint.names, setpoint.pos + off, setpoint.vel, quat, np.zeros((n, 3)), np.zeros(n),
+        np.zeros(n, np.uint8),
+    )  # fmt: skip
+
+
+def accelerations(flown: list[SwarmSetpoint]) -> Array:
+    return np.array([one.acc for one in flown])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_encounters_keep_zone_and_tubes_apart_by_motions_of_bounded_jerk(seed: int) -> None:
+    encounter = random_encounter(np.random.default_rng(seed), most=6, clear_by=TUBES.eps + 0.05)
+    start = setpoint_at(encounter.plan, 0.0).pos
+    i, j = np.triu_indices(len(start), 1)
+    if TUBES.signed_distance(start[i] - start[j]).min() < 0.02:
+        pytest.skip("they start within the tubes of each other")
+    replanner = SafeReplanner(PARAMS)
+    flown = [
+        replanner.update(setpoint_at(encounter.plan, k * TICK), None)
+        for k in range(round((encounter.plan.duration + 1.0) / TICK))
+    ]
+    pos = np.array([one.pos for one in flown])
+    assert TUBES.signed_distance(pos[:, i] - pos[:, j]).min() > 0.0
+    assert not any((one.status == BROKEN).any() for one in flown)
+    acc = accelerations(flown)
+    assert np.abs(acc).max() <= PARAMS.acc_max * (1.0 + 1e-9)
+    # a vehicle that returns to its reference takes on its acceleration: jerk_max * hold at most
+    assert np.abs(np.diff(acc, axis=0)).max() <= PARAMS.jerk_max * (TICK + PARAMS.hold) * (1.0 + 1e-9)
+
+
+def test_a_reference_at_30_m_per_s2_is_left_and_followed_within_the_bounds() -> None:
+    """It jumps to 30 m/s^2 for 0.1 s, which the replanner without bounded jerk passes on."""
+    replanner, flown = SafeReplanner(PARAMS), []
+    pos, vel = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
+    for k in range(400):
+        acc = np.array([[30.0 if 50 <= k < 55 else -30.0 if 55 <= k < 60 else 0.0, 0.0, 0.0]])
+        flown.append(replanner.update(reference(k * TICK, pos, vel, acc), None))
+        pos, vel = pos + TICK * vel + 0.5 * TICK**2 * acc, vel + TICK * acc
+    moved = accelerations(flown)
+    assert np.abs(moved).max() <= PARAMS.acc_max * (1.0 + 1e-9)
+    assert np.abs(np.diff(moved, axis=0)).max() <= PARAMS.jerk_max * TICK * (1.0 + 1e-9)
+    assert flown[60].status[0] == SetpointStatus.SHIFTED  # announced: it is not where it was asked to be
+    assert np.abs(flown[-1].pos - pos).max() < 0.02
+
+
+def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:
+    pos, still = np.array([[0.0, 0.0, 1.0], [9.0, 0.0, 1.0]]), np.zeros((2, 3))
+    for axis, most in ((0, PARAMS.tracking), (2, PARAMS.tracking_z)):
+        for share, expected in ((0.99, False), (1.01, True)):
+            off = np.zeros((2, 3))
+            off[0, axis] = share * most
+            setpoint = reference(0.0, pos, still, still)
+            told = SafeReplanner(PARAMS).update(setpoint, seen(setpoint, off)).status == BROKEN
+            assert told.tolist() == [expected, False]
+
+
+def test_who_is_faster_than_the_tube_was_learned_for_says_so() -> None:
+    pos, still = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
+    for speed, expected in ((2.4, False), (2.6, True)):
+        setpoint = reference(0.0, pos, np.array([[speed, 0.0, 0.0]]), still)
+        assert (SafeReplanner(PARAMS).update(setpoint, None).status == BROKEN).all() == expected
+
+
+def test_an_external_vehicle_nearby_is_outside_the_conditions() -> None:
+    pos, still = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
+    setpoint = reference(0.0, pos, still, still)
+    for x, expected in ((1.0, True), (30.0, False)):
+        near = replace(seen(setpoint, np.array([[x, 0.0, 0.0]])), names=("stranger",))
+        assert (SafeReplanner(PARAMS).update(setpoint, near).status == BROKEN).all() == expected

@@ -1,0 +1,58 @@
+"""Replay recorded flights through the mocap filter and the firmware's estimator, and compare their positions.
+
+Motion capture is given whole, at 10 Hz, with 30 % of its samples lost, and without 1 s in every 4; estimates
+are compared with the samples that they have not seen. Give flights of one vehicle.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
+
+EXAMPLE = "  ros2 run q2q_sim estimators flights/ --seeds 3 --json out/estimators.json"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Replay the flights of the command line; return the exit status."""
+    return run_command(parser(), _prepare, argv)
+
+
+def _prepare(args: Namespace) -> Work:
+    if args.seeds < 1:
+        raise ValueError(f"--seeds {args.seeds}: 1 or more is allowed")
+    require_existing("flight", *args.flights)
+    return _run
+
+
+def _run(args: Namespace) -> int:
+    from q2q_sim.experiments.estimators.replay_flights import replay_flights
+    from q2q_sim.tools.recorded_flights import read_flights
+
+    recordings, notes = read_flights(args.flights)
+    for note in notes:
+        print(f"estimators: {note}", file=sys.stderr)
+    return replay_flights(recordings, args)
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("estimators", __doc__, EXAMPLE)
+    made.add_argument(
+        "flights",
+        nargs="+",
+        type=Path,
+        metavar="FLIGHT",
+        help="bag, table (.parquet, .csv) or folder of them",
+    )
+    made.add_argument(
+        "--seeds", type=int, default=3, metavar="N", help="draws of cuts and sensor errors (default 3)"
+    )
+    made.add_argument("--each", action="store_true", help="print the medians of every flight as well")
+    made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,73 @@
+"""Explain a simulated flight: which causes took a vehicle off its path, and by how much each.
+
+The flight of the bag is flown again, then with its causes taken out one after the other: downwash, battery
+and saturation, motion capture, latency, lost messages, control, wind. --score counts how often the known
+first cause of simulated accidents is named first.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import (
+    CommandLine,
+    UsageError,
+    Work,
+    output_file,
+    output_folder,
+    require_existing,
+    run_command,
+)
+
+EXAMPLE = """  ros2 run q2q_sim explain out/demo/bags/ignoring --out out/why --json out/why.json
+  ros2 run q2q_sim explain --score 20 --json out/score.json"""
+FEWEST_ORDERS = 4
+"""Two pairs: the fewest that have a standard error."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Explain the bag of the command line; return the exit status."""
+    return run_command(parser(), _prepare, argv)
+
+
+def _prepare(args: Namespace) -> Work:
+    if bool(args.bag) == bool(args.score):
+        raise UsageError("give either a bag or --score N")
+    if args.score is not None and args.score < 1:
+        raise ValueError(f"--score {args.score}: 1 or more is allowed")
+    if args.seed < 0:
+        raise ValueError(f"--seed {args.seed}: 0 or above is allowed")
+    if args.orders < FEWEST_ORDERS or args.orders % 2:
+        raise ValueError(f"--orders {args.orders}: an even number of {FEWEST_ORDERS} or more is allowed")
+    if args.seeds < 1:
+        raise ValueError(f"--seeds {args.seeds}: 1 or more is allowed")
+    if args.bag:
+        require_existing("bag", args.bag)
+    from q2q_sim.experiments.explanation.explain_bag import explain_bag, score
+
+    return explain_bag if args.bag else score
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("explain", __doc__, EXAMPLE)
+    made.add_argument("bag", nargs="?", type=Path, metavar="BAG", help="bag of `fly` or `campaign`")
+    made.add_argument(
+        "--out", type=output_folder, metavar="FOLDER", help="folder for the page and its picture"
+    )
+    made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
+    made.add_argument("--of", choices=("distance", "height"), default="distance", help="loss that is split")
+    made.add_argument(
+        "--orders", type=int, default=8, metavar="N", help="orders in which causes are taken out (default 8)"
+    )
+    made.add_argument(
+        "--seeds", type=int, default=3, metavar="N", help="draws of noise, losses and gusts (default 3)"
+    )
+    made.add_argument("--score", type=int, metavar="N", help="explain N accidents of known cause instead")
+    made.add_argument("--seed", type=int, default=0, metavar="N", help="first seed of the score (default 0)")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

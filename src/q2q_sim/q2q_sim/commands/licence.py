@@ -1,0 +1,95 @@
+"""Fly a program for Crazyflies, unmodified, against emulated vehicles under faults, and judge it.
+
+The program uses cflib; every URI that it opens is an emulated vehicle on the floor. Without faults it must
+fly and end safely; then it is flown with one fault each: radio, motion capture, battery, arming, downwash.
+Exits with 0 if every flight passes, 1 if one does not. Options of the program come after `--`.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import (
+    CommandLine,
+    UsageError,
+    Work,
+    output_file,
+    output_folder,
+    require_existing,
+    run_command,
+)
+
+EXAMPLE = """  scripts/licence my_flight.py --out out/licence
+  scripts/licence pair.py --start 0 -0.5 0 --start 0 0.5 90 --junit licence.xml -- --speed 0.5
+  scripts/licence --score test/licence_scripts --json out/score.json"""
+MOST_JOBS = 64
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Judge the program of the command line; return the exit status."""
+    return run_command(parser(), _prepare, argv, refused=2)
+
+
+def _prepare(args: Namespace) -> Work:
+    if bool(args.script) == bool(args.score):
+        raise UsageError("give either a program or --score FOLDER")
+    if args.seed < 0:
+        raise ValueError(f"--seed {args.seed}: 0 or above is allowed")
+    if not 1 <= args.jobs <= MOST_JOBS:
+        raise ValueError(f"--jobs {args.jobs}: 1 to {MOST_JOBS} is allowed")
+    if min(args.room) <= 0.0:
+        raise ValueError(f"--room {args.room}: sizes above 0 m are allowed")
+    if not 0.0 < args.limit <= 3000.0:
+        raise ValueError(f"--limit {args.limit}: above 0 to 3000 s is allowed")
+    if args.script:
+        require_existing("program", args.script)
+    else:
+        require_existing("folder", args.score)
+    from q2q_sim.experiments.licence.licence_program import judge, score
+
+    return judge if args.script else score
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("licence", __doc__, EXAMPLE)
+    made.add_argument("script", nargs="?", type=Path, metavar="SCRIPT", help="the program")
+    made.add_argument("arguments", nargs="*", metavar="ARGUMENT", help="arguments of the program, after --")
+    made.add_argument(
+        "--start",
+        nargs=3,
+        action="append",
+        default=[],
+        type=float,
+        metavar=("X", "Y", "YAW"),
+        help="start of each vehicle in turn, by URI [m, deg]; default: a row along y, 1 m apart",
+    )
+    made.add_argument(
+        "--room",
+        nargs=3,
+        type=float,
+        default=[6.0, 6.0, 2.5],
+        metavar=("X", "Y", "Z"),
+        help="size of the room, its floor centred on the origin [m] (default 6 6 2.5)",
+    )
+    made.add_argument("--air", default="room", help="air that the vehicles fly in (default room)")
+    made.add_argument("--scan", type=int, default=1, metavar="N", help="vehicles a scan finds (default 1)")
+    made.add_argument("--arming", action="store_true", help="the vehicles do not arm themselves")
+    made.add_argument(
+        "--limit", type=float, default=300.0, metavar="S", help="longest flight [s] (default 300)"
+    )
+    made.add_argument("--seed", type=int, default=0, help="random seed")
+    made.add_argument("--jobs", type=int, default=2, metavar="N", help="flights at a time (default 2)")
+    made.add_argument("--out", type=output_folder, metavar="FOLDER", help="folder for the page")
+    made.add_argument("--junit", type=output_file, metavar="FILE", help="file to write JUnit XML to")
+    made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the findings to")
+    made.add_argument(
+        "--score", type=Path, metavar="FOLDER", help="judge the programs with known bugs of a folder instead"
+    )
+    made.add_argument("--only", nargs="+", default=[], metavar="NAME", help="programs of the score to judge")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

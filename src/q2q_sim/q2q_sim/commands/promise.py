@@ -1,0 +1,72 @@
+"""Fly random encounters with full dynamics and judge the safe replanner's promise about vehicles.
+
+Flight k is made from seed k: 2 to 10 Crazyflies on paths that cross, in an air learned from real flights,
+with delays and lost packets. --learn writes the tube of tracking error of these flights (a new flight stays
+within it with probability 1 - alpha), --tube flies with one and counts the flights that leave it. The exit
+status is 1 if a vehicle entered another's zone in a flight that began under the conditions of the promise.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
+from q2q_sim.air.air_names import check_air
+from q2q_sim.scenarios.choices import CONTROLLERS
+
+EXAMPLE = """  ros2 run q2q_sim promise --count 400 --alpha 0.05 --learn out/tube.json
+  ros2 run q2q_sim promise --first 1000 --count 400 --tube out/tube.json --json out/promise.json"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Fly the encounters of the command line; return the exit status."""
+    return run_command(parser(), _prepare, argv)
+
+
+def _prepare(args: Namespace) -> Work:
+    if args.first < 0:
+        raise ValueError(f"--first {args.first}: 0 or above is allowed")
+    for option, count in (("--count", args.count), ("--jobs", args.jobs)):
+        if count < 1:
+            raise ValueError(f"{option} {count}: 1 or more is allowed")
+    if not 0.0 < args.alpha < 1.0:
+        raise ValueError(f"--alpha {args.alpha:g}: above 0 and below 1 is allowed")
+    check_air(args.air)
+    require_existing("tube", *([args.tube] if args.tube else []))
+    from q2q_sim.experiments.promise.promise_flights import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("promise", __doc__, EXAMPLE)
+    made.add_argument("--count", type=int, default=100, metavar="N", help="number of flights (default 100)")
+    made.add_argument("--first", type=int, default=0, metavar="SEED", help="seed of the first (default 0)")
+    made.add_argument("--jobs", type=int, default=1, metavar="N", help="processes at once (default 1)")
+    made.add_argument("--controller", choices=CONTROLLERS, default="pid", help="controller (default pid)")
+    made.add_argument(
+        "--air",
+        default="room",
+        metavar="AIR",
+        help="a shipped name, a .air file or module:Class (default room)",
+    )
+    made.add_argument(
+        "--jerk", type=float, metavar="J", help="largest jerk of a setpoint [m/s^3]; 0 does not bound it"
+    )
+    made.add_argument("--tube", type=Path, metavar="FILE", help="fly with this tube and count who leaves it")
+    made.add_argument("--learn", type=Path, metavar="FILE", help="write the tube of these flights")
+    made.add_argument(
+        "--alpha",
+        type=float,
+        default=0.05,
+        metavar="A",
+        help="share of flights outside the tube (default 0.05)",
+    )
+    made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,55 @@
+"""Compare corrected controllers with the same ones ignoring the downwash, where they believe something wrong.
+
+The flights are those of 12 perturbations in each air, for pid and mpc: wrong model, wrong latency, silent
+accelerometers, an unseen neighbour, a weak battery, thrust at its limit for seconds.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+
+from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command
+from q2q_sim.air.air_names import MADE, RECORDED, ROOM, check_air
+from q2q_sim.scenarios.choices import TABLE_ONLY
+
+AIRS = (ROOM, RECORDED, *MADE, "paper")
+EXAMPLE = """  ros2 run q2q_sim robustness --json out/robustness.json --out docs/robustness.md
+  ros2 run q2q_sim robustness --airs ring bent --seeds 2 --json out/two.json --out out/two.md"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Fly missing flights and write the page; return the exit status."""
+    what = "interrupted; run the same command to resume from the numbers in --json"
+    return run_command(parser(), _prepare, argv, interrupted=what)
+
+
+def _prepare(given: Namespace) -> Work:
+    for air in given.airs:
+        check_air(air)
+    from q2q_sim.experiments.robustness.fill_robustness import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("robustness", __doc__, EXAMPLE)
+    made.add_argument("--airs", nargs="+", default=list(AIRS), metavar="AIR", help="airs to fly in")
+    made.add_argument("--seeds", type=int, default=2, metavar="N", help="draws in each flight, 1 to 25")
+    made.add_argument("--seed", type=int, default=2001, metavar="N", help="seed of the flights")
+    made.add_argument(
+        "--json",
+        type=output_file,
+        required=True,
+        metavar="FILE",
+        help="file of numbers; flights in it are not repeated",
+    )
+    made.add_argument("--out", type=output_file, required=True, metavar="FILE", help="page to write (.md)")
+    made.add_argument(
+        TABLE_ONLY, action="store_true", help="write the page of the present numbers without flying"
+    )
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,50 @@
+"""Set up DDS security: keys, and for each node only the topics and services that it uses.
+
+Writes the access policy of all nodes and, with `ros2 security` (SROS2, of a sourced ROS 2), a keystore with
+an enclave for each. Permissions hold in the present ROS_DOMAIN_ID. Exits with 1, and a sentence, where the
+middleware of this machine has no security.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.commands.command_line import CommandLine, Work, run_command
+
+KEYSTORE = Path("out/keystore")
+EXAMPLE = """  scripts/secure --vehicles cf1 cf2 --operators desk
+  scripts/secure --policy policy.xml"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Write policy and keystore; return the exit status."""
+    return run_command(parser(), _prepare, argv)
+
+
+def _prepare(_: Namespace) -> Work:
+    from q2q_sim.tools.secure_nodes import run
+
+    return run
+
+
+def parser() -> CommandLine:
+    """Return the parser of the command line."""
+    made = CommandLine("secure", __doc__, EXAMPLE)
+    made.add_argument(
+        "--keystore", type=Path, default=KEYSTORE, help="folder of the keystore, kept if it exists"
+    )
+    made.add_argument("--vehicles", nargs="+", default=[], metavar="NAME", help="vehicles; default: any name")
+    made.add_argument(
+        "--operators",
+        nargs="+",
+        default=["operator"],
+        metavar="NAME",
+        help="enclaves that may call all/emergency and the flight procedure",
+    )
+    made.add_argument("--policy", type=Path, help="write the access policy to this file, and no keystore")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())

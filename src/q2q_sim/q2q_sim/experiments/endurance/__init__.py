@@ -1,0 +1,1 @@
+"""Long flights through nodes whose memory, handles, bag and clock are watched."""

@@ -1,0 +1,54 @@
+"""Long flight from the command line: flown, watched, told."""
+
+from argparse import Namespace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+
+from rich.console import Console
+from rich.progress import Progress
+
+from q2q_model.documents.json_file import write_json
+from q2q_sim.experiments.endurance.endurance_report import (
+    endurance_json,
+    growth_table,
+    growths,
+    is_flat,
+    sentence,
+)
+from q2q_sim.experiments.endurance.long_flight import LongFlight, fly_long, write_scenario
+from q2q_sim.flight.scenario_flight import FlightRequest
+from q2q_sim.processes.interruption import Interruption
+
+WIDTH = 110
+"""Of the table, at least."""
+
+
+def run(args: Namespace) -> int:
+    """Fly, print and write the growth of every quantity; return the exit status."""
+    flight = _flown(args)
+    found = growths(flight)
+    console = Console()
+    console.print(growth_table(flight, found), width=max(console.width, WIDTH))
+    if args.json:
+        write_json(endurance_json(flight, found), args.json)
+    print(sentence(flight, found))
+    return int(not is_flat(flight, found))
+
+
+def _flown(args: Namespace) -> LongFlight:
+    interruption = Interruption()
+    with (
+        TemporaryDirectory(prefix="q2q-endurance-") as place,
+        Progress(console=Console(stderr=True)) as bar,
+    ):
+        task = bar.add_task("endurance", total=1.0)
+
+        def follow(share: float) -> float:
+            interruption.check()
+            bar.update(task, completed=share)
+            return perf_counter()
+
+        scenario = write_scenario(Path(place), args.vehicles, 60.0 * args.minutes)
+        request = FlightRequest(str(scenario), live=args.live, stack=not args.live)
+        return fly_long(request, args.vehicles, Path(place) / "flight", follow)

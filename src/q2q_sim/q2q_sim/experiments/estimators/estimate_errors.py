@@ -1,0 +1,118 @@
+"""Errors of estimates against samples of motion capture that they have not seen.
+
+In a cut condition only the samples that were not given count, with all samples all of them; only those in
+flight. An estimate has diverged if it restarted, is no number, or is off by more than DIVERGED although no
+sample has been away for longer than SHORT within the last RECOVERY.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.flights.outliers import Mask
+from q2q_model.signals.values import Array
+from q2q_sim.experiments.estimators.mocap_cuts import CONDITIONS, UNCUT, given_samples
+from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
+from q2q_sim.experiments.estimators.replayed_estimates import RECORDED, estimates
+from q2q_sim.firmware.estimator import DT
+
+DIVERGED = 0.2
+"""[m]: twice the distance at which the flight procedure refuses an estimate."""
+SHORT, RECOVERY = 0.15, 0.5
+"""[s]"""
+BOOTSTRAP = 300
+"""Draws of flights for an interval."""
+FEWEST = 3
+"""Flights for an interval."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayedErrors:
+    """Errors of an estimator in the replays of one flight under one condition."""
+
+    flight: str
+    condition: str
+    estimator: str
+    errors: Array
+    """Distances [m], all replays, (n,)."""
+    replays: int
+    diverged: int
+    """Replays in which the estimate diverged."""
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorSummary:
+    """Errors of an estimator under one condition."""
+
+    flights: int
+    replays: int
+    samples: int
+    median: float
+    """[m]"""
+    p95: float
+    """[m]"""
+    worst: float
+    """[m]"""
+    diverged: int
+    interval: tuple[float, float] | None
+    """95 % interval of the median by a bootstrap over flights [m]; None below three flights."""
+
+
+def replayed_errors(motion: RecordedMotion, seeds: Sequence[int]) -> Iterator[ReplayedErrors]:
+    """Yield the errors of every estimator under every condition."""
+    given = np.stack([given_samples(motion, one, seed) for one in CONDITIONS for seed in seeds], axis=1)
+    judged = settled(given) & motion.flying[:, None]
+    uncut = np.repeat([one == UNCUT for one in CONDITIONS], len(seeds))
+    compared = (uncut | ~given) & (motion.flying & motion.seen)[:, None]
+    for name, found in estimates(motion, given, [*seeds] * len(CONDITIONS)).items():
+        away = np.linalg.norm(found.pos - motion.pos[:, None], axis=-1)
+        away[~np.isfinite(away)] = np.inf
+        diverged = (judged & (away > DIVERGED)).any(axis=0) | (found.resets > 0)
+        for k, condition in enumerate([UNCUT] if name == RECORDED else CONDITIONS):
+            own = slice(k * len(seeds), (k + 1) * len(seeds))
+            errors, lost = away[:, own][compared[:, own]], int(diverged[own].sum())
+            yield ReplayedErrors(motion.name, condition, name, errors, len(seeds), lost)
+
+
+def settled(given: Mask) -> Mask:
+    """Return the ticks (T, B) with no sample away for longer than SHORT within the last RECOVERY."""
+    ticks = np.arange(len(given))[:, None]
+    latest = np.maximum.accumulate(np.where(given, ticks, 0), axis=0)
+    away = np.maximum.accumulate(np.where(ticks - latest > round(SHORT / DT), ticks, -len(given)), axis=0)
+    return np.asarray(ticks - away > round(RECOVERY / DT))
+
+
+def summary(found: Sequence[ReplayedErrors]) -> ErrorSummary:
+    """Return the errors of one estimator under one condition, over flights."""
+    errors = np.concatenate([one.errors for one in found])
+    median, p95 = np.percentile(errors, [50.0, 95.0])
+    return ErrorSummary(
+        flights=len(found),
+        replays=sum(one.replays for one in found),
+        samples=len(errors),
+        median=float(median),
+        p95=float(p95),
+        worst=float(errors.max()),
+        diverged=sum(one.diverged for one in found),
+        interval=median_interval([one.errors for one in found]),
+    )
+
+
+def median_interval(flights: Sequence[Array]) -> tuple[float, float] | None:
+    """Return the 95 % interval of the pooled median by a bootstrap over flights; None below three."""
+    if len(flights) < FEWEST:
+        return None
+    draw = np.random.default_rng(0)
+    drawn = [
+        np.median(np.concatenate([flights[k] for k in draw.integers(0, len(flights), len(flights))]))
+        for _ in range(BOOTSTRAP)
+    ]
+    low, high = np.percentile(drawn, [2.5, 97.5])
+    return float(low), float(high)
+
+
+def grouped(found: Sequence[ReplayedErrors]) -> Mapping[tuple[str, str], ErrorSummary]:
+    """Return (condition, estimator) -> its errors over all flights, in the order of the replays."""
+    keys = dict.fromkeys((one.condition, one.estimator) for one in found)
+    return {key: summary([one for one in found if (one.condition, one.estimator) == key]) for key in keys}

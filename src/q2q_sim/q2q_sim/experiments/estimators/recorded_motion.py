@@ -1,0 +1,144 @@
+"""Motion of a vehicle in a recorded flight, every 10 ms, and what its inertial sensors felt.
+
+Position is a cubic spline through the motion capture, velocity its derivative by a polynomial of degree 3
+over SMOOTHED ticks (Savitzky, Golay, Anal. Chem. 36, 1964). With the mean over each tick
+
+    a = (v_k - v_k-1) / dt,   f = R^T (a + g e_z),   w = log(q_k-1* q_k) / dt
+
+The axes of the markers are not those of the vehicle: in flight thrust is the only large force, so the
+vehicle's z is taken to be the mean direction of f in the markers' axes, and f and w are given in its axes.
+Recordings here have no inertial sensors. These follow from the motion capture that the estimates are compared
+with: replays show what estimators make of the sensors' errors, not how large those are.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.signal import savgol_filter
+
+from q2q_model.flights.outliers import Mask
+from q2q_model.geometry.rotations import (
+    ang_vel_between,
+    normalised,
+    quat_from_vector,
+    quat_multiply,
+    rotate_inverse,
+)
+from q2q_model.identification.gains.altitude_record import resampled
+from q2q_model.identification.identification import Recording
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.firmware.estimator import DT
+
+SMOOTHED = 9
+"""Ticks of a derivative: noise of 0.03 mm becomes 0.4 mm/s."""
+LIFTED = 0.05
+"""Height above the start in flight [m]."""
+SHORTEST = 5.0
+"""Least time in the air [s]."""
+ROUNDING = 1e-6
+"""Of a time [s]."""
+OWN_ESTIMATE = ("est_x", "est_y", "est_z")
+"""Columns of a log with the vehicle's own estimate."""
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedMotion:
+    """Motion of one vehicle, one row a tick."""
+
+    name: str
+    pos: Array
+    """Motion capture [m], world, (T, 3)."""
+    quat: Array
+    """Attitude of the markers, (T, 4)."""
+    seen: Mask
+    """Ticks with a sample of motion capture, (T,)."""
+    flying: Mask
+    """Ticks from take-off to landing, (T,)."""
+    body_quat: Array
+    """Attitude of the vehicle, (T, 4)."""
+    specific_force_body: Array
+    """Mean over the tick that ends [m/s^2], (T, 3)."""
+    ang_vel_body: Array
+    """Mean over the tick that ends [rad/s], (T, 3)."""
+    own_pos: Array | None
+    """The vehicle's own estimate as recorded [m], (T, 3)."""
+
+
+def recorded_motion(recording: Recording) -> RecordedMotion:
+    """Return the motion in a recording of one vehicle.
+
+    Raises:
+        ValueError: several vehicles, no attitudes, or less than SHORTEST in the air.
+    """
+    flight = recording.flight
+    if len(flight.names) != 1:
+        raise ValueError(
+            f"flight {flight.name} has {len(flight.names)} vehicles; give flights of one vehicle"
+        )
+    there = np.isfinite(flight.mocap_pos[:, 0]).all(axis=1) & np.isfinite(flight.mocap_quat[:, 0]).all(axis=1)
+    if there.sum() < SHORTEST / DT:
+        raise ValueError(f"flight {flight.name} has {there.sum()} poses; {SHORTEST:g} s of them are needed")
+    t = flight.t[there]
+    at = np.arange(t[0], t[-1] + ROUNDING, DT)
+    pos = np.asarray(CubicSpline(t, flight.mocap_pos[there, 0])(at))
+    quat = normalised(resampled(t, continuous(flight.mocap_quat[there, 0]), at))
+    flying = in_flight(pos[:, 2])
+    if flying.sum() < SHORTEST / DT:
+        flown = flying.sum() * DT
+        raise ValueError(f"flight {flight.name} is {flown:.1f} s in the air; {SHORTEST:g} are needed")
+    vel = savgol_filter(pos, SMOOTHED, 3, deriv=1, delta=DT, axis=0)
+    felt = np.diff(vel, axis=0, prepend=vel[:1]) / DT + GRAVITY * UP
+    body = quat_multiply(quat, tilt_of(rotate_inverse(quat, felt)[flying].mean(axis=0)))
+    before = np.vstack([body[:1], body[:-1]])
+    return RecordedMotion(
+        name=flight.name,
+        pos=pos,
+        quat=quat,
+        seen=np.abs(at - t[nearest(t, at)]) <= 0.5 * DT + ROUNDING,
+        flying=flying,
+        body_quat=body,
+        specific_force_body=rotate_inverse(normalised(before + body), felt),
+        ang_vel_body=ang_vel_between(before, body, DT),
+        own_pos=_own(recording, at),
+    )
+
+
+def continuous(quat: Array) -> Array:
+    """Return quaternions (T, 4) with the signs that make neighbours alike."""
+    flips = np.where((quat[1:] * quat[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
+    return np.asarray(quat * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
+
+
+def in_flight(height: Array) -> Mask:
+    """Return the ticks from the first to the last at which the vehicle is LIFTED, (T,)."""
+    high = np.flatnonzero(height > height[0] + LIFTED)
+    flying = np.zeros(len(height), dtype=np.bool_)
+    if len(high):
+        flying[high[0] : high[-1] + 1] = True
+    return flying
+
+
+def tilt_of(force: Array) -> Array:
+    """Return the smallest rotation that turns z to a direction (3,), (4,)."""
+    direction = force / np.linalg.norm(force)
+    axis = np.cross(UP, direction)
+    sine = float(np.linalg.norm(axis))
+    return quat_from_vector(axis * (np.arctan2(sine, direction[2]) / sine if sine > 0.0 else 0.0))
+
+
+def nearest(t: Array, at: Array) -> NDArray[np.intp]:
+    """Return the rows of `t` nearest to the times `at`."""
+    after = np.clip(np.searchsorted(t, at), 1, len(t) - 1)
+    return np.asarray(np.where(at - t[after - 1] <= t[after] - at, after - 1, after), dtype=np.intp)
+
+
+def _own(recording: Recording, at: Array) -> Array | None:
+    log = recording.log
+    if log is None or not set(OWN_ESTIMATE) <= set(log.columns):
+        return None
+    own = np.stack([log.column(name)[:, 0] for name in OWN_ESTIMATE], axis=1)
+    return resampled(log.t, own, at)

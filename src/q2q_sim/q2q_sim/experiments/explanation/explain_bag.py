@@ -1,0 +1,44 @@
+"""Explanation of a bag and score of explanations: what is flown, told and written."""
+
+from argparse import Namespace
+
+from rich.console import Console
+from rich.progress import Progress
+
+from q2q_model.documents.json_file import write_json
+from q2q_sim.experiments.explanation.explanation import ExplanationParams, explain
+from q2q_sim.experiments.explanation.explanation_json import explanation_json
+from q2q_sim.experiments.explanation.explanation_words import sentence
+from q2q_sim.experiments.explanation.recorded_case import recorded_case
+from q2q_sim.experiments.explanation.score import answers, score_json, score_words
+
+
+def explain_bag(args: Namespace) -> int:
+    """Explain a bag, print the sentence and write page and numbers; return the exit status."""
+    recorded = recorded_case(args.bag)
+    with Progress(console=Console(stderr=True)) as bar:
+        task = bar.add_task("explain", total=1.0)
+        params = ExplanationParams(args.orders, args.seeds, args.of)
+        found = explain(recorded.case, params, lambda share: bar.update(task, completed=share))
+    if args.json:
+        write_json(explanation_json(found, recorded.difference), args.json)
+    if args.out:
+        from q2q_sim.experiments.explanation.explanation_page import write_page
+
+        print(f"page: {write_page(found, recorded, args.bag.name, args.out)}")
+    print(sentence(found))
+    return 0
+
+
+def score(args: Namespace) -> int:
+    """Explain accidents whose first cause is known, print and write the score; return the exit status."""
+    found = []
+    for one in answers(range(args.seed, args.seed + args.score)):
+        found.append(one)
+        print(
+            f"seed {one.seed}: {one.first}" + ("" if one.right else f", named first: {one.named}"), flush=True
+        )
+    if args.json:
+        write_json(score_json(found), args.json)
+    print(score_words(found))
+    return 0

@@ -1,0 +1,138 @@
+"""Loss of a flight, split among its causes.
+
+The shares are Shapley values (q2q_sim.experiments.explanation.shapley) of the flight with its own seed. Their
+95 % interval is share +- 1.96 s,
+
+    s^2 = s_o^2 + s_s^2
+
+with s_o the standard error over random orders, and s_s the standard deviation between flights with other
+seeds: how much the share depends on the noise, losses and gusts that were drawn.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.experiments.explanation.causes import present_causes, without_causes
+from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_case
+from q2q_sim.experiments.explanation.loss import Loss, LossKind, largest_loss, losses
+from q2q_sim.experiments.explanation.shapley import Order, Value, all_fit, orders_of, shares, standard_error
+from q2q_sim.random_streams import stream
+
+AFTER = 1.0
+"""Time that is flown beyond the loss, in which a flight without a cause may lose later [s]."""
+NORMAL_95 = 1.96
+
+Follow = Callable[[float], None]
+"""Function of the finished share of the work, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExplanationParams:
+    """Effort of an explanation."""
+
+    orders: int = 8
+    """Orders of the causes, even and at least 4; all of them where there are no more."""
+    seeds: int = 3
+    """Seeds that are flown: the flight's own and those after it."""
+    kind: LossKind = "distance"
+    """What is split."""
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        if self.orders < 4 or self.orders % 2:
+            raise ValueError(f"orders = {self.orders}: an even number of 4 or more is allowed")
+        if self.seeds < 1:
+            raise ValueError(f"seeds = {self.seeds}: 1 or more is allowed")
+
+
+@dataclass(frozen=True, slots=True)
+class CauseShare:
+    """Part of the loss that a cause has."""
+
+    cause: str
+    share: float
+    """[m]; below 0 if the cause kept the vehicle on its path."""
+    low: float
+    high: float
+    """95 % interval [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Loss of a flight and its causes."""
+
+    loss: Loss
+    shares: tuple[CauseShare, ...]
+    """Of the causes in the flight, largest first."""
+    rest: float
+    """Loss without any of them [m]."""
+    without_first: float
+    """Loss without the first cause alone [m]; the whole loss if there is no cause."""
+
+
+def ignore_progress(_: float) -> None:
+    """Ignore the progress."""
+
+
+def explain(
+    case: FlightCase, params: ExplanationParams | None = None, follow: Follow = ignore_progress
+) -> Explanation:
+    """Return the explanation of a flight's largest loss; `follow` is called with the flown share, 0 to 1."""
+    params = params or ExplanationParams()
+    loss = largest_loss(fly_case(case), params.kind)
+    end = min(case.scenario.duration, loss.t + AFTER)
+    short = replace(case, scenario=replace(case.scenario, duration=end))
+    causes = present_causes(short)
+    orders = orders_of(causes, params.orders, stream(case.seed, "explanation orders"))
+    values = [loss_without(replace(short, seed=case.seed + k), loss) for k in range(params.seeds)]
+    found = _all_shares(causes, orders, values, follow)
+    split = _split(causes, found, exact=all_fit(causes, params.orders))
+    own = values[0]
+    return Explanation(
+        loss=loss,
+        shares=split,
+        rest=own(frozenset(causes)),
+        without_first=own(frozenset(one.cause for one in split[:1])),
+    )
+
+
+def loss_without(case: FlightCase, loss: Loss) -> Value:
+    """Return the loss [m] of a vehicle as a function of the causes taken out; each set is flown once."""
+    known: dict[frozenset[str], float] = {}
+
+    def value(removed: frozenset[str]) -> float:
+        if removed not in known:
+            flight = fly_case(without_causes(case, removed))
+            known[removed] = float(losses(flight, loss.kind)[:, loss.row].max())
+        return known[removed]
+
+    return value
+
+
+def _all_shares(
+    causes: Sequence[str], orders: Sequence[Order], values: Sequence[Value], follow: Follow
+) -> Array:
+    """Return the shares of the causes with each seed and in each order, (seeds, orders, causes)."""
+    found = np.empty((len(values), len(orders), len(causes)))
+    for k, value in enumerate(values):
+        for row, order in enumerate(orders):
+            found[k, row] = shares(causes, [order], value)[0]
+            follow((k * len(orders) + row + 1) / (len(values) * len(orders)))
+    return found
+
+
+def _split(causes: Sequence[str], found: Array, *, exact: bool) -> tuple[CauseShare, ...]:
+    """Return the mean shares with the first seed and their intervals; `exact` means over all orders."""
+    means = found.mean(axis=1)  # (seeds, causes)
+    none = np.zeros(len(causes))
+    by_order = none if exact else standard_error(found[0])
+    by_seed = means.std(axis=0, ddof=1) if len(found) > 1 else none
+    wide = NORMAL_95 * np.hypot(by_order, by_seed)
+    split = [
+        CauseShare(cause, float(mean), float(mean - one), float(mean + one))
+        for cause, mean, one in zip(causes, means[0], wide, strict=True)
+    ]
+    return tuple(sorted(split, key=lambda one: -one.share))

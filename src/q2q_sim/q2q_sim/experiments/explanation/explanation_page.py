@@ -1,0 +1,81 @@
+"""Page of an explanation: sentence, shares with their intervals, flight with and without the first cause."""
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from q2q_model import palette
+from q2q_model.flights.flight import Flight
+from q2q_sim.experiments.explanation.causes import without_causes
+from q2q_sim.experiments.explanation.explanation import Explanation
+from q2q_sim.experiments.explanation.explanation_words import sentence
+from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_case
+from q2q_sim.experiments.explanation.loss import LOST
+from q2q_sim.experiments.explanation.recorded_case import RecordedCase
+from q2q_sim.replay_page import ReplayRun, replay_element, replay_run
+from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
+from q2q_sim.report.panels import panels, save
+from q2q_sim.report.significant import CENTIMETRE
+
+HEAD = ("cause", "share\n[cm]", "from\n[cm]", "to\n[cm]")
+NOTES = (
+    "The flight is flown again with its causes taken out one after the other, in several orders. The share "
+    "of a cause is the mean of what taking it out changes (Shapley value); shares and rest, which is left "
+    "without any of them, add up to the loss. The 95 % interval is that of other orders and other draws of "
+    "noise, losses and gusts. A share below 0 kept the vehicle on its path. The loss is the largest one of "
+    f"the flight, at most {LOST:g} m."
+)
+
+
+def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path) -> Path:
+    """Write page and picture of a flight's explanation into a folder; return the page's path."""
+    out.mkdir(parents=True, exist_ok=True)
+    picture = save(_bars(found), out / "causes.png")
+    rows = [(one.cause, *map(_centimetres, (one.share, one.low, one.high))) for one in found.shares]
+    parts: list[Part] = [
+        PageVerdict(sentence(found), ok=False),
+        [Picture(picture, "Shares of the loss, with 95 % intervals")],
+        *_replay(found, recorded),
+        Heading("Shares"),
+        Grid(HEAD, [*rows, ("rest", _centimetres(found.rest), "-", "-")]),
+        NOTES,
+        f"Flown again, the vehicles are within {recorded.difference:.1g} m of their recorded positions.",
+    ]
+    file = out / "index.html"
+    file.write_text(page(f"Why did {found.loss.vehicle} lose its path?", name, parts), encoding="utf-8")
+    return file
+
+
+def _centimetres(metres: float) -> str:
+    return f"{CENTIMETRE * metres:.1f}"
+
+
+def _bars(found: Explanation) -> Figure:
+    figure, (axes,) = panels(1)
+    shown = found.shares[::-1]
+    share = [CENTIMETRE * one.share for one in shown]
+    beside = [
+        [CENTIMETRE * (one.share - one.low) for one in shown],
+        [CENTIMETRE * (one.high - one.share) for one in shown],
+    ]
+    axes.barh([one.cause for one in shown], share, color=palette.MODEL, xerr=beside, ecolor=palette.BLACK)
+    axes.set_axisbelow(True)
+    axes.axvline(0.0, color=palette.BLACK, linewidth=0.8)
+    axes.set_xlabel("share of the loss [cm]")
+    return figure
+
+
+def _replay(found: Explanation, recorded: RecordedCase) -> list[Part]:
+    """Return the replay of the flight beside that without the first cause, alone if there is none."""
+    flights = {"as flown": recorded.flight}
+    if found.shares:
+        first = found.shares[0].cause
+        flights[f"without {first}"] = fly_case(without_causes(recorded.case, {first}))
+    try:
+        return [Heading(" and ".join(flights)), Markup(replay_element(_runs(flights, recorded.case)))]
+    except ValueError as lacking:
+        return [f"No replay: {lacking}."]
+
+
+def _runs(flights: dict[str, Flight], case: FlightCase) -> list[ReplayRun]:
+    return [replay_run(flight, case.scenario.vehicle, name) for name, flight in flights.items()]

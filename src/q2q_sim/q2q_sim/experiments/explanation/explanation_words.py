@@ -1,0 +1,30 @@
+"""Explanation in one sentence."""
+
+from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation
+from q2q_sim.experiments.explanation.loss import LOST
+from q2q_sim.report.significant import centimetres
+
+PLACES = {"distance": "off", "height": "below"}
+"""Where a vehicle is that lost distance or height."""
+TOLD = 0.05
+"""Share of the loss, either way, from which a cause is told [-]; the first one always is."""
+
+
+def sentence(found: Explanation) -> str:
+    """Return what was lost, by which causes, and what is lost without the first."""
+    loss = found.loss
+    amount = f"{LOST:g} m or more" if loss.size >= LOST else centimetres(loss.size)
+    lost = f"{loss.vehicle} is {amount} {PLACES[loss.kind]} its setpoint at {loss.t:.1f} s"
+    if not found.shares:
+        return f"{lost}, by none of the known causes."
+    first, *others = found.shares
+    told = [_words(one) for one in (first, *(one for one in others if abs(one.share) >= TOLD * loss.size))]
+    if found.rest >= TOLD * loss.size:
+        told.append(f"{centimetres(found.rest)} with none of the causes")
+    without = f"without {first.cause} alone it would be {centimetres(found.without_first)}"
+    return f"{lost}: {', '.join(told)}; {without}."
+
+
+def _words(one: CauseShare) -> str:
+    low = centimetres(one.low).removesuffix(" cm")
+    return f"{centimetres(one.share)} ({low} to {centimetres(one.high)}) by {one.cause}"

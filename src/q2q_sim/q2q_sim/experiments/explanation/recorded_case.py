@@ -1,0 +1,107 @@
+"""Recorded flight as a FlightCase, by the metadata of its bag, checked by flying it again.
+
+A bag names scenario, vehicle, air, controller, model and seed, but neither the replanner nor a plan around
+the downwash: every replanner is tried until the positions are those of the bag.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from q2q_model.bag import FlightFacts, read_facts, read_flight
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import Array
+from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
+from q2q_sim.loop.assembly import TICK_S, Options
+from q2q_sim.loop.scenario_air import air_words
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.choices import REPLANNERS
+from q2q_sim.scenarios.scenario import Scenario, with_air, with_choices, with_firmware
+
+NEEDED = ("scenario", "mode", "controller", "model", "seed")
+"""Metadata without which a flight cannot be flown again."""
+SAME = 1e-3
+"""Distance within which two flights are the same [m]: a chaotic difference soon exceeds it."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedCase:
+    """Flight of a bag that can be flown again."""
+
+    case: FlightCase
+    flight: Flight
+    """Flown again."""
+    difference: float
+    """Largest distance between recorded and new positions [m]."""
+
+
+def recorded_case(bag: Path) -> RecordedCase:
+    """Return the flight of a bag, flown again.
+
+    Raises:
+        ValueError: the bag cannot be read, its metadata do not suffice, or the new flight is another one.
+    """
+    recorded, facts = read_flight(bag), _checked(read_facts(bag), bag)
+    scenario = flown_scenario(facts, bag.parent)
+    found = np.inf
+    for replan in REPLANNERS:
+        options = Options(facts.mode, facts.controller, replan, facts.correct == "true")
+        case = flight_case(scenario, options, int(facts.seed))
+        flight = fly_case(case)
+        found = min(found, difference := largest_difference(recorded, flight))
+        if difference <= SAME:
+            return RecordedCase(case, flight, difference)
+    raise ValueError(
+        f"{bag}: flown again, a vehicle is {found:.3g} m off its recorded position, at most {SAME} m is"
+        " allowed: only flights in lockstep, by one controller, without --plan avoid, can be explained"
+    )
+
+
+def flown_scenario(facts: FlightFacts, beside: Path) -> Scenario:
+    """Return the scenario of a bag's metadata; a file that is not found is looked for `beside` the bag."""
+    here = beside / facts.scenario
+    own = library.load(str(here) if here.is_file() and not Path(facts.scenario).is_file() else facts.scenario)
+    if facts.wake and (own.air or own.wake != facts.wake):
+        own = with_choices(own, "", facts.wake)
+    if facts.air and facts.air != air_words(own):
+        air, *off = facts.air.split(" without ")
+        own = with_air(own, air, tuple(off))
+    if facts.vehicle and own.vehicle.name != facts.vehicle:
+        own = with_choices(own, facts.vehicle, "")
+    return replace(with_firmware(own, facts.firmware), model=facts.model)
+
+
+def largest_difference(recorded: Flight, flown: Flight) -> float:
+    """Return the largest distance of true positions, else of frames, in recorded ticks [m]; inf if none."""
+    rows = np.rint(recorded.t / TICK_S).astype(np.intp)
+    known = (rows >= 0) & (rows < len(flown.t))
+    if recorded.names != flown.names or not known.any():
+        return float("inf")
+    pairs = [(recorded.true_pos, flown.true_pos), (recorded.mocap_pos, flown.mocap_pos)]
+    return next(
+        (
+            float(np.nanmax(away))
+            for old, new in pairs
+            if np.isfinite(away := _distances(old[known], new[rows[known]])).any()
+        ),
+        float("inf"),
+    )
+
+
+def _distances(old: Array, new: Array) -> Array:
+    return np.asarray(np.linalg.norm(old - new, axis=-1))
+
+
+def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
+    missing = [name for name in NEEDED if name not in facts.known]
+    if missing:
+        raise ValueError(
+            f"{bag}: its metadata lack {', '.join(missing)}: only flights of the simulator (`fly --bag`, "
+            "`campaign`) can be flown again; see `validate` for recordings of real vehicles"
+        )
+    if not facts.seed.isdigit():
+        raise ValueError(
+            f"{bag}: seed {facts.seed!r} in its metadata: a whole number, 0 or above, is allowed"
+        )
+    return facts

@@ -1,0 +1,52 @@
+"""Record of an attack, and the case file of what it found."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+from q2q_sim.experiments.campaign.random_run import Run
+from q2q_sim.experiments.campaign.run_outcome import CRASH
+from q2q_sim.experiments.guided.attack import attack
+from q2q_sim.experiments.guided.attack_case import case_of, shrunk, write_case
+from q2q_sim.experiments.guided.attacked_flight import fly_attacked
+
+
+@dataclass(frozen=True, slots=True)
+class AttackRecord:
+    """Record of an attack."""
+
+    seed: int
+    length: int
+    """Runs that it might take."""
+    runs: int
+    """Runs that it took."""
+    policies: tuple[str, ...]
+    """Policies that its case violates."""
+    case: str
+    """Path of the case file; empty without a violation."""
+    seconds: float
+    air: str = ""
+    """Air named for the campaign; empty for that of the scenario."""
+
+
+def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> AttackRecord:
+    """Fly an attack; shrink the violation that it finds and write it as a case file in `kept`."""
+    began = perf_counter()
+    found = attack(seed, length, fly_attacked, air)
+    case, policies = "", tuple(sorted(found.policies))
+    if found.violated is not None:
+
+        def still(run: Run) -> bool:
+            return bool(fly_attacked(run).policies & found.policies)
+
+        small = shrunk(found.violated, still)
+        policies = tuple(sorted(fly_attacked(small).policies))
+        path = kept / f"case_{seed}.yaml"
+        write_case(case_of(small, policies), path)
+        case = str(path)
+    return AttackRecord(seed, length, found.runs, policies, case, perf_counter() - began, air)
+
+
+def died(seed: int, _: BaseException) -> AttackRecord:
+    """Return the record of an attack whose process died."""
+    return AttackRecord(seed, length=0, runs=0, policies=(CRASH,), case="", seconds=0.0)

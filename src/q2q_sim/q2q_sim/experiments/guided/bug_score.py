@@ -1,0 +1,58 @@
+"""Score of a search by seeded bugs: in how many runs it finds each, beside blind drawing.
+
+Both have the same number of runs and the same properties to check. A bug is found by a run that violates a
+property with the bug that it does not violate without.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import chain, count, islice
+from time import perf_counter
+
+from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.guided.attack import LENGTH, attempts
+from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
+from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+
+
+@dataclass(frozen=True, slots=True)
+class BugScore:
+    """Runs until a seeded bug was found; 0 where it was not."""
+
+    bug: str
+    runs: int
+    """Runs that each search may take."""
+    seed: int
+    """First seed of both."""
+    guided: int
+    blind: int
+    seconds: float
+    air: str = ""
+
+
+def score(number: int, runs: int, seed: int, air: str = "") -> BugScore:
+    """Return the score of one of SEEDED_BUGS; the searches begin at a seed."""
+    began, bug = perf_counter(), SEEDED_BUGS[number]
+
+    def judge(run: Run) -> AttackedFlight:
+        with bug.seeded():
+            return fly_attacked(run)
+
+    attacks = chain.from_iterable(attempts(seed + k, LENGTH, judge, air) for k in count())
+    guided = ((one.run, one.flight) for one in attacks)
+    blind = ((run, judge(run)) for run in (drawn(seed + k, air) for k in count()))
+    found = _first(guided, runs), _first(blind, runs)
+    return BugScore(bug.name, runs, seed, *found, perf_counter() - began, air)
+
+
+def unscored(number: int, error: BaseException) -> BugScore:
+    """Raise RuntimeError: a process died, which says nothing about the search."""
+    raise RuntimeError(f"the process that sought {SEEDED_BUGS[number].name} died: run again") from error
+
+
+def _first(flown: Iterator[tuple[Run, AttackedFlight]], runs: int) -> int:
+    """Return the number of the first of `runs` flights that shows the bug; 0 if none does."""
+    for number, (run, flight) in enumerate(islice(flown, runs), start=1):
+        if flight.violations and not flight.policies <= fly_attacked(run).policies:
+            return number
+    return 0

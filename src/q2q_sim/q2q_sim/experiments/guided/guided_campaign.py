@@ -1,0 +1,148 @@
+"""Guided campaign: attacks on the stack as it is, and the score of the same search on seeded bugs.
+
+Finished attacks and scores are kept in files of JSON lines, from which an interrupted campaign resumes.
+"""
+
+import json
+from argparse import Namespace
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import TypeVar
+
+from rich.console import Console
+from rich.table import Table
+
+from q2q_model.documents.json_file import write_json
+from q2q_sim.air.find_air import find_air
+from q2q_sim.experiments.campaign.engine import ParallelRuns, spread
+from q2q_sim.experiments.campaign.finished_work import mend, read
+from q2q_sim.experiments.guided.attack import LENGTH
+from q2q_sim.experiments.guided.attack_case import read_case
+from q2q_sim.experiments.guided.attack_record import AttackRecord, attack_and_keep, died
+from q2q_sim.experiments.guided.attacked_flight import fly_attacked
+from q2q_sim.experiments.guided.bug_score import BugScore, score, unscored
+from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+
+Entry = TypeVar("Entry", AttackRecord, BugScore)
+
+
+def run(args: Namespace) -> int:
+    """Fly the requested guided campaign; return 1 if a property is violated.
+
+    Raises:
+        ValueError: the air or a file of finished work is not valid.
+    """
+    if args.air:
+        find_air(args.air)
+    args.out.mkdir(parents=True, exist_ok=True)
+    attacks, scores = list(_attacks(args)), list(_scores(args))
+    total = summary(attacks, scores)
+    show(total)
+    if args.json:
+        write_json(total, args.json)
+    return int(bool(total["violations"]))
+
+
+def fly_case(args: Namespace) -> int:
+    """Fly a case file again and print what it violates; return 1 if it violates anything.
+
+    Raises:
+        ValueError: the file is not a case.
+    """
+    case = read_case(args.case)
+    flight = fly_attacked(case.run)
+    print("\n".join(map(str, flight.violations)) or f"{args.case}: no violation")
+    return int(bool(flight.violations))
+
+
+def summary(attacks: Sequence[AttackRecord], scores: Sequence[BugScore]) -> dict[str, object]:
+    """Return the totals of a guided campaign: the contract of `campaign --guided --json`."""
+    return {
+        "runs": sum(one.runs for one in attacks),
+        "violations": sum(bool(one.policies) for one in attacks),
+        "seeded_bugs": len(scores),
+        "seeded_found": sum(one.guided > 0 for one in scores),
+        "blind_found": sum(one.blind > 0 for one in scores),
+        "bug_runs": max((one.runs for one in scores), default=0),
+        "by_policy": dict(sorted(Counter(policy for one in attacks for policy in one.policies).items())),
+        "cases": sorted(one.case for one in attacks if one.case),
+        "bugs": {one.bug: {"guided": one.guided, "blind": one.blind} for one in scores},
+        "seconds": sum(one.seconds for one in attacks) + sum(one.seconds for one in scores),
+    }
+
+
+def show(total: dict[str, object]) -> None:
+    """Print the totals of a guided campaign."""
+    table = Table(title="Runs until a seeded bug was found", show_lines=False)
+    for column in ("bug", "guided", "blind"):
+        table.add_column(column, justify="left" if column == "bug" else "right")
+    bugs = total["bugs"]
+    for name, found in bugs.items() if isinstance(bugs, dict) else ():
+        table.add_row(name, str(found["guided"] or "-"), str(found["blind"] or "-"))
+    if bugs:
+        Console().print(table)
+        print(
+            f"seeded bugs found in {total['bug_runs']} runs each: {total['seeded_found']} of "
+            f"{total['seeded_bugs']}, blind {total['blind_found']}"
+        )
+    print(f"violations: {total['violations']} in {total['runs']} runs")
+    cases = total["cases"]
+    for case in cases if isinstance(cases, list) else ():
+        print(f"case: {case}")
+
+
+def _attacks(args: Namespace) -> Iterator[AttackRecord]:
+    """Yield the record of every attack, flown now or before."""
+    log = args.out / "attacks.jsonl"
+    lengths = {args.seed + k: min(LENGTH, args.runs - k * LENGTH) for k in range(-(-args.runs // LENGTH))}
+    done = {
+        one.seed: one
+        for one in _read(log, AttackRecord)
+        if one.air == args.air and lengths.get(one.seed) == one.length
+    }
+    yield from done.values()
+    work = partial(_attack, lengths=lengths, kept=args.out / "cases", air=args.air)
+    left = [seed for seed in lengths if seed not in done]
+    mend(log)
+    for one in spread(ParallelRuns(args.engine, args.jobs), work, left, died):
+        _append(log, one)
+        yield one
+
+
+def _attack(seed: int, lengths: dict[int, int], kept: Path, air: str) -> AttackRecord:
+    return attack_and_keep(seed, lengths[seed], kept, air)
+
+
+def _scores(args: Namespace) -> Iterator[BugScore]:
+    """Yield the score of every seeded bug, in their order, found now or before."""
+    if not args.bug_runs:
+        return
+    log, wanted = args.out / "seeded_bugs.jsonl", (args.bug_runs, args.seed, args.air)
+    done = {one.bug: one for one in _read(log, BugScore) if (one.runs, one.seed, one.air) == wanted}
+    left = [number for number, bug in enumerate(SEEDED_BUGS) if bug.name not in done]
+    work = partial(score, runs=args.bug_runs, seed=args.seed, air=args.air)
+    mend(log)
+    for one in spread(ParallelRuns(args.engine, args.jobs), work, left, unscored):
+        _append(log, one)
+        done[one.bug] = one
+    yield from (done[bug.name] for bug in SEEDED_BUGS)
+
+
+def _read(log: Path, kind: Callable[..., Entry]) -> list[Entry]:
+    """Return the entries of a file of finished work."""
+
+    def entry(document: Mapping[str, object]) -> Entry:
+        try:
+            return kind(**document)
+        except TypeError as wrong:
+            raise ValueError(str(wrong)) from wrong
+
+    return read(log, entry)
+
+
+def _append(log: Path, entry: AttackRecord | BugScore) -> None:
+    with log.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(asdict(entry)) + "\n")

@@ -1,0 +1,194 @@
+"""Seeded bugs: small mutants of gates, guard, replanner and recorder, by which a search is measured.
+
+A seeded bug replaces one function while runs are flown. Each is of a kind that a change of this code could
+bring in: a gate left open, an age not counted, a direction reversed, a report or a message left out.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from types import ModuleType
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from q2q_control.failsafe import descent_evasion, guard
+from q2q_control.failsafe.dead_reckoned_braking import DeadReckonedBraking
+from q2q_control.failsafe.descent_evasion import DescentEvasion
+from q2q_control.failsafe.guard import Guard
+from q2q_model.bag import BagWriter
+from q2q_model.estimation import mocap_filter, positions
+from q2q_model.estimation.clock_resets import ClockResetDetector
+from q2q_model.estimation.marker_swaps import swapped_sources
+from q2q_model.estimation.mocap_filter import MocapFilterParams
+from q2q_model.estimation.positions import PositionTracks, Rows, TrackUpdate
+from q2q_model.estimation.reacquisition import Reacquisition, Unmatched
+from q2q_model.estimation.track_columns import TrackParams
+from q2q_model.flights.outliers import Mask
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import (
+    Array,
+    CommandStatus,
+    MocapFrame,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+)
+from q2q_planner.online.safe import safe_replanner
+from q2q_planner.online.safe.braking import BrakingLaw
+from q2q_planner.online.safe.committed_motion import CommittedMotion, propagated
+from q2q_planner.online.safe.motion_choice import NEW, Choices
+from q2q_planner.online.safe.traffic import TrafficTable
+
+# ruff: noqa: SLF001  a mutant replaces what nobody else may touch
+_track_params = mocap_filter._track_params
+_update_positions, _with_fallback = PositionTracks.update, Guard._with_fallback
+_tilt, _evasion_direction = DeadReckonedBraking._tilt, descent_evasion._evasion_direction
+_answer = safe_replanner._answer
+_write_signal = BagWriter.write_signal
+
+
+@dataclass(frozen=True, slots=True)
+class SeededBug:
+    """One mutant."""
+
+    name: str
+    place: type | ModuleType
+    """Module or class whose function is replaced."""
+    function: str
+    wrong: Callable[..., object]
+    """Replacement."""
+
+    @contextmanager
+    def seeded(self) -> Iterator[None]:
+        """Replace the function for the duration of a block."""
+        sound = vars(self.place)[self.function]
+        setattr(self.place, self.function, self.wrong)
+        try:
+            yield
+        finally:
+            setattr(self.place, self.function, sound)
+
+
+def _open_gate(params: MocapFilterParams) -> TrackParams:
+    return _track_params(replace(params, jump_max=10.0 * params.jump_max))
+
+
+def _long_coast(params: MocapFilterParams) -> TrackParams:
+    return _track_params(replace(params, coast_s=10.0 * params.coast_s))
+
+
+def _never_ambiguous(
+    _: Reacquisition, __: float, pos: Array, ___: tuple[Array, Array], ____: Unmatched
+) -> Mask:
+    return np.zeros(len(pos), np.bool_)
+
+
+def _repeats_accepted(self: PositionTracks, t: float, measured: Array, _: Mask | None = None) -> TrackUpdate:
+    return _update_positions(self, t, measured, None)
+
+
+def _swap_without_gate(measured: Array, expected: Array, gate: Array, rejected: Mask, missing: Mask) -> Rows:
+    return swapped_sources(measured, expected, 100.0 * gate, rejected, missing)
+
+
+def _clock_never_reset(_: ClockResetDetector, __: float) -> bool:
+    return False
+
+
+def _age_always_zero(self: PositionTracks, _: float) -> Array:
+    return np.where(self._tracks.seen, 0.0, np.inf)
+
+
+def _degraded_unreported(self: Guard, command: SwarmCommand, state_age: Array) -> SwarmCommand:
+    found = _with_fallback(self, command, state_age)
+    status = np.where(found.status == CommandStatus.DEGRADED, CommandStatus.OK, found.status)
+    return replace(found, status=status.astype(np.uint8))
+
+
+def _held_unreported(last: SwarmCommand, t: float) -> SwarmCommand:
+    return replace(last, t=t)
+
+
+def _ages_unshifted(self: Guard, last: SwarmCommand, t: float) -> SwarmCommand:
+    self._last = replace(last, t=t)
+    return self._last
+
+
+def _no_braking(_: DeadReckonedBraking, __: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
+    return command
+
+
+def _braking_reversed(self: DeadReckonedBraking) -> tuple[Array, Array]:
+    roll, pitch = _tilt(self)
+    return -roll, -pitch
+
+
+def _no_evasion(_: DescentEvasion, setpoint: SwarmSetpoint, *__: object) -> SwarmSetpoint:
+    return setpoint
+
+
+def _evasion_reversed(xy: Array, i: int, j: int) -> Array:
+    return -_evasion_direction(xy, i, j)
+
+
+def _no_proof(_: CommittedMotion, traffic: TrafficTable, *__: object) -> Choices:
+    return np.full(traffic.own, NEW, np.int8)
+
+
+def _hold_forgotten(
+    committed: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float, jerk: float = 0.0
+) -> CommittedMotion:
+    moved = propagated(committed, setpoint, brake, jerk)
+    same = committed is not None and len(committed.hold) == len(moved.hold)
+    return replace(moved, hold=committed.hold) if committed is not None and same else moved
+
+
+def _half_zone(eps: float, d: float, brake: float, jerk: float) -> BrakingLaw:
+    return BrakingLaw(eps, 0.5 * d, brake, jerk)
+
+
+def _break_unreported(
+    setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array
+) -> SwarmSetpoint:
+    return _answer(setpoint, committed, np.zeros_like(broken), acc)
+
+
+_newest: WeakKeyDictionary[BagWriter, dict[str, float]] = WeakKeyDictionary()
+
+
+def _old_stamps_dropped(self: BagWriter, topic: str, stamp_ns: int, signal: Signal) -> None:
+    newest = _newest.setdefault(self, {})
+    if signal.t >= newest.get(topic, -np.inf):
+        newest[topic] = signal.t
+        _write_signal(self, topic, stamp_ns, signal)
+
+
+def _nan_as_zero(self: BagWriter, topic: str, stamp_ns: int, signal: Signal) -> None:
+    if isinstance(signal, MocapFrame):
+        signal = replace(signal, pos=np.nan_to_num(signal.pos))
+    _write_signal(self, topic, stamp_ns, signal)
+
+
+SEEDED_BUGS: Sequence[SeededBug] = (
+    SeededBug("open_gate", mocap_filter, "_track_params", _open_gate),
+    SeededBug("long_coast", mocap_filter, "_track_params", _long_coast),
+    SeededBug("never_ambiguous", Reacquisition, "ambiguous", _never_ambiguous),
+    SeededBug("repeats_accepted", PositionTracks, "update", _repeats_accepted),
+    SeededBug("swap_without_gate", positions, "swapped_sources", _swap_without_gate),
+    SeededBug("clock_never_reset", ClockResetDetector, "rise", _clock_never_reset),
+    SeededBug("age_always_zero", PositionTracks, "age", _age_always_zero),
+    SeededBug("degraded_unreported", Guard, "_with_fallback", _degraded_unreported),
+    SeededBug("held_unreported", guard, "_again", _held_unreported),
+    SeededBug("ages_unshifted", Guard, "_set_back", _ages_unshifted),
+    SeededBug("no_braking", DeadReckonedBraking, "update", _no_braking),
+    SeededBug("braking_reversed", DeadReckonedBraking, "_tilt", _braking_reversed),
+    SeededBug("no_evasion", DescentEvasion, "update", _no_evasion),
+    SeededBug("evasion_reversed", descent_evasion, "_evasion_direction", _evasion_reversed),
+    SeededBug("no_proof", safe_replanner, "_choice", _no_proof),
+    SeededBug("hold_forgotten", safe_replanner, "propagated", _hold_forgotten),
+    SeededBug("half_zone", safe_replanner, "BrakingLaw", _half_zone),
+    SeededBug("break_unreported", safe_replanner, "_answer", _break_unreported),
+    SeededBug("old_stamps_dropped", BagWriter, "write_signal", _old_stamps_dropped),
+    SeededBug("nan_as_zero", BagWriter, "write_signal", _nan_as_zero),
+)

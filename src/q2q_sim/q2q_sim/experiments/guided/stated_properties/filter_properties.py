@@ -1,0 +1,68 @@
+"""What the mocap filter states of its own output (q2q_model.estimation.mocap_filter).
+
+| property | statement |
+|---|---|
+| lost | a vehicle with status LOST has velocity zero |
+| swap | a label swap that ends before a vehicle has coasted moves no track: TRACKED states stay true |
+"""
+
+import numpy as np
+
+from q2q_model.signals.values import Array, TrackStatus
+from q2q_sim.experiments.campaign.random_run import Run
+from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
+from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.loop.assembly import TICK_S, filter_params
+from q2q_sim.monitors.policies import Limits, Violation
+from q2q_sim.monitors.policies.blindness import RECOVERY_S
+
+SETTLED_S = 1.0
+"""Time at the start of a flight in which names may still be settled [s]."""
+
+
+def lost(_: Run, ticks: RunTicks) -> StatedOutcome:
+    """Return the lost vehicles that are said to move."""
+    speed = np.stack([np.linalg.norm(one.vel, axis=1) for one in ticks.states])
+    gone = np.stack([one.status for one in ticks.states]) == TrackStatus.LOST
+    moving = np.where(gone, speed, 0.0)
+    k, row = np.unravel_index(int(moving.argmax()), moving.shape)
+    if not moving[k, row] > 0.0:
+        return StatedOutcome()
+    return StatedOutcome(
+        (Violation("lost", ticks.names[row], float(ticks.t[k]), float(moving[k, row]), 0.0),), -1.0
+    )
+
+
+def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
+    """Return the tracks that a short label swap has moved; undetectable faults widen or end the judgement."""
+    faults = run.scenario.faults
+    swaps = [fault for fault in faults if fault.kind == "swap"]
+    if any(fault.kind == "clock_jump" for fault in faults):
+        return StatedOutcome()
+    if sum(fault.duration + 2.0 * TICK_S for fault in swaps) > filter_params(run.scenario).coast_s:
+        return StatedOutcome()
+    allowed = Limits().belief + sum(abs(fault.size) for fault in faults if fault.kind == "jump")
+    off = _errors(ticks)
+    found, margin = [], np.inf
+    for fault in swaps:
+        if fault.start < SETTLED_S:
+            continue
+        now = (ticks.t >= fault.start) & (ticks.t <= fault.start + fault.duration + RECOVERY_S)
+        for name in fault.vehicles:
+            row = ticks.names.index(name)
+            error = np.where(now, off[:, row], 0.0)
+            k = int(error.argmax())
+            margin = min(margin, float(allowed - error[k]) / allowed)
+            if error[k] > allowed:
+                found.append(Violation("swap", name, float(ticks.t[k]), float(error[k]), allowed))
+    return StatedOutcome(tuple(found), margin)
+
+
+def _errors(ticks: RunTicks) -> Array:
+    """Return the errors of TRACKED states at their own stamps [m], (T, n); 0 for other states."""
+    true = np.stack([one.pos for one in ticks.truth])
+    stamps = np.array([one.t for one in ticks.states])
+    rows = np.clip(np.rint(stamps / TICK_S).astype(np.intp), 0, len(true) - 1)
+    away = np.linalg.norm(np.stack([one.pos for one in ticks.states]) - true[rows], axis=2)
+    tracked = np.stack([one.status for one in ticks.states]) == TrackStatus.TRACKED
+    return np.where(tracked, away, 0.0)

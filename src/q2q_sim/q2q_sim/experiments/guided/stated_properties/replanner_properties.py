@@ -1,0 +1,96 @@
+"""What the safe replanner states of its own setpoints (q2q_planner.online.safe.safe_replanner).
+
+| property | statement |
+|---|---|
+| promise | setpoints without PROMISE_BROKEN are out of each other's zone |
+| off_path | a vehicle measured further from its setpoint than `tracking` is PROMISE_BROKEN |
+| held_acc | an acceleration is held for `hold`, then the vehicle brakes, unless a new one is chosen |
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
+from q2q_sim.experiments.campaign.random_run import Run
+from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
+from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.loop.assembly import TICK_S, safe_replanner_params
+from q2q_sim.monitors.policies import Violation
+
+SLACK = 1e-3
+"""Rounding and snapping of setpoints [m]."""
+STILL = 1e-3
+"""Accelerations that count as none, and their distance from the limit [m/s^2]: limited ones may be equal."""
+
+
+class _Nearest(NamedTuple):
+    """Tick of least distance from the zone [m]."""
+
+    distance: float
+    t: float
+
+
+def promise(run: Run, ticks: RunTicks) -> StatedOutcome:
+    """Return the deepest unreported entry of setpoints into the zone; the margin counts reported ones too."""
+    if run.options.replan != "safe":
+        return StatedOutcome()
+    params = safe_replanner_params(run.scenario)
+    zone = Cylinder(params.eps, params.d)
+    every, silent = _Nearest(np.inf, 0.0), _Nearest(np.inf, 0.0)
+    for one in ticks.setpoints:
+        kept = one.status != SetpointStatus.PROMISE_BROKEN
+        every = min(every, _Nearest(_least(zone, one, np.ones_like(kept)), one.t))
+        silent = min(silent, _Nearest(_least(zone, one, kept), one.t))
+    bad = [Violation("promise", "the replanner", silent.t, silent.distance, 0.0)]
+    return StatedOutcome(tuple(bad if silent.distance < 0.0 else ()), every.distance / params.eps)
+
+
+def _least(zone: Cylinder, setpoint: SwarmSetpoint, kept: NDArray[np.bool_]) -> float:
+    pos = setpoint.pos[kept]
+    apart = zone.signed_distance(pos - pos[:, None])
+    return float(np.where(np.eye(len(pos), dtype=np.bool_), np.inf, apart).min(initial=np.inf))
+
+
+def off_path(run: Run, ticks: RunTicks) -> StatedOutcome:
+    """Return the vehicles measured off their setpoints without a report."""
+    if run.options.replan != "safe":
+        return StatedOutcome()
+    params = safe_replanner_params(run.scenario)
+    limit = params.tracking + SLACK
+    measured = np.stack([one.age for one in ticks.states]) <= 0.0
+    away = np.stack(
+        [np.linalg.norm(s.pos - r.pos, axis=1) for s, r in zip(ticks.states, ticks.setpoints, strict=True)]
+    )
+    told = np.stack([one.status for one in ticks.setpoints]) == SetpointStatus.PROMISE_BROKEN
+    silent = np.where(measured & ticks.newer[:, None] & ~told, away, 0.0)
+    k, row = np.unravel_index(int(silent.argmax()), silent.shape)
+    if silent[k, row] <= limit:
+        return StatedOutcome()
+    who, t = ticks.names[row], float(ticks.t[k])
+    return StatedOutcome((Violation("off_path", who, t, float(silent[k, row]), limit),), -1.0)
+
+
+def held_acc(run: Run, ticks: RunTicks) -> StatedOutcome:
+    """Return the vehicles that hold an acceleration for longer than `hold`."""
+    if run.options.replan != "safe":
+        return StatedOutcome()
+    params = safe_replanner_params(run.scenario)
+    ticks_held = round(params.hold / TICK_S)
+    acc = np.stack([one.acc for one in ticks.setpoints])
+    size = np.linalg.norm(acc, axis=2)
+    free = (size > STILL) & (size < params.acc_max - STILL)
+    in_order = np.abs(np.diff(ticks.stamp) - TICK_S) < 0.5 * TICK_S
+    same = (acc[1:] == acc[:-1]).all(axis=2) & in_order[:, None] & free[1:]  # (T - 1, n)
+    moved = np.stack([one.status for one in ticks.setpoints])[1:] != SetpointStatus.NOMINAL
+    windows = np.lib.stride_tricks.sliding_window_view(same & moved, ticks_held, axis=0)
+    held = np.asarray(windows.all(axis=2))
+    return StatedOutcome(
+        tuple(
+            Violation("held_acc", name, float(ticks.t[held[:, row].argmax()]), float(held[:, row].sum()), 0.0)
+            for row, name in enumerate(ticks.names)
+            if held[:, row].any()
+        )
+    )

@@ -1,0 +1,75 @@
+"""Signals of a run as arrays, one row a tick in the order in which they were made, whatever their stamps."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.geometry.rotations import yaw_from_quat
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import (
+    Array,
+    Names,
+    Status,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+)
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.monitors.policies import RecordedSignal
+
+
+@dataclass(frozen=True, slots=True)
+class RunTicks:
+    """Flight of T ticks and n vehicles."""
+
+    t: Array
+    """True time [s], (T,)."""
+    stamp: Array
+    """Stamp of the command, which is that of the frame [s], (T,)."""
+    names: Names
+    truth: tuple[SwarmState, ...]
+    states: tuple[SwarmState, ...]
+    setpoints: tuple[SwarmSetpoint, ...]
+    """After the replanner."""
+    commands: tuple[SwarmCommand, ...]
+
+    @property
+    def command_status(self) -> Status:
+        """Return the status of every command, (T, n)."""
+        return np.stack([one.status for one in self.commands])
+
+    @property
+    def newer(self) -> NDArray[np.bool_]:
+        """Return which ticks have a stamp above all before, (T,)."""
+        before = np.concatenate(([-np.inf], np.maximum.accumulate(self.stamp)[:-1]))
+        return np.asarray(self.stamp > before)
+
+    def commanded_acc(self) -> Array:
+        """Return the horizontal acceleration that the commanded tilts ask for, world [m/s^2], (T, n, 2)."""
+        roll = np.stack([one.roll for one in self.commands])
+        pitch = np.stack([one.pitch for one in self.commands])
+        yaw = yaw_from_quat(np.stack([one.quat for one in self.truth]))
+        ahead, aside = GRAVITY * np.tan(pitch), -GRAVITY * np.tan(roll)
+        return np.stack(
+            (np.cos(yaw) * ahead - np.sin(yaw) * aside, np.sin(yaw) * ahead + np.cos(yaw) * aside), axis=-1
+        )
+
+
+def run_ticks(signals: Sequence[RecordedSignal]) -> RunTicks:
+    """Return the ticks of a run from its signals, as `closed_loop` makes them: one of each a tick."""
+    by_topic: dict[str, list[Signal]] = {}
+    for one in signals:
+        by_topic.setdefault(one.topic, []).append(one.signal)
+    truth = tuple(one for one in by_topic["truth"] if isinstance(one, SwarmState))
+    commands = tuple(one for one in by_topic["command"] if isinstance(one, SwarmCommand))
+    return RunTicks(
+        t=np.array([one.t for one in truth]),
+        stamp=np.array([one.t for one in commands]),
+        names=truth[0].names,
+        truth=truth,
+        states=tuple(one for one in by_topic["state"] if isinstance(one, SwarmState)),
+        setpoints=tuple(one for one in by_topic["reference_safe"] if isinstance(one, SwarmSetpoint)),
+        commands=commands,
+    )

@@ -1,0 +1,22 @@
+"""Flight licence: programs flown unmodified against emulated vehicles, without and with faults, and judged.
+
+A program runs in a process of its own, which also flies the vehicles. Its clock is that of the room: time
+passes only while all of its threads wait, so that a verdict does not depend on the speed of the machine.
+
+| file | content |
+|---|---|
+| program_turns | threads of a program one at a time, and their clock |
+| standard_calls | sleeping, clocks, locks and threads of Python by these turns |
+| emulated_link | link driver for cflib that ends at the vehicles |
+| licence_room | vehicles, their motion capture and faults, with the log of a flight |
+| client_commands | commands in the packets of a program, in words |
+| licence_log | log of a flight as arrays, commands and the end of the program |
+| program_flight | one flight of a program |
+| trials | flights of a licence, with the faults' times from the flight without faults |
+| licence_rules | what a flight must not do, and what it did first |
+| licence_causes | why: the command or the silence before it |
+| licence_flights | all flights of a program |
+| licence_reports | verdict as text, JSON, JUnit XML and page |
+| licence_score | programs with and without seeded bugs |
+| licence_program | what the command line flies, tells and writes |
+"""

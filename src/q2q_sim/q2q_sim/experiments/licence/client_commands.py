@@ -1,0 +1,199 @@
+"""Commands of a program as the vehicles receive them, in words.
+
+The meaning of a setpoint is taken from the firmware that has accepted it; commands of the high-level
+commander and of the supervisor are read from their packets (q2q_sim.crtp.ports has the formats).
+"""
+
+import math
+import struct
+from dataclasses import dataclass
+from enum import StrEnum
+
+from q2q_sim.crtp.packets.packet import Packet, Port
+from q2q_sim.crtp.ports import generic, localization, platform, supervisor_port
+from q2q_sim.firmware.commander.commander import Priority
+from q2q_sim.firmware.commander.planner import PlannerAnswer
+from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
+from q2q_sim.firmware.firmware import Firmware
+
+_VERTICAL, _GO, _GO_2 = struct.Struct("<Bff?f"), struct.Struct("<BB5f"), struct.Struct("<BBB5f")
+_TAKE_OFF, _LAND, _LEAVE, _GO_TO, _START = 7, 8, 3, (4, 12), (5, 13)
+NAMES = {1: "takeoff", 2: "land", 6: "define_trajectory", 9: "takeoff", 10: "land", 11: "spiral"}
+"""Commands of the high-level commander whose fields are not read."""
+
+
+class CommandKind(StrEnum):
+    """Kinds of commands."""
+
+    SETPOINT = "setpoint"
+    """Makes a vehicle fly."""
+    OFF = "off"
+    """Stops the motors."""
+    PLAN = "plan"
+    """Take-off, go-to, landing or trajectory of the high-level commander."""
+    RELAX = "relax"
+    """Setpoints stop; the high-level commander may take over."""
+    EMERGENCY = "emergency"
+    OTHER = "other"
+    """Arming, group mask, definition of a trajectory."""
+
+
+FLIGHT = frozenset((CommandKind.SETPOINT, CommandKind.PLAN))
+"""Commands that ask for flight."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """Content of a command."""
+
+    kind: CommandKind
+    words: str
+    pos: Three | None = None
+    """Position asked for [m], world; NaN on axes that are not."""
+    yaw_rad: float = 0.0
+    """Yaw that the high-level commander is asked for [rad]."""
+    refused: str = ""
+    """Why the vehicle does not follow; empty if it does."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClientCommand:
+    """Command that a vehicle has received."""
+
+    t: float
+    """[s]"""
+    vehicle: int
+    asked: Asked
+    line: int
+    """Line of the program that sent it; 0 if a library's thread did."""
+    closing: bool = False
+    """Sent by close_link."""
+
+    @property
+    def words(self) -> str:
+        """Return the command with its place in the program and the time."""
+        if self.closing:
+            return f"the closing of the link at {self.t:.2f} s, which sends zero thrust"
+        return f"{self.asked.words} at {self.t:.2f} s{self._place}"
+
+    @property
+    def words_without_time(self) -> str:
+        """Return the command with its place in the program."""
+        return f"{self.asked.words}{self._place}"
+
+    @property
+    def _place(self) -> str:
+        return f", line {self.line}" if self.line else ""
+
+
+def asked_by(packet: Packet, answers: list[Packet], firmware: Firmware) -> Asked | None:
+    """Return what a packet asked for, after the firmware has handled it; None if it is no command."""
+    match packet.port:
+        case Port.SETPOINT:
+            asked: Asked | None = _locked(packet) if firmware.thrust_locked else _setpoint(firmware)
+        case Port.GENERIC if packet.channel == generic.META:
+            asked = Asked(CommandKind.RELAX, "notify_setpoint_stop")
+        case Port.GENERIC:
+            asked = _setpoint(firmware)
+        case Port.HIGH_LEVEL if packet.data:
+            asked = _planned(packet.data, answers, firmware)
+        case _:
+            asked = _stopped(packet) or _arming(packet)
+    return asked
+
+
+def _stopped(packet: Packet) -> Asked | None:
+    """Return the emergency stop in a packet; None if it is another one."""
+    stops: dict[tuple[int, int], int] = {
+        (Port.SUPERVISOR, supervisor_port.COMMAND): supervisor_port.STOP,
+        (Port.LOCALIZATION, 1): localization.EMERGENCY_STOP,
+    }
+    number = stops.get((packet.port, packet.channel))
+    stop = number is not None and packet.data[:1] == bytes([number])
+    return Asked(CommandKind.EMERGENCY, "emergency stop") if stop else None
+
+
+def _arming(packet: Packet) -> Asked | None:
+    commands = {(Port.SUPERVISOR, supervisor_port.COMMAND), (Port.PLATFORM, platform.COMMAND)}
+    if (packet.port, packet.channel) not in commands or packet.data[:1] != bytes([supervisor_port.ARM]):
+        return None
+    return Asked(CommandKind.OTHER, "arming request" if any(packet.data[1:2]) else "disarming request")
+
+
+def _locked(packet: Packet) -> Asked:
+    thrust = int.from_bytes(packet.data[-2:], "little")
+    kind = CommandKind.SETPOINT if thrust else CommandKind.OFF
+    why = "no setpoint of thrust 0 has unlocked the thrust"
+    return Asked(kind, f"setpoint of thrust {thrust}", refused=why)
+
+
+def _setpoint(firmware: Firmware) -> Asked:
+    one = firmware.requested
+    moved = (one.x, one.y, one.z) != (Mode.DISABLE,) * 3
+    if one == STOP:
+        return Asked(CommandKind.OFF, "stop setpoint")
+    if not moved and one.thrust_pwm == 0.0:
+        return Asked(CommandKind.OFF, "setpoint of thrust 0")
+    refused = "" if firmware.supervisor.may_fly else "the vehicle is not armed"
+    return Asked(CommandKind.SETPOINT, _axes(one), _position(one), refused=refused)
+
+
+def _position(one: Setpoint) -> Three | None:
+    if Mode.ABS not in (one.x, one.y, one.z):
+        return None
+    modes = (one.x, one.y, one.z)
+    x, y, z = (v if mode == Mode.ABS else math.nan for v, mode in zip(one.pos, modes, strict=True))
+    return x, y, z
+
+
+def _axes(one: Setpoint) -> str:
+    """Return the controlled axes of a setpoint in words."""
+    parts = []
+    for axis, mode, pos, vel in zip("xyz", (one.x, one.y, one.z), one.pos, one.vel, strict=True):
+        if mode == Mode.ABS:
+            parts.append(f"{axis} {pos:.2f} m")
+        elif mode == Mode.VELOCITY:
+            parts.append(f"v{axis} {vel:.2f} m/s")
+    if one.z == Mode.DISABLE:
+        parts.append(f"thrust {one.thrust_pwm:.0f}")
+    if Mode.DISABLE not in (one.roll, one.pitch):
+        parts.append(f"roll {one.attitude_deg[0]:.1f} and pitch {one.attitude_deg[1]:.1f} deg")
+    return f"setpoint {', '.join(parts)}"
+
+
+def _planned(data: bytes, answers: list[Packet], firmware: Firmware) -> Asked:
+    number, fields = data[0], data[1:]
+    refused = _refusal(answers, firmware)
+    if number == _LEAVE:
+        return Asked(CommandKind.OFF, "high-level stop")
+    if number in (_TAKE_OFF, _LAND) and len(fields) >= _VERTICAL.size:
+        _, height, yaw, keep, duration = _VERTICAL.unpack_from(fields)
+        name = "takeoff" if number == _TAKE_OFF else "land"
+        words = f"{name} to {height:.2f} m in {duration:.1f} s"
+        return Asked(
+            CommandKind.PLAN, words, (math.nan, math.nan, height), 0.0 if keep else yaw, refused=refused
+        )
+    if number in _GO_TO and len(fields) >= (_GO if number == _GO_TO[0] else _GO_2).size:
+        layout = _GO if number == _GO_TO[0] else _GO_2
+        values = layout.unpack_from(fields)
+        relative, (x, y, z, yaw, duration) = bool(values[1]), values[-5:]
+        by = "by" if relative else "to"
+        words = f"go_to {by} ({x:.2f}, {y:.2f}, {z:.2f}) m in {duration:.1f} s"
+        return Asked(CommandKind.PLAN, words, None if relative else (x, y, z), yaw, refused=refused)
+    if number in _START:
+        return Asked(CommandKind.PLAN, "start_trajectory", refused=refused)
+    if number in (1, 2, 9, 10, 11):
+        return Asked(CommandKind.PLAN, NAMES[number], refused=refused)
+    return Asked(CommandKind.OTHER, NAMES.get(number, "group mask"))
+
+
+def _refusal(answers: list[Packet], firmware: Firmware) -> str:
+    """Return why a command of the high-level commander has no effect; empty if it has."""
+    result = answers[-1].data[3] if answers and len(answers[-1].data) > 3 else PlannerAnswer.OK
+    if not firmware.supervisor.may_fly:
+        return "the vehicle is not armed"
+    if result != PlannerAnswer.OK:
+        return f"the vehicle answered {PlannerAnswer(result).name}"
+    if firmware.commander.priority == Priority.CLIENT:
+        return "setpoints have priority until notify_setpoint_stop"
+    return ""

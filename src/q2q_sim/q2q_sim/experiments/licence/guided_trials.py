@@ -1,0 +1,72 @@
+"""Trials with a fault, guided by the flight without: each at an instant where that has its least margins.
+
+The instants are those of the largest speed, of the smallest distance of two vehicles, half a second after
+the take-off, and one second before the landing.
+"""
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
+
+AFTER_RISE_S = 0.5
+BEFORE_LANDING_S = 1.0
+
+
+def trials_after(nominal: LicenceLog) -> tuple[LicenceTrial, ...]:
+    """Return the trials with a fault, guided by the flight without; none if nothing flew."""
+    rows = np.flatnonzero(nominal.flew).tolist()
+    if not rows:
+        return ()
+    fast, fastest = _fastest(nominal)
+    first, last = rows[0], rows[-1]
+    rise, landing = _span(nominal, fast)
+    found = [
+        LicenceTrial(TrialKind.GAP, fast, fastest),
+        LicenceTrial(TrialKind.GAP, fast, landing - BEFORE_LANDING_S),
+        LicenceTrial(TrialKind.STALE, fast, fastest),
+        LicenceTrial(TrialKind.STALE, fast, landing - BEFORE_LANDING_S),
+        LicenceTrial(TrialKind.BATTERY, fast, rise + AFTER_RISE_S),
+        LicenceTrial(TrialKind.PUSH, fast, fastest),
+        LicenceTrial(TrialKind.PUSH, last, _span(nominal, last)[0] + AFTER_RISE_S),
+        LicenceTrial(TrialKind.UNARMED, first),
+    ]
+    if len(rows) > 1:
+        one, other, nearest = _nearest(nominal, rows)
+        found += [
+            LicenceTrial(TrialKind.UNARMED, last),
+            LicenceTrial(TrialKind.SWAP, one, nearest, other),
+            LicenceTrial(TrialKind.LOST, one, nearest),
+            LicenceTrial(TrialKind.LOST, first, _span(nominal, first)[0] + AFTER_RISE_S),
+        ]
+    return tuple(found)
+
+
+def _fastest(log: LicenceLog) -> tuple[int, float]:
+    """Return the fastest vehicle and the time of its largest speed [s]."""
+    speed = np.linalg.norm(log.vel, axis=-1) * log.airborne  # (T, n)
+    tick, row = np.unravel_index(int(np.argmax(speed)), speed.shape)
+    return int(row), float(log.t[tick])
+
+
+def _span(log: LicenceLog, row: int) -> tuple[float, float]:
+    """Return the first and last time of a vehicle in the air [s]."""
+    ticks = np.flatnonzero(log.airborne[:, row])
+    return float(log.t[ticks[0]]), float(log.t[ticks[-1]])
+
+
+def _nearest(log: LicenceLog, rows: list[int]) -> tuple[int, int, float]:
+    """Return the two vehicles that are nearest to each other in the air, and when [s]."""
+    pairs = [(i, j) for k, i in enumerate(rows) for j in rows[k + 1 :]]
+    gaps = [_gap(log, i, j) for i, j in pairs]
+    best = int(np.argmin([gap.min() for gap in gaps]))
+    i, j = pairs[best]
+    return i, j, float(log.t[int(np.argmin(gaps[best]))])
+
+
+def _gap(log: LicenceLog, i: int, j: int) -> Array:
+    """Return the distance of two vehicles [m], infinite unless both are in the air, (T,)."""
+    distance = np.linalg.norm(log.pos[:, i] - log.pos[:, j], axis=-1)
+    both = log.airborne[:, i] & log.airborne[:, j]
+    return np.asarray(np.where(both, distance, np.inf))

@@ -1,0 +1,63 @@
+"""Cause of what a vehicle did: the command, or the silence, before it."""
+
+from q2q_sim.experiments.licence.client_commands import ClientCommand, CommandKind
+from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.firmware.supervisor.rules import State
+
+JUST_S = 0.5
+"""Time within which a command is the cause of what follows it [s]: a fall from the ceiling takes 0.7 s."""
+SHUT = frozenset((State.FREE_FALL, State.LOCKED))
+WATCHDOG_S = 2.0
+"""Age of a setpoint at which the firmware stops the motors [s]."""
+
+
+def cause(log: LicenceLog, row: int, t: float) -> str:
+    """Return why a vehicle did at t [s] what it did, in words."""
+    ending = log.last(row, t, _ends_flight)
+    if ending is not None and not _flown_after(log, row, ending, t):
+        return _closed_by_error(log, ending) or ending.words
+    tick = min(round(t / float(log.t[0])), len(log.t) - 1)
+    if log.age[tick, row] >= WATCHDOG_S and log.state[tick, row] in SHUT:
+        return _silence(log, row, t)
+    ignored = _ignored(log, row, t)
+    if ignored:
+        return ignored
+    last = log.last(row, t)
+    return f"the last command was {last.words}" if last else "there was no command"
+
+
+def _closed_by_error(log: LicenceLog, ending: ClientCommand) -> str:
+    """Return the error of the program that closed a link; empty if it was closed without."""
+    if not (ending.closing and log.end.status):
+        return ""
+    where = f", line {log.end.line}" if log.end.line else ""
+    said = log.end.error or f"exit status {log.end.status}"
+    return f"the program failed ({said}{where}), which closed the link at {ending.t:.2f} s"
+
+
+def _ends_flight(one: ClientCommand) -> bool:
+    return one.asked.kind in (CommandKind.OFF, CommandKind.EMERGENCY)
+
+
+def _flown_after(log: LicenceLog, row: int, ending: ClientCommand, t: float) -> bool:
+    """Return whether a vehicle flew on for long after a command that ends flight, or was asked to."""
+    later = (one for one in log.of(row) if ending.t < one.t <= t)
+    asked = any(one.asked.kind in (CommandKind.SETPOINT, CommandKind.PLAN) for one in later)
+    since = (log.t > ending.t + JUST_S) & (log.t <= t)
+    return asked or bool(log.running[since, row].any())
+
+
+def _silence(log: LicenceLog, row: int, t: float) -> str:
+    """Return the words for the firmware's watchdog."""
+    last = log.last(row, t, lambda one: one.asked.kind == CommandKind.SETPOINT)
+    after = f" after {last.words}" if last else ""
+    ignored = _ignored(log, row, t)
+    return f"no setpoint came for {WATCHDOG_S:.0f} s{after}{f'; {ignored}' if ignored else ''}"
+
+
+def _ignored(log: LicenceLog, row: int, t: float) -> str:
+    """Return the last command of the high-level commander if the vehicle did not follow it."""
+    last = log.last(row, t, lambda one: one.asked.kind == CommandKind.PLAN)
+    if last is None or not last.asked.refused:
+        return ""
+    return f"{last.words}, was not followed: {last.asked.refused}"

@@ -1,0 +1,188 @@
+"""Licence of a program: its flight without faults, then, if that passes, with one fault each.
+
+Every flight has a process of its own, forked from the warm parent, which has imported the simulator.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from time import monotonic
+
+from q2q_sim.experiments.licence.guided_trials import trials_after
+from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.licence_room import LicenceParams
+from q2q_sim.experiments.licence.licence_rules import BrokenRule, LicenceLimits, findings
+from q2q_sim.experiments.licence.program_flight import (
+    MORE_VEHICLES,
+    FlightOrder,
+    Program,
+    fly_program,
+    received,
+)
+from q2q_sim.experiments.licence.trials import LicenceTrial
+from q2q_sim.processes.warm_start import begin
+
+Start = tuple[float, float, float]
+"""x, y [m], yaw [rad]."""
+
+MOST_VEHICLES = 15
+"""Vehicles of one radio."""
+SPACING = 1.0
+"""Distance of neighbours in the default row [m]."""
+LONGER_S = 30.0
+"""Time that a program may take longer with a fault than without [s]."""
+STUCK_S = 150.0
+"""Wall time after which a flight is given up [s]."""
+STUCK = "it waits outside Python's clock: for input, a socket or a process"
+
+
+@dataclass(frozen=True, slots=True)
+class LicenceOptions:
+    """Conditions of a licence."""
+
+    starts: tuple[Start, ...] = ()
+    """Of the vehicles in the order of their URIs; empty for a row along y, SPACING apart."""
+    limits: LicenceLimits = field(default_factory=LicenceLimits)
+    air: str = "room"
+    seed: int = 0
+    arming: bool = False
+    scanned: tuple[str, ...] = ()
+    """URIs that a scan answers."""
+    limit: float = 300.0
+    """Longest flight without faults [s]."""
+    jobs: int = 2
+    budget: float = 540.0
+    """Wall time after which no further flight starts [s]."""
+
+    def params(self, count: int) -> LicenceParams:
+        """Return the room with `count` vehicles."""
+        row = tuple((0.0, SPACING * (k - 0.5 * (count - 1)), 0.0) for k in range(count))
+        starts = self.starts[:count] if len(self.starts) >= count else row
+        return LicenceParams(starts, self.air, self.seed, self.arming)
+
+
+@dataclass(frozen=True, slots=True)
+class FlownTrial:
+    """One flight of a licence, judged."""
+
+    trial: LicenceTrial
+    findings: tuple[BrokenRule, ...]
+    """In the order of time."""
+    log: LicenceLog | None
+    seconds: float
+    """Wall time."""
+
+    @property
+    def passed(self) -> bool:
+        """Return whether no rule was broken."""
+        return not self.findings
+
+
+@dataclass(frozen=True, slots=True)
+class Licence:
+    """Outcome of all flights of a program."""
+
+    program: Program
+    flights: tuple[FlownTrial, ...]
+    left_out: tuple[LicenceTrial, ...]
+    """Trials for which there was no time."""
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Return whether every flight passed, and all were flown."""
+        return all(one.passed for one in self.flights) and not self.left_out
+
+    @property
+    def failed(self) -> tuple[FlownTrial, ...]:
+        """Return the flights with broken rules."""
+        return tuple(one for one in self.flights if not one.passed)
+
+
+def licence(program: Program, options: LicenceOptions) -> Licence:
+    """Return the licence of a program."""
+    began = monotonic()
+    nominal = _nominal(program, options)
+    flights, left_out = [nominal], []
+    if nominal.passed and nominal.log is not None:
+        log = nominal.log
+        limit = log.end.t + LONGER_S
+        trials = trials_after(log)
+        orders = [
+            FlightOrder(program, options.params(len(log.uris)), one, log.uris, options.scanned, limit)
+            for one in trials
+        ]
+        flights += flown(orders, options, began + options.budget)
+        done = {one.trial for one in flights}
+        left_out = [one for one in trials if one not in done]
+    return Licence(program, tuple(flights), tuple(left_out), monotonic() - began)
+
+
+def _nominal(program: Program, options: LicenceOptions) -> FlownTrial:
+    """Return the flight without faults, with as many vehicles as the program opens."""
+    order = FlightOrder(program, options.params(1), LicenceTrial(), (), options.scanned, options.limit)
+    forever = monotonic() + options.budget
+    (first,) = flown([order], options, forever)
+    if first.log is None or first.log.end.error != MORE_VEHICLES:
+        return first
+    survey = replace(order, params=options.params(MOST_VEHICLES), survey=True)
+    (surveyed,) = flown([survey], options, forever)
+    if surveyed.log is None:
+        return surveyed
+    uris = tuple(sorted(surveyed.log.uris))
+    (nominal,) = flown([replace(order, params=options.params(len(uris)), uris=uris)], options, forever)
+    return nominal
+
+
+@dataclass(slots=True)
+class _Running:
+    """Process of a flight."""
+
+    order: FlightOrder
+    process: BaseProcess
+    since: float
+
+
+def flown(orders: Sequence[FlightOrder], options: LicenceOptions, until: float) -> Iterator[FlownTrial]:
+    """Yield the flights in the order of their ends; none starts after `until` (monotonic [s])."""
+    begin()
+    context = get_context("forkserver")
+    waiting = list(orders)
+    running: dict[Connection, _Running] = {}
+    try:
+        while running or (waiting and monotonic() < until):
+            while waiting and len(running) < options.jobs and monotonic() < until:
+                order = waiting.pop(0)
+                answer, sender = context.Pipe(duplex=False)
+                process = context.Process(target=fly_program, args=(order, sender), daemon=True)
+                process.start()
+                sender.close()
+                running[answer] = _Running(order, process, monotonic())
+            yield from _ended(running, options.limits)
+    finally:
+        for one in running.values():
+            one.process.kill()
+            one.process.join()
+
+
+def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterator[FlownTrial]:
+    """Yield the flights that have ended or are stuck."""
+    ready = set(wait(list(running), timeout=1.0))
+    for answer, one in list(running.items()):
+        seconds = monotonic() - one.since
+        if answer not in ready and seconds < STUCK_S:
+            continue
+        log = received(answer) if answer in ready else None
+        one.process.kill()
+        one.process.join()
+        answer.close()
+        del running[answer]
+        yield FlownTrial(one.order.trial, _judged(log, limits), log, seconds)
+
+
+def _judged(log: LicenceLog | None, limits: LicenceLimits) -> tuple[BrokenRule, ...]:
+    if log is None:
+        return (BrokenRule("program", 0.0, "the program's process ends without a log", STUCK),)
+    return findings(log, limits)

@@ -1,0 +1,66 @@
+"""Licence of a program and score of licences: what is flown, told and written."""
+
+import json
+import math
+from argparse import Namespace
+from pathlib import Path
+
+from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
+from q2q_sim.experiments.licence.licence_reports import (
+    junit_xml,
+    licence_json,
+    report_text,
+    write_licence_page,
+)
+from q2q_sim.experiments.licence.licence_rules import LicenceLimits
+from q2q_sim.experiments.licence.licence_score import licence_score_json, scored, scored_programs
+from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
+from q2q_sim.experiments.licence.program_flight import Program
+from q2q_sim.flight.run_json import Json
+
+
+def judge(args: Namespace) -> int:
+    """Judge a program, print the report and write it; return the exit status."""
+    x, y, z = args.room
+    options = LicenceOptions(
+        starts=tuple((a, b, math.radians(yaw)) for a, b, yaw in args.start),
+        limits=LicenceLimits(half_room=(0.5 * x, 0.5 * y), ceiling=z),
+        air=args.air,
+        seed=args.seed,
+        arming=args.arming,
+        scanned=scanned_uris(args.scan),
+        limit=args.limit,
+        jobs=args.jobs,
+    )
+    found = licence(Program(args.script.resolve(), tuple(args.arguments), Path.cwd()), options)
+    print(report_text(found))
+    if args.json:
+        _write(args.json, _text(licence_json(found)))
+    if args.junit:
+        _write(args.junit, junit_xml(found))
+    if args.out:
+        print(f"page: {write_licence_page(found, args.out)}")
+    return 0 if found.passed else 1
+
+
+def score(args: Namespace) -> int:
+    """Judge programs with and without seeded bugs, print and write the score; return the exit status."""
+    found = []
+    for program in scored_programs(args.score, tuple(args.only)):
+        one = scored(program, args.jobs, args.seed)
+        found.append(one)
+        print(f"{'right' if one.right else 'WRONG'}  {program.name}: {one.verdict}", flush=True)
+    document = licence_score_json(found)
+    if args.json:
+        _write(args.json, _text(document))
+    print(f"{sum(one.right for one in found)} of {len(found)} programs judged rightly")
+    return 0 if all(one.right for one in found) else 1
+
+
+def _text(document: Json) -> str:
+    return json.dumps(document, indent=1) + "\n"
+
+
+def _write(file: Path, text: str) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, encoding="utf-8")

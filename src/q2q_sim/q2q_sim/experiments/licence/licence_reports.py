@@ -1,0 +1,138 @@
+"""Reports of a licence: text, JSON, JUnit XML (as pytest writes it), and a page with replay."""
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
+from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.flight.run_json import Json
+from q2q_sim.replay_page import ReplayRun, replay_element
+from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, ProgramOutput, page
+
+HEAD = ("flight", "verdict", "what falls, when, and why")
+
+
+def verdict_words(found: Licence) -> str:
+    """Return the verdict in one line."""
+    name, count = found.program.file.name, len(found.flights)
+    if found.failed:
+        first = found.failed[0]
+        return (
+            f"FAIL {name}: {len(found.failed)} of {count} flights; {first.trial.words}: "
+            f"{first.findings[0].sentence}"
+        )
+    if found.left_out:
+        return f"FAIL {name}: no time for {len(found.left_out)} of {count + len(found.left_out)} flights"
+    return f"PASS {name}: {count} flights in {found.seconds:.0f} s"
+
+
+def report_text(found: Licence) -> str:
+    """Return a line for each flight, then the verdict."""
+    lines = []
+    for one in found.flights:
+        lines.append(f"{'pass' if one.passed else 'FAIL'}  {one.trial.words}")
+        lines += [f"      {finding.sentence}" for finding in one.findings]
+    lines += [f"not flown  {trial.words}" for trial in found.left_out]
+    return "\n".join([*lines, verdict_words(found)])
+
+
+def licence_json(found: Licence) -> Json:
+    """Return a licence as plain values: the contract of `licence --json`."""
+    return {
+        "program": found.program.file.name,
+        "passed": found.passed,
+        "verdict": verdict_words(found),
+        "seconds": found.seconds,
+        "flights": [
+            {
+                "trial": one.trial.words,
+                "kind": str(one.trial.kind),
+                "passed": one.passed,
+                "findings": [
+                    {"rule": each.rule, "t_s": each.t, "what": each.what, "why": each.why}
+                    for each in one.findings
+                ],
+            }
+            for one in found.flights
+        ],
+        "not_flown": [trial.words for trial in found.left_out],
+    }
+
+
+def junit_xml(found: Licence) -> str:
+    """Return a licence as JUnit XML, one test case for each flight."""
+    suites = ET.Element("testsuites")
+    suite = ET.SubElement(suites, "testsuite", name="licence", time=f"{found.seconds:.3f}")
+    suite.set("tests", str(len(found.flights) + len(found.left_out)))
+    suite.set("failures", str(len(found.failed)))
+    suite.set("skipped", str(len(found.left_out)))
+    for one in found.flights:
+        case = _case(suite, found, one.trial.words, one.seconds)
+        if not one.passed:
+            failure = ET.SubElement(
+                case, "failure", type=one.findings[0].rule, message=one.findings[0].sentence
+            )
+            failure.text = "\n".join(each.sentence for each in one.findings)
+        if one.log is not None and one.log.output:
+            ET.SubElement(case, "system-out").text = _printable(one.log.output)
+    for trial in found.left_out:
+        ET.SubElement(_case(suite, found, trial.words, 0.0), "skipped", message="no time left")
+    ET.indent(suites)
+    return ET.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _case(suite: ET.Element, found: Licence, name: str, seconds: float) -> ET.Element:
+    return ET.SubElement(
+        suite, "testcase", classname=found.program.file.stem, name=name, time=f"{seconds:.3f}"
+    )
+
+
+def _printable(text: str) -> str:
+    """Return a text without the characters that XML 1.0 forbids."""
+    return "".join(one for one in text if one in "\n\t" or one >= " ")
+
+
+def write_licence_page(found: Licence, folder: Path) -> Path:
+    """Write the page of a licence into a folder; return its path."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = [
+        (
+            one.trial.words,
+            "pass" if one.passed else "FAIL",
+            "; ".join(each.sentence for each in one.findings) or "-",
+        )
+        for one in found.flights
+    ] + [(trial.words, "not flown", "no time left") for trial in found.left_out]
+    parts: list[Part] = [PageVerdict(verdict_words(found), ok=found.passed), Grid(HEAD, rows)]
+    shown = [found.flights[0], *(one for one in found.failed[:1] if one is not found.flights[0])]
+    runs = [_run(one, one.log) for one in shown if one.log is not None]
+    if runs:
+        parts += [Heading(" and ".join(run.name for run in runs)), Markup(replay_element(runs))]
+    output = shown[-1].log.output if shown[-1].log is not None else ""
+    if output:
+        parts += [Heading("Last lines of the program's output"), ProgramOutput(output)]
+    file = folder / "index.html"
+    lead = "The program flew emulated vehicles unmodified, first without faults, then with one fault each."
+    file.write_text(page(f"Licence of {found.program.file.name}", lead, parts), encoding="utf-8")
+    return file
+
+
+def _run(flown: FlownTrial, log: LicenceLog) -> ReplayRun:
+    unknown = np.full_like(log.pos, np.nan)
+    return ReplayRun(
+        name=flown.trial.words,
+        names=tuple(log.name(row) for row in range(len(log.uris))),
+        t=log.t,
+        pos=log.pos,
+        quat=log.quat,
+        ref_pos=unknown,
+        mocap_pos=unknown,
+        rejected=np.zeros(log.thrust.shape, dtype=np.bool_),
+        downwash=unknown,
+        thrust=log.thrust,
+        arm=CRAZYFLIE_2_0.arm,
+        verdict=flown.findings[0].sentence if flown.findings else "pass",
+    )

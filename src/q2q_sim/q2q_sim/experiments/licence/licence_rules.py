@@ -1,0 +1,253 @@
+"""Rules of a licence: what a vehicle must not do in a program's flight, and when it first did.
+
+| rule | broken when |
+|---|---|
+| motors | the motors stop more than 0.2 m above the floor |
+| landing | a vehicle reaches the floor faster than 2 m/s, as after a fall from 0.2 m |
+| room | it leaves the room, or is asked to |
+| collision | two vehicles are within 0.15 m of each other |
+| downwash | two fly within an ellipsoid of 0.24 and 0.6 m (vertical) for 0.3 s; nominal flight only |
+| tumble | the supervisor finds a vehicle tumbled |
+| setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
+| spin | it turns faster than 500 deg/s |
+| yaw | a yaw of more than one turn is asked of the high-level commander, whose unit is rad |
+| end | it still flies 5 s after the end of the program, or at the time limit |
+| program | the program fails, or does not end |
+| idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
+
+MotionCommander of cflib itself stops the motors 0.1 m above the floor. The ellipsoid is that of Hoenig et
+al., Trajectory Planning for Quadrotor Swarms, IEEE T-RO 2018.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_sim.experiments.licence.client_commands import FLIGHT
+from q2q_sim.experiments.licence.licence_causes import cause
+from q2q_sim.experiments.licence.licence_log import LicenceLog, Mask
+from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
+from q2q_sim.firmware.supervisor.rules import State
+
+LEVEL_SHARE = 0.1
+"""Share of a flight in which a vehicle may be levelled out."""
+
+
+@dataclass(frozen=True, slots=True)
+class LicenceLimits:
+    """Limits of the rules."""
+
+    half_room: tuple[float, float] = (3.0, 3.0)
+    """Distance of the walls from the origin along x and y [m]."""
+    ceiling: float = 2.5
+    """[m]"""
+    drop: float = 0.2
+    """Height above which motors must not stop [m]."""
+    landing: float = 2.0
+    """[m/s]"""
+    gap: float = 0.15
+    """Smallest distance of two vehicles [m]: one and a half of their widths, motor to motor."""
+    beside: float = 0.24
+    below: float = 0.6
+    """Axes of the ellipsoid of the downwash [m]."""
+    exposed_s: float = 0.3
+    spin: float = math.radians(500.0)
+    """[rad/s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class BrokenRule:
+    """Broken rule."""
+
+    rule: str
+    t: float
+    """[s]"""
+    what: str
+    """What the vehicle or the program does."""
+    why: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """Return when, what, and why."""
+        return f"at {self.t:.2f} s {self.what}{f': {self.why}' if self.why else ''}"
+
+
+Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
+
+
+def findings(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ...]:
+    """Return the broken rules of a flight in the order of time."""
+    found = [one for one in (_program(log), *_nearness(log, limits)) if one is not None]
+    for row in range(len(log.uris)):
+        if row != log.trial.excused:
+            checked = [rule(log, row, limits) for rule in RULES]
+            found += [one for one in checked if one is not None]
+    return tuple(sorted(found, key=lambda one: one.t))
+
+
+def _first(broken: Mask) -> int:
+    """Return the first tick at which a condition holds; -1 if it never does."""
+    return int(np.argmax(broken)) if broken.any() else -1
+
+
+def _motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+    on, height = log.running[:, row], log.pos[:, row, 2]
+    stopped = np.zeros_like(on)
+    stopped[1:] = on[:-1] & ~on[1:] & (height[1:] > limits.drop)
+    tick = _first(stopped)
+    if tick < 0:
+        return None
+    what = f"the motors of {log.name(row)} stop at a height of {height[tick]:.2f} m"
+    return BrokenRule("motors", float(log.t[tick]), what, cause(log, row, float(log.t[tick])))
+
+
+def _landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+    height, climb = log.pos[:, row, 2], log.vel[:, row, 2]
+    hit = np.zeros(len(height), dtype=np.bool_)
+    hit[1:] = (height[1:] <= 0.0) & (climb[:-1] < -limits.landing)
+    tick = _first(hit)
+    if tick < 0:
+        return None
+    what = f"{log.name(row)} hits the floor at {-climb[tick - 1]:.1f} m/s"
+    return BrokenRule("landing", float(log.t[tick]), what, cause(log, row, float(log.t[tick])))
+
+
+def _outside(pos: Array, limits: LicenceLimits) -> Mask:
+    """Return which positions (..., 3) are outside the room; NaN is inside."""
+    x, y, z = np.moveaxis(np.abs(pos), -1, 0)
+    return np.asarray((x > limits.half_room[0]) | (y > limits.half_room[1]) | (z > limits.ceiling))
+
+
+def _room(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+    asked = next(
+        (
+            one
+            for one in log.of(row)
+            if one.asked.pos is not None and _outside(np.array(one.asked.pos), limits).item()
+        ),
+        None,
+    )
+    tick = _first(_outside(log.pos[:, row], limits))
+    left = float(log.t[tick]) if tick >= 0 else math.inf
+    if asked is not None and asked.t <= left:
+        return BrokenRule(
+            "room", asked.t, f"{log.name(row)} is asked to leave the room", asked.words_without_time
+        )
+    if tick < 0:
+        return None
+    return BrokenRule("room", left, f"{log.name(row)} leaves the room", cause(log, row, left))
+
+
+def _tumble(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+    tick = _first(log.state[:, row] == State.CRASHED)
+    if tick < 0:
+        return None
+    return BrokenRule("tumble", float(log.t[tick]), f"{log.name(row)} tumbles", cause(log, row, log.t[tick]))
+
+
+def _setpoints(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+    levelled = (log.state[:, row] == State.LEVEL_OUT) & log.airborne[:, row]
+    begins = np.flatnonzero(levelled[1:] & ~levelled[:-1]) + 1
+    share = levelled.sum() / max(int(log.airborne[:, row].sum()), 1)
+    if len(begins) < 2 or share < LEVEL_SHARE:
+        return None
+    t = float(log.t[begins[0]])
+    why = f"{len(begins)} times no setpoint came for 0.5 s, {share:.0%} of its flight"
+    return BrokenRule("setpoints", t, f"the firmware levels {log.name(row)} out", why)
+
+
+def _spin(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+    spinning = np.abs(log.yaw_rate[:, row]) > limits.spin
+    tick = _first(np.asarray(log.airborne[:, row] & spinning))
+    if tick < 0:
+        return None
+    rate = math.degrees(abs(float(log.yaw_rate[tick, row])))
+    t = float(log.t[tick])
+    return BrokenRule("spin", t, f"{log.name(row)} spins at {rate:.0f} deg/s", cause(log, row, t))
+
+
+def _yaw(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+    for one in log.of(row):
+        if abs(one.asked.yaw_rad) > 2.0 * math.pi:
+            what = f"{log.name(row)} is asked to turn to {one.asked.yaw_rad:.1f} rad"
+            return BrokenRule("yaw", one.t, what, f"{one.words_without_time}, whose yaw is in radians")
+    return None
+
+
+def _end(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+    if not (log.airborne[-1, row] and log.running[-1, row]):
+        return None
+    t, end = float(log.t[-1]), log.end
+    when = "at the time limit" if end.overdue else f"{t - end.t:.0f} s after the end of the program"
+    what = f"{log.name(row)} still flies {when}"
+    last = log.last(row, t)
+    return BrokenRule("end", t, what, f"the last command was {last.words}" if last else "")
+
+
+def _idle(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+    if log.trial.kind != TrialKind.NOMINAL or log.flew[row]:
+        return None
+    asked = [one for one in log.of(row) if one.asked.kind in FLIGHT]
+    if asked:
+        what = f"{log.name(row)} is asked to fly and stays on the floor"
+        first = asked[0]
+        why = f"{first.asked.refused}, {first.words}" if first.asked.refused else first.words
+        return BrokenRule("idle", first.t, what, why)
+    if row in log.opened and log.flew.any():
+        t = float(log.t[_first(np.asarray(log.airborne.any(axis=1)))])
+        return BrokenRule("idle", t, f"{log.name(row)} stays on the floor", "it was never asked to fly")
+    return None
+
+
+def _program(log: LicenceLog) -> BrokenRule | None:
+    end, trial = log.end, log.trial
+    rows = [row for row in range(len(log.uris)) if row != trial.excused]
+    if trial.kind in EXCUSED:
+        return None
+    if end.overdue:
+        return BrokenRule("program", end.t, "the program does not end", "")
+    if not end.status:
+        return None
+    tick = min(int(np.searchsorted(log.t, end.t)), len(log.t) - 1)
+    safe = trial.kind != TrialKind.NOMINAL and not log.airborne[tick, rows].any()
+    where = f", line {end.line}" if end.line else ""
+    why = (end.error or f"exit status {end.status}") + where
+    return None if safe else BrokenRule("program", end.t, "the program fails", why)
+
+
+def _nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | None]:
+    for i, j in combinations(range(len(log.uris)), 2):
+        apart = log.pos[:, i] - log.pos[:, j]
+        flying = log.airborne[:, i] | log.airborne[:, j]
+        tick = _first(np.asarray(flying & (np.linalg.norm(apart, axis=-1) < limits.gap)))
+        if tick >= 0:
+            t, lower = float(log.t[tick]), (i if apart[tick, 2] < 0.0 else j)
+            yield BrokenRule("collision", t, f"{log.name(i)} and {log.name(j)} collide", cause(log, lower, t))
+        if log.trial.kind == TrialKind.NOMINAL:
+            yield _exposure(log, (i, j), apart, limits)
+
+
+def _exposure(
+    log: LicenceLog, pair: tuple[int, int], apart: Array, limits: LicenceLimits
+) -> BrokenRule | None:
+    i, j = pair
+    scaled = apart / np.array([limits.beside, limits.beside, limits.below])
+    inside = (np.linalg.norm(scaled, axis=-1) < 1.0) & log.airborne[:, i] & log.airborne[:, j]
+    ticks = round(limits.exposed_s / float(log.t[0]))
+    if len(inside) < ticks:
+        return None
+    tick = _first(np.asarray(np.convolve(inside, np.ones(ticks), mode="valid") >= ticks))
+    if tick < 0:
+        return None
+    below, above = (i, j) if apart[tick, 2] < 0.0 else (j, i)
+    t, depth = float(log.t[tick]), abs(float(apart[tick, 2]))
+    what = f"{log.name(below)} flies in the downwash of {log.name(above)}, {depth:.2f} m below it"
+    return BrokenRule("downwash", t, what, cause(log, below, t))
+
+
+RULES: tuple[Rule, ...] = (_motors, _landing, _room, _tumble, _setpoints, _spin, _yaw, _end, _idle)
+"""Rules of one vehicle."""

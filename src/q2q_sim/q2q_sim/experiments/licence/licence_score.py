@@ -1,0 +1,112 @@
+"""Score of licences: programs with a seeded bug must fail, and sound ones pass.
+
+A folder has the programs in `sound` and `buggy`, and `programs.toml` says where their vehicles start and how
+large their room is. A bug is found if a flight breaks a rule. The trials of a program with a bug end with the
+flight without faults if that breaks one.
+"""
+
+import math
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from q2q_model.documents.plain_values import from_plain
+from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
+from q2q_sim.experiments.licence.licence_reports import verdict_words
+from q2q_sim.experiments.licence.licence_rules import LicenceLimits
+from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
+from q2q_sim.experiments.licence.program_flight import Program
+from q2q_sim.flight.run_json import Json
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramSettings:
+    """Entry of `programs.toml`."""
+
+    start: tuple[tuple[float, ...], ...] = ()
+    """x, y [m] and yaw [deg] of every vehicle."""
+    room: tuple[float, ...] = (6.0, 6.0, 2.5)
+    """[m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class ScoredProgram:
+    """Program with what is known of it."""
+
+    file: Path
+    sound: bool
+    settings: ProgramSettings = field(default_factory=ProgramSettings)
+
+    @property
+    def name(self) -> str:
+        """Return the name of the program."""
+        return self.file.stem
+
+
+@dataclass(frozen=True, slots=True)
+class LicenceScore:
+    """Verdict on a program of which the right one is known."""
+
+    program: ScoredProgram
+    passed: bool
+    verdict: str
+    flights: int
+    seconds: float
+
+    @property
+    def right(self) -> bool:
+        """Return whether a sound program passed, or one with a bug did not."""
+        return self.passed == self.program.sound
+
+
+def scored_programs(folder: Path, only: Sequence[str] = ()) -> Iterator[ScoredProgram]:
+    """Yield the programs of a folder, all or those named."""
+    text = (folder / "programs.toml").read_text(encoding="utf-8")
+    entries = from_plain(Mapping[str, ProgramSettings], tomllib.loads(text), "")  # type: ignore[type-abstract]
+    for kind in ("sound", "buggy"):
+        for file in sorted((folder / kind).glob("*.py")):
+            if not only or file.stem in only:
+                settings = entries.get(file.stem, ProgramSettings())
+                yield ScoredProgram(file.resolve(), kind == "sound", settings)
+
+
+def scored(program: ScoredProgram, jobs: int, seed: int) -> LicenceScore:
+    """Return the verdict on a program."""
+    one = program.settings
+    starts = tuple((x, y, math.radians(yaw)) for x, y, yaw in ((*row, 0.0)[:3] for row in one.start))
+    x, y, z = one.room
+    options = LicenceOptions(
+        starts=starts,
+        limits=LicenceLimits(half_room=(0.5 * x, 0.5 * y), ceiling=z),
+        scanned=scanned_uris(max(len(starts), 1)),
+        jobs=jobs,
+        seed=seed,
+    )
+    found = licence(Program(program.file, (), program.file.parent), options)
+    return LicenceScore(program, found.passed, verdict_words(found), len(found.flights), found.seconds)
+
+
+def licence_score_json(found: Sequence[LicenceScore]) -> Json:
+    """Return the totals of a score: the contract of `licence --score --json`."""
+    sound = [one for one in found if one.program.sound]
+    buggy = [one for one in found if not one.program.sound]
+    return {
+        "sound": len(sound),
+        "alarms": sum(not one.passed for one in sound),
+        "seeded_bugs": len(buggy),
+        "seeded_found": sum(not one.passed for one in buggy),
+        "flights": sum(one.flights for one in found),
+        "seconds": sum(one.seconds for one in found),
+        "programs": [
+            {
+                "name": one.program.name,
+                "sound": one.program.sound,
+                "passed": one.passed,
+                "verdict": one.verdict,
+                "flights": one.flights,
+                "seconds": one.seconds,
+            }
+            for one in found
+        ],
+    }

@@ -1,0 +1,168 @@
+"""Link driver for cflib whose vehicles are those of a LicenceRoom, at any URI.
+
+A program opens vehicles by the URIs that it has: the n-th of the URIs that are known is the n-th vehicle.
+Needs the interface of cflib's drivers (cflib: crtp/crtpdriver.py). One packet takes PACKET_S, and vehicles
+do not share radios.
+"""
+
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import FrameType
+from typing import NamedTuple
+
+import cflib.crtp
+from cflib.crtp.crtpstack import CRTPPacket
+from cflib.crtp.exceptions import WrongUriType
+
+from q2q_sim.experiments.licence.licence_room import PACKET_S, LicenceRoom, OpenLink
+from q2q_sim.experiments.licence.program.program_turns import Turns, never
+
+SCHEMES = ("radio", "usb", "udp", "tcp", "serial")
+DRIVERS = ("UsbDriver", "SerialDriver", "UdpDriver", "PrrtDriver", "TcpDriver")
+"""Drivers of cflib beside that of the radio."""
+POLL_S = 0.1
+"""Time between two polls of a vehicle by its radio [s]."""
+
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class LinkHost:
+    """Where the links of a program end."""
+
+    room: LicenceRoom
+    turns: Turns
+    program: str
+    """File of the program, as its frames name it."""
+    vehicle_of: Callable[[str], int]
+    """Return the vehicle of a URI."""
+    scanned: tuple[str, ...]
+    """URIs that a scan answers."""
+
+    def send(self, link: OpenLink, datagram: bytes) -> None:
+        """Send a packet to a vehicle; returns after the time that it takes."""
+        passes = self.room.silent_until(link.vehicle, self.turns.now)
+        if passes == float("inf"):
+            return
+        if passes > self.turns.now:
+            self.turns.wait(never, passes)
+        self.room.deliver(link, datagram, self.turns.now, _sender(self.program))
+        self.turns.sleep(PACKET_S)
+
+
+class _Sender(NamedTuple):
+    """Place in the program that sends a packet."""
+
+    line: int
+    closing: bool
+
+
+def _sender(program: str) -> _Sender:
+    """Return the line of the program that has called, 0 if none has, and whether it closes a link."""
+    frame: FrameType | None = sys._getframe()  # noqa: SLF001
+    closing = False
+    while frame is not None:
+        code = frame.f_code
+        if code.co_filename == program:
+            return _Sender(frame.f_lineno, closing)
+        closing = closing or code.co_name == "close_link"
+        frame = frame.f_back
+    return _Sender(0, closing)
+
+
+class EmulatedDriver:
+    """Driver of one link, as cflib asks for it."""
+
+    host: LinkHost
+
+    def __init__(self) -> None:
+        self.needs_resending = False
+        self.uri = ""
+        self._link: OpenLink | None = None
+
+    def connect(self, uri: str, _: object, link_error_callback: Report | None) -> None:
+        """Open the link to the vehicle at a URI."""
+        if uri.partition("://")[0] not in SCHEMES:
+            raise WrongUriType(f"not the URI of a vehicle: {uri}")
+        self.uri = uri
+        link = self._link = OpenLink(self.host.vehicle_of(uri))
+        self.host.room.opened.append(link.vehicle)
+        self.host.room.keep_alive(link)
+        report: Report = link_error_callback or (lambda _: None)
+        threading.Thread(target=self._poll, args=(link, report), daemon=True).start()
+
+    def send_packet(self, pk: CRTPPacket) -> None:
+        """Send a packet."""
+        if self._link is not None:
+            self.host.send(self._link, bytes([pk.header]) + bytes(pk.data))
+
+    def receive_packet(self, wait: float = 0) -> CRTPPacket | None:
+        """Return the next packet of the vehicle, after at most `wait` [s]; below 0 without limit."""
+        link = self._link
+        if link is None:
+            time.sleep(max(wait, POLL_S))
+            return None
+        if not link.inbox and wait != 0:
+            until = float("inf") if wait < 0 else self.host.turns.now + wait
+            self.host.turns.wait(lambda: bool(link.inbox), until)
+        if not link.inbox:
+            return None
+        datagram = link.inbox.popleft()
+        return CRTPPacket(datagram[0], datagram[1:])
+
+    def close(self) -> None:
+        """Close the link."""
+        self._link = None
+
+    def get_status(self) -> str:
+        """Return a description of the radio."""
+        return "emulated vehicles"
+
+    def get_name(self) -> str:
+        """Return the name of the driver."""
+        return "radio"
+
+    def scan_interface(self, address: int | None = None) -> list[list[str]]:
+        """Return the URIs of the vehicles in reach, all or that of an address."""
+        ends = "" if address is None else f"{address:010X}"
+        return [[uri, ""] for uri in self.host.scanned if uri.endswith(ends)]
+
+    def _poll(self, link: OpenLink, report: Report) -> None:
+        while self._link is link:
+            if self.host.room.is_noticed(link.vehicle, self.host.turns.now):
+                report("Too many packets lost")
+                return
+            if self.host.room.silent_until(link.vehicle, self.host.turns.now) <= self.host.turns.now:
+                self.host.room.keep_alive(link)
+            time.sleep(POLL_S)
+
+
+class AbsentDriver:
+    """Driver of an interface without vehicles."""
+
+    def connect(self, uri: str, *_: object) -> None:
+        """Refuse every URI."""
+        raise WrongUriType(f"no vehicle at {uri}")
+
+    def scan_interface(self, _: int | None = None) -> list[list[str]]:
+        """Return nothing."""
+        return []
+
+    def get_name(self) -> str:
+        """Return the name of the driver."""
+        return "absent"
+
+    def get_status(self) -> str:
+        """Return that there is nothing."""
+        return "no interface"
+
+
+def use_emulated_links(host: LinkHost) -> None:
+    """Make every driver that cflib finds in this process end at the vehicles of a host."""
+    EmulatedDriver.host = host
+    setattr(cflib.crtp, "RadioDriver", EmulatedDriver)  # noqa: B010
+    for name in DRIVERS:
+        setattr(cflib.crtp, name, AbsentDriver)

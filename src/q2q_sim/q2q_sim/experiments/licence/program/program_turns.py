@@ -1,0 +1,116 @@
+"""Threads of a program, one at a time, and the clock that they see.
+
+A thread keeps the turn until it waits. When all wait, time advances to the next deadline or the next tick of
+the room, whichever is first, and the thread that waited last flies the tick. The first thread in the order of
+waiting whose condition holds, or whose deadline has come, takes the turn. The order of all events is
+therefore the same on any machine, and computing takes no time.
+"""
+
+import _thread
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+Gate = _thread.LockType
+
+
+def _closed_gate() -> Gate:
+    gate = _thread.allocate_lock()
+    gate.acquire()
+    return gate
+
+
+@dataclass(slots=True, eq=False)
+class _Waiting:
+    """Thread that waits for its turn."""
+
+    ready: Callable[[], bool]
+    until: float
+    """Deadline [s]."""
+    gate: Gate = field(default_factory=_closed_gate)
+
+
+def never() -> bool:
+    """Return False: the condition of a thread that waits for its deadline only."""
+    return False
+
+
+def always() -> bool:
+    """Return True: the condition of a thread that only lets others go first."""
+    return True
+
+
+class Turns:
+    """Turns of the threads of a program that share a clock with a room."""
+
+    def __init__(self, fly: Callable[[], None], tick: float) -> None:
+        """Start the clock at 0; `fly` advances the room by one tick [s]. The caller has the turn."""
+        self.now = 0.0
+        """Time [s]."""
+        self.handing_on = False
+        """Whether a thread is looking for the next one, or flying."""
+        self.given = 0
+        """Number of turns given up."""
+        self.holder = _thread.get_ident()
+        """Thread that has the turn."""
+        self._fly = fly
+        self._tick, self._ticks = tick, 0
+        self._waiting: list[_Waiting] = []
+
+    def wait(self, ready: Callable[[], bool], until: float = math.inf) -> bool:
+        """Give up the turn until a condition holds or a time [s] has come; return whether it holds."""
+        self.handing_on = True
+        mine = _Waiting(ready, until)
+        self._waiting.append(mine)
+        self.leave()
+        self.take(mine.gate)
+        return ready()
+
+    def sleep(self, seconds: float) -> None:
+        """Give up the turn for a time [s]."""
+        self.wait(never, self.now + max(seconds, 0.0))
+
+    def enter(self) -> Gate:
+        """Return the gate of a new thread, which takes its turn before it does anything."""
+        mine = _Waiting(always, math.inf)
+        self._waiting.append(mine)
+        return mine.gate
+
+    def take(self, gate: Gate) -> None:
+        """Wait at a gate until the calling thread has the turn."""
+        gate.acquire()
+        self.holder = _thread.get_ident()
+
+    def leave(self) -> None:
+        """Give up the turn; a thread that ends calls this last."""
+        self.handing_on = True
+        self.given += 1
+        while (chosen := self._next()) is None:
+            self._advance()
+        self._waiting.remove(chosen)
+        self.handing_on = False
+        chosen.gate.release()
+
+    def spend(self, seconds: float) -> None:
+        """Advance the clock of the thread that has the turn; others go first where they are due."""
+        after = self.now + seconds
+        if after < self._due():
+            self.now = after
+        else:
+            self.wait(never, after)
+
+    def _next(self) -> _Waiting | None:
+        for one in self._waiting:
+            if one.until <= self.now or one.ready():
+                return one
+        return None
+
+    def _due(self) -> float:
+        deadline = min((one.until for one in self._waiting), default=math.inf)
+        return min(deadline, (self._ticks + 1) * self._tick)
+
+    def _advance(self) -> None:
+        self.now = self._due()
+        if self.now >= (self._ticks + 1) * self._tick:
+            self._ticks += 1
+            self._fly()

@@ -1,0 +1,152 @@
+"""Sleeping, clocks, locks and threads of Python by the turns of a program (CPython 3.11 and 3.12).
+
+Replaced are the names through which Python's own modules and programs reach them: time.sleep and the clocks
+of `time`, the locks of `threading` (with them events, conditions, timers, queues and executors, which are
+made of locks), and the start and end of threads. Not replaced: `datetime.now`, sockets, processes, and
+waiting inside C code, during which the clock of the program stands still.
+
+Reading a clock takes CALL_S, so that a loop that waits for a time by reading the clock ends. A main thread
+that computes for BUSY_S of processor time without waiting, such as a loop that waits for a variable, spends
+that time on the clock and lets the other threads go on.
+"""
+
+import _thread
+import queue
+import signal
+import threading
+import time
+from collections.abc import Callable, Mapping
+from types import FrameType, TracebackType
+
+from q2q_sim.experiments.licence.program.program_turns import Turns
+
+CALL_S = 1e-5
+"""Time that reading a clock takes [s]."""
+BUSY_S = 0.2
+"""Processor time between two looks at the main thread [s]."""
+EPOCH = 1_767_225_600.0
+"""time.time() at the start: 2026-01-01 UTC [s]."""
+
+_start_thread = _thread.start_new_thread
+
+
+def use_turns(turns: Turns) -> None:
+    """Replace the calls for the rest of this process; the calling thread is the program's main thread."""
+    _replace_clocks(turns)
+    _replace_locks(turns)
+    _replace_threads(turns)
+    _watch_main_thread(turns)
+
+
+class TurnLock:
+    """Lock with the interface of `threading.Lock`."""
+
+    turns: Turns
+
+    def __init__(self) -> None:
+        self._held = False
+
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
+        """Acquire the lock, as threading.Lock does."""
+        if self._held and blocking:
+            until = float("inf") if timeout < 0 else self.turns.now + timeout
+            self.turns.wait(self._free, until)
+        if self._held:
+            return False
+        self._held = True
+        return True
+
+    def release(self) -> None:
+        """Release the lock."""
+        if not self._held:
+            raise RuntimeError("release unlocked lock")
+        self._held = False
+
+    def locked(self) -> bool:
+        """Return whether the lock is held."""
+        return self._held
+
+    def _free(self) -> bool:
+        return not self._held
+
+    def __enter__(self) -> bool:
+        """Acquire the lock."""
+        return self.acquire()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Release the lock."""
+        self.release()
+
+
+def _replace_clocks(turns: Turns) -> None:
+    def read() -> float:
+        turns.spend(CALL_S)
+        return turns.now
+
+    def read_ns() -> int:
+        return round(read() * 1e9)
+
+    replaced: Mapping[str, Callable[..., object]] = {
+        "sleep": turns.sleep,
+        "time": lambda: EPOCH + read(),
+        "time_ns": lambda: round(EPOCH) * 10**9 + read_ns(),
+        "monotonic": read,
+        "monotonic_ns": read_ns,
+        "perf_counter": read,
+        "perf_counter_ns": read_ns,
+    }
+    for name, call in replaced.items():
+        setattr(time, name, call)
+    for module, name in ((threading, "_time"), (queue, "time")):
+        setattr(module, name, lambda: turns.now)  # deadlines of waits, which are no calls of the program
+
+
+def _replace_locks(turns: Turns) -> None:
+    TurnLock.turns = turns
+    for name in ("Lock", "_allocate_lock"):
+        setattr(threading, name, TurnLock)
+    setattr(threading, "_CRLock", None)  # noqa: B010  threading.RLock is then made of _allocate_lock
+    setattr(queue, "SimpleQueue", queue._PySimpleQueue)  # type: ignore[attr-defined]  # noqa: B010, SLF001
+
+
+def _replace_threads(turns: Turns) -> None:
+    ends: dict[int, TurnLock] = {}
+
+    def end_of_thread() -> TurnLock:
+        """Return the lock that `join` acquires, released when the calling thread ends."""
+        return ends.setdefault(_thread.get_ident(), TurnLock())
+
+    def start(run: Callable[..., object], args: tuple[object, ...] = ()) -> int:
+        gate = turns.enter()
+
+        def body() -> None:
+            turns.take(gate)
+            try:
+                run(*args)
+            finally:
+                ended = ends.pop(_thread.get_ident(), None)
+                if ended is not None and ended.locked():
+                    ended.release()
+                turns.leave()
+
+        return _start_thread(body, ())
+
+    setattr(threading, "_start_new_thread", start)  # noqa: B010
+    setattr(threading, "_set_sentinel", end_of_thread)  # noqa: B010
+
+
+def _watch_main_thread(turns: Turns) -> None:
+    main = _thread.get_ident()
+    seen = -1
+
+    def look(_: int, __: FrameType | None) -> None:
+        nonlocal seen
+        computing = not turns.handing_on and turns.given == seen and turns.holder == main
+        if computing:
+            turns.spend(BUSY_S)
+        seen = turns.given
+
+    signal.signal(signal.SIGPROF, look)
+    signal.setitimer(signal.ITIMER_PROF, BUSY_S, BUSY_S)

@@ -1,0 +1,186 @@
+"""One flight of a program, in the process that calls: it ends with the flight.
+
+    calls of Python by turns -> cflib -> program as __main__ -> rest of the flight -> log through a pipe
+
+The program's own exit closes its links like the end of a process: without a word. The vehicles then fly on
+by their firmware, until they stand still or REST_S have passed.
+"""
+
+import os
+import runpy
+import signal
+import sys
+import threading
+import traceback
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from io import TextIOBase
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import NoReturn
+
+from q2q_sim.experiments.licence.client_commands import FLIGHT
+from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
+from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
+from q2q_sim.experiments.licence.program.program_turns import Turns
+from q2q_sim.experiments.licence.program.standard_calls import use_turns
+from q2q_sim.experiments.licence.trials import LicenceTrial
+from q2q_sim.loop.room import TICK_S
+
+REST_S = 5.0
+"""Longer than the firmware's watchdog of 2 s and a fall from the ceiling [s]."""
+MORE_VEHICLES = "the program opened more vehicles than there are"
+"""Error of a flight that ended for it."""
+KEPT_LINES = 20
+"""Lines of output that are kept."""
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """Program with its arguments."""
+
+    file: Path
+    arguments: tuple[str, ...] = ()
+    folder: Path = Path()
+    """Working folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightOrder:
+    """What is flown."""
+
+    program: Program
+    params: LicenceParams
+    trial: LicenceTrial
+    uris: tuple[str, ...]
+    """URIs of the vehicles; empty for those that the program opens, in its order."""
+    scanned: tuple[str, ...]
+    """URIs that a scan answers."""
+    limit: float
+    """Longest flight [s]."""
+    survey: bool = False
+    """Only up to the first command that asks for flight."""
+
+
+class _LastLines(TextIOBase):
+    """Text stream that keeps the last lines."""
+
+    def __init__(self) -> None:
+        self._lines: deque[str] = deque([""], maxlen=KEPT_LINES)
+
+    def write(self, text: str) -> int:
+        """Keep what is written."""
+        first, *others = text.split("\n")
+        self._lines[-1] += first
+        self._lines.extend(others)
+        return len(text)
+
+    def text(self) -> str:
+        """Return the last lines."""
+        return "\n".join(self._lines).strip()
+
+
+class _Flight:
+    """Flight of a program; the process ends with it."""
+
+    def __init__(self, order: FlightOrder, answer: Connection) -> None:
+        self._order, self._answer = order, answer
+        self._uris = list(order.uris)
+        self._output = _LastLines()
+        self._failed = ProgramEnd(0.0)
+        self._room = LicenceRoom(order.params, order.trial)
+        self._turns = Turns(self._tick, TICK_S)
+
+    def run(self) -> NoReturn:
+        """Fly the program and end this process."""
+        program = self._order.program
+        sys.stdout = sys.stderr = self._output
+        sys.argv = [str(program.file), *program.arguments]
+        sys.path.insert(0, str(program.file.parent))
+        os.chdir(program.folder)
+        use_turns(self._turns)
+        self._connect()
+        threading.excepthook = self._note_thread
+        end = self._end_of(lambda: runpy.run_path(str(program.file), run_name="__main__"))
+        for thread in threading.enumerate():
+            if not thread.daemon and thread is not threading.current_thread():
+                thread.join()
+        self._finish(end)
+
+    def _connect(self) -> None:
+        """Let cflib's links end in the room; cflib is imported after its calls have been replaced."""
+        from q2q_sim.experiments.licence.program.emulated_link import LinkHost, use_emulated_links
+
+        host = LinkHost(
+            self._room, self._turns, str(self._order.program.file), self._vehicle_of, self._order.scanned
+        )
+        use_emulated_links(host)
+
+    def _vehicle_of(self, uri: str) -> int:
+        if uri not in self._uris:
+            if len(self._uris) == len(self._order.params.starts):
+                self._send(ProgramEnd(self._room.t, error=MORE_VEHICLES))
+            self._uris.append(uri)
+        return self._uris.index(uri)
+
+    def _tick(self) -> None:
+        self._room.fly()
+        asked = self._order.survey and any(one.asked.kind in FLIGHT for one in self._room.commands)
+        if asked or self._room.t >= self._order.limit:
+            self._send(ProgramEnd(self._room.t, overdue=True))
+
+    def _end_of(self, run: Callable[[], object]) -> ProgramEnd:
+        try:
+            run()
+        except SystemExit as left:
+            code = left.code
+            status = code if isinstance(code, int) else int(code is not None)
+            return ProgramEnd(self._turns.now, status, str(code) if isinstance(code, str) else "")
+        except BaseException as error:  # noqa: BLE001  a program may raise anything
+            return self._error(error)
+        return ProgramEnd(self._turns.now)
+
+    def _error(self, error: BaseException) -> ProgramEnd:
+        file = str(self._order.program.file)
+        frames = [one for one in traceback.extract_tb(error.__traceback__) if one.filename == file]
+        said = traceback.format_exception_only(error)[-1].strip()
+        return ProgramEnd(self._turns.now, 1, said, (frames[-1].lineno or 0) if frames else 0)
+
+    def _note_thread(self, args: "threading.ExceptHookArgs") -> None:
+        """Note an error of a thread of the program; cflib's own threads are not the program's."""
+        if args.exc_value is not None:
+            end = self._error(args.exc_value)
+            if end.line and not self._failed.status:
+                self._failed = end
+
+    def _finish(self, end: ProgramEnd) -> NoReturn:
+        """Fly on without the program and send the log."""
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        if self._failed.status and not end.status:
+            end = ProgramEnd(end.t, 1, self._failed.error, self._failed.line)
+        ended = self._room.t
+        while self._room.is_moving() and self._room.t < ended + REST_S:
+            self._room.fly()
+        self._send(end)
+
+    def _send(self, end: ProgramEnd) -> NoReturn:
+        if self._room.t == 0.0:
+            self._room.fly()  # a log has a tick
+        self._answer.send(self._room.log(tuple(self._uris), end, self._output.text()))
+        self._answer.close()
+        os._exit(0)
+
+
+def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:
+    """Fly a program in this process, send its LicenceLog, and end the process."""
+    _Flight(order, answer).run()
+
+
+def received(answer: Connection) -> LicenceLog | None:
+    """Return the log that a process has sent; None if it ended without."""
+    try:
+        log = answer.recv()
+    except EOFError:
+        return None
+    return log if isinstance(log, LicenceLog) else None

@@ -1,0 +1,67 @@
+"""Flights of encounters, spread over processes: what the command `promise` flies, prints and writes."""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+from rich.console import Console
+from rich.progress import track
+
+from q2q_model.documents.json_file import write_json
+from q2q_model.documents.plain_values import to_plain
+from q2q_sim.experiments.campaign.engine import ParallelRuns, spread
+from q2q_sim.experiments.promise.promise_verdict import errors_of, verdict, verdict_json, verdict_lines
+from q2q_sim.experiments.promise.room_encounter import STEADY, EncounterRecord, PromiseCase, fly_case
+from q2q_sim.experiments.promise.tracking_tube import (
+    TrackingTube,
+    different_conditions,
+    learn_tube,
+    read_tube,
+)
+from q2q_sim.flight.run_json import Json
+
+
+def run(args: Namespace) -> int:
+    """Fly the encounters of the command line; return 1 if a vehicle entered a zone under the conditions."""
+    tube = read_tube(args.tube) if args.tube else None
+    case = case_of(args, tube)
+    for difference in different_conditions(tube, case.conditions) if tube else ():
+        print(f"promise: not the flights of the tube: {difference}", file=sys.stderr)
+    records = _flown(range(args.first, args.first + args.count), case, args.jobs)
+    found = verdict(records, tube)
+    print(*verdict_lines(found), sep="\n")
+    document: dict[str, Json] = {"first": args.first, "verdict": verdict_json(found)}
+    document["replanner"] = to_plain(case.params)
+    document["tube"] = to_plain(tube) if tube else None
+    if args.learn:
+        learned = learn_tube(errors_of(records), args.alpha, case.conditions)
+        print(
+            f"tube at alpha {args.alpha:g} from {learned.flights} flights: {1e3 * learned.horizontal:.0f} mm"
+            f" horizontally, {1e3 * learned.vertical:.0f} mm vertically"
+        )
+        write_json(to_plain(learned), args.learn)
+    if args.json:
+        write_json(document, args.json)
+    return int(found.entries.events > 0)
+
+
+def case_of(args: Namespace, tube: TrackingTube | None) -> PromiseCase:
+    """Return what is flown: the first guess of a tube, or the given one."""
+    jerk = STEADY.jerk_max if args.jerk is None else args.jerk
+    params = replace(STEADY, jerk_max=jerk)
+    if tube is not None:
+        params = replace(params, tracking=tube.horizontal, tracking_z=tube.vertical)
+    return PromiseCase(params, args.controller, args.air)
+
+
+def _flown(seeds: Sequence[int], case: PromiseCase, jobs: int) -> list[EncounterRecord]:
+    runs = spread(ParallelRuns("local", jobs), partial(fly_case, case=case), seeds, _died)
+    shown = track(runs, "promise", total=len(seeds), console=Console(stderr=True), transient=True)
+    return sorted(shown, key=lambda one: one.seed)
+
+
+def _died(seed: int, error: BaseException) -> EncounterRecord:
+    """Raise the error of a flight, with its seed."""
+    raise RuntimeError(f"encounter {seed}: {error}") from error

@@ -1,0 +1,1 @@
+"""Robustness: corrected controllers that believe something wrong, against the same controllers ignoring."""

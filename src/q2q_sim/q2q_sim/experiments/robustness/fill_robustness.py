@@ -1,0 +1,70 @@
+"""Missing flights of the robustness table, and its page."""
+
+import json
+import shlex
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.progress import track
+
+from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS
+from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
+from q2q_sim.experiments.robustness.robustness_page import ignoring, key, page
+from q2q_sim.scenarios.choices import TABLE_ONLY
+
+CONTROLLERS = ("mpc", "pid")
+MOST_DRAWS = 25
+
+
+def run(given: Namespace) -> int:
+    """Fly what is missing, keep the numbers after each flight, write the page; return the exit status."""
+    if not 1 <= given.seeds <= MOST_DRAWS:
+        raise ValueError(f"seeds = {given.seeds}: 1 to {MOST_DRAWS} are allowed")
+    flights = asked_flights(given.airs, given.seeds, given.seed)
+    found = read(given.json)
+    wanted = {key(one): one for pair in ((ignoring(one), one) for one in flights) for one in pair}
+    missing = [name for name in wanted if name not in found]
+    for name in () if given.table_only else track(missing, "flights"):
+        found[name] = fly_perturbed(wanted[name])
+        save(found, given.json)
+    complete = [one for one in flights if key(one) in found and key(ignoring(one)) in found]
+    if not complete:
+        raise ValueError(f"{given.json} holds none of these flights: leave out {TABLE_ONLY}")
+    words = [word for word in given.argv if word != TABLE_ONLY]
+    given.out.write_text(page(found, complete, f"ros2 run q2q_sim robustness {shlex.join(words)}"))
+    print(f"page: {given.out}\nnumbers: {given.json}")
+    return 0
+
+
+def asked_flights(airs: Sequence[str], draws: int, seed: int) -> list[PerturbedFlight]:
+    """Return the corrected flights of all perturbations in all airs."""
+    return [
+        PerturbedFlight(air, one, controller, corrects=True, draws=draws, seed=seed)
+        for controller in CONTROLLERS
+        for air in airs
+        for one in PERTURBATIONS
+    ]
+
+
+def read(file: Path) -> dict[str, Errors]:
+    """Return the numbers in a file, none if there is no file.
+
+    Raises:
+        ValueError: the file has another form.
+    """
+    if not file.is_file():
+        return {}
+    try:
+        body = json.loads(file.read_text(encoding="utf-8"))
+        return {str(name): Errors(*map(float, row)) for name, row in body.items()}
+    except (AttributeError, TypeError, ValueError) as wrong:
+        raise ValueError(f"{file} has no numbers of flights ({wrong}): remove it, or give another") from wrong
+
+
+def save(found: dict[str, Errors], file: Path) -> None:
+    """Replace a file by these numbers [m], a line for each flight."""
+    rows = [f" {json.dumps(name)}: {json.dumps([float(f'{x:.5g}') for x in found[name]])}" for name in found]
+    fresh = file.with_suffix(".part")
+    fresh.write_text("{\n" + ",\n".join(rows) + "\n}\n", encoding="utf-8")
+    fresh.replace(file)

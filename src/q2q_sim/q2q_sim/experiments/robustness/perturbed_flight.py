@@ -1,0 +1,99 @@
+"""Flight of a controller under a perturbation, with the height errors of the vehicles under another.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| | under | rms of all draws (q2q_sim.monitors.exposure) [m] |
+| | worst | median of the draws' largest error [m] |
+| | left | rms of the last LEFT seconds, all vehicles: wind-up or limit cycles would show [m] |
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_sim.air.find_air import find_air
+from q2q_sim.experiments.ablation.side_by_side import side_by_side
+from q2q_sim.experiments.robustness.perturbations import Perturbation, believed, flown_room, hastened
+from q2q_sim.loop.assembly import TICK_S, Mode, Options, blocks_of, ignore_accelerometers
+from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
+from q2q_sim.monitors.exposure import exposure
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario, with_air
+
+DURATION = 19.0
+"""Length of a flight [s]: the last passage has ended 4 s before or more."""
+LEFT = 2.0
+"""[s]"""
+PAPER = "paper"
+
+
+class Errors(NamedTuple):
+    """Height errors of a flight [m]."""
+
+    under: float
+    worst: float
+    left: float
+
+
+@dataclass(frozen=True, slots=True)
+class PerturbedFlight:
+    """One flight: draws side by side."""
+
+    air: str
+    perturbation: Perturbation
+    controller: str
+    corrects: bool
+    """Aware and corrected; else it ignores the downwash."""
+    draws: int
+    seed: int
+
+
+def fly_perturbed(asked: PerturbedFlight) -> Errors:
+    """Return the errors of a flight."""
+    one = hastened(with_air(library.load(asked.perturbation.scenario), asked.air, ()))
+    one = replace(one, duration=DURATION)
+    scenario = side_by_side([one], asked.draws)
+    model = model_in(scenario, asked.air)
+    mode: Mode = "aware" if asked.corrects else "ignoring"
+    choice = Options(mode, asked.controller, correct=asked.corrects)
+    blocks = blocks_of(scenario, choice, believed(model, asked.perturbation), residual=REAL_FLIGHTS)
+    if asked.perturbation.silent:
+        blocks = replace(blocks, sense=ignore_accelerometers)
+    options = FlightOptions(mode, seed=asked.seed, air=find_air(asked.air))
+    flight = fly_blocks(flown_room(scenario, asked.perturbation), blocks, options)
+    return errors_of(flight, len(one.names))
+
+
+def model_in(scenario: Scenario, air: str) -> Jet:
+    """Return the model of the scenario, in the paper's air the paper's law.
+
+    Raises:
+        ValueError: the scenario's model is no jet.
+    """
+    name = "paper_law" if air == PAPER else scenario.model
+    found = find_model(name).interaction
+    if isinstance(found, Jet):
+        return found
+    raise ValueError(f"model {name} is no jet: its strength and delay cannot be changed")
+
+
+def errors_of(flight: Flight, each: int) -> Errors:
+    """Return the errors of a flight of draws of `each` vehicles; NaN where none was under another."""
+    error = flight.true_pos[..., 2] - flight.ref_pos[..., 2]
+    found = []
+    for start in range(0, error.shape[1], each):
+        own = slice(start, start + each)
+        found.append(error[:, own][exposure(flight.true_pos[:, own], TICK_S).under])
+    under = np.concatenate(found)
+    worst = [float(np.abs(draw).max()) if draw.size else np.nan for draw in found]
+    last = error[-round(LEFT / TICK_S) :]
+    return Errors(
+        under=float(np.sqrt(np.mean(under**2))) if under.size else float("nan"),
+        worst=float(np.median(worst)),
+        left=float(np.sqrt(np.mean(last**2))),
+    )

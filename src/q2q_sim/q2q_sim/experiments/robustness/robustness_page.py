@@ -1,0 +1,82 @@
+"""Markdown page of the robustness: a table for each controller, perturbations by airs."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS, without_belief
+from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight
+
+MORE = 1.05
+"""Largest error over that of ignoring that counts as not worse [-]."""
+MM = 1e3
+READING = """\
+Rms height error under another vehicle [mm], and how many times it is that of the same controller ignoring the
+downwash, in the same room with the same noise; **bold** where it is more than 1.05 times. Model:
+`measured_law` (in air `paper`: `paper_law`), changed as the row says; the rest is unknown to the controller.
+Paths are flown in half the time of the scenario. *left* is the largest rms height error over the airs in the
+last 2 s, 2 s or more after the last passage [mm], and that of ignoring: there, wind-up or a limit cycle
+would show. *Floor*: no vehicle is left under another; thrust does not carry them, ignoring or not."""
+
+Table = Mapping[PerturbedFlight, Errors]
+
+
+def key(asked: PerturbedFlight) -> str:
+    """Return the name of a flight."""
+    one = asked.perturbation
+    way = "corrected" if asked.corrects else "ignoring"
+    faults = "+".join(fault.kind for fault in one.faults)
+    numbers = f"{one.strength:g} {one.delay:g} {one.latency:g} {int(one.silent)} {faults}"
+    return f"{asked.air}|{asked.controller} {way}|{one.scenario} {numbers}"
+
+
+def ignoring(asked: PerturbedFlight) -> PerturbedFlight:
+    """Return the flight to compare with."""
+    return replace(asked, perturbation=without_belief(asked.perturbation), corrects=False)
+
+
+def page(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight], command: str) -> str:
+    """Return the page of the corrected `flights` whose errors, and those of ignoring, are in `found`."""
+    draws = flights[0].draws
+    parts = ["# Robustness", f"Made by `{command}`; do not edit.", f"{READING} {draws} draws in each flight."]
+    for controller in dict.fromkeys(one.controller for one in flights):
+        own = [one for one in flights if one.controller == controller]
+        parts += [f"## `{controller}` with `correct`", _table(found, own), _verdict(found, own)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _table(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight]) -> str:
+    airs = list(dict.fromkeys(one.air for one in flights))
+    rows = [f"| perturbation | {' | '.join(airs)} | left |", f"|---|{'--:|' * len(airs)}--:|"]
+    for wanted in PERTURBATIONS:
+        cells = {one.air: one for one in flights if one.perturbation == wanted}
+        if cells:
+            rows.append(_row(found, airs, cells))
+    return "\n".join(rows)
+
+
+def _row(found: Mapping[str, Errors], airs: Sequence[str], cells: Mapping[str, PerturbedFlight]) -> str:
+    """Return a row; the cell of an air that was not flown is empty."""
+    own = {air: found[key(one)] for air, one in cells.items()}
+    other = {air: found[key(ignoring(one))] for air, one in cells.items()}
+    words = [_cell(own[air], other[air]) if air in own else "" for air in airs]
+    most = [MM * max(one.left for one in errors.values()) for errors in (own, other)]
+    name = next(iter(cells.values())).perturbation.name
+    return f"| {name} | {' | '.join(words)} | {most[0]:.0f}, {most[1]:.0f} |"
+
+
+def _cell(own: Errors, other: Errors) -> str:
+    if math.isnan(own.under):
+        return "floor"
+    share = own.under / other.under
+    text = f"{MM * own.under:.1f} ({share:.2f})"
+    return f"**{text}**" if share > MORE else text
+
+
+def _verdict(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight]) -> str:
+    worse = [
+        f"{one.perturbation.name} in `{one.air}`"
+        for one in flights
+        if found[key(one)].under > MORE * found[key(ignoring(one))].under
+    ]
+    return f"Worse than ignoring: {', '.join(worse)}." if worse else "Never worse than ignoring."

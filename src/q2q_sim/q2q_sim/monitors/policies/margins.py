@@ -1,0 +1,62 @@
+"""Margins of the policies: how far a flight stays from violating each, for a search of the worst.
+
+The margin of a policy is the robustness of its property, as in signal temporal logic (Fainekos and Pappas,
+2009): the least distance from the limit over vehicles and time, here divided by the limit. It is negative
+if the policy is violated, and infinite where nothing was judged.
+
+    |value| <= limit:   margin = min (limit - value) / limit
+    value >= limit:     margin = min (value - limit) / limit
+    zone:               margin = min distance / stray
+
+The worst values come from the policies themselves, judged with limits that nothing keeps. The others (thrust,
+numbers, floor, silence) have a verdict only: thrust saturates at its limit, numbers are finite or not, a fall
+leaves the room before it ends, and the pure loop has no wall time.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from q2q_sim.monitors.policies.closeness import clearances
+from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.judgement import POLICIES
+from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
+
+MOST = {
+    "room": "stray_room",
+    "tilt": "tilt_max",
+    "age": "fresh",
+    "action": "action",
+    "belief": "belief",
+    "return": "back",
+}
+"""Policies whose value must stay below a limit, and the limit's name."""
+FAR = 1e3
+"""Distance that every pair is nearer than [m]."""
+
+
+def margins(evidence: Evidence, circumstances: Circumstances) -> Mapping[str, float]:
+    """Return the margin of every policy that has one."""
+    limits = circumstances.limits
+    strict = replace(circumstances, limits=_kept_by_none(limits))
+    found = {name: _below(POLICIES[name](evidence, strict), _limit(limits, name)) for name in MOST}
+    nearest = min((one.value for one in POLICIES["separation"](evidence, strict)), default=np.inf)
+    found["separation"] = nearest / limits.separation - 1.0
+    known = [inside[np.isfinite(inside)] for _, inside in clearances(evidence, circumstances)]
+    found["zone"] = min((float(one.min()) for one in known if len(one)), default=np.inf) / limits.stray
+    return found
+
+
+def _kept_by_none(limits: Limits) -> Limits:
+    return replace(
+        limits, stray_room=0.0, tilt_max=0.0, fresh=0.0, action=0.0, belief=0.0, back=0.0, separation=FAR
+    )
+
+
+def _limit(limits: Limits, policy: str) -> float:
+    return float(getattr(limits, MOST[policy]))
+
+
+def _below(worst: list[Violation], limit: float) -> float:
+    return min(((limit - one.value) / limit for one in worst), default=np.inf)

@@ -1,0 +1,191 @@
+"""Many rooms in one call: swarms of one kind, each in air of its own, stepped together.
+
+A batch of small rooms costs as little per vehicle as one large room: the call is made once, and the vehicles
+of neighbouring rooms share the blocks of q2q_sim.plant.block_step. Each room moves as a Swarm of the same
+start and seed does, to the last bit. Rooms do not meet, so threads share the rooms among them; by default
+there is one thread, the caller's.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_model.compiled import BORROWING, compiled
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.air.room_air import RoomAir
+from q2q_sim.air.unit_processes import UnitProcesses
+from q2q_sim.air.wake_laws import WakeLaw
+from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
+from q2q_sim.plant.past_states import remember
+from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, body_of, state_at_rest
+from q2q_sim.plant.room_law import RoomLaw
+from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, attitude_loop_in, still_air, vehicle_in
+
+AT_ONCE = 64
+"""Vehicles whose rooms take all steps of a call together: their states stay in the first-level cache."""
+
+Share = tuple[int, int]
+"""First room of a thread, and the room after its last."""
+
+
+@dataclass(frozen=True, slots=True)
+class RoomsSetup:
+    """Vehicles and air of all rooms."""
+
+    vehicle: Vehicle
+    start: Array
+    """x, y, z [m], yaw [rad], (rooms, n, 4)."""
+    air: WakeLaw | RoomAir = WakeLaw.NONE
+    seeds: Sequence[int] = ()
+    """Seed of each room; empty for 0, 1, 2 and so on."""
+
+
+@compiled(**BORROWING)
+def air_in(airs: Air, r: int) -> Air:
+    """Return the air in room r of `stacked` airs."""
+    kind, ring, rows, law = airs
+    room = RoomLaw(
+        law.table,
+        law.numbers,
+        law.bound,
+        law.unit[r],
+        law.extremes[r],
+        law.ceilings[r],
+        law.places[r],
+        law.under[r],
+        law.met[r],
+    )
+    return Air(kind, ring[r], rows[r], room)
+
+
+class RoomsInputs(NamedTuple):
+    """Air and inputs of all rooms; vehicles room after room."""
+
+    airs: Air
+    commands: Array
+    """Thrust [N], roll, pitch [rad], yaw rate [rad/s], (steps, rooms * n, 4)."""
+    drive: Array
+    """Acceleration by moving air [m/s^2], world, then the gain of each rotor, (rooms * n, 7)."""
+    body: Body
+
+
+@compiled(nogil=True, **BORROWING)
+def run_rooms(state: Array, inputs: RoomsInputs, share: Share, work: Work) -> None:
+    """Advance the rooms of a share by one physics step for each row of commands; releases the GIL.
+
+    Args:
+        state: rows of all vehicles, room after room, (rooms * n, STATE_WIDTH), changed in place.
+        inputs: of all rooms.
+        share: rooms to advance.
+        work: workspace.
+    """
+    airs, commands, drive, body = inputs
+    n, weight = airs.rows.shape[1] - 1, body.mass * GRAVITY
+    together = max(AT_ONCE // n, 1)
+    for first in range(share[0], share[1], together):
+        end = min(first + together, share[1])
+        low, high = first * n, end * n
+        for k in range(commands.shape[0]):
+            for r in range(first, end):
+                air_push(state[r * n : (r + 1) * n], air_in(airs, r), body)
+            advance_rows(state[low:high], commands[k, low:high], drive[low:high], body, work)
+            for r in range(first, end):
+                remember(state[r * n : (r + 1) * n], airs.ring[r], airs.rows[r], weight)
+
+
+class Rooms:
+    """Swarms of many rooms and their states."""
+
+    def __init__(self, setup: RoomsSetup, threads: int = 1) -> None:
+        """Place all vehicles at rest; `threads` threads share the rooms.
+
+        Raises:
+            ValueError: no rooms, no vehicles, no threads, or not one seed for each room.
+        """
+        rooms, count = setup.start.shape[:2]
+        seeds = setup.seeds or range(rooms)
+        if rooms * count == 0 or len(seeds) != rooms or threads < 1:
+            raise ValueError(
+                f"{rooms} rooms of {count} vehicles with {len(seeds)} seeds on {threads} threads: "
+                "a seed for each room, and one or more of all are needed"
+            )
+        step = 1.0 / PHYSICS_RATE
+        flown = vehicle_in(setup.air, setup.vehicle)
+        self.body = body_of(flown, attitude_loop_in(setup.air), step)
+        states = [state_at_rest(start, setup.vehicle.mass) for start in setup.start]
+        self.state = np.stack(states)
+        """Rows of each room, (rooms, n, STATE_WIDTH)."""
+        pairs = zip(states, seeds, strict=True)
+        self.airs = stacked([still_air(state, setup.air, self.body, seed) for state, seed in pairs])
+        self._processes = [
+            UnitProcesses(setup.air, count, step, seed) for seed in seeds if isinstance(setup.air, RoomAir)
+        ]
+        edges = np.linspace(0, rooms, threads + 1).round().astype(int).tolist()
+        self._shares: list[Share] = list(pairwise(edges))
+        self._work = [(np.zeros(BLOCK_WIDTH * LANES), np.zeros(4)) for _ in self._shares]
+        self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
+
+    def step(self, commands: Array, drive: Array) -> None:
+        """Advance all rooms by one physics step for each row of `commands`.
+
+        Args:
+            commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] of each vehicle, (steps, rooms, n, 4).
+            drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (rooms, n, 7).
+
+        Raises:
+            ValueError: an array of another shape.
+        """
+        vehicles = self.state.shape[:2]
+        if commands.shape[1:] != (*vehicles, 4) or drive.shape != (*vehicles, 7):
+            raise ValueError(
+                f"commands {commands.shape} and drive {drive.shape} for (rooms, vehicles) = {vehicles}: "
+                "(steps, rooms, vehicles, 4) and (rooms, vehicles, 7) are needed"
+            )
+        flat = (commands.reshape(len(commands), -1, 4), drive.reshape(-1, 7))
+        others = range(1, len(self._shares))
+        running = [self._pool.submit(self._advance, k, *flat) for k in others] if self._pool else []
+        self._advance(0, *flat)
+        for one in running:
+            one.result()
+
+    def _advance(self, thread: int, commands: Array, drive: Array) -> None:
+        """Advance the rooms of a thread."""
+        first, end = share = self._shares[thread]
+        state, done = self.state.reshape(-1, STATE_WIDTH), 0
+        while done < len(commands) and end > first:
+            until = min(done + self._prepare(share), len(commands))
+            inputs = RoomsInputs(self.airs, commands[done:until], drive, self.body)
+            run_rooms(state, inputs, share, self._work[thread])
+            done = until
+
+    def _prepare(self, share: Share) -> int:
+        """Draw the next block of the unit processes where one begins; return the steps to its end."""
+        blocks = self.airs.room.unit  # (rooms, steps, n, WIDTH)
+        steps: int = blocks.shape[1]
+        passed = int(self.airs.rows[share[0], -1]) % steps
+        if passed == 0 and self._processes:
+            for room in range(*share):
+                self._processes[room].fill(blocks[room])
+        return steps - passed
+
+
+def stacked(airs: Sequence[Air]) -> Air:
+    """Return the airs of many rooms in one: all arrays but the table with a leading axis of rooms."""
+    first, laws = airs[0], [air.room for air in airs]
+    law = RoomLaw(
+        table=first.room.table,
+        numbers=first.room.numbers,
+        bound=first.room.bound,
+        unit=np.stack([one.unit for one in laws]),
+        extremes=np.stack([one.extremes for one in laws]),
+        ceilings=np.stack([one.ceilings for one in laws]),
+        places=np.stack([one.places for one in laws]),
+        under=np.stack([one.under for one in laws]),
+        met=np.stack([one.met for one in laws]),
+    )
+    return Air(first.kind, np.stack([air.ring for air in airs]), np.stack([air.rows for air in airs]), law)

@@ -1,0 +1,155 @@
+"""Run of a replay page: what is drawn of one flight, from a bag or from a flight without ROS."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.flights.flight import Flight
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array, Names
+from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.wake_laws import MEASURED_SPEED
+from q2q_sim.monitors.exposure import exposure
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
+from q2q_sim.monitors.metrics import best_position, tick_of
+from q2q_sim.monitors.mocap_quality import rejected_samples
+from q2q_sim.monitors.policies import Circumstances
+
+Mask = NDArray[np.bool_]
+
+SAG_SHOWN = 0.02
+"""Smallest height below the reference that is told [m]: a hover wanders as much."""
+MOST_SAGS = 4
+"""Vehicles whose deepest sag is marked."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayEvent:
+    """Moment that is marked on the time bar."""
+
+    t: float
+    """[s]"""
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayRun:
+    """Run of a replay: T ticks, n vehicles; NaN where nothing was recorded."""
+
+    name: str
+    names: Names
+    t: Array
+    """Stamps [s], rising, (T,)."""
+    pos: Array
+    """Position [m], true where known, else filtered, (T, n, 3)."""
+    quat: Array
+    """Orientation x y z w, body to world, (T, n, 4)."""
+    ref_pos: Array
+    """Planned position, else the controller's setpoint [m], (T, n, 3)."""
+    mocap_pos: Array
+    """Motion-capture position [m], (T, n, 3)."""
+    rejected: Mask
+    """Motion-capture samples that the filter did not follow, (T, n)."""
+    downwash: Array
+    """Acceleration by the downwash [m/s^2], true where known, else predicted, (T, n, 3)."""
+    thrust: Array
+    """Commanded thrust over the weight [-], (T, n)."""
+    arm: float
+    """Centre to motor [m]."""
+    zone: Cylinder = field(default_factory=Cylinder)
+    """Zone I(eps, d)."""
+    wake_speed: float = MEASURED_SPEED
+    """Speed at which the downwash travels [m/s]."""
+    verdict: str = ""
+    """What happened, in one line."""
+    events: tuple[ReplayEvent, ...] = ()
+    note: str = ""
+    """How a quantity was found, where it was not recorded itself."""
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Return the quantities that were not recorded."""
+        quantities = {
+            "attitude": self.quat,
+            "reference": self.ref_pos,
+            "motion capture": self.mocap_pos,
+            "downwash": self.downwash,
+            "thrust": self.thrust,
+        }
+        return tuple(words for words, values in quantities.items() if not np.isfinite(values).any())
+
+
+def replay_run(
+    flight: Flight, vehicle: Vehicle, name: str = "", verdict: FlightVerdict | None = None
+) -> ReplayRun:
+    """Return the run of a flight of `vehicle`s.
+
+    Args:
+        flight: what was recorded.
+        vehicle: what flew.
+        name: name of the run; empty is the flight's own.
+        verdict: verdict on the flight; None judges it here.
+
+    Raises:
+        ValueError: the flight has no position of any vehicle.
+    """
+    pos = _first_known(best_position(flight), flight.mocap_pos)
+    if not np.isfinite(pos).any():
+        raise ValueError(f"flight {flight.name} has no positions: record mocap, state or truth")
+    verdict = verdict or verdict_of(flight, Circumstances(vehicle=vehicle))
+    return ReplayRun(
+        name=name or flight.name,
+        names=flight.names,
+        t=flight.t,
+        pos=pos,
+        quat=_first_known(flight.quat, flight.mocap_quat),
+        ref_pos=_reference(flight),
+        mocap_pos=flight.mocap_pos,
+        rejected=rejected_samples(flight),
+        downwash=_first_known(flight.true_eta, flight.eta),
+        thrust=flight.thrust / vehicle.hover_thrust,
+        arm=vehicle.arm,
+        verdict=f"{_sag_words(flight, pos)}; {'flown to the end' if verdict.ok else verdict}",
+        events=tuple(_events(flight, pos, verdict)),
+    )
+
+
+def _first_known(values: Array, others: Array) -> Array:
+    return np.where(np.isfinite(values), values, others)
+
+
+def _reference(flight: Flight) -> Array:
+    """Return the planned positions; where there was none, the setpoints of the controller."""
+    return _first_known(flight.ref_pos, flight.safe_pos)
+
+
+def _events(flight: Flight, pos: Array, verdict: FlightVerdict) -> Iterator[ReplayEvent]:
+    """Yield the deepest sags of vehicles under another, and the verdict's findings."""
+    sag = np.nan_to_num(_sag_under_another(flight, pos))
+    deepest = np.argmax(sag, axis=0)
+    depths = sag[deepest, np.arange(len(flight.names))]
+    for row in np.argsort(-depths)[:MOST_SAGS]:
+        if depths[row] >= SAG_SHOWN:
+            words = f"{flight.names[row]} {100.0 * depths[row]:.0f} cm low"
+            yield ReplayEvent(float(flight.t[deepest[row]]), words)
+    for one in verdict.findings:
+        yield ReplayEvent(one.t, one.words)
+
+
+def _sag_words(flight: Flight, pos: Array) -> str:
+    sag = _sag_under_another(flight, pos)
+    if not np.isfinite(sag).any():
+        return "no vehicle passed under another"
+    tick, row = np.unravel_index(int(np.nanargmax(sag)), sag.shape)
+    depth = float(sag[tick, row])
+    if depth < SAG_SHOWN:
+        return "no vehicle pushed down"
+    return f"{flight.names[row]} pushed {100.0 * depth:.0f} cm down at {flight.t[tick] - flight.t[0]:.1f} s"
+
+
+def _sag_under_another(flight: Flight, pos: Array) -> Array:
+    """Return the height below the reference of vehicles under another [m], (T, n); NaN elsewhere."""
+    under = exposure(pos, tick_of(flight)).under
+    return np.where(under, _reference(flight)[:, :, 2] - pos[:, :, 2], np.nan)

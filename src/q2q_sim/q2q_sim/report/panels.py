@@ -1,0 +1,44 @@
+"""Panels over each other in one style, legible on a phone: text of 11 points in a picture 5.4 inches wide."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+WIDTH, PANEL, MARGIN = 5.4, 2.3, 0.9
+"""Width of a figure, height of a panel, and of title, legend and label together [inch]."""
+DPI = 130
+LETTERS = 45
+"""Most letters of a legend in one row."""
+STYLE = {
+    "font.size": 11,
+    "axes.titlesize": 11,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+}
+
+
+def panels(count: int, *, sharey: bool = False) -> tuple[Figure, list[Axes]]:
+    """Return a figure with panels over each other that share time, and the scale if `sharey`."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, PANEL * count + MARGIN), layout="constrained")
+        found = figure.subplots(count, 1, sharex=True, sharey=sharey, squeeze=False)
+    return figure, list(found[:, 0])
+
+
+def legend_above(figure: Figure, axes: Axes) -> None:
+    """Write the legend of a panel above all panels, off the curves."""
+    handles, labels = axes.get_legend_handles_labels()
+    columns = len(labels) if sum(map(len, labels)) <= LETTERS else 2
+    if handles:
+        figure.legend(handles, labels, loc="outside upper center", fontsize=9, ncols=columns, frameon=False)
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a figure as PNG; return its path."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=DPI)
+    return path

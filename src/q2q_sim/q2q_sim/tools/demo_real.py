@@ -1,0 +1,159 @@
+"""Demonstration on recorded flights: fit a model, score it on flights left out, fly it, and write one page.
+
+The model is fitted to one family of flights (the start of their names), and the air that it is flown in was
+learned from another: they share no flight.
+"""
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from q2q_model.documents.json_file import write_json
+from q2q_model.files.model_file import Fit, ModelFile, save
+from q2q_model.identification.force.downwash_force import FEWEST_FREE, ForceSamples, force_samples
+from q2q_model.identification.force.held_out_flights import HeldOutScores, held_out_scores
+from q2q_model.identification.force.recorded_force import is_force_log
+from q2q_model.identification.force.thrust_lag import thrust_lag
+from q2q_model.identification.identification import Recording, force_record
+from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.air_file import load
+from q2q_sim.air.air_names import ROOM, air_path, flights_folder
+from q2q_sim.flight.run_json import runs_json
+from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun
+from q2q_sim.tools.demo_flights import fly_requests, print_numbers
+from q2q_sim.tools.demo_real_page import write_real_page
+from q2q_sim.tools.fly_scenario import conclude
+from q2q_sim.tools.fly_scenario import show as print_runs
+from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
+
+PASSAGE = "table6_room"
+MODES = ("ignoring", "aware")
+STACKED = "*_ss*"
+"""Files of flights of two or three vehicles."""
+PUBLIC = "https://github.com/aerorobotics/neural-swarm (docs/real_flights.md)"
+"""Where recorded flights of stacked Crazyflies are found."""
+SIMULATED = (
+    "The flights used here are the simulated ones of bags/, whose downwash is several times weaker than that "
+    "of real Crazyflies: in the room's air, their model helps little."
+)
+SHIPPED_BAGS = Path(__file__).resolve().parents[4] / "bags"
+
+
+@dataclass(frozen=True, slots=True)
+class DemoFlights:
+    """Flights of the demonstration."""
+
+    taught: tuple[Path, ...]
+    """Flights that the model is fitted to; each is scored by a model of the others."""
+    further: tuple[Path, ...]
+    """Flights that are scored alone."""
+    origin: str
+    """What they are, in one sentence."""
+
+
+def run(args: Namespace) -> int:
+    """Fit, score, fly and write the page; return the exit status."""
+    flights = find_flights(args.real)
+    _tell(flights.origin)
+    with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
+        scores = score_flights(flights)
+    _print_scores(scores)
+    model = _save_model(scores, args.out)
+    requests = [FlightRequest(PASSAGE, mode, model=str(model), air=ROOM, stack=True) for mode in MODES]
+    runs = fly_requests(requests, args.out)
+    print_runs(runs)
+    print_numbers(runs)
+    write_real_page(flights.origin, scores, runs, args.out)
+    if args.json:
+        write_json(_as_json(flights, scores, runs), args.json)
+    return conclude(runs)
+
+
+def find_flights(given: Sequence[Path]) -> DemoFlights:
+    """Return the given flights, else those of Q2Q_DATA, else the simulated ones of the checkout.
+
+    Raises:
+        ValueError: there are none.
+    """
+    if given:
+        return DemoFlights(tuple(given), (), f"The flights are {', '.join(map(str, given))}.")
+    folder = flights_folder().resolve()
+    flown_in = {_family(name) for name in load(air_path(ROOM)).flights}
+    found = sorted(folder.glob(STACKED))
+    taught = tuple(one for one in found if _family(one.stem) not in flown_in)
+    further = tuple(one for one in found if one not in taught)
+    if taught:
+        return DemoFlights(taught, further, f"The flights are {len(taught + further)} real ones of {folder}.")
+    shipped = tuple(sorted(SHIPPED_BAGS.glob("table2_*")))
+    absent = f"There are no recorded real flights in {folder} (Q2Q_DATA); public ones: {PUBLIC}."
+    if not shipped:
+        raise ValueError(f"{absent} Give your own: scripts/demo --real FLIGHT...")
+    return DemoFlights(shipped, (), f"{absent} {SIMULATED}")
+
+
+def _family(flight: str) -> str:
+    return flight.partition("_")[0]
+
+
+def score_flights(flights: DemoFlights) -> HeldOutScores:
+    """Return the model of the taught flights, and the scores of all flights without it."""
+    vehicle = vehicle_of(flights.taught).vehicle
+    _tell(f"a force that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
+    taught = _samples(flights.taught, vehicle)
+    further = _samples(flights.further, vehicle) if flights.further else {}
+    scores = held_out_scores(taught, further)
+    scored = {one.name for one in scores.flights}
+    for name in (one for one in (*taught, *further) if one not in scored):
+        _tell(f"{name} is not scored: no vehicle under another with {FEWEST_FREE} samples in clear air")
+    return scores
+
+
+def _samples(paths: Sequence[Path], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
+    """Return the samples of every flight with a measured force."""
+    recordings, notes = read_flights(paths)
+    lag = _lag(recordings, vehicle)
+    records = {one.flight.name: force_record(one, vehicle, lag) for one in recordings}
+    unmeasured = [f"{name} has no measured force: left out" for name, one in records.items() if one is None]
+    for note in (*notes, *unmeasured):
+        _tell(note)
+    return {name: force_samples(one) for name, one in records.items() if one is not None}
+
+
+def _lag(recordings: Sequence[Recording], vehicle: Vehicle) -> float:
+    """Return the lag of thrust that fits flights whose force is from sensors, else the vehicle's [s]."""
+    sensed = [one.flight for one in recordings if one.log is None or not is_force_log(one.log)]
+    return thrust_lag(sensed, vehicle) or vehicle.thrust_lag
+
+
+def _save_model(scores: HeldOutScores, out: Path) -> Path:
+    taught = {name for one in scores.flights for name in one.fitted_to}
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / "model.q2q"
+    save(path, ModelFile(scores.jet, fit=Fit("jet fitted to measured downwash", tuple(sorted(taught)))))
+    print(f"model: {path}")
+    return path
+
+
+def _print_scores(scores: HeldOutScores) -> None:
+    for one in scores.flights:
+        print(f"{one.name:32} R2 {one.score.r2_exposed:6.3f}, n {one.score.n}, left out of the fit")
+    together = scores.together
+    print(f"{'all':32} R2 {together.r2_exposed:6.3f}, n {together.n}")
+
+
+def _as_json(flights: DemoFlights, scores: HeldOutScores, runs: Sequence[FlightRun]) -> dict[str, object]:
+    held_out = {one.name: {**asdict(one.score), "fitted_to": one.fitted_to} for one in scores.flights}
+    together = asdict(scores.together)
+    return {
+        "origin": flights.origin,
+        "held_out": {"flights": held_out, "pooled": together},
+        "flown": runs_json(runs),
+    }
+
+
+def _tell(words: str) -> None:
+    print(f"demo: {words}", file=sys.stderr, flush=True)

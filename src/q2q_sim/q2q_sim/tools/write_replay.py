@@ -1,0 +1,74 @@
+"""Replay page of bags and tables."""
+
+import sys
+from argparse import Namespace
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from q2q_model.bag import BagReader, TopicMap
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.table_file import TABLES
+from q2q_model.identification.identification import force_record
+from q2q_model.identification.recording_files import recording_of_bag, recording_of_table
+from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
+from q2q_model.tools.recordings import topic_map
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
+from q2q_sim.monitors.flight_verdict import verdict_of, with_unknown_end
+from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.replay_page import MOST_RUNS, ReplayRun, replay_html, replay_run, with_measured_downwash
+
+
+def run(args: Namespace) -> int:
+    """Write the page of the named flights; return the exit status."""
+    if len(args.flights) > MOST_RUNS:
+        raise ValueError(f"{len(args.flights)} flights: at most {MOST_RUNS} are replayed side by side")
+    topics, names = topic_map(args.topics), _labels(args.flights)
+    runs = [_run_of(path, names[path], args, topics) for path in args.flights]
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    html = replay_html(runs, args.title or " and ".join(one.name for one in runs))
+    args.out.write_text(html, encoding="utf-8")
+    for one in runs:
+        if one.missing:
+            print(f"replay_page: {one.name} does not record {', '.join(one.missing)}", file=sys.stderr)
+        print(f"{one.name}: {one.verdict}")
+    print(f"page: {args.out} ({args.out.stat().st_size / 1e6:.2f} MB)")
+    return 0
+
+
+def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> ReplayRun:
+    is_table = path.suffix in TABLES and path.is_file()
+    recording = recording_of_table(path) if is_table else recording_of_bag(path, topics)
+    flown = _vehicle(path, args.vehicle, is_table=is_table)
+    if flown.note:
+        print(f"replay_page: {flown.note}", file=sys.stderr)
+    record = force_record(recording, flown.vehicle, flown.vehicle.thrust_lag)
+    part = part_of(recording.flight, args.start, args.end)
+    verdict = verdict_of(part, Circumstances(vehicle=flown.vehicle))
+    if args.end is None and not is_table and BagReader(path).is_cut:
+        verdict = with_unknown_end(verdict, part)
+    return with_measured_downwash(replay_run(part, flown.vehicle, name, verdict), record)
+
+
+def _vehicle(path: Path, override: str, *, is_table: bool) -> FlownVehicle:
+    if not is_table:
+        return flown_vehicle(path, override)
+    return FlownVehicle(vehicle_by_name(override or DEFAULT_VEHICLE))
+
+
+def part_of(flight: Flight, start: float, end: float | None) -> Flight:
+    """Return a flight from `start` to `end` [s] after its first tick; raise ValueError if that is empty."""
+    since = flight.t - flight.t[0]
+    kept = (since >= start) & (since <= (np.inf if end is None else end))
+    if kept.sum() < 2:
+        asked = f"--start {start:g}" + ("" if end is None else f" --end {end:g}")
+        raise ValueError(f"{asked} keeps nothing: flight {flight.name} lasts 0 to {since[-1]:.2f} s")
+    arrays = {one.name: getattr(flight, one.name) for one in fields(flight)[2:]}
+    return replace(flight, **{name: values[kept] for name, values in arrays.items()})
+
+
+def _labels(paths: list[Path]) -> dict[Path, str]:
+    """Return a name for each path: its last part, or all of it where those are equal."""
+    short = {path: path.stem for path in paths}
+    return short if len(set(short.values())) == len(short) else {path: str(path) for path in paths}

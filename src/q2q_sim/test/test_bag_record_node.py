@@ -1,0 +1,93 @@
+"""The recorder keeps what a busy machine lets it read late, and outlives a full disk."""
+
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+import rclpy
+from full_disk import full_after
+from q2q_msgs.msg import SwarmCommand
+from rclpy.node import Node
+
+from q2q_model.bag import BagError, BagReader
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.topics.qos import TICK_WRITER
+from q2q_model.signals import values
+from q2q_model.signals.cdr import encode
+from q2q_sim.processes.domain import own_domain
+from q2q_sim.ros.bag_record_node import Recorder
+
+
+def serialized_at(second: int) -> bytes:
+    """Return a serialised command with a stamp."""
+    return encode(rehearsal(values.SwarmCommand, float(second), ("cf1",)), second * 10**9)
+
+
+SENT = 3000
+"""Half a minute of a topic at 100 Hz, before the first is read."""
+PATIENCE_S = 60.0
+"""Longest wait for what was sent [s]."""
+
+
+def test_messages_that_are_read_late_are_all_in_the_bag(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / "bag"
+    options = ["--ros-args", "-p", f"bag:={bag}", "-p", "topics:=[command]"]
+    with own_domain():
+        rclpy.init(args=options)
+        late, writing = Node("bag_record"), Node("writing")
+        try:
+            recorder = Recorder(late)
+            executor = make_executor()
+            executor.add_node(late)
+            writer = writing.create_publisher(SwarmCommand, "command", TICK_WRITER)
+            while writer.get_subscription_count() == 0:
+                executor.spin_once(timeout_sec=0.05)
+            for _ in range(SENT):
+                writer.publish(SwarmCommand())
+            deadline = monotonic() + PATIENCE_S
+            while recorder.health.ticks + recorder.health.missed < SENT and monotonic() < deadline:
+                executor.spin_once(timeout_sec=0.05)
+            recorder.close()
+        finally:
+            late.destroy_node()
+            writing.destroy_node()
+            rclpy.try_shutdown()
+    assert sum(1 for _ in BagReader(bag).raw()) == SENT
+    assert capfd.readouterr().err == ""
+
+
+def test_a_recorder_whose_disk_is_full_says_so_once_and_goes_on_answering(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / "bag"
+    options = ["--ros-args", "-p", f"bag:={bag}", "-p", "topics:=[command]", "-p", "stamps:=header"]
+    with own_domain():
+        rclpy.init(args=options)
+        node = Node("bag_record")
+        try:
+            recorder = Recorder(node)
+            take = recorder._storing("/command")  # what its subscription calls
+            with full_after(32_768):
+                for second in range(400):  # a chunk of some 150 bytes for each
+                    take(serialized_at(second))
+            with pytest.raises(BagError, match=f"bag {bag} lacks what came after its disk took no more"):
+                recorder.close()
+        finally:
+            node.destroy_node()
+            rclpy.try_shutdown()
+    stored, said = recorder.health.ticks, capfd.readouterr().err
+    assert said.count("\n") == 1
+    assert f"cannot write to the bag {bag}: File too large" in said
+    assert 50 < stored < 400
+    assert recorder.is_full
+    assert recorder.health.missed == 399 - stored
+    reader = BagReader(bag)
+    assert "no metadata.yaml" in reader.repairs[0]
+    kept = sum(1 for _ in reader.raw())
+    assert stored - 2 <= kept <= stored

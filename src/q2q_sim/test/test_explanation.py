@@ -1,0 +1,201 @@
+"""Explanations split a loss by its causes, name the first one, and refuse flights that they cannot repeat."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.bag import FlightFacts
+from q2q_sim.commands.explain import main
+from q2q_sim.experiments.campaign.campaign_flight import flown_pure, keep
+from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.explanation.accidents import INJECTIONS, ordinary_flight
+from q2q_sim.experiments.explanation.causes import CAUSES, FAULTS, present_causes, without_causes
+from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation, ExplanationParams, explain
+from q2q_sim.experiments.explanation.explanation_page import write_page
+from q2q_sim.experiments.explanation.explanation_words import sentence
+from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
+from q2q_sim.experiments.explanation.loss import LOST, Loss, largest_loss
+from q2q_sim.experiments.explanation.recorded_case import RecordedCase, flown_scenario, recorded_case
+from q2q_sim.experiments.explanation.score import answers, score_json, score_words
+from q2q_sim.experiments.explanation.shapley import orders_of, shares, standard_error
+from q2q_sim.faults.faults import KINDS
+from q2q_sim.loop.assembly import Options
+from q2q_sim.random_streams import stream
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import with_air
+
+RNG = np.random.default_rng(0)
+FOUND = Explanation(
+    loss=Loss("height", "cf1", 0, 3.25, 0.83),
+    shares=(CauseShare("downwash", 0.61, 0.55, 0.67), CauseShare("latency", 0.1, 0.08, 0.12)),
+    rest=0.12,
+    without_first=0.2,
+)
+
+
+def short(name: str, air: str = "") -> FlightCase:
+    """Return the first half second of a scenario."""
+    scenario = replace(with_air(library.load(name), air, ()), duration=0.5)
+    return flight_case(scenario, Options("ignoring"), 0)
+
+
+def test_shares_of_an_additive_loss_are_its_terms_in_every_order() -> None:
+    sizes = {"a": 0.5, "b": 0.2, "c": -0.1, "d": 0.0}
+    orders = orders_of(list(sizes), 6, RNG)
+    found = shares(list(sizes), orders, lambda removed: sum(sizes.values()) - sum(map(sizes.get, removed)))
+    np.testing.assert_allclose(found, [list(sizes.values())] * 6, atol=1e-12)
+    np.testing.assert_allclose(standard_error(found), 0.0, atol=1e-12)
+
+
+def test_causes_that_only_act_together_share_alike() -> None:
+    orders = orders_of(["a", "b", "c"], 6, RNG)
+    assert len(set(orders)) == 6
+    found = shares(["a", "b", "c"], orders, lambda removed: float(not removed & {"a", "b"}))
+    np.testing.assert_allclose(found.mean(axis=0), [0.5, 0.5, 0.0])
+
+
+def test_many_causes_are_taken_out_in_pairs_of_reversed_orders() -> None:
+    orders = orders_of(list(CAUSES), 8, RNG)
+    assert len(orders) == 8
+    assert all(one == other[::-1] for one, other in zip(orders[::2], orders[1::2], strict=True))
+
+
+def test_every_fault_belongs_to_one_cause() -> None:
+    kinds = [kind for some in FAULTS.values() for kind in some]
+    assert sorted(kinds) == sorted(KINDS)
+    assert set(FAULTS) <= set(CAUSES)
+
+
+def test_without_all_causes_none_is_left() -> None:
+    for case in (short("table6_room"), short("stack3", "room"), short("table6_room", "ring")):
+        assert present_causes(without_causes(case, CAUSES)) == ()
+
+
+def test_an_ideal_room_without_a_wake_has_causes_in_its_vehicles_only() -> None:
+    still = replace(library.load("table6"), wake="none", duration=0.5)
+    assert present_causes(flight_case(still, Options("ignoring"), 0)) == ("battery and saturation", "control")
+
+
+def test_a_cause_is_taken_out_and_the_others_stay() -> None:
+    case = short("stack3", "room")
+    assert present_causes(case) == tuple(CAUSES)
+    for cause in CAUSES:
+        assert present_causes(without_causes(case, {cause})) == tuple(one for one in CAUSES if one != cause)
+
+
+def test_no_vehicle_feels_downwash_once_it_is_taken_out() -> None:
+    for case in (short("stack3"), short("stack3", "ring")):
+        flown, still = fly_case(case), fly_case(without_causes(case, {"downwash", "wind"}))
+        assert np.isfinite(flown.true_eta).all()
+        assert np.abs(still.true_eta).max() == 0.0
+
+
+@pytest.mark.parametrize("cause", INJECTIONS)
+def test_an_accident_differs_from_an_ordinary_flight_by_its_cause_alone(cause: str) -> None:
+    rng = stream(1, "test")
+    before = ordinary_flight(1, rng)
+    after = INJECTIONS[cause](before, rng)
+    repaired = [without_causes(case, {cause}) for case in (before, after)]
+    if cause != "downwash":  # it moves the vehicles above cf1
+        assert repaired[0].scenario == repaired[1].scenario
+    assert after.scenario != before.scenario
+
+
+def test_a_loss_is_where_the_vehicle_is_farthest_from_its_setpoint() -> None:
+    flight = fly_case(short("stack3"))
+    moved = flight.safe_pos.copy()
+    moved[20, 1] = flight.true_pos[20, 1] + (0.0, 0.3, -0.4)
+    moved[30, 2] = flight.true_pos[30, 2] + (0.0, 0.0, 0.45)
+    moved_flight = replace(flight, safe_pos=moved)
+    by_distance, by_height = largest_loss(moved_flight), largest_loss(moved_flight, "height")
+    assert (by_distance.row, by_distance.t, by_distance.size) == (1, 0.2, pytest.approx(0.5))
+    assert (by_height.row, by_height.t, by_height.size) == (2, pytest.approx(0.3), pytest.approx(0.45))
+    moved[40, 0] = np.nan
+    assert largest_loss(replace(flight, safe_pos=moved)).size == LOST
+
+
+def test_the_sentence_tells_loss_causes_rest_and_the_flight_without_the_first() -> None:
+    assert sentence(FOUND) == (
+        "cf1 is 83 cm below its setpoint at 3.2 s: 61 cm (55 to 67 cm) by downwash, 10 cm (8.0 to 12 cm) by "
+        "latency, 12 cm with none of the causes; without downwash alone it would be 20 cm."
+    )
+    assert sentence(replace(FOUND, shares=())).endswith("by none of the known causes.")
+    helped = (*FOUND.shares, CauseShare("wind", -0.05, -0.06, -0.04), CauseShare("control", 0.04, 0.0, 0.08))
+    told = sentence(replace(FOUND, shares=helped))
+    assert "-5.0 cm (-6.0 to -4.0 cm) by wind" in told
+    assert "control" not in told  # less than a twentieth of the loss
+
+
+def test_first_causes_of_accidents_are_named_first() -> None:
+    found = list(answers(range(2)))
+    assert [one.named for one in found] == [one.first for one in found]
+    total = score_json(found)
+    assert isinstance(total, dict)
+    assert (total["accidents"], total["named_first"], total["mistaken"]) == (2, 2, [])
+    wrong = replace(found[0], named="wind", first="control")
+    assert score_words([*found, wrong]) == "first cause named first in 2 of 3 accidents (67%)"
+
+
+def test_shares_and_rest_add_up_to_the_loss_and_other_seeds_widen_the_intervals() -> None:
+    own, both = (explain(short("stack3"), ExplanationParams(orders=4, seeds=n)) for n in (1, 2))
+    assert sum(one.share for one in own.shares) + own.rest == pytest.approx(own.loss.size, abs=1e-12)
+    for one, other in zip(own.shares, both.shares, strict=True):
+        assert (one.cause, one.share) == (other.cause, other.share)
+        assert one.low >= other.low
+        assert one.high <= other.high
+    assert sum(one.high - one.low for one in own.shares) < sum(one.high - one.low for one in both.shares)
+
+
+def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> None:
+    case = short("stack3")
+    file = write_page(FOUND, RecordedCase(case, fly_case(case), 1e-13), "a bag", tmp_path)
+    page = file.read_text()
+    assert (
+        page.index(sentence(FOUND))
+        < page.index('"name":"as flown"')
+        < page.index('"name":"without downwash"')
+    )
+    assert "<td>61.0</td><td>55.0</td><td>67.0</td>" in page
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the bag of a short campaign run with a replanner, which its metadata do not name."""
+    run = drawn(0)
+    document = {**run.document, "duration": 1.5}
+    short_run = Run(0, document, replace(run.options, controller="pid", replan="safe"))
+    folder = tmp_path_factory.mktemp("kept")
+    keep(short_run, flown_pure(short_run).signals, folder)
+    return folder / "0"
+
+
+def test_a_bag_is_flown_again_to_the_last_bit(kept: Path) -> None:
+    found = recorded_case(kept)
+    assert found.difference < 1e-9
+    assert found.case.seed == 0
+
+
+def test_a_bag_that_another_flight_left_is_refused(kept: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    metadata = kept / "metadata.yaml"
+    text = metadata.read_text()
+    metadata.write_text(
+        text.replace("mode: aware_unlimited", "mode: ignoring").replace("seed: '0'", "seed: '1'")
+    )
+    assert main([str(kept)]) == 1
+    assert "off its recorded position" in capsys.readouterr().err
+    metadata.write_text(text.replace("seed: '0'", "sea: '0'"))
+    assert main([str(kept)]) == 1
+    assert "its metadata lack seed" in capsys.readouterr().err
+    metadata.write_text(text)
+
+
+def test_a_scenario_is_that_of_the_metadata() -> None:
+    facts = FlightFacts("crazyflie_2_1", "stock", "stack3", "aware", "pid", "", "none", "", "ring", "0")
+    flown = flown_scenario(facts, Path())
+    assert (flown.vehicle.name, flown.air, flown.model) == ("crazyflie_2_1", "ring", "none")
+    in_wake = flown_scenario(replace(facts, air="", wake="paper"), Path())
+    assert (in_wake.air, in_wake.wake) == ("", "paper")
+    without = flown_scenario(replace(facts, air="room without residual without wind"), Path())
+    assert (without.air, without.air_without) == ("room", ("residual", "wind"))

@@ -1,0 +1,133 @@
+"""Programs fly unmodified: one sound, one with a bug; the clock of their threads is that of the room."""
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
+
+from q2q_sim.experiments.licence.licence_flights import LicenceOptions, flown, licence
+from q2q_sim.experiments.licence.licence_reports import junit_xml, licence_json, report_text
+from q2q_sim.experiments.licence.licence_room import LicenceParams
+from q2q_sim.experiments.licence.program.program_turns import Turns, always
+from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
+from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
+
+HOP = """
+import time
+import cflib.crtp
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+
+cflib.crtp.init_drivers()
+with SyncCrazyflie("radio://0/80/2M/E7E7E7E7E7") as scf:
+    commander = scf.cf.high_level_commander
+    time.sleep(0.5)
+    commander.takeoff(0.4, 1.0)
+    time.sleep(1.5)
+    {end}
+"""
+LAND = "commander.land(0.0, 1.0); time.sleep(1.5); commander.stop()"
+
+
+def hop(folder: Path, end: str) -> Program:
+    file = folder / "hop.py"
+    file.write_text(HOP.format(end=end))
+    return Program(file, (), folder)
+
+
+def start(turns: Turns, run: Callable[[], None]) -> threading.Thread:
+    gate = turns.enter()
+
+    def body() -> None:
+        turns.take(gate)
+        run()
+        turns.leave()
+
+    thread = threading.Thread(target=body, daemon=True)
+    thread.start()
+    return thread
+
+
+def test_threads_wake_in_the_order_of_their_deadlines_and_ticks_pass_between():
+    seen: list[tuple[str, float]] = []
+    turns = Turns(lambda: seen.append(("tick", turns.now)), 1.0)
+
+    def sleeper(name: str, seconds: float) -> Callable[[], None]:
+        def run() -> None:
+            turns.sleep(seconds)
+            seen.append((name, turns.now))
+
+        return run
+
+    threads = [start(turns, sleeper("late", 1.5)), start(turns, sleeper("early", 0.5))]
+    turns.sleep(2.5)
+    for thread in threads:
+        thread.join()
+    assert seen == [("early", 0.5), ("tick", 1.0), ("late", 1.5), ("tick", 2.0)]
+
+
+def test_a_condition_ends_a_wait_before_its_deadline_and_computing_takes_no_time():
+    turns = Turns(lambda: None, 1.0)
+    done: list[float] = []
+    thread = start(turns, lambda: done.append(turns.now))
+    assert turns.wait(lambda: bool(done), 5.0)
+    thread.join()
+    assert (turns.now, done) == (0.0, [0.0])
+    assert not turns.wait(lambda: False, 0.25)
+    assert turns.now == 0.25
+
+
+def test_reading_a_clock_lets_time_pass_and_others_go_on():
+    ticks: list[float] = []
+    turns = Turns(lambda: ticks.append(turns.now), 0.01)
+    while turns.now < 0.05:
+        turns.spend(0.003)
+    assert ticks == pytest.approx([0.01, 0.02, 0.03, 0.04, 0.05])
+    assert turns.wait(always, 1.0)
+
+
+def test_a_sound_program_lands_and_flies_the_same_again(tmp_path: Path):
+    program = hop(tmp_path, LAND)
+    order = FlightOrder(program, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
+    one, other = flown([order, order], LicenceOptions(), until=float("inf"))
+    assert one.log is not None
+    assert other.log is not None
+    assert one.findings == ()
+    assert one.log.end.t == pytest.approx(other.log.end.t, abs=1e-9)
+    assert (one.log.pos == other.log.pos).all()
+    assert 0.3 < one.log.pos[:, 0, 2].max() < 0.5  # asked for 0.4; it has not settled after 1.5 s
+    assert one.log.pos[-1, 0, 2] <= 0.0
+
+
+def test_a_program_that_ends_in_the_air_fails_with_time_and_reason(tmp_path: Path):
+    found = licence(hop(tmp_path, "pass"), LicenceOptions())
+    assert not found.passed
+    (flight,) = found.flights
+    first = flight.findings[0]
+    assert first.rule == "motors"
+    assert first.what.startswith("the motors of cf1 stop at a height of 0.3")
+    assert first.why.startswith("the closing of the link")
+    assert first.sentence in report_text(found)
+    case = ET.fromstring(junit_xml(found).encode()).find("testsuite/testcase")  # noqa: S314  our own
+    assert case is not None
+    failure = case.find("failure")
+    assert (case.get("classname"), case.get("name")) == ("hop", "nominal")
+    assert failure is not None
+    assert failure.get("message") == first.sentence
+    assert licence_json(found)["passed"] is False
+
+
+def test_a_vehicle_that_does_not_arm_stays_on_the_floor(tmp_path: Path):
+    trial = LicenceTrial(TrialKind.UNARMED)
+    params = LicenceParams(((0.0, 0.0, 0.0),))
+    order = FlightOrder(hop(tmp_path, LAND), params, trial, ("radio://0/80/2M/E7E7E7E7E7",), (), 30.0)
+    (flight,) = flown([order], LicenceOptions(), until=float("inf"))
+    assert flight.log is not None
+    assert not flight.log.flew.any()
+    assert flight.findings == ()
+    assert {one.asked.refused for one in flight.log.commands if one.asked.words.startswith("takeoff")} == {
+        "the vehicle is not armed"
+    }

@@ -1,0 +1,200 @@
+"""What falls, when and why: the rules of a licence on made-up flights."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_sim.experiments.licence.client_commands import Asked, ClientCommand, CommandKind
+from q2q_sim.experiments.licence.guided_trials import trials_after
+from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
+from q2q_sim.experiments.licence.licence_rules import LicenceLimits, findings
+from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
+from q2q_sim.firmware.supervisor.rules import State
+
+LIMITS = LicenceLimits()
+TICKS = 1000
+UP = slice(200, 800)
+"""Ticks in which the vehicles hover."""
+
+
+def command(t: float, kind: CommandKind, words: str, **more: object) -> ClientCommand:
+    return ClientCommand(t, 0, replace(Asked(kind, words), **more), line=7)
+
+
+def hover(count: int = 1) -> LicenceLog:
+    """Return a sound flight: vehicles 1 m apart rise slowly to 1 m, hover, and land slowly."""
+    t = 0.01 * np.arange(1, TICKS + 1)
+    height = np.interp(t, [0.0, 1.0, 3.0, 7.0, 9.0, 10.0], [0.0, 0.0, 1.0, 1.0, 0.0, 0.0])
+    pos = np.zeros((TICKS, count, 3))
+    pos[..., 2] = height[:, None]
+    pos[..., 1] = np.arange(count)
+    running = pos[..., 2] > 0.0
+    asked = [replace(command(1.0, CommandKind.PLAN, "takeoff"), vehicle=row) for row in range(count)]
+    return LicenceLog(
+        uris=tuple(f"radio://{k}" for k in range(count)),
+        trial=LicenceTrial(),
+        t=t,
+        pos=pos,
+        vel=np.gradient(pos, 0.01, axis=0),
+        quat=np.tile([0.0, 0.0, 0.0, 1.0], (TICKS, count, 1)),
+        yaw_rate=np.zeros((TICKS, count)),
+        thrust=np.ones((TICKS, count)),
+        running=running,
+        state=np.full((TICKS, count), int(State.FLYING)),
+        age=np.zeros((TICKS, count)),
+        commands=tuple(asked),
+        opened=tuple(range(count)),
+        end=ProgramEnd(9.9),
+    )
+
+
+def fallen(log: LicenceLog, tick: int = 500) -> LicenceLog:
+    """Return a flight whose motors stop at a tick, after which the vehicle falls freely."""
+    since = np.maximum(log.t - log.t[tick], 0.0)
+    pos, vel = log.pos.copy(), log.vel.copy()
+    height = np.minimum(pos[:, 0, 2], 1.0 - 0.5 * 9.81 * since**2)
+    pos[:, 0, 2] = np.where(since > 0.0, np.maximum(height, 0.0), pos[:, 0, 2])
+    vel[:, 0, 2] = np.where((since > 0.0) & (pos[:, 0, 2] > 0.0), -9.81 * since, 0.0)
+    running = log.running.copy()
+    running[tick:, 0] = False
+    return replace(log, pos=pos, vel=vel, running=running)
+
+
+def test_a_sound_flight_breaks_no_rule():
+    assert findings(hover(), LIMITS) == ()
+    assert findings(hover(2), LIMITS) == ()
+
+
+def test_motors_that_stop_in_the_air_are_blamed_on_the_stop_setpoint_and_its_line():
+    stop = command(5.0, CommandKind.OFF, "stop setpoint")
+    log = fallen(hover())
+    found = findings(replace(log, commands=(*log.commands, stop)), LIMITS)
+    assert [one.rule for one in found] == ["motors", "landing"]
+    assert found[0].t == pytest.approx(log.t[500])
+    assert found[0].why == "stop setpoint at 5.00 s, line 7"
+    fall = math.sqrt(2.0 * 9.81 * 1.0)  # from 1 m
+    assert f"hits the floor at {fall:.1f}" in found[1].what
+
+
+def test_motors_that_stop_after_two_seconds_without_setpoint_are_blamed_on_the_silence():
+    log = fallen(hover())
+    late = log.t >= log.t[500]
+    state = np.where(late[:, None], int(State.LOCKED), log.state)
+    age = np.where(late, 2.01, 0.0)[:, None]
+    ignored = command(4.0, CommandKind.PLAN, "land", refused="setpoints have priority")
+    sent = command(3.0, CommandKind.SETPOINT, "setpoint z 1.00 m")
+    found = findings(replace(log, state=state, age=age, commands=(sent, ignored)), LIMITS)[0]
+    assert "no setpoint came for 2 s after setpoint z 1.00 m at 3.00 s" in found.why
+    assert "land at 4.00 s, line 7, was not followed: setpoints have priority" in found.why
+
+
+def test_a_link_that_an_error_closes_is_blamed_on_the_error():
+    zero = replace(command(5.0, CommandKind.OFF, "setpoint of thrust 0"), closing=True)
+    log = replace(fallen(hover()), commands=(zero,), end=ProgramEnd(5.1, 1, "KeyError: 'y'", 12))
+    why = "the program failed (KeyError: 'y', line 12), which closed the link at 5.00 s"
+    assert findings(log, LIMITS)[0].why == why
+    closed = replace(log, end=ProgramEnd(5.1))
+    assert findings(closed, LIMITS)[0].why == "the closing of the link at 5.00 s, which sends zero thrust"
+
+
+def test_a_command_that_the_vehicle_flew_on_after_is_not_the_cause():
+    stop = command(2.0, CommandKind.OFF, "setpoint of thrust 0")
+    last = command(4.5, CommandKind.SETPOINT, "setpoint thrust 30000")
+    log = fallen(hover())
+    found = findings(replace(log, commands=(stop, last)), LIMITS)[0]
+    assert found.why == "the last command was setpoint thrust 30000 at 4.50 s, line 7"
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_vehicle_leaves_the_room_through_each_wall_and_the_ceiling(axis: int):
+    log = hover()
+    size = (*LIMITS.half_room, LIMITS.ceiling)[axis]
+    log.pos[400:600, 0, axis] = size + 0.01
+    assert [one.rule for one in findings(log, LIMITS)] == ["room"]
+    log.pos[400:600, 0, axis] = size - 0.01
+    assert findings(log, LIMITS) == ()
+
+
+def test_a_target_outside_the_room_is_told_when_it_is_asked_for():
+    far = command(3.0, CommandKind.PLAN, "go_to", pos=(0.0, 0.0, 60.0))
+    log = hover()
+    log.pos[700:, 0, 2] = 3.0
+    found = findings(replace(log, commands=(*log.commands, far)), LIMITS)
+    assert (found[0].rule, found[0].t) == ("room", 3.0)
+
+
+def test_vehicles_collide_and_the_lower_one_of_a_stack_flies_in_downwash():
+    log = hover(2)
+    log.pos[UP, 1, 1] = 0.1
+    assert "collision" in [one.rule for one in findings(log, LIMITS)]
+    stacked = hover(2)
+    stacked.pos[UP, 1] = (0.0, 0.0, 1.5)
+    found = findings(stacked, LIMITS)
+    assert [one.rule for one in found] == ["downwash"]
+    assert found[0].what.startswith("cf1 flies in the downwash of cf2, 0.")
+    stacked.pos[UP, 1] = (0.0, 0.3, 1.5)
+    assert findings(stacked, LIMITS) == ()
+
+
+def test_a_vehicle_levelled_out_once_is_not_told_and_one_levelled_out_often_is():
+    log = hover()
+    log.state[300:350] = State.LEVEL_OUT
+    assert findings(log, LIMITS) == ()
+    log.state[400:450] = State.LEVEL_OUT
+    assert [one.rule for one in findings(log, LIMITS)] == ["setpoints"]
+
+
+def test_a_yaw_of_more_than_a_turn_a_spin_and_a_flight_without_end_are_told():
+    turn = command(3.0, CommandKind.PLAN, "go_to", yaw_rad=90.0)
+    log = hover()
+    assert [one.rule for one in findings(replace(log, commands=(turn,)), LIMITS)] == ["yaw"]
+    spun = hover()
+    spun.yaw_rate[400] = 10.0
+    assert [one.rule for one in findings(spun, LIMITS)] == ["spin"]
+    endless = hover()
+    endless.pos[800:, 0, 2] = 1.0
+    endless.running[800:] = True
+    assert [one.rule for one in findings(endless, LIMITS)] == ["end"]
+
+
+def test_a_vehicle_that_stays_down_is_told_with_the_reason():
+    log = hover(2)
+    log.pos[:, 1, 2] = 0.0
+    refused = replace(command(1.0, CommandKind.PLAN, "takeoff", refused="not armed"), vehicle=1)
+    found = findings(replace(log, commands=(log.commands[0], refused)), LIMITS)
+    assert [one.sentence for one in found] == [
+        "at 1.00 s cf2 is asked to fly and stays on the floor: not armed, takeoff at 1.00 s, line 7"
+    ]
+    silent = findings(replace(log, commands=log.commands[:1]), LIMITS)
+    assert [one.why for one in silent] == ["it was never asked to fly"]
+
+
+def test_errors_count_except_on_the_floor_after_a_fault():
+    failed = replace(hover(), end=ProgramEnd(9.9, 1, "KeyError: 'y'", 12))
+    assert findings(failed, LIMITS)[0].why == "KeyError: 'y', line 12"
+    stale = LicenceTrial(TrialKind.STALE, 0, 5.0)
+    assert findings(replace(failed, trial=stale), LIMITS) == ()
+    flying = ProgramEnd(5.0, 1, "KeyError: 'y'", 12)
+    assert [one.rule for one in findings(replace(failed, trial=stale, end=flying), LIMITS)] == ["program"]
+
+
+def test_nothing_is_asked_of_a_vehicle_whose_link_is_lost_and_everything_of_the_others():
+    lost = replace(fallen(hover(2)), trial=LicenceTrial(TrialKind.LOST, 0, 4.0))
+    assert findings(lost, LIMITS) == ()
+    other = replace(lost, trial=LicenceTrial(TrialKind.LOST, 1, 4.0))
+    assert {one.rule for one in findings(other, LIMITS)} == {"motors", "landing"}
+
+
+def test_faults_strike_the_fastest_vehicle_at_its_fastest_and_the_nearest_pair_at_its_nearest():
+    log = hover(2)
+    log.vel[500, 1, 0] = 2.0
+    log.pos[600, 1, 1] = 0.7
+    trials = trials_after(log)
+    gap = next(one for one in trials if one.kind == TrialKind.GAP)
+    assert (gap.vehicle, gap.start) == (1, pytest.approx(log.t[500]))
+    swap = next(one for one in trials if one.kind == TrialKind.SWAP)
+    assert ({swap.vehicle, swap.other}, swap.start) == ({0, 1}, pytest.approx(log.t[600]))
+    grounded = replace(log, pos=0.0 * log.pos)
+    assert trials_after(grounded) == ()

@@ -1,0 +1,116 @@
+"""The law of recorded vehicles is read from thrust commands, which are the size of the whole force."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.geometry.rotations import quat_from_euler
+from q2q_model.identification.recording_files import recording_of_table
+from q2q_model.trajectory.flatness import flat_state
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_sim.air.wake_laws import WakeLaw
+from q2q_sim.experiments.validation.drawn_air import Draw
+from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, feedback, read_law
+from q2q_sim.experiments.validation.redrawn_flight import redrawn
+from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
+from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
+from q2q_sim.plant.swarm import Swarm
+
+DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
+NEEDS_DATA = pytest.mark.skipif(not DATA.is_dir(), reason=f"real flights are not at {DATA}: set Q2Q_DATA")
+DT = 0.01
+NAMES = ("cf1", "cf2")
+LATE = 11
+"""Rows by which the vehicles point late: 0.15 of the thrust lag of 0.07 s, and 2 zeta / w of 60 rad/s."""
+LAW = OnboardLaw(
+    k_p=np.array([40.0, 40.0, 20.0]),
+    k_d=np.array([20.0, 20.0, 10.0]),
+    k_i=np.array([0.6, 0.6, 0.6]),
+    offset=np.array([[0.0, 0.0, 0.3], [0.0, 0.0, -0.1]]),
+    rms=0.0,
+)
+
+
+def agile(seconds: float = 10.0) -> TrackedFlight:
+    """Return a flight of two leaning vehicles that command the force of LAW and point along it, late."""
+    t = DT * np.arange(round(seconds / DT))[:, None, None]
+    axis, vehicle = np.arange(3), np.arange(2)[:, None]
+    ref_pos = 0.3 * np.sin((2.0 + 0.7 * axis + 0.3 * vehicle) * t)
+    error = 0.02 * np.sin((5.0 + 1.3 * axis - 0.9 * vehicle) * t + axis)
+    ref_vel, rate = np.gradient(ref_pos, DT, axis=0), np.gradient(error, DT, axis=0)
+    ref_acc = np.gradient(ref_vel, DT, axis=0)
+    acc = ref_acc + LAW.offset + feedback(LAW, error, rate, np.cumsum(error, axis=0) * DT)
+    pointed = flat_state(acc, np.zeros(acc.shape[:2]))
+    everywhere = np.ones(acc.shape[:2], dtype=bool)
+    return TrackedFlight(
+        name="agile",
+        names=NAMES,
+        dt=DT,
+        pos=ref_pos - error,
+        vel=ref_vel - rate,
+        quat=quat_from_euler(*(np.roll(angle, LATE, axis=0) for angle in (pointed.roll, pointed.pitch)), 0.0),
+        ref_pos=ref_pos,
+        ref_vel=ref_vel,
+        ref_acc=ref_acc,
+        acc=np.full(acc.shape, np.nan),
+        thrust=CRAZYFLIE_2_0.mass * pointed.thrust,
+        compensated=np.zeros(acc.shape[:2]),
+        usable=everywhere,
+        exposed=~everywhere,
+        free=everywhere,
+        scored=np.ones(2, dtype=bool),
+    )
+
+
+def test_vertical_and_lateral_gains_are_read_from_the_size_of_the_force():
+    law = read_law(agile(), CRAZYFLIE_2_0).law
+    np.testing.assert_allclose(law.k_p, LAW.k_p, rtol=1e-3)
+    np.testing.assert_allclose(law.k_d, LAW.k_d, rtol=1e-3)
+    assert law.k_i[2] == pytest.approx(0.6, rel=0.05)
+    assert law.rms < 1e-4
+    assert law.attitude.frequency == pytest.approx(65.0, abs=10.0)  # a delay is not quite this loop
+
+
+def test_rows_under_a_wake_do_not_tell_the_attitude_loop():
+    flight = agile()
+    rows = flight.t < 7.0
+    tipped = flight.quat.copy()
+    tipped[rows] = np.roll(tipped, 5 - LATE, axis=0)[rows]  # 0.07 s earlier
+    clear = np.broadcast_to(~rows[:, None], flight.free.shape)
+    without, under, everywhere = (
+        read_law(one, CRAZYFLIE_2_0).law.attitude.frequency
+        for one in (
+            replace(flight, free=clear),
+            replace(flight, quat=tipped, free=clear),
+            replace(flight, quat=tipped),
+        )
+    )
+    assert under == without
+    assert everywhere > without
+
+
+def test_a_flight_is_redrawn_with_thrusts_of_the_size_of_the_force():
+    flight = agile(1.0)
+
+    def make(seed: int, start: np.ndarray) -> Draw:
+        still = Disturbance(DisturbanceParams(), 2, DT, seed)
+        return Draw(Swarm(NAMES, CRAZYFLIE_2_0, start, WakeLaw.NONE, seed), still)
+
+    drawn = redrawn(ReadFlight(flight, LAW), CRAZYFLIE_2_0.mass, make, [0])
+    error = flight.ref_pos - drawn.pos[0]
+    acc = flight.ref_acc + LAW.offset
+    acc = acc + feedback(LAW, error, flight.ref_vel - drawn.vel[0], DT * np.cumsum(error, axis=0))
+    size = np.linalg.norm(acc + np.array([0.0, 0.0, GRAVITY]), axis=-1)
+    np.testing.assert_allclose(drawn.thrust[0], CRAZYFLIE_2_0.mass * size, rtol=1e-9)
+
+
+@NEEDS_DATA
+def test_real_vehicles_have_round_gains_the_lateral_ones_twice_the_vertical():
+    table = recording_of_table(DATA / "neural_swarm" / "dc21_swap_ss_07.parquet")
+    law = read_law(tracked_flight(table, CRAZYFLIE_2_0), CRAZYFLIE_2_0).law
+    np.testing.assert_allclose(law.k_p, [20.0, 20.0, 10.0], rtol=0.02)
+    np.testing.assert_allclose(law.k_d, [10.0, 10.0, 5.0], rtol=0.02)
+    assert law.rms < 0.01

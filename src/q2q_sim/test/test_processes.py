@@ -1,0 +1,25 @@
+"""Processes of a flight: the death of a node is an error with its status and its last words."""
+
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+
+from q2q_sim.processes import processes
+from q2q_sim.processes.processes import NodeDiedError, NodeSpec, Processes
+
+
+def test_a_node_that_dies_before_it_writes_a_word_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def dying(_: object) -> object:
+        process = get_context("spawn").Process(target=exit, args=(3,))
+        process.start()
+        process.join()
+        return process
+
+    monkeypatch.setattr(processes, "fork", dying)
+    started = Processes(tmp_path)
+    started.start(NodeSpec("q2q_model", "mocap_filter", {}))
+    with pytest.raises(NodeDiedError, match="mocap_filter ended with status 3: no output"):
+        started.check()

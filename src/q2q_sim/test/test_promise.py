@@ -1,0 +1,189 @@
+"""A tube holds as often as it says; encounters with full dynamics are judged by what vehicles did."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.documents.plain_values import to_plain
+from q2q_model.files.find_model import find_model
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_sim.commands.promise import main
+from q2q_sim.experiments.promise.promise_verdict import Rate, verdict, verdict_json
+from q2q_sim.experiments.promise.room_encounter import (
+    STEADY,
+    EncounterRecord,
+    PromiseCase,
+    encounter_scenario,
+    fly_case,
+    starts_apart,
+)
+from q2q_sim.experiments.promise.tracking_tube import (
+    conformal_bound,
+    different_conditions,
+    fewest_flights,
+    learn_tube,
+    read_tube,
+)
+from q2q_sim.loop.assembly import safe_replanner_params
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.settings import IDEAL
+
+CONDITIONS = PromiseCase().conditions
+
+
+@pytest.mark.parametrize(("n", "alpha"), [(19, 0.05), (60, 0.05), (99, 0.01), (250, 0.01)])
+def test_a_fresh_flight_leaves_the_bound_as_often_as_the_closed_form_says(n: int, alpha: float) -> None:
+    """1 - k / (n + 1), for any continuous distribution; here one of heavy tails."""
+    generator = np.random.default_rng(0)
+    left = []
+    for _ in range(4000):
+        scores = generator.pareto(1.5, n)
+        left.append((1.0 + conformal_bound(scores, alpha)) ** -1.5)  # exact, of a fresh draw
+    rank = np.ceil((n + 1) * (1.0 - alpha) - 1e-9)
+    expected = 1.0 - rank / (n + 1)
+    # of Beta(n + 1 - k, k), over 4000 draws: five standard errors
+    spread = np.sqrt(expected * (1.0 - expected) / (n + 2) / 4000)
+    assert np.mean(left) == pytest.approx(expected, abs=5.0 * spread)
+    assert np.mean(left) <= 1.2 * alpha
+
+
+@pytest.mark.parametrize("alpha", [0.05, 0.01])
+def test_a_tube_of_both_errors_is_left_by_no_more_than_its_share_of_fresh_flights(alpha: float) -> None:
+    generator = np.random.default_rng(1)
+    left = []
+    for _ in range(300):
+        # heights err less than positions, and both err together
+        errors = generator.gamma(4.0, 0.02, (1400, 1)) * generator.gamma(3.0, [1.0, 0.4], (1400, 2))
+        tube = learn_tube(errors[:400], alpha, CONDITIONS)
+        left.append(np.mean([not tube.holds(one) for one in errors[400:]]))
+    assert alpha / 1.2 < np.mean(left) <= 1.2 * alpha
+
+
+def test_the_fewest_flights_bound_by_their_largest_error() -> None:
+    assert fewest_flights(0.05) == 19
+    assert fewest_flights(0.01) == 99
+    assert conformal_bound(np.arange(19.0), 0.05) == 18.0
+    assert conformal_bound(np.arange(99.0), 0.05) == 94.0  # the 95th of 99
+    with pytest.raises(ValueError, match=r"18 flights at alpha = 0.05: at least 19 are needed"):
+        conformal_bound(np.arange(18.0), 0.05)
+
+
+def test_a_tube_file_gives_the_tube_back_and_a_wrong_one_names_its_key(tmp_path: Path) -> None:
+    tube = learn_tube(np.random.default_rng(2).random((200, 2)), 0.05, CONDITIONS)
+    file = tmp_path / "tube.json"
+    file.write_text(json.dumps(to_plain(tube)))
+    assert read_tube(file) == tube
+    assert not different_conditions(tube, CONDITIONS)
+    told = different_conditions(tube, replace(CONDITIONS, jerk_max=0.0))
+    assert told == [f"jerk_max = 0.0, of the tube {CONDITIONS.jerk_max}"]
+    file.write_text(json.dumps(to_plain(tube)).replace('"vertical"', '"upwards"'))
+    with pytest.raises(ValueError, match=r"upwards"):
+        read_tube(file)
+
+
+def test_the_bound_of_a_rate_is_that_of_clopper_and_pearson() -> None:
+    """Without events 1 - 0.05^(1/n); with k events the rate at which k or fewer come in 5 % of all cases."""
+    assert Rate(0, 100).most == pytest.approx(1.0 - 0.05**0.01)
+    most = Rate(1, 50).most
+    assert (1.0 - most) ** 50 + 50 * most * (1.0 - most) ** 49 == pytest.approx(0.05)
+    assert Rate(3, 3).most == 1.0
+
+
+def test_an_encounter_keeps_vehicles_apart_and_stays_in_its_first_tube() -> None:
+    record = fly_case(0, PromiseCase())
+    assert record.apart_at_start
+    assert not record.entered
+    assert 0.01 < record.horizontal < 0.3  # a vehicle is never exactly on its setpoint, nor lost
+    assert 0.01 < record.vertical < 0.3
+    assert record == fly_case(0, PromiseCase())
+
+
+def test_shipped_scenarios_in_rooms_with_delays_or_dropouts_fly_with_the_same_tube() -> None:
+    flown = []
+    for name in library.names():
+        scenario = library.load(name)
+        if scenario.vicon == IDEAL.vicon:
+            continue
+        for one in filter(None, (scenario, scenario.in_air)):
+            assert safe_replanner_params(one) == replace(STEADY, tracking=0.17, tracking_z=0.12), name
+            flown.append(name)
+    assert len(flown) == 10
+
+
+def test_the_tube_of_stack3_keeps_the_promise_that_is_broken_without_it() -> None:
+    """Two come near within 12 s; at 5 cm, the first leaves its modified trajectory by more after 6.7 s."""
+    scenario = replace(library.load("stack3"), duration=12.0)
+
+    def broken(flown: Scenario) -> float:
+        told: list[bool] = []
+
+        def hear(topic: str, _: int, signal: Signal) -> None:
+            if topic == "reference_safe" and isinstance(signal, SwarmSetpoint):
+                told.append(bool((signal.status == SetpointStatus.PROMISE_BROKEN).any()))
+
+        model = find_model(flown.model).interaction
+        fly(flown, FlightOptions(replan="safe", model=model, on_signal=hear))
+        return float(np.mean(told))
+
+    loop = {"pid": scenario.overrides["pid"]}
+    assert broken(replace(scenario, overrides=loop)) > 0.01
+    assert broken(scenario) == 0.0
+
+
+def swap(apart: float) -> list[VehicleWaypoints]:
+    return [
+        VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(3, (0, 1, 1)))),
+        VehicleWaypoints("cf2", (Waypoint(0, (apart, 0, 1)), Waypoint(3, (apart, 1, 1)))),
+    ]
+
+
+def test_paths_start_apart_where_zone_and_tubes_do() -> None:
+    reach = STEADY.eps + 2.0 * STEADY.tracking
+    assert not starts_apart(minimum_snap_plan(swap(reach + 0.01)), STEADY)
+    assert starts_apart(minimum_snap_plan(swap(reach + 0.03)), STEADY)
+
+
+def test_an_encounter_flies_the_delay_and_the_loss_that_it_names() -> None:
+    scenario = encounter_scenario(minimum_snap_plan(swap(1.0)), 0.02, 0.07, PromiseCase())
+    assert (scenario.radio.latency, scenario.radio.loss) == (0.02, 0.07)
+    assert scenario.air == "room"
+
+
+def test_a_verdict_counts_what_happened_under_the_conditions_apart_from_the_rest() -> None:
+    kept = EncounterRecord(
+        seed=1, vehicles=3, apart_at_start=True, horizontal=0.05, vertical=0.02, clearance=0.1,
+        announced=True, ticks=100, broken_ticks=0, arrived=True,
+    )  # fmt: skip
+    left = replace(kept, seed=0, horizontal=0.5, broken_ticks=7, arrived=False)
+    entered = replace(kept, seed=2, clearance=-0.01, announced=False, arrived=None)
+    other = replace(entered, seed=3, apart_at_start=False, announced=True, horizontal=9.0)
+    tube = learn_tube(np.full((19 * 5 // 4 + 1, 2), 0.1), 0.05, CONDITIONS)
+    found = verdict([kept, left, entered, other], tube)
+    assert verdict_json(found) == {
+        "flights": 4, "vehicles": 12, "under_conditions": 3, "entries_under_conditions": 1,
+        "entry_rate_most": Rate(1, 3).most, "entries_otherwise": 1, "entries_not_announced": 1,
+        "least_distance_m": -0.01, "ticks": 300, "broken_ticks": 7, "left_tube": 1,
+        "left_tube_rate_most": Rate(1, 3).most, "arrived": 1, "can_arrive": 2,
+    }  # fmt: skip
+
+
+def test_the_command_prints_a_tube_and_writes_its_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Three flights bound nothing at 5 %; at 70 % the two that give the size do."""
+    tube, numbers = tmp_path / "tube.json", tmp_path / "promise.json"
+    words = ["--count", "3", "--alpha", "0.7", "--learn", str(tube), "--json", str(numbers)]
+    assert main(words) == 0
+    learned = read_tube(tube)
+    assert learned.conditions == CONDITIONS
+    printed = capsys.readouterr().out
+    assert f"{1e3 * learned.horizontal:.0f} mm horizontally" in printed
+    assert json.loads(numbers.read_text())["verdict"]["entries_under_conditions"] == 0

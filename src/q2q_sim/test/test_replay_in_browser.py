@@ -1,0 +1,206 @@
+"""The replay page in a headless Chromium: it plays, seeks, shows the flight's own numbers, and stays silent.
+
+Graphics are drawn in software, so nothing here depends on a graphics card, nor on how fast pictures follow.
+"""
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from playwright.sync_api import Browser, sync_playwright
+
+from q2q_model.files.find_model import find_model
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.replay_page import ReplayRun, replay_html, replay_run
+from q2q_sim.scenarios import library
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get install chromium")
+FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
+         "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+         "--disable-sync")  # fmt: skip
+DURATION = 24.0
+"""Of the flight [s]: cf2 is above cf1 from 18 s."""
+UNDER = 21.0
+"""Time at which cf1 is pushed down [s]."""
+STATE = "document.querySelector('q2q-replay').state"
+IN_REPLAY = "document.querySelector('q2q-replay').shadowRoot"
+
+
+@pytest.fixture(scope="module")
+def runs() -> list[ReplayRun]:
+    scenario = replace(library.load("table6"), duration=DURATION)
+    model = find_model(scenario.model).interaction
+    return [
+        replay_run(fly(scenario, FlightOptions(mode=mode, model=model)), TEXTBOOK_065, mode)
+        for mode in ("ignoring", "aware")
+    ]
+
+
+@pytest.fixture(scope="module")
+def address(runs: list[ReplayRun], tmp_path_factory: pytest.TempPathFactory) -> str:
+    file: Path = tmp_path_factory.mktemp("replay") / "page.html"
+    file.write_text(replay_html(runs, "Two runs"), encoding="utf-8")
+    return file.as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+        yield opened
+        opened.close()
+
+
+class OpenPage:
+    """Page of the replay once it has drawn, and what its console said."""
+
+    def __init__(self, browser: Browser, address: str, init: str = "", **context: object) -> None:
+        self.said: list[str] = []
+        self.page = browser.new_context(offline=True, **context).new_page()
+        self.page.add_init_script(init)
+        self.page.on("console", lambda message: self.said.append(message.text))
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.goto(address)
+        self.wait(f"{STATE}?.pictures > 0")
+
+    def wait(self, condition: str) -> None:
+        """Wait until a condition in JavaScript holds."""
+        self.page.wait_for_function(f"document.querySelector('q2q-replay') && {condition}", timeout=30_000)
+
+    def state(self) -> dict[str, float]:
+        """Return the element's state."""
+        return self.page.evaluate(STATE)
+
+    def draw_at(self, t: float) -> None:
+        """Pause at time t [s], and wait until that is drawn."""
+        seek = f"it => {{ it.pause(); it.seek({t}); return it.state.pictures; }}"
+        before = self.page.evaluate(f"({seek})(document.querySelector('q2q-replay'))")
+        self.wait(f"{STATE}.pictures > {before}")
+
+    def picture(self) -> Array:
+        """Return the first room without the vehicles' names: red, green, blue, (rows, columns, 3)."""
+        room = self.page.locator("q2q-replay canvas.room").first
+        png = room.screenshot(style=".label { display: none }")
+        return np.asarray(imread(BytesIO(png))[..., :3], dtype=np.float64)
+
+    def texts(self, selector: str) -> list[str]:
+        """Return the texts of elements inside the replay."""
+        return self.page.evaluate(f"[...{IN_REPLAY}.querySelectorAll('{selector}')].map(e => e.textContent)")
+
+
+@pytest.fixture(scope="module")
+def wide(browser: Browser, address: str) -> Iterator[OpenPage]:
+    opened = OpenPage(browser, address, viewport={"width": 1400, "height": 900})
+    yield opened
+    opened.page.context.close()
+
+
+def test_it_plays_by_itself_without_network_or_a_word_on_the_console(wide: OpenPage):
+    began = wide.state()
+    wide.wait(f"{STATE}.t > {began['t']} + 0.2 && {STATE}.pictures > {began['pictures']} + 3")
+    assert wide.state()["isPlaying"]
+    assert wide.said == []
+
+
+def test_heights_on_the_page_are_those_of_the_flights(wide: OpenPage, runs: list[ReplayRun]):
+    wide.draw_at(UNDER)
+    expected = []
+    for run in runs:
+        tick = int(np.searchsorted(run.t, UNDER))
+        for vehicle, name in enumerate(run.names):
+            z, error = run.pos[tick, vehicle, 2], run.pos[tick, vehicle, 2] - run.ref_pos[tick, vehicle, 2]
+            centimetres = round(100.0 * error)
+            sign = {-1: "−", 0: "", 1: "+"}[int(np.sign(centimetres))]
+            expected.append(f"{name} {z:.2f} m ({sign}{abs(centimetres)} cm)")
+    assert wide.texts(".readout span") == expected
+
+
+def test_captions_tell_what_happened(wide: OpenPage):
+    ignoring, aware = wide.texts("figcaption")
+    assert ignoring.startswith("ignoring cf1 pushed 34 cm down at 21.8 s")
+    assert aware.startswith("aware ")
+
+
+@pytest.mark.parametrize(("key", "step"), [("ArrowRight", 0.1), ("Shift+ArrowLeft", -1.0)])
+def test_arrows_step_through_the_flight(wide: OpenPage, key: str, step: float):
+    wide.draw_at(10.0)
+    wide.page.keyboard.press(key)
+    assert wide.state()["t"] == pytest.approx(10.0 + step)
+
+
+def test_space_pauses_and_plays(wide: OpenPage):
+    wide.draw_at(5.0)
+    wide.page.keyboard.press(" ")
+    assert wide.state()["isPlaying"]
+    wide.page.keyboard.press(" ")
+    assert not wide.state()["isPlaying"]
+
+
+def test_the_time_bar_and_the_curves_seek(wide: OpenPage):
+    wide.draw_at(1.0)
+    wide.page.locator("q2q-replay input[type=range]").fill("12.5")
+    assert wide.state()["t"] == pytest.approx(12.5)
+    wide.page.locator("q2q-replay .curves").first.click(position={"x": 40, "y": 60})  # the curves' left edge
+    assert wide.state()["t"] == 0.0
+
+
+def test_a_vehicle_that_sinks_sinks_in_the_room(wide: OpenPage):
+    rows = []
+    for t in (10.0, UNDER):
+        wide.draw_at(t)
+        red, green, blue = np.moveaxis(wide.picture(), -1, 0)
+        of_first = (blue > 2.5 * red) & (blue > green) & (blue > 0.3)  # its colour, #0072b2
+        rows.append(np.nonzero(of_first)[0].mean())
+    assert rows[1] > rows[0] + 5.0  # pixels, from the top
+
+
+def test_a_layer_is_hidden_by_its_button(wide: OpenPage):
+    wide.draw_at(UNDER)
+    air = wide.page.locator("q2q-replay button", has_text="Air")
+    coloured = []
+    for _ in range(2):
+        coloured.append((np.ptp(wide.picture(), axis=-1) > 0.2).sum())  # pixels that are not grey
+        before = wide.state()["pictures"]
+        air.click()
+        wide.wait(f"{STATE}.pictures > {before}")
+    assert coloured[1] < 0.8 * coloured[0]
+
+
+def test_a_phone_has_large_buttons_and_nothing_beside_the_screen(browser: Browser, address: str):
+    phone = OpenPage(
+        browser, address, viewport={"width": 400, "height": 800}, is_mobile=True, has_touch=True,
+        reduced_motion="reduce",
+    )  # fmt: skip
+    assert not phone.state()["isPlaying"], "who wants little motion starts the replay himself"
+    assert phone.page.evaluate("document.documentElement.scrollWidth") <= 400
+    touched = f"[...{IN_REPLAY}.querySelectorAll('button, select, input')]"
+    heights = phone.page.evaluate(f"{touched}.map(e => e.getBoundingClientRect().height)")
+    assert min(heights) >= 40
+    phone.page.locator("q2q-replay .play").tap()
+    phone.wait(f"{STATE}.t > 0")
+    assert phone.said == []
+    phone.page.context.close()
+
+
+def test_without_webgl_one_sentence_says_so_and_the_curves_play(browser: Browser, address: str):
+    without = """for (const { prototype } of [HTMLCanvasElement, OffscreenCanvas]) {
+      const known = prototype.getContext;
+      prototype.getContext = function (kind, ...rest) {
+        return kind.startsWith('webgl') ? null : known.call(this, kind, ...rest);
+      };
+    }"""
+    flat = OpenPage(browser, address, init=without)
+    assert all("WebGL is off" in text for text in flat.texts(".stage"))
+    flat.wait(f"{STATE}.t > 0.1")
+    flat.draw_at(UNDER)
+    assert flat.texts(".readout span")[0].startswith("cf1 1.2")
+    assert flat.said == []
+    flat.page.context.close()

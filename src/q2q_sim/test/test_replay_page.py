@@ -1,0 +1,158 @@
+"""Runs of a replay page: what is taken from a flight, and what its packed form keeps."""
+
+import zlib
+from base64 import b64decode
+from collections.abc import Mapping
+from dataclasses import replace
+from hashlib import sha256
+
+import numpy as np
+import pytest
+
+from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
+from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.force.downwash_force import ForceRecord
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.replay_page import (
+    ReplayRun,
+    replay_element,
+    replay_html,
+    replay_run,
+    with_measured_downwash,
+)
+from q2q_sim.replay_page.packed_run import MISSING, STEPS, packed_run
+from q2q_sim.replay_page.script_archive import FOLDER
+from q2q_sim.scenarios import library
+
+
+@pytest.fixture(scope="module")
+def flight() -> Flight:
+    scenario = library.load("table6_room")
+    short = replace(scenario, duration=4.0)
+    return fly(short, FlightOptions(model=find_model(scenario.model).interaction))
+
+
+@pytest.fixture(scope="module")
+def run(flight: Flight) -> ReplayRun:
+    return replay_run(flight, TEXTBOOK_065)
+
+
+def decoded(channel: Mapping[str, object], vehicles: int, count: int) -> Array:
+    """Return (T, n, width) values of a packed channel, by another way than the page's."""
+    planes = np.frombuffer(zlib.decompress(b64decode(str(channel["data"]))), np.uint8).astype(np.int64)
+    low, high = planes.reshape(2, vehicles, int(str(channel["width"])), count)
+    zigzag = low + 256 * high
+    codes = np.cumsum(np.where(zigzag % 2, -(zigzag + 1) // 2, zigzag // 2), axis=-1) % 65536
+    values = np.where(
+        codes == MISSING, np.nan, float(str(channel["low"])) + codes * float(str(channel["step"]))
+    )
+    return np.moveaxis(values, -1, 0)
+
+
+def test_packed_quantities_are_those_of_the_flight_to_their_rounding(run: ReplayRun):
+    packed = packed_run(run, rate_hz=100.0)
+    for name, values in (("pos", run.pos), ("ref", run.ref_pos), ("downwash", run.downwash)):
+        found = decoded(packed["channels"][name], len(run.names), len(run.t))
+        np.testing.assert_allclose(found, values, atol=0.501 * STEPS[name])
+
+
+def test_a_missing_frame_stays_missing_and_is_not_interpolated(run: ReplayRun):
+    packed = packed_run(run, rate_hz=100.0)
+    found = decoded(packed["channels"]["mocap"], len(run.names), len(run.t))
+    accepted = np.isfinite(run.mocap_pos[..., 0]) & ~run.rejected
+    assert 0 < accepted.sum() < accepted.size
+    np.testing.assert_array_equal(np.isfinite(found[..., 0]), accepted)
+
+
+def test_outliers_are_those_that_the_filter_did_not_follow(flight: Flight):
+    track = flight.mocap_pos.copy()
+    track[200, 0] = flight.pos[200, 0] + [0.0, 0.0, 0.3]
+    spoilt = replay_run(replace(flight, mocap_pos=track), TEXTBOOK_065)
+    found = packed_run(spoilt)["outliers"]
+    assert [pytest.approx(2.0), 0, *(pytest.approx(value, abs=1e-4) for value in track[200, 0])] in found
+
+
+def test_a_run_names_what_its_flight_does_not_record(flight: Flight):
+    unknown = np.full_like(flight.eta, np.nan)
+    bare = replay_run(replace(flight, true_eta=unknown, eta=unknown), TEXTBOOK_065)
+    assert bare.missing == ("downwash",)
+    assert "downwash" not in packed_run(bare)["channels"]
+
+
+def test_a_run_is_sampled_at_most_fifty_times_a_second_and_never_above_its_own_rate(run: ReplayRun):
+    assert packed_run(run)["count"] == 200
+    slow = replace(
+        run,
+        t=run.t[::10],
+        **{name: getattr(run, name)[::10] for name in ("pos", "quat", "ref_pos", "mocap_pos", "rejected")},
+        downwash=run.downwash[::10],
+        thrust=run.thrust[::10],
+    )
+    assert packed_run(slow)["rate"] == pytest.approx(10.0)
+
+
+def test_twenty_noisy_vehicles_for_fifty_seconds_fit_a_page_at_the_full_rate():
+    random = np.random.default_rng(1)
+    t, shape = 0.01 * np.arange(5000), (5000, 20, 3)
+    pos = 1.0 + np.cumsum(0.005 * random.standard_normal(shape), axis=0)
+    quat = np.concatenate([0.05 * random.standard_normal(shape), np.ones((*shape[:2], 1))], axis=2)
+    run = ReplayRun(
+        name="noisy",
+        names=tuple(f"cf{i}" for i in range(20)),
+        t=t,
+        pos=pos,
+        quat=quat,
+        ref_pos=pos + 0.001 * random.standard_normal(shape),
+        mocap_pos=pos + 0.001 * random.standard_normal(shape),
+        rejected=np.zeros(shape[:2], dtype=np.bool_),
+        downwash=random.standard_normal(shape),
+        thrust=1.0 + 0.1 * random.standard_normal(shape[:2]),
+        arm=0.046,
+    )
+    page = replay_html([run], "Noisy")
+    assert len(page) < 2_000_000
+    assert '"rate":50.0' in page or '"rate":50' in page
+
+
+def test_names_cannot_end_the_script_that_holds_them(run: ReplayRun):
+    page = replay_html([replace(run, name="</script><b>")], "a < b")
+    assert "</script><b>" not in page
+    assert "<title>a &lt; b</title>" in page
+
+
+def test_measured_downwash_is_shown_while_a_vehicle_is_under_another():
+    t = 0.01 * np.arange(1000)
+    pos = np.stack(
+        [np.tile([0.0, 0.0, 1.0], (1000, 1)), np.column_stack([t - 5.0, 0.0 * t, 0.0 * t + 1.5])], 1
+    )
+    under = np.abs(pos[:, 1, 0]) < 0.15
+    push = np.column_stack([np.where(under, -2.0, 0.1), np.full(1000, 0.3)])
+    level = np.broadcast_to([0.0, 0.0, 1.0], pos.shape)
+    motion = Motion(t, pos, np.zeros_like(pos), level)
+    yes = np.ones((1000, 2), dtype=np.bool_)
+    record = ForceRecord("made", ("cf1", "cf2"), motion, push, yes, ~yes)
+    unknown = np.full_like(pos, np.nan)
+    bare = ReplayRun("made", ("cf1", "cf2"), t, pos, unknown, pos, unknown, ~yes, unknown, push, 0.046)
+    seen = with_measured_downwash(bare, record)
+    middle = np.argmin(np.abs(pos[:, 1, 0]))
+    assert seen.downwash[middle, 0] == pytest.approx([0.0, 0.0, -2.1])  # without the offset of clear air
+    assert np.abs(seen.downwash[:, 1]).max() == 0.0
+    assert np.abs(seen.downwash[np.abs(pos[:, 1, 0]) > 0.25]).max() < 1e-12  # rounding of a running sum
+    assert with_measured_downwash(seen, record) is seen, "what is recorded is not replaced"
+
+
+def test_four_runs_are_refused(run: ReplayRun):
+    with pytest.raises(ValueError, match="4 runs: 1 to 3"):
+        replay_element([run] * 4)
+
+
+def test_the_library_is_the_published_one_unchanged():
+    sums = (FOLDER / "three" / "SHA256SUMS").read_text().splitlines()
+    listed = {name: digest for digest, name in (line.split() for line in sums)}
+    shipped = {path.name for path in (FOLDER / "three").iterdir()}
+    assert shipped - listed.keys() == {"README.md", "SHA256SUMS"}
+    for name, digest in listed.items():
+        assert sha256((FOLDER / "three" / name).read_bytes()).hexdigest() == digest, name

@@ -1,0 +1,78 @@
+"""Perturbations change what they say, and the page of the robustness tells what is worse than ignoring."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
+from q2q_sim.experiments.ablation.side_by_side import side_by_side
+from q2q_sim.experiments.robustness.fill_robustness import asked_flights, read, save
+from q2q_sim.experiments.robustness.perturbations import (
+    GAP,
+    PASSAGE,
+    PERTURBATIONS,
+    Perturbation,
+    believed,
+    flown_room,
+)
+from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
+from q2q_sim.experiments.robustness.robustness_page import ignoring, key, page
+from q2q_sim.scenarios import library
+
+FLIGHTS = asked_flights(["ring", "bent"], 1, 5)
+
+
+def test_the_believed_downwash_is_stronger_and_later_as_asked() -> None:
+    late = believed(MEASURED_LAW, Perturbation("", strength=1.5, delay=0.05))
+    assert late.strength == pytest.approx(1.5 * MEASURED_LAW.strength)
+    assert GAP / late.travel_speed - GAP / MEASURED_LAW.travel_speed == pytest.approx(0.05)
+    assert GAP / believed(PAPER_LAW, Perturbation("", delay=0.05)).travel_speed == pytest.approx(0.05)
+    assert GAP / believed(MEASURED_LAW, Perturbation("", delay=-0.5)).travel_speed == pytest.approx(1e-3)
+
+
+def test_the_flown_room_has_the_faults_of_every_draw_and_another_latency() -> None:
+    scenario = side_by_side([library.load(PASSAGE)], 2)
+    weak = next(one for one in PERTURBATIONS if one.faults and one.faults[0].kind == "battery_sag")
+    (fault,) = flown_room(scenario, replace(weak, latency=0.015)).faults
+    assert fault.vehicles == ("cf1_0", "cf1_1")
+    late = flown_room(scenario, Perturbation("", latency=0.015))
+    assert late.radio.latency - scenario.radio.latency == pytest.approx(0.015)
+
+
+def test_a_flight_is_compared_with_one_in_the_same_room_that_ignores_the_downwash() -> None:
+    assert len({key(one) for one in FLIGHTS}) == len(FLIGHTS)
+    shared = {key(ignoring(one)) for one in FLIGHTS if one.air == "ring" and one.controller == "mpc"}
+    assert len(shared) == 6  # as it is, two latencies, an unseen neighbour, a weak battery, a stack
+
+
+def test_the_page_names_what_is_worse_than_ignoring_and_nothing_else() -> None:
+    found = {key(ignoring(one)): Errors(0.1, 0.2, 0.004) for one in FLIGHTS}
+    found |= {key(one): Errors(0.05, 0.1, 0.005) for one in FLIGHTS}
+    assert "Never worse than ignoring." in page(found, FLIGHTS, "made")
+    bad = next(one for one in FLIGHTS if one.perturbation.silent and one.air == "bent")
+    found[key(bad)] = Errors(0.106, 0.1, 0.005)
+    text = page(found, FLIGHTS, "made")
+    assert "Worse than ignoring: no accelerometers in `bent`." in text
+    assert text.count("**106.0 (1.06)**") == 1
+    assert text.count("| 50.0 (0.50) | 50.0 (0.50) | 5, 4 |") == 23  # the other rows of two controllers
+
+
+def test_numbers_are_kept_in_a_file(tmp_path: Path) -> None:
+    found = {"a": Errors(0.012345, 0.5, 1e-3), "b": Errors(1.0, 2.0, 3.0)}
+    save(found, tmp_path / "numbers.json")
+    assert read(tmp_path / "numbers.json") == found
+    assert read(tmp_path / "none.json") == {}
+    (tmp_path / "bad.json").write_text("[1]")
+    with pytest.raises(ValueError, match=r"bad\.json has no numbers of flights"):
+        read(tmp_path / "bad.json")
+
+
+def test_a_flight_in_which_nobody_was_under_another_has_no_such_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("q2q_sim.experiments.robustness.perturbed_flight.DURATION", 0.3)
+    found = fly_perturbed(PerturbedFlight("ring", PERTURBATIONS[0], "pid", corrects=True, draws=1, seed=0))
+    assert np.isnan(found.under)
+    assert found.left < 0.005

@@ -1,0 +1,44 @@
+"""Replay of a violation in a campaign: marked where it was, left out where there is nothing to replay."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from q2q_sim.experiments.campaign import campaign_flight
+from q2q_sim.experiments.campaign.random_run import drawn
+from q2q_sim.experiments.campaign.violation_replay import write_replay
+from q2q_sim.loop import closed_loop
+from q2q_sim.monitors.policies import RecordedSignal, Violation
+from q2q_sim.scenarios import library
+
+TILTED = Violation("tilt", "cf1", 1.0, 0.5, 0.36)
+
+
+def test_a_violation_is_told_and_marked(tmp_path: Path):
+    scenario = replace(library.load("table6"), duration=2.0)
+    signals: list[RecordedSignal] = []
+    options = closed_loop.FlightOptions(
+        on_signal=lambda topic, stamp_ns, signal: signals.append(
+            RecordedSignal(topic, stamp_ns / 1e9, signal)
+        )
+    )
+    closed_loop.fly(scenario, options)
+    write_replay(tmp_path / "7.html", scenario, signals, [TILTED])
+    page = (tmp_path / "7.html").read_text()
+    assert '"name":"seed 7"' in page
+    assert str(TILTED) in page
+    assert '"events":[{"t":1.0,"words":"cf1, tilt"}]' in page
+
+
+def test_a_run_that_crashed_at_once_has_no_replay(tmp_path: Path):
+    write_replay(tmp_path / "7.html", library.load("table6"), [], [replace(TILTED, t=float("nan"))])
+    assert not (tmp_path / "7.html").exists()
+
+
+def test_a_campaign_keeps_the_replay_of_a_violation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    run = drawn(3)
+    flight = campaign_flight.JudgedFlight(campaign_flight.flown_pure(run).signals, (TILTED,))
+    monkeypatch.setattr(campaign_flight, "flown_pure", lambda _: flight)
+    campaign_flight.fly_and_judge(3, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"3", "3.html", "3.yaml", "3.options.yaml"}

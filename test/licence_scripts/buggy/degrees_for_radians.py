@@ -1,0 +1,26 @@
+"""Bug: yaw in degrees for the high-level commander, which takes radians."""
+
+import time
+
+import cflib.crtp
+from cflib.crazyflie import Crazyflie
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+from cflib.utils import uri_helper
+
+URI = uri_helper.uri_from_env(default="radio://0/80/2M/E7E7E7E7E7")
+
+
+if __name__ == "__main__":
+    cflib.crtp.init_drivers()
+    with SyncCrazyflie(URI, cf=Crazyflie()) as scf:
+        cf = scf.cf
+        cf.supervisor.send_arming_request(True)
+        time.sleep(1.0)
+        hl = cf.high_level_commander
+        hl.takeoff(0.8, 2.0)
+        time.sleep(2.5)
+        hl.go_to(0.5, 0.0, 0.8, 90.0, 3.0)
+        time.sleep(3.5)
+        hl.land(0.0, 2.0)
+        time.sleep(2.5)
+        hl.stop()

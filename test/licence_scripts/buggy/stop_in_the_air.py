@@ -1,0 +1,23 @@
+"""Bug: a stop setpoint in place of a landing."""
+
+import time
+
+import cflib.crtp
+from cflib.crazyflie import Crazyflie
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+from cflib.utils import uri_helper
+
+URI = uri_helper.uri_from_env(default="radio://0/80/2M/E7E7E7E7E7")
+
+
+if __name__ == "__main__":
+    cflib.crtp.init_drivers()
+    with SyncCrazyflie(URI, cf=Crazyflie()) as scf:
+        cf = scf.cf
+        cf.supervisor.send_arming_request(True)
+        time.sleep(1.0)
+        for _ in range(40):
+            cf.commander.send_hover_setpoint(0, 0, 0, 0.6)
+            time.sleep(0.1)
+        cf.commander.send_stop_setpoint()
+        time.sleep(1.0)

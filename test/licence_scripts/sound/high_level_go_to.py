@@ -1,0 +1,27 @@
+"""Take off, visit three points and land by the high-level commander."""
+
+import time
+
+import cflib.crtp
+from cflib.crazyflie import Crazyflie
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+from cflib.utils import uri_helper
+
+URI = uri_helper.uri_from_env(default="radio://0/80/2M/E7E7E7E7E7")
+
+
+if __name__ == "__main__":
+    cflib.crtp.init_drivers()
+    with SyncCrazyflie(URI, cf=Crazyflie()) as scf:
+        cf = scf.cf
+        cf.supervisor.send_arming_request(True)
+        time.sleep(1.0)
+        hl = cf.high_level_commander
+        hl.takeoff(0.8, 2.0)
+        time.sleep(2.5)
+        for x, y in ((0.8, 0.0), (0.8, 0.8), (0.0, 0.0)):
+            hl.go_to(x, y, 1.0, 0.0, 3.0)
+            time.sleep(3.5)
+        hl.land(0.0, 2.0)
+        time.sleep(2.5)
+        hl.stop()
