@@ -1,8 +1,8 @@
 """Fly what users fly in one process; print which kernels it compiled and which it never called: for a test.
 
-Closed loop with every controller and replanner through every fault of the room, the passage of table6 with
-its active bounds, a flight with correction, one of distributed MPCs, the explicit law, the view's scenes, the
-vehicles' own firmware, and an identification.
+Closed loop with every controller and replanner, of a single vehicle and of two through every fault of the
+room, the passage of table6 with its active bounds, flights with correction, one of distributed MPCs, the
+explicit law, the view's scenes, the vehicles' own firmware, and an identification.
 """
 
 import json
@@ -63,7 +63,9 @@ def main() -> None:
 def flights() -> None:
     """Fly all there is to fly."""
     faulty = replace(SHORT_ROOM, faults=tuple(faults_in_turn(SHORT_ROOM)))
+    alone = replace(SHORT_ROOM, waypoints=SHORT_ROOM.waypoints[:1])
     for controller, replan in product(CONTROLLERS, REPLANNERS):
+        flown(alone, controller, replan)
         signals = flown(faulty, controller, replan)
     drawn(signals)
     controlled_explicitly(signals)
@@ -74,6 +76,7 @@ def flights() -> None:
     steady = {"safe_replanner": {"jerk_max": 20.0, "tracking_z": 0.1}}
     flown(replace(library.load("swarm20"), duration=0.5, overrides=steady), "pid", "safe")
     fly(replace(library.load("stack3"), duration=1.0), FlightOptions(correct=REAL_FLIGHTS))
+    fly(replace(alone, duration=1.0), FlightOptions(correct=REAL_FLIGHTS))
     flown_by_firmware(library.load("table6"))
     stacked_in_a_rooms_air()
 

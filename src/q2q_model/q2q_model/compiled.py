@@ -8,10 +8,12 @@ set-up can compile all KERNELS. Call a kernel with one array layout only: each l
 which takes seconds in flight.
 """
 
+import fcntl
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
+from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any, TypeVar, overload
 
@@ -103,7 +105,19 @@ def idle() -> list[str]:
 
 
 class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
-    """Index of a function's compiled code, without code that refers to modules that have since moved."""
+    """Index of a function's compiled code that processes may fill at once.
+
+    It leaves out code that refers to modules that have since moved.
+    """
+
+    def save(self, key: tuple[object, ...], data: object) -> None:
+        """Add the code of a key to what other processes have added since this one read the index.
+
+        numba reads the index and replaces it: the slower of two processes would drop the code of the other.
+        """
+        with Path(self._cache_path, "lock").open("a") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            super().save(key, data)
 
     def _load_index(self) -> dict[tuple[object, ...], str]:
         try:

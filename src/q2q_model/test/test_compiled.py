@@ -3,12 +3,13 @@
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 from numba import config
 
-from q2q_model.compiled import compiled, digest_of
+from q2q_model.compiled import _Index, compiled, digest_of
 
 MAIN = """
 from q2q_model.compiled import COMPILED, compiled
@@ -127,3 +128,15 @@ print(compiled(lambda x: half(x) + 1.0)(3.0), len(COMPILED) > 0)
     (tmp_path / "callee.py").rename(tmp_path / "moved.py")
     (tmp_path / "exported.py").write_text("from moved import half")
     assert _printed(tmp_path, script) == "2.5 True"
+
+
+def test_code_that_several_save_at_once_is_kept_of_all(tmp_path: Path) -> None:
+    """Set-up compiles in two processes: what the slower one had not read was dropped, and made in flight."""
+
+    def save(number: int) -> None:
+        _Index(str(tmp_path), "half", "of one source").save((number,), number)
+
+    with ThreadPoolExecutor(4) as several:
+        list(several.map(save, range(80)))
+    index = _Index(str(tmp_path), "half", "of one source")
+    assert [index.load((number,)) for number in range(80)] == list(range(80))

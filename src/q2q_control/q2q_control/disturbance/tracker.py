@@ -89,7 +89,8 @@ class DisturbanceTracker:
         self._eta = eta
         fresh = tick.usable & _tracked(state, tick)
         explained = mean + 0.5 * (before + eta)
-        measured = Measurement(tick.t, tick.names, table[:, POS], table[:, VEL], explained, fresh)
+        pos, vel = table[:, POS].copy(), table[:, VEL].copy()  # one layout, also of a single vehicle
+        measured = Measurement(tick.t, tick.names, pos, vel, explained, fresh)
         estimate, residual = self._observer.update(measured), np.zeros(len(tick.names))
         if self._fine is not None:
             vertical = self._fine.update(measured, eta[:, 2])

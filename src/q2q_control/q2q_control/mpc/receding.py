@@ -207,6 +207,6 @@ class Mpc:
         if self._setup.correct is not None:
             push[..., 2] -= faded_residual(present.residual, self._setup.correct, self._params)
             kept = thrust_reserve(eta[..., 2], self._setup.correct, self._params)
-        low, high = input_bounds(tick.table[:, QUAT], self._most)
+        low, high = input_bounds(tick.table[:, QUAT].copy(), self._most)
         high = stage_bounds(low, high, kept)
         return Horizon(present.chains, outlook.reference, push, outlook.path, low, high, self._step_max)

@@ -123,7 +123,7 @@ class Room:
     def imu(self) -> SwarmImu:
         """Return the readings of the inertial sensors now; repeated calls in a tick return the same."""
         if self._read is None:
-            self._read = self._imu.read(self.capture().truth, self._swarm.state[:, ACC])
+            self._read = self._imu.read(self.capture().truth, self._swarm.state[:, ACC].copy())
         return self._read
 
     def advance(self, command: SwarmCommand | None) -> None:

@@ -179,15 +179,15 @@ class Swarm:
         return push
 
     def truth(self, t: float) -> SwarmState:
-        """Return the true state, stamped t [s]."""
-        now = self.state.copy()
+        """Return the true state, stamped t [s], in arrays of one layout, also of a single vehicle."""
+        now = self.state
         return SwarmState(
             t=t,
             names=self.names,
-            pos=now[:, POS],
-            vel=now[:, VEL],
-            quat=now[:, QUAT],
-            ang_vel_body=now[:, RATE],
+            pos=now[:, POS].copy(),
+            vel=now[:, VEL].copy(),
+            quat=now[:, QUAT].copy(),
+            ang_vel_body=now[:, RATE].copy(),
             age=self._age,
             status=self._tracked,
         )
