@@ -42,4 +42,11 @@ def wait_until_spinning(process: subprocess.Popen[str]) -> None:
 def _threads_of_dds(pid: int) -> bool:
     """Return whether Fast DDS runs threads in a process: then its imports are over."""
     names = Path(f"/proc/{pid}/task").glob("*/comm")
-    return any(name.read_text().startswith("dds.") for name in names)
+    return any(map(_is_of_dds, names))
+
+
+def _is_of_dds(name: Path) -> bool:
+    try:
+        return name.read_text().startswith("dds.")
+    except OSError:  # the thread has ended
+        return False

@@ -149,5 +149,6 @@ def test_every_data_file_of_a_package_is_installed_with_it(package: Path):
     (globs,) = re.findall(r"package_data=\{PACKAGE: \[(.*)\]\}", (package / "setup.py").read_text())
     inside = package / package.name
     named = {path for glob in re.findall(r'"([^"]+)"', globs) for path in inside.glob(glob)}
-    data = {path for path in inside.rglob("*") if path.is_file() and path.suffix not in {".py", ".pyc"}}
+    data = {path for path in inside.rglob("*") if path.is_file() and path.suffix != ".py"}
+    data = {path for path in data if "__pycache__" not in path.parts}
     assert data == named

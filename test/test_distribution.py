@@ -66,7 +66,7 @@ def contents(wheel: Path) -> set[str]:
 def sources() -> Iterator[str]:
     """Yield the files of the packages as a wheel names them, with the data files and messages."""
     for package in PACKAGES:
-        inside = (path for path in package.rglob("*") if path.is_file() and path.suffix != ".pyc")
+        inside = (path for path in package.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
         yield from (str(path.relative_to(package.parent)) for path in inside)
         yield from (f"{package.name}/config/{path.name}" for path in package.parent.glob("config/*"))
     yield from (f"q2q_model/msg/{path.name}" for path in ROOT.glob("src/q2q_msgs/msg/*.msg"))

@@ -13,7 +13,7 @@ from q2q_model.node.loopback import PROFILE, PROFILE_VARIABLES, has_own_profile,
 
 KEPT_DOMAIN, OPEN_DOMAIN = 138, 139
 TARGETS = ("command", "plan", "model", "/clock", "all/emergency")
-PATIENCE_S = 60.0
+PATIENCE_S = 600.0
 VICTIMS = """
 from rclpy.node import Node
 from q2q_control.ros import mpc_node

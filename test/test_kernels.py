@@ -29,7 +29,7 @@ def run(*words: str, **environment: str) -> str:
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
+        timeout=1800,
         env=os.environ | environment,
     )
     assert done.returncode == 0, done.stderr

@@ -32,6 +32,11 @@ def statuses(bag: Path, after: float, before: float = np.inf) -> list[list[int]]
     return [one.status.tolist() for one in found if isinstance(one, SwarmCommand) and after < one.t < before]
 
 
+def end_of(bag: Path, topic: str) -> float:
+    """Return the latest stamp of a topic [s]."""
+    return max(one.signal.t for one in BagReader(bag).signals([topic]))
+
+
 def test_nodes_that_are_killed_or_stopped_in_turn_take_their_places_in_flight(tmp_path: Path) -> None:
     killed = [Strike(node, tick=400 * k) for k, node in enumerate(ROAD, start=1)]
     stopped = Strike("replanner", tick=2400, how="stop")
@@ -45,7 +50,7 @@ def test_nodes_that_are_killed_or_stopped_in_turn_take_their_places_in_flight(tm
 
 
 def test_a_recorder_that_is_killed_leaves_a_bag_that_is_readable_up_to_its_end(tmp_path: Path) -> None:
-    strike = Strike("bag_record", tick=300, comes_back=False)
+    strike = Strike("bag_record", tick=1000, comes_back=False)
     timing = fly_struck(FlightRequest(LOW, seed=3), [strike], tmp_path)
     assert timing.missed_ticks == 0
     evidence = evidence_in(tmp_path / "bag")
@@ -56,12 +61,12 @@ def test_a_recorder_that_is_killed_leaves_a_bag_that_is_readable_up_to_its_end(t
 
 
 def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> None:
-    strike = Strike("pid", tick=100, comes_back=False)
+    strike = Strike("pid", tick=1, comes_back=False)
     short = tmp_path / "short_hover.yaml"
-    short.write_text(Path(LOW).read_text().replace("14.0", "5.0"))
+    short.write_text(Path(LOW).read_text().replace("14.0", "7.0"))
     fly_struck(FlightRequest(str(short)), [strike], tmp_path / "flight", Waiting(0.01, 0.5))
     evidence = evidence_in(tmp_path / "flight" / "bag")
-    assert len(evidence.t) == 500
+    assert len(evidence.t) == 700
     assert violations(evidence, str(short), "return", "floor") == []  # they come down
     # 2 s after its last packet the firmware cuts the motors; 0.6 m takes 0.35 s to fall, and rotors lag
     silent = int(np.flatnonzero(np.isfinite(evidence.thrust).all(axis=1))[-1])
@@ -75,11 +80,14 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
     reference, states = (
         Strike(node, tick, comes_back=False) for node, tick in (("trajectory", 200), ("mocap_filter", 700))
     )
-    fly_struck(FlightRequest(LOW, live=True), [reference, states], tmp_path)
+    long = tmp_path / "long_hover.yaml"  # a busy machine may strike seconds late
+    long.write_text(Path(LOW).read_text().replace("14.0", "24.0"))
+    fly_struck(FlightRequest(str(long), live=True), [reference, states], tmp_path)
     evidence = evidence_in(tmp_path / "bag")
+    no_reference, no_state = (end_of(tmp_path / "bag", topic) for topic in ("/reference_safe", "/state"))
     assert violations(evidence, LOW, "return", "floor") == []  # they come down
     # states come: it hovers where it was last sent; the ladder answers where a busy machine gave no state
-    alone = {one for both in statuses(tmp_path / "bag", after=4.0, before=6.5) for one in both}
+    alone = {one for both in statuses(tmp_path / "bag", no_reference, no_state) for one in both}
     assert CommandStatus.DEGRADED in alone
     assert alone <= {
         CommandStatus.DEGRADED,
@@ -87,9 +95,9 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
         CommandStatus.LEVEL,
         CommandStatus.LAND,
     }
-    before = int(np.searchsorted(evidence.t, 6.5))
+    before = int(np.searchsorted(evidence.t, no_state))
     blind = {CommandStatus.LEVEL, CommandStatus.LAND}
-    by_vehicle = np.array(statuses(tmp_path / "bag", after=0.0, before=6.5)).T
+    by_vehicle = np.array(statuses(tmp_path / "bag", after=0.0, before=no_state)).T
     never_level = np.array([blind.isdisjoint(given) for given in by_vehicle.tolist()])
     hover = np.array(
         [[0.0, 0.0, 0.6], [0.0, 1.0, 0.6]]

@@ -77,6 +77,12 @@ def start(package: str, executable: str, words: list[str], log: Path) -> subproc
         return subprocess.Popen(command, stdout=stream, stderr=stream, env=os.environ)
 
 
+def interrupted(process: subprocess.Popen[bytes]) -> int:
+    """Interrupt a node; return its exit status."""
+    process.send_signal(signal.SIGINT)
+    return process.wait(PATIENCE_S)
+
+
 @pytest.mark.skipif(not BAG.is_dir(), reason=f"no recorded flight at {BAG}")
 def test_a_weak_model_comes_right_from_the_topics_and_is_taken_up(listener: Listener, tmp_path: Path) -> None:
     law = find_model("paper_law")
@@ -100,9 +106,7 @@ def test_a_weak_model_comes_right_from_the_topics_and_is_taken_up(listener: List
         listener.until(lambda: "model loaded" in logs["interference"].read_text(), "a loaded model")
         listener.until(lambda: listener.strengths[-1:] == pytest.approx([true], rel=0.05), "the right model")
     finally:
-        for process in running:
-            process.send_signal(signal.SIGINT)
-        codes = [process.wait(PATIENCE_S) for process in running]
+        codes = [interrupted(process) for process in running]  # in turn: see LEAVE_S of the nodes
     assert codes == [0, 0, 0], {name: log.read_text()[-500:] for name, log in logs.items()}
     bounds = (0.5 * WEAK * true, 2.0 * WEAK * true)  # LiveParams: 0.5 to 2 of what it was given
     assert all(bounds[0] <= strength <= bounds[1] for strength in listener.strengths)

@@ -2,7 +2,7 @@
 
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from time import monotonic
 
@@ -23,6 +23,7 @@ from q2q_control.radio.node_params import RadioNodeParams
 from q2q_model.node.wiring import PROMISE_S
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.qos import EVERY_TICK
 from q2q_model.signals.cdr import decode
 from q2q_model.signals.values import SwarmState
 from q2q_model.trajectory import plan_file
@@ -35,6 +36,11 @@ SCENARIO = "table6"
 LIVE = {"live": True, "promise_s": PROMISE_S}
 PATIENCE_S = 120.0
 """All nodes of a flight on a busy machine [s]."""
+PATIENT = {
+    "pid": {"land_s": 60.0, "cut_s": 120.0},
+    "radio": {"silent_land_s": 60.0, "silent_stop_s": 120.0, "lost_s": 60.0},
+}
+"""Parameters with which no node lands because another stood still on a busy machine."""
 SERVICES = {"simulator/start": Trigger, "radio/start": Trigger, "radio/land": Trigger, "all/emergency": Empty}
 AGAIN_S = 2.0
 """A question that is not answered for so long is asked again [s]."""
@@ -58,7 +64,7 @@ class _Watcher:
         self.fastest_fall = 0.0
         self.truth: SwarmState | None = None
         kind = MESSAGES[SwarmState]
-        self._node.create_subscription(kind, "truth", self._on_truth, 10, raw=True)
+        self._node.create_subscription(kind, "truth", self._on_truth, EVERY_TICK, raw=True)
         self._clients: dict[str, Client] = {
             name: self._node.create_client(kind, name) for name, kind in SERVICES.items()
         }
@@ -127,7 +133,7 @@ class _Watcher:
         self.pass_time(3.0)
 
 
-def specs(folder: Path, domain: int) -> list[NodeSpec]:
+def specs(folder: Path, domain: int, more: Mapping[str, Mapping[str, float]]) -> list[NodeSpec]:
     scenario = library.load(SCENARIO)
     options = assembly.Options()
     plan, port = folder / "plan.json", first_port(domain)
@@ -139,6 +145,7 @@ def specs(folder: Path, domain: int) -> list[NodeSpec]:
         "uris": uris,
         "vehicle": scenario.vehicle.name,
         "firmware_params": ("locSrv.extPosStdDev=0.002",),  # read back before the start
+        **more.get("radio", {}),
     }
     return [
         NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
@@ -148,7 +155,7 @@ def specs(folder: Path, domain: int) -> list[NodeSpec]:
         NodeSpec(
             "q2q_control",
             "pid",
-            assembly.controller_parameters(scenario, options) | LIVE,
+            assembly.controller_parameters(scenario, options) | LIVE | dict(more.get("pid", {})),
         ),
         NodeSpec("q2q_sim", "simulator", room),
         NodeSpec("q2q_control", "radio", radio),
@@ -156,9 +163,9 @@ def specs(folder: Path, domain: int) -> list[NodeSpec]:
 
 
 @pytest.fixture
-def watcher(tmp_path: Path) -> Iterator[_Watcher]:
+def watcher(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[_Watcher]:
     with own_domain() as domain, Processes(tmp_path) as processes:
-        demanded = specs(tmp_path, domain)
+        demanded = specs(tmp_path, domain, request.param)
         for spec in demanded:
             processes.start(spec)
         made = _Watcher(processes)
@@ -170,6 +177,7 @@ def watcher(tmp_path: Path) -> Iterator[_Watcher]:
             made.close()
 
 
+@pytest.mark.parametrize("watcher", [PATIENT], ids=["patient"], indirect=True)
 def test_the_radio_node_starts_flies_and_lands_two_vehicles_live(watcher: _Watcher) -> None:
     refusal = watcher.call("radio/start")
     assert not refusal.success  # offline, or without a state: the room stands still
@@ -184,6 +192,7 @@ def test_the_radio_node_starts_flies_and_lands_two_vehicles_live(watcher: _Watch
     watcher.until(watcher.on_the_ground, "landing")
 
 
+@pytest.mark.parametrize("watcher", [{}], ids=["as shipped"], indirect=True)
 def test_a_controller_that_is_killed_in_flight_leaves_its_vehicles_to_land(watcher: _Watcher) -> None:
     watcher.fly()
     watcher.check = lambda: None  # a node dies, as it must
@@ -199,6 +208,7 @@ def test_a_controller_that_is_killed_in_flight_leaves_its_vehicles_to_land(watch
     np.testing.assert_allclose(watcher.truth.pos[:, :2], place, atol=0.25)
 
 
+@pytest.mark.parametrize("watcher", [PATIENT], ids=["patient"], indirect=True)
 def test_an_emergency_stops_the_vehicles_of_a_radio_for_good(watcher: _Watcher) -> None:
     watcher.fly()
     watcher.call("all/emergency")

@@ -18,10 +18,10 @@ NODE = f"""#!/bin/sh
 import signal, sys
 if sys.argv[1:2] == ["exit"]:
     sys.exit(int(sys.argv[2]))
-for number in (signal.SIGINT, signal.SIGTERM):
-    signal.signal(number, lambda number, frame: (print("got", signal.Signals(number).name), sys.exit(0)))
+numbers = {{signal.SIGINT, signal.SIGTERM}}
+signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
 print("ready", *sys.argv[1:], flush=True)
-signal.pause()
+print("got", signal.Signals(signal.sigwait(numbers)).name)
 """
 
 

@@ -95,6 +95,19 @@ class Scene:
         ticks = self.wiring.health.ticks + 20
         self.until(lambda: self.wiring.health.ticks >= ticks and bool(self.received), "ticks")
 
+    def until_silent(self) -> None:
+        """Let callbacks run, the clock standing still, until ten silences were told since the last tick."""
+        health, tick, told = self.wiring.health, -1, 0
+
+        def silent() -> bool:
+            nonlocal tick, told
+            silences = int(health.extra.get("silences", 0))
+            if health.ticks != tick:
+                tick, told = health.ticks, silences
+            return silences >= told + 10
+
+        self.until(silent, "silence")
+
     def worst(self) -> int:
         """Return the status of the last command, 0 before the first."""
         return int(self.received[-1].status.max()) if self.received else 0
@@ -124,6 +137,7 @@ def test_without_any_timer_the_death_of_a_writer_leads_down_the_ladder(
 ) -> None:
     scene.until_watched()
     os.kill(scene.writer.pid, blow)
+    scene.until_silent()
     params = FallbackParams()
     ladder = {
         CommandStatus.HOLD: params.hold_s,

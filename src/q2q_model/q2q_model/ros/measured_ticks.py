@@ -5,7 +5,7 @@ from collections.abc import Callable
 from rclpy.node import Node
 
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.ros.topics.qos import EVERY_TICK, SENSOR
+from q2q_model.ros.topics.qos import EVERY_SAMPLE, EVERY_TICK
 from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.tick_join import TickJoin
@@ -32,5 +32,5 @@ def receive_measured_ticks(node: Node, take: Callable[[SwarmState, SwarmCommand,
         return receive
 
     for topic, signal in INPUTS.items():
-        profile = SENSOR if signal is SwarmImu else EVERY_TICK
+        profile = EVERY_SAMPLE if signal is SwarmImu else EVERY_TICK
         node.create_subscription(MESSAGES[signal], topic, receiver(topic, signal), profile, raw=True)

@@ -3,9 +3,11 @@
 import os
 import signal
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from time import monotonic
 from typing import Self
 
 import yaml
@@ -13,10 +15,10 @@ import yaml
 from q2q_model.tunable import ParameterValue
 from q2q_sim.processes.warm_start import NodeStart, fork
 
-END_PATIENCE_S = 10.0
-"""Time from SIGINT to SIGKILL [s]."""
-
-
+END_PATIENCE_S = 60.0
+"""Time from the first SIGINT to SIGKILL [s]: a recorder of a busy machine writes what it still has."""
+AGAIN_S = 10.0
+"""Time after which SIGINT is sent again [s]: a node that is just being forked ignores it."""
 KILLED = -signal.SIGKILL
 
 
@@ -130,9 +132,8 @@ class Processes:
 
     def end(self) -> dict[str, int]:
         """Send SIGINT to every node, wait, kill those that remain; return the exit statuses."""
-        for name, process in self._running.items():
-            if process.exitcode is None:
-                os.kill(self.pid(name), signal.SIGINT)
+        for process in self._running.values():
+            _interrupt(process)
         statuses = {name: _wait(process) for name, process in self._running.items()}
         self._running.clear()
         return statuses
@@ -171,8 +172,17 @@ def _nested(flat: Mapping[str, object]) -> dict[str, object]:
     return made
 
 
+def _interrupt(process: BaseProcess) -> None:
+    if process.exitcode is None and process.pid is not None:
+        with suppress(ProcessLookupError):  # it has ended since
+            os.kill(process.pid, signal.SIGINT)
+
+
 def _wait(process: BaseProcess) -> int:
-    process.join(END_PATIENCE_S)
+    deadline = monotonic() + END_PATIENCE_S
+    while process.exitcode is None and monotonic() < deadline:
+        process.join(AGAIN_S)
+        _interrupt(process)
     if process.exitcode is None:
         process.kill()
         process.join()

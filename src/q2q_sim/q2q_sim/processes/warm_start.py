@@ -93,6 +93,7 @@ def settle(cores: frozenset[int]) -> None:
 def _become(start: NodeStart) -> None:
     sys.excepthook = sys.__excepthook__
     settle(start.cores)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the warm parent ignores it
     with start.log.open("wb") as log:
         for stream in (1, 2):
             os.dup2(log.fileno(), stream)

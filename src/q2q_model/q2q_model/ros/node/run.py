@@ -78,9 +78,9 @@ def run_together(
                 for one in kept.values():
                     end(one)
     except (ValueError, OSError) as refusal:
-        print(f"{name}: {refusal}", file=sys.stderr)
         for number in ENDING:
             signal.signal(number, signal.SIG_IGN)  # it is ending; an interrupt must not replace the status
+        print(f"{name}: {refusal}", file=sys.stderr)
         sys.exit(2)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass

@@ -27,5 +27,8 @@ RECORD = QoSProfile(depth=100_000, reliability=ReliabilityPolicy.RELIABLE)
 SENSOR = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Sensors' samples from any publisher, each of which counts: 1 s at 100 Hz."""
 
+EVERY_SAMPLE = QoSProfile(depth=EVERY_TICK.depth, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Sensors' samples from any publisher for a reader that joins them by tick."""
+
 MANY_WRITERS = QoSProfile(depth=256, reliability=ReliabilityPolicy.RELIABLE)
 """Tick signals of one writer for each vehicle: a depth of 1 would keep the last writer's only."""
