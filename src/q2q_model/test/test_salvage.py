@@ -29,6 +29,9 @@ from q2q_model.signals.values import MocapFrame, SwarmCommand
 sys.path.insert(0, str(Path(__file__).parent))
 from bag_signals import PAIR, same_signal, write_bag
 
+CHUNK_INDEX, UNKNOWN = 0x08, 0x7F
+"""Kinds of records."""
+
 
 def test_a_bag_without_its_metadata_is_read_whole_and_said(tmp_path: Path):
     written = write_bag(tmp_path / "bag", 30, {"/mocap": MocapFrame})
@@ -85,6 +88,25 @@ def test_a_damaged_chunk_is_noticed(tmp_path: Path):
     file.write_bytes(spoiled)
     with pytest.raises(BagError, match="is damaged after 0 messages"):
         read_flight(tmp_path / "bag")
+
+
+def test_a_chunk_that_the_index_has_lost_is_read_and_said(tmp_path: Path):
+    write_bag(tmp_path / "bag", 300, {"/mocap": MocapFrame})
+    file = tmp_path / "bag" / "bag_0.mcap"
+    spoiled = bytearray(file.read_bytes())
+    spoiled[place_of_record(spoiled, CHUNK_INDEX)] = UNKNOWN
+    file.write_bytes(spoiled)
+    with pytest.warns(BagRepairWarning, match="of 3 chunks have an index"):
+        flight = read_flight(tmp_path / "bag")
+    assert len(flight.t) == 300
+
+
+def place_of_record(data: bytearray, wanted: int) -> int:
+    """Return where the first record of a kind begins in the summary of an MCAP file (mcap.dev)."""
+    place = int.from_bytes(data[-28:-20], "little")  # footer: summary start, offset start, CRC, magic
+    while data[place] != wanted:
+        place += 9 + int.from_bytes(data[place + 1 : place + 9], "little")
+    return place
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 40), st.booleans(), st.booleans())

@@ -19,7 +19,7 @@ from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import ECHO, Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
-ANSWER_S = 60.0
+ANSWER_S = 600.0
 """A link that has not connected by then does not [s]."""
 TABLE = {
     "locSrv.extPosStdDev": TableEntry("<f", writable=True),

@@ -3,6 +3,7 @@
 import socket
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -111,9 +112,19 @@ def test_a_delayed_link_answers_late_but_answers(pilot: Pilot) -> None:
         assert client.recv(64)[:1] in {b"\xdd", b"\x0c"}
 
 
-def test_a_taken_port_closes_what_was_opened_and_says_so(pilot: Pilot) -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+def _below_a_free_port() -> socket.socket:
+    """Return a socket on a port whose predecessor is free."""
+    while True:
+        probe = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         probe.bind(("127.0.0.1", 0))
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as before, suppress(OSError):
+            before.bind(("127.0.0.1", probe.getsockname()[1] - 1))
+            return probe
+        probe.close()
+
+
+def test_a_taken_port_closes_what_was_opened_and_says_so(pilot: Pilot) -> None:
+    with _below_a_free_port() as probe:
         second = probe.getsockname()[1]
         with pytest.raises(OSError, match=f"UDP port {second} of cf2 is taken on 127.0.0.1"):
             CrtpEndpoint(pilot.fleet, pilot.swarm.names, second - 1, LinkParams())

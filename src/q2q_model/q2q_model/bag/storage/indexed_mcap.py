@@ -37,6 +37,10 @@ class NotIndexedError(ValueError):
     """Error for a bag that does not consist of complete, indexed MCAP files."""
 
 
+class DamagedIndexError(ValueError):
+    """Error for a file whose index lacks some of its chunks: readers that trust it would lose them."""
+
+
 @dataclass(frozen=True, slots=True)
 class IndexedChannel:
     """One channel of a file."""
@@ -60,11 +64,11 @@ class IndexedFile:
 def indexed_files(bag: Path) -> list[IndexedFile]:
     """Return the indexes of a bag: a rosbag2 folder, or one .mcap file.
 
-    Raises NotIndexedError for any other bag.
+    Raises NotIndexedError for any other bag, DamagedIndexError for one that must be salvaged.
     """
     try:
         return [_index(file) for file in (_named_files(bag) if bag.is_dir() else [bag])]
-    except NotIndexedError:
+    except (NotIndexedError, DamagedIndexError):
         raise
     except Exception as damage:  # a parser on damaged bytes raises anything
         raise NotIndexedError(f"{bag}: {type(damage).__name__}: {damage}") from damage
@@ -116,6 +120,8 @@ def _index(file: Path) -> IndexedFile:
     if summary is None or summary.statistics is None or profile != "ros2":
         raise NotIndexedError(f"{file} has no summary")
     known = len(summary.chunk_indexes)
+    if 0 < known < summary.statistics.chunk_count:
+        raise DamagedIndexError(f"{file}: {known} of {summary.statistics.chunk_count} chunks have an index")
     if known != summary.statistics.chunk_count or (summary.statistics.message_count and not known):
         raise NotIndexedError(f"{file} has messages without an index")
     counts = summary.statistics.channel_message_counts

@@ -31,6 +31,8 @@ TOLERANCE = 1e-6
 """Relative excess of a bound over the true peak."""
 TIME_STEP = 0.01
 """Allocated times are rounded up to a tick [s]."""
+ROUNDING = 1e-9
+"""Share by which a time or a limit may be off: without it, a time on a tick is lengthened for ever."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +117,7 @@ def allocate_times(
     lengths = np.sqrt((np.diff(pos, axis=0) ** 2).sum(-1))
     spans = np.maximum(PEAK_SPEED * lengths / limits.speed, np.sqrt(PEAK_ACC * lengths / limits.acceleration))
     vehicle = _timed(name, points, np.maximum(spans, TIME_STEP))
-    while (slower := _excess(minimum_snap(vehicle, reading), limits)) > 1.0:
+    while (slower := _excess(minimum_snap(vehicle, reading), limits)) > 1.0 + ROUNDING:
         vehicle = _timed(name, points, slower * np.diff(vehicle.times))
     return vehicle
 
@@ -127,7 +129,7 @@ def _excess(trajectory: Trajectory, limits: FlightLimits) -> float:
 
 
 def _timed(name: str, points: Sequence[Waypoint], spans: Array) -> VehicleWaypoints:
-    ticks = [ceil(span / TIME_STEP - 1e-9) for span in spans]
+    ticks = [ceil(span / TIME_STEP - ROUNDING) for span in spans]
     times = np.concatenate([[0], np.cumsum(ticks)]) * TIME_STEP
     return VehicleWaypoints(
         name, tuple(replace(point, t=float(t)) for point, t in zip(points, times, strict=True))

@@ -24,7 +24,7 @@ from q2q_sim.experiments.licence.client_commands import FLIGHT
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.program_turns import Turns
-from q2q_sim.experiments.licence.program.standard_calls import use_turns
+from q2q_sim.experiments.licence.program.standard_calls import use_turns, watch_main_thread
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.loop.room import TICK_S
 
@@ -102,6 +102,7 @@ class _Flight:
         use_turns(self._turns)
         self._connect()
         threading.excepthook = self._note_thread
+        watch_main_thread(self._turns)
         end = self._end_of(lambda: runpy.run_path(str(program.file), run_name="__main__"))
         for thread in threading.enumerate():
             if not thread.daemon and thread is not threading.current_thread():

@@ -35,7 +35,6 @@ def use_turns(turns: Turns) -> None:
     _replace_clocks(turns)
     _replace_locks(turns)
     _replace_threads(turns)
-    _watch_main_thread(turns)
 
 
 class TurnLock:
@@ -137,7 +136,8 @@ def _replace_threads(turns: Turns) -> None:
     setattr(threading, "_set_sentinel", end_of_thread)  # noqa: B010
 
 
-def _watch_main_thread(turns: Turns) -> None:
+def watch_main_thread(turns: Turns) -> None:
+    """Let time pass while the calling thread computes from now on; not while cflib is imported before."""
     main = _thread.get_ident()
     seen = -1
 
