@@ -105,10 +105,11 @@ ROOMS = (
         ),
         tuple(
             f"src/q2q_planner/test/test_{name}.py"
-            for name in ("traffic", "safe_tick", "safe_replanner", "encounters")
+            for name in ("traffic", "safe_tick", "safe_replanner", "steady_replanner", "encounters")
         ),
         compiled=True,
     ),
+    Room(("q2q_planner.online.safe.jerk_limited",), ("src/q2q_planner/test/test_jerk_limited.py",)),
 )
 DECLARING = {"tunable", "dataclass"}
 """Calls whose words say what something is, not what it does."""

@@ -1,12 +1,14 @@
 """Flights through the real nodes, as processes over DDS, in lockstep."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
+from threading import Event, Thread
 
 import numpy as np
 import pytest
-from rclpy.executors import Executor
 from rclpy.node import Node
 
 from q2q_control.mpc.prediction.slots import RATE_HZ
@@ -15,6 +17,7 @@ from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.flights.flight import Flight
+from q2q_model.ros.node.ready import offer_ready
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import EVERY_TICK
@@ -22,6 +25,7 @@ from q2q_model.signals.cdr import decode
 from q2q_model.signals.values import SwarmState
 from q2q_model.trajectory import plan_file
 from q2q_sim.flight import scenario_flight
+from q2q_sim.flight.running_nodes import running_nodes
 from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
 from q2q_sim.loop import assembly
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
@@ -131,38 +135,52 @@ def test_flown_again_in_one_process_the_same_seed_gives_the_same_numbers_to_the_
         np.testing.assert_array_equal(arrays_of(stacked.flight)[name], values, err_msg=name)
 
 
-class Listener:
-    """Subscriber to `state` in this process."""
+@contextmanager
+def hearing_states(ticks: int) -> Iterator[Callable[[], dict[float, np.ndarray]]]:
+    """Subscribe to `state` in a thread; yield what returns the positions by time once so many ticks came."""
+    heard: dict[float, np.ndarray] = {}
+    whole, over = Event(), Event()
 
-    def __init__(self) -> None:
-        self.heard: dict[float, np.ndarray] = {}
-        self._executor: Executor | None = None
-
-    def listen(self, _: float) -> None:
-        """Take the messages that have come; the first call subscribes and waits for the publisher."""
-        if self._executor is None:
-            node, self._executor = Node("listener"), make_executor()
-            self._executor.add_node(node)
-            kind = MESSAGES[SwarmState]
-            subscription = node.create_subscription(kind, "state", self._on_state, EVERY_TICK, raw=True)
-            while not subscription.get_publisher_count():
-                self._executor.spin_once(timeout_sec=0.01)
-        for _ in range(EVERY_TICK.depth):
-            self._executor.spin_once(timeout_sec=0.0)
-
-    def _on_state(self, data: bytes) -> None:
+    def on_state(data: bytes) -> None:
         state = decode(data, SwarmState)
-        self.heard[state.t] = state.pos
+        heard[state.t] = state.pos
+        if len(heard) == ticks:
+            whole.set()
+
+    def spin() -> None:
+        while not over.is_set():
+            executor.spin_once(timeout_sec=0.05)
+
+    def result() -> dict[float, np.ndarray]:
+        assert whole.wait(STILL_S), f"{len(heard)} of {ticks} ticks heard"
+        return heard
+
+    node, executor, thread = Node("listener"), make_executor(), Thread(target=spin)
+    offer_ready(node)
+    node.create_subscription(MESSAGES[SwarmState], "state", on_state, EVERY_TICK, raw=True)
+    executor.add_node(node)
+    thread.start()
+    try:
+        yield result
+    finally:
+        over.set()
+        thread.join()
+        executor.shutdown()
+        node.destroy_node()
 
 
-def test_a_process_beside_a_flight_in_one_process_hears_its_topics(tmp_path: Path) -> None:
-    beside = Listener()
+def test_a_process_beside_a_flight_in_one_process_hears_every_tick_of_its_topics(
+    run: FlightRun, tmp_path: Path
+) -> None:
     request = FlightRequest(SCENARIO, seed=3, stack=True)
-    flown = fly(request, tmp_path / "nodes", tmp_path / "bag", beside.listen)
-    recorded = dict(zip(flown.flight.t, flown.flight.pos, strict=True))
-    assert len(beside.heard) > 100
-    for t, pos in beside.heard.items():
-        np.testing.assert_array_equal(pos, recorded[t])
+    specs = scenario_flight.node_specs(load_scenario(request), request, tmp_path, tmp_path / "bag")
+    with running_nodes(specs, tmp_path) as running, hearing_states(ticks=300) as heard:
+        running.director.wait_wired(("mocap_filter", "listener"), STILL_S)
+        running.director.start()
+        running.director.wait_summary(lambda _: None)
+        found = heard()
+    for t, pos in zip(run.flight.t, run.flight.pos, strict=True):
+        np.testing.assert_array_equal(found[t], pos)
 
 
 def under_sim_time(spec: NodeSpec) -> NodeSpec:
