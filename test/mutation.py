@@ -109,7 +109,11 @@ ROOMS = (
         ),
         compiled=True,
     ),
-    Room(("q2q_planner.online.safe.jerk_limited",), ("src/q2q_planner/test/test_jerk_limited.py",)),
+    Room(
+        ("q2q_planner.online.safe.jerk_limited",),
+        ("src/q2q_planner/test/test_jerk_limited.py",),
+        "not compiled_and_plain",
+    ),
 )
 DECLARING = {"tunable", "dataclass"}
 """Calls whose words say what something is, not what it does."""

@@ -79,10 +79,9 @@ def test_motions_keep_their_bounds_and_come_to_rest(seed: int) -> None:
     assert np.abs(acc).max() <= BRAKE * (1.0 + 1e-9)
     assert np.abs(np.diff(acc, axis=0)).max() <= JERK * step * (1.0 + 1e-6)
     # of a cubic the trapezoidal rule is wrong by J step^3 / 12; twice that where the jerk changes
-    differences = (np.diff(pos, axis=0), np.diff(vel, axis=0))
-    means = (0.5 * step * (vel[1:] + vel[:-1]), 0.5 * step * (acc[1:] + acc[:-1]))
-    for difference, mean, order in zip(differences, means, (3, 2), strict=True):
-        assert np.abs(difference - mean).max() <= JERK * step**order / 4.0 + 1e-12
+    most = JERK * (1.0 + 1e-9)  # attained where it changes midway
+    assert np.abs(np.diff(pos, axis=0) - 0.5 * step * (vel[1:] + vel[:-1])).max() <= most * step**3 / 4.0
+    assert np.abs(np.diff(vel, axis=0) - 0.5 * step * (acc[1:] + acc[:-1])).max() <= most * step**2 / 4.0
     assert np.abs(vel[-1]).max() < 1e-9
     assert np.abs(acc[-1]).max() < 1e-6
 

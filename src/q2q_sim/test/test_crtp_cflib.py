@@ -27,8 +27,6 @@ from cflib.crtp.crtpstack import CRTPPacket, CRTPPort
 VARIABLES = ("stateEstimate.x", "stateEstimate.y", "stateEstimate.z", "supervisor.info")
 START_S = 180.0
 """A room that has not opened by then will not: the first one compiles for 20 s on a slow machine [s]."""
-PACKETS = 4000
-"""Each step of the flight takes 400 and less; a machine that falls behind the room reads older ones first."""
 STILL = (0.0, 0.0, 0.0)
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 CAN_FLY, LOCKED = 8, 64
@@ -109,14 +107,16 @@ class Flight:
         x, y, z, info = (values[name] for name in VARIABLES)
         return Seen(x, y, z, int(info))
 
-    def until(self, reached: Callable[[Seen], bool], act: Callable[[], None] = lambda: None) -> None:
-        """Step and act until `reached`, for PACKETS at most."""
-        for _ in range(PACKETS):
+    def until(
+        self, reached: Callable[[Seen], bool], packets: int, act: Callable[[], None] = lambda: None
+    ) -> None:
+        """Step and act until `reached`, for so many packets at most."""
+        for _ in range(packets):
             now = self.step()
             if reached(now):
                 return
             act()
-        raise AssertionError(f"not reached after {PACKETS} packets: {now}, answers {self.answers}")
+        raise AssertionError(f"not reached after {packets} packets: {now}, answers {self.answers}")
 
     def _note_answer(self, packet: CRTPPacket) -> None:
         """Keep what became of a command of the high-level commander: 0 is done."""
@@ -141,30 +141,30 @@ def fly(scf: SyncCrazyflie) -> None:
     with logger(scf) as log:
         scf.q2q_logger = log
         flight = Flight(scf)
-        flight.until(lambda now: bool(now.info & CAN_FLY))
+        flight.until(lambda now: bool(now.info & CAN_FLY), 100)
         first = flight.step()
         x0, y0 = first.x, first.y
         cf.high_level_commander.takeoff(0.5, 1.0)
-        flight.until(lambda now: now.z > 0.45)
+        flight.until(lambda now: now.z > 0.45, 300)
         cf.high_level_commander.go_to(x0 + 0.2, y0, 0.6, 0.0, 1.0)
-        flight.until(lambda now: abs(now.x - x0 - 0.2) < 0.03 and now.z > 0.57)
+        flight.until(lambda now: abs(now.x - x0 - 0.2) < 0.03 and now.z > 0.57, 400)
 
         def hold() -> None:
             cf.commander.send_full_state_setpoint((x0, y0 + 0.2, 0.7), STILL, STILL, LEVEL, 0, 0, 0)
 
-        flight.until(lambda now: abs(now.y - y0 - 0.2) < 0.03 and abs(now.z - 0.7) < 0.03, hold)
+        flight.until(lambda now: abs(now.y - y0 - 0.2) < 0.03 and abs(now.z - 0.7) < 0.03, 400, hold)
         cf.commander.send_setpoint(0.0, 0.0, 0.0, 0)
         for _ in range(30):
             flight.step()
             cf.commander.send_setpoint(0.0, 0.0, 0.0, 40000)
         cf.commander.send_notify_setpoint_stop()
         cf.high_level_commander.land(0.0, 1.0)
-        flight.until(lambda now: now.z < 0.02)
+        flight.until(lambda now: now.z < 0.02, 400)
         cf.high_level_commander.stop()
         cf.high_level_commander.takeoff(0.5, 1.0)
-        flight.until(lambda now: now.z > 0.4)
+        flight.until(lambda now: now.z > 0.4, 400)
         cf.supervisor.send_emergency_stop()
-        flight.until(lambda now: now.z < 0.02 and bool(now.info & LOCKED))
+        flight.until(lambda now: now.z < 0.02 and bool(now.info & LOCKED), 200)
         assert flight.packets > 300
 
 
