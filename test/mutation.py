@@ -96,7 +96,7 @@ ROOMS = (
                 "mocap_filter_lies",
             )
         ),
-        "not no_gate and not no_numbers",
+        "not no_gate and not no_numbers and not ideal_sensing",
     ),
     Room(
         tuple(

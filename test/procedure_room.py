@@ -146,9 +146,8 @@ class RoomNode(StandInNode):
     def create_subscription(
         self, kind: type, topic: str, receive: Callable[..., None], qos: object, **_: object
     ) -> object:
-        """Keep who takes a topic; a second reader that only watches deadlines takes nothing."""
-        if getattr(getattr(qos, "deadline", None), "nanoseconds", 0) == 0:
-            self.takers[topic] = receive
+        """Keep who takes a topic."""
+        self.takers[topic] = receive
         return super().create_subscription(kind, topic, receive, qos)
 
     def create_timer(self, period: float, act: Callable[[], None], **_: object) -> None:

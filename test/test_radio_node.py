@@ -20,7 +20,6 @@ from std_srvs.srv import Empty, Trigger
 from q2q_control.radio import cflib_link
 from q2q_control.radio.firmware_params import difference, firmware_params
 from q2q_control.radio.node_params import RadioNodeParams
-from q2q_model.node.wiring import PROMISE_S
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import EVERY_TICK
@@ -33,7 +32,7 @@ from q2q_sim.processes.processes import NodeSpec, Processes
 from q2q_sim.scenarios import library
 
 SCENARIO = "table6"
-LIVE = {"live": True, "promise_s": PROMISE_S}
+LIVE = {"live": True}
 PATIENCE_S = 120.0
 """All nodes of a flight on a busy machine [s]."""
 PATIENT = {

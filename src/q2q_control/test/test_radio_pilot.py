@@ -227,13 +227,13 @@ def test_a_vehicle_without_commands_is_levelled_within_60_ms_and_lands_after_a_s
     assert any("no command for 1.0 s" in line for line in bench.pilot.log_lines())
 
 
-def test_a_word_that_none_will_come_levels_a_look_earlier_and_never_after_a_fresh_command() -> None:
+def test_a_vehicle_is_levelled_from_40_ms_after_its_command_and_not_before() -> None:
     bench = _Bench()
     bench.fly()
     bench.rpyt_setpoints()
-    bench.pilot.watch(bench.t + 0.01, ahead=0.02)
+    bench.pilot.watch(bench.t + 0.039)
     assert bench.links["cf1"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
-    bench.pilot.watch(bench.t + 0.021, ahead=0.02)
+    bench.pilot.watch(bench.t + 0.041)
     assert bench.links["cf1"].sent[-1] == HOVER
 
 

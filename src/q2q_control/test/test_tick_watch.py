@@ -54,16 +54,13 @@ def test_a_hover_in_place_of_a_reference_is_degraded_even_at_the_limits() -> Non
     assert guard.update(state_at(0.02), setpoint_at(0.02, x=50.0), None).status[0] == SATURATED
 
 
-def test_a_word_that_nothing_will_come_is_the_next_look_and_no_more() -> None:
+def test_without_a_newer_state_a_missing_tick_is_held_after_hold_s() -> None:
     _, watch = watched(10)
-    assert watch.due(state_at(0.09), now=100.0 + 0.109, ahead=0.01) is None
-    early = watch.due(state_at(0.09), now=100.0 + 0.111, ahead=0.01)
-    assert early is not None
-    assert early.status.tolist() == [HOLD] * 2
-    assert early.t == pytest.approx(0.09 + PARAMS.hold_s)  # so that the next look's is never older
-    later = watch.due(state_at(0.09), now=100.0 + 0.16, ahead=0.01)
-    assert later is not None
-    assert later.t == pytest.approx(0.16)
+    assert watch.due(state_at(0.09), now=100.0 + 0.119) is None
+    held = watch.due(state_at(0.09), now=100.0 + 0.121)
+    assert held is not None
+    assert held.status.tolist() == [HOLD] * 2
+    assert held.t == pytest.approx(0.121)
 
 
 def test_a_real_tick_ends_the_hovering() -> None:

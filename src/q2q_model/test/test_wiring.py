@@ -21,13 +21,6 @@ def test_a_strangers_reader_more_than_ours_does_no_harm() -> None:
     assert unmatched({"source": Wiring(("/state",), {"/mocap": 5}), "filter": FILTER}) == {}
 
 
-def test_a_watching_reader_is_waited_for_only_where_the_writer_promises() -> None:
-    watching = Wiring(reads=("/state",), matched={}, watches=("/state",))
-    assert unmatched({"filter": FILTER, "watching": watching}) == {}
-    promising = Wiring(reads=("/mocap",), matched={"/state": 1}, promises=("/state",))
-    assert unmatched({"filter": promising, "watching": watching}) == {"filter": ["/state"]}
-
-
 def test_a_latched_value_is_waited_for_where_it_is_out() -> None:
     reader = Wiring(reads=("/plan",), matched={}, lacks=("/plan",))
     assert undelivered({"mpc": reader, "player": Wiring((), {"/plan": 1}, out=("/plan",))}) == {
@@ -41,7 +34,7 @@ def test_a_latched_value_is_waited_for_where_it_is_out() -> None:
 
 
 def test_wiring_survives_its_text() -> None:
-    watching = Wiring(("/a", "/b"), {"/c": 2, "/d": 0}, ("/a",), ("/d",))
+    several = Wiring(("/a", "/b", "/b"), {"/c": 2, "/d": 0})
     latched = Wiring(("/plan",), {"/plan": 1}, out=("/plan",), lacks=("/model",))
-    for wiring in (SOURCE, FILTER, PID, watching, latched, Wiring((), {})):
+    for wiring in (SOURCE, FILTER, PID, several, latched, Wiring((), {})):
         assert wiring_from_text(wiring.as_text()) == wiring

@@ -36,19 +36,16 @@ class TickWatch:
             return
         self._stamp, self._at, self._setpoint = setpoint.t, now, setpoint
 
-    def due(self, state: SwarmState | None, now: float, ahead: float = 0.0) -> SwarmCommand | None:
+    def due(self, state: SwarmState | None, now: float) -> SwarmCommand | None:
         """Return the command due at wall time now [s]; None if none is.
 
         Args:
             state: newest state received.
             now: wall time [s].
-            ahead: a tick that will be late within this time [s] counts as late, if its writer is gone.
         """
         age = now - self._at
         if self._setpoint is None:
             return None
-        if age + ahead >= self.params.hold_s:
-            age = max(age, self.params.hold_s)
         if age >= self.params.hold_s and state is not None and state.t > self._stamp:
             return self._hovering(state, self._setpoint, now)
         return self._guard.without_tick(age)

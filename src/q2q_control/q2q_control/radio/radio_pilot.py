@@ -129,18 +129,12 @@ class RadioPilot:
                 self._stop_one(name, t)
                 self._enter(name, Phase.READY, t)
 
-    def watch(self, t: float, ahead: float = 0.0) -> None:
-        """Check links, batteries and missing commands at time t [s].
-
-        Args:
-            t: now [s].
-            ahead: a command that will be missing within this time [s] counts as missing, if its writer is
-            gone.
-        """
+    def watch(self, t: float) -> None:
+        """Check links, batteries and missing commands at time t [s]."""
         for name, one in self._vehicles.items():
             self._watch(name, one, self._links[name].health(), t)
             if one.phase is Phase.FLYING:
-                self._watch_silence(name, one, t, ahead)
+                self._watch_silence(name, one, t)
 
     def update_state(self, state: SwarmState, t: float, *, send: bool = True) -> None:
         """Store a frame's state received at time t [s]; send the poses measured in it, once."""
@@ -248,9 +242,9 @@ class RadioPilot:
             self._log.append(f"{name} has {health.volt:.2f} V and lands")
             self._land(name, t)
 
-    def _watch_silence(self, name: str, one: VehicleRecord, t: float, ahead: float) -> None:
+    def _watch_silence(self, name: str, one: VehicleRecord, t: float) -> None:
         silent, limits = t - one.commanded_at, self._params
-        if silent + ahead < limits.silent_s or not np.isfinite(silent):
+        if silent < limits.silent_s or not np.isfinite(silent):
             return
         if silent < limits.silent_land_s:
             self._hold(name, one)

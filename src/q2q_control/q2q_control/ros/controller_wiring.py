@@ -72,14 +72,8 @@ def wire_controller(
     params: ControllerNodeParams,
     vehicle: Vehicle,
     controller: Controller,
-    *,
-    one_of_many: bool = False,
 ) -> tuple[TickWiring[SwarmCommand], GuardedCommands]:
-    """Return the wiring of a tick, not yet started, and the guard of the controller.
-
-    One of many controllers has no DDS watch on its inputs: every liveliness lease is renewed by a message to
-    every process.
-    """
+    """Return the wiring of a tick, not yet started, and the guard of the controller."""
     inputs: dict[str, type[Signal]] = {"state": SwarmState, "reference_safe": SwarmSetpoint}
     if params.aware:
         inputs["interference"] = Interference
@@ -88,5 +82,5 @@ def wire_controller(
     wiring.after_publish(LegacyTopics(node, scale, params.legacy_hz, params.vehicles).publish)
     fallback = declare(node, FallbackParams())
     guarded = GuardedCommands(controller, fallback, vehicle.hover_thrust, live=params.live)
-    guarded.wire(node, wiring, watch_writers=not one_of_many)
+    guarded.wire(node, wiring)
     return wiring, guarded

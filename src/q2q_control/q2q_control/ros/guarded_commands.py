@@ -1,8 +1,7 @@
 """Guard of a controller node: an emergency service and, live, a watch on the wall clock.
 
-Live, a timer checks every PERIOD_S for a missing tick. When DDS reports that the writer of an input is gone
-or late (q2q_model.ros.topics.deadlines), the timer's next check is made at once. An event overtaken by a tick
-has no effect, since the tick is then fresh.
+Live, a timer checks every PERIOD_S for a missing tick. DDS events (deadline, liveliness) would tell 7 ms earlier,
+but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
 """
 
 from time import monotonic
@@ -37,7 +36,6 @@ class GuardedCommands:
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._watch = TickWatch(self._guard, params) if live else None
         self._state: SwarmState | None = None
-        self._silences = 0
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
@@ -48,16 +46,14 @@ class GuardedCommands:
             self._watch.answered(setpoint, monotonic())
         return command
 
-    def wire(self, node: Node, wiring: TickWiring[SwarmCommand], *, watch_writers: bool) -> None:
-        """Offer the emergency service, count fallbacks and, live, start the watch, by DDS too if asked."""
+    def wire(self, node: Node, wiring: TickWiring[SwarmCommand]) -> None:
+        """Offer the emergency service, count fallbacks and, live, start the watch."""
         self._wiring = wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
         if self._watch is not None:
             wiring.listen("state", self._store_state)
             steady_timer(node, PERIOD_S, self._check)
-            if watch_writers and self._watch.params.hold_s > 0.0:
-                wiring.on_silence(self._watch.params.hold_s, self._on_silence)
 
     def reset(self) -> None:
         """Forget all ticks."""
@@ -76,15 +72,10 @@ class GuardedCommands:
     def _count(self, _: int, command: SwarmCommand) -> None:
         self._wiring.health.fallbacks += int(command.status.max(initial=0) > CommandStatus.SATURATED)
 
-    def _on_silence(self) -> None:
-        self._silences += 1
-        self._wiring.health.extra["silences"] = str(self._silences)
-        self._check(PERIOD_S)
-
-    def _check(self, ahead: float = 0.0) -> None:
-        """Send the command due now, or within `ahead` [s] if a writer is gone."""
+    def _check(self) -> None:
+        """Send the command that is due."""
         if self._watch is not None:
-            self._send(self._watch.due(self._state, monotonic(), ahead))
+            self._send(self._watch.due(self._state, monotonic()))
 
     def _send(self, command: SwarmCommand | None) -> None:
         if command is not None:

@@ -85,7 +85,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     if own.correct:
         receive_accelerometers(node, block.sense)
     on_change(node, params, block.configure)
-    wiring, guarded = wire_controller(node, own, vehicle, block, one_of_many=mpc.distributed)
+    wiring, guarded = wire_controller(node, own, vehicle, block)
     exchange = PredictionExchange(node, block, own.vehicles, period) if mpc.distributed else None
 
     def take_plan(message: Plan) -> None:

@@ -5,7 +5,6 @@ from time import monotonic, sleep
 from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
-from q2q_control.flight_procedure.flown_ticks import tick_topics
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Call
 from q2q_control.radio.node_params import RadioNodeParams
@@ -18,7 +17,6 @@ from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.steady_timer import steady_timer
-from q2q_model.ros.topics.deadlines import watch
 from q2q_model.ros.topics.listening import subscribe_signals
 from q2q_model.signals.layout import Signal
 
@@ -47,8 +45,6 @@ class RadioNode:
         )
         self._services.refuse_calls(self._other_radios)
         self._vehicles.ticks.procedure = self._services
-        for topic, signal in tick_topics(params.mode, aware=params.aware).items():
-            watch(node, topic, signal, limits.silent_s, self._on_silence)
         subscribe_signals(node, self._vehicles.ticks.topics, self._take, health)
         node.create_service(Trigger, "~/stop", self._on_stop)
         steady_timer(node, WATCH_S, self._watch)
@@ -63,9 +59,6 @@ class RadioNode:
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
         self._vehicles.take(topic, stamp_ns, value, monotonic())
-
-    def _on_silence(self) -> None:
-        self._vehicles.pilot.watch(monotonic(), WATCH_S)
 
     def _watch(self) -> None:
         for line in self._vehicles.watch(monotonic()):

@@ -7,10 +7,8 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-READS, WATCHES, PROMISES, OUT, LACKS = "<", "?", "!", "^", "-"
-"""Text marks of a topic: subscribed, watched, published with a deadline; latched: published, or missing."""
-PROMISE_S = 0.02
-"""Deadline that nodes of a live flight offer [s]: two ticks, within hold_s of q2q_control.failsafe.ladder."""
+READS, OUT, LACKS = "<", "^", "-"
+"""Text marks of a topic: subscribed; latched: published, or missing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,10 +19,6 @@ class Wiring:
     """Topics, once per subscription."""
     matched: Mapping[str, int]
     """Published topic -> matched subscribers."""
-    watches: tuple[str, ...] = ()
-    """Watched topics; publishers without a deadline never match these (q2q_model.ros.topics.deadlines)."""
-    promises: tuple[str, ...] = ()
-    """Topics published with a deadline."""
     out: tuple[str, ...] = ()
     """Published latched topics that have a value."""
     lacks: tuple[str, ...] = ()
@@ -32,13 +26,7 @@ class Wiring:
 
     def as_text(self) -> str:
         """Return the wiring as text: `<topic` is subscribed to, `topic=count` is published."""
-        marked = (
-            (READS, self.reads),
-            (WATCHES, self.watches),
-            (PROMISES, self.promises),
-            (OUT, self.out),
-            (LACKS, self.lacks),
-        )
+        marked = ((READS, self.reads), (OUT, self.out), (LACKS, self.lacks))
         return " ".join(
             [mark + topic for mark, topics in marked for topic in topics]
             + [f"{key}={n}" for key, n in self.matched.items()]
@@ -48,24 +36,19 @@ class Wiring:
 def wiring_from_text(text: str) -> Wiring:
     """Return the wiring in the text of `as_text`."""
     words = text.split()
-    marks = (READS, WATCHES, PROMISES, OUT, LACKS)
-    reads, watches, promises, out, lacks = (
+    marks = (READS, OUT, LACKS)
+    reads, out, lacks = (
         tuple(word.removeprefix(mark) for word in words if word.startswith(mark)) for mark in marks
     )
     pairs = [word.rpartition("=") for word in words if not word.startswith(marks)]
-    return Wiring(reads, {topic: int(count) for topic, _, count in pairs}, watches, promises, out, lacks)
+    return Wiring(reads, {topic: int(count) for topic, _, count in pairs}, out, lacks)
 
 
 def unmatched(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
     """Return, for each node, the published topics that lack a matched subscriber."""
     readers = Counter(topic for wiring in nodes.values() for topic in wiring.reads)
-    watchers = Counter(topic for wiring in nodes.values() for topic in wiring.watches)
     short = {
-        name: [
-            topic
-            for topic, count in wiring.matched.items()
-            if count < readers[topic] + (watchers[topic] if topic in wiring.promises else 0)
-        ]
+        name: [topic for topic, count in wiring.matched.items() if count < readers[topic]]
         for name, wiring in nodes.items()
     }
     return {name: topics for name, topics in short.items() if topics}

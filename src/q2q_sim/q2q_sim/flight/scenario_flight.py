@@ -11,7 +11,6 @@ from pathlib import Path
 from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
-from q2q_model.node.wiring import PROMISE_S
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
@@ -187,16 +186,13 @@ def _chain(scenario: Scenario, request: FlightRequest, plan: Path) -> tuple[Node
     """Return the nodes from mocap_filter to controller."""
     replanner = assembly.replanner_parameters(scenario, request.options)
     controller = assembly.controller_parameters(scenario, request.options) | {"live": request.live}
-    nodes = (
+    return (
         NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
         NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
         NodeSpec("q2q_planner", "replanner", replanner),
         NodeSpec("q2q_control", request.controller, controller),
     )
-    watched = request.live and not request.distributed  # by the controller
-    promised = {"promise_s": PROMISE_S} if watched else {}
-    return tuple(replace(spec, parameters={**spec.parameters, **promised}) for spec in nodes)
 
 
 def _simulator(request: FlightRequest) -> NodeSpec:

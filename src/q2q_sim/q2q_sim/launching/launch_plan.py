@@ -11,7 +11,6 @@ from pathlib import Path
 
 from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
-from q2q_model.node.wiring import PROMISE_S
 from q2q_model.tunable import ParameterValue
 from q2q_model.vehicle.constants import firmware_of
 from q2q_planner.offline.certified_file import load_plan
@@ -114,9 +113,8 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     """
     folder = _checked(given)
     by_stick = given["mode"] == "command"
-    promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
     flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "aware": True, "live": True}
-    pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", flown | promised)]
+    pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", flown)]
     radio: dict[str, ParameterValue] = {
         "crazyflies": given["crazyflies"],
         "mode": given["mode"],
@@ -193,17 +191,16 @@ def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
 
 def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[NodeSpec]:
     """Return recorder and nodes of a real room; the trajectory waits for its service call."""
-    promised: dict[str, ParameterValue] = {"promise_s": PROMISE_S}
     return [
         NodeSpec(
             "q2q_sim",
             RECORDER,
             {"bag": str(folder / "bag"), "stamps": "receive", "facts": facts_as_text(facts)},
         ),
-        NodeSpec("q2q_model", "mocap_filter", promised),
-        NodeSpec("q2q_model", "interference", promised | {"model": given["model"]}),
-        NodeSpec("q2q_planner", "trajectory", promised | {"plan": given["plan"], "wait": True}),
-        NodeSpec("q2q_planner", "replanner", promised),
+        NodeSpec("q2q_model", "mocap_filter"),
+        NodeSpec("q2q_model", "interference", {"model": given["model"]}),
+        NodeSpec("q2q_planner", "trajectory", {"plan": given["plan"], "wait": True}),
+        NodeSpec("q2q_planner", "replanner"),
     ]
 
 

@@ -190,8 +190,4 @@ def quality(qos: QoSProfile | int) -> str:
     if isinstance(qos, int):
         return f"reliable, volatile, depth {qos}"
     policies = ", ".join(one.name.lower().replace("_", " ") for one in (qos.reliability, qos.durability))
-    terms = {"deadline": qos.deadline, "lease": qos.liveliness_lease_duration}
-    asked = [
-        f", {word} {term.nanoseconds * 1e-9:g} s" for word, term in terms.items() if term.nanoseconds > 0
-    ]
-    return f"{policies}, depth {qos.depth}{''.join(asked)}"
+    return f"{policies}, depth {qos.depth}"

@@ -15,7 +15,6 @@ from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
 from q2q_model.node.wiring import Wiring
-from q2q_model.ros.topics.deadlines import has_deadline
 
 SERVICE = "ready"
 DRAINED = "drained"
@@ -64,12 +63,9 @@ def offer_drained(node: Node) -> None:
 
 def wiring_of(node: Node) -> Wiring:
     """Return a node's subscriptions and the matched subscribers of each of its publishers."""
-    readers, writers = list(node.subscriptions), list(node.publishers)
     return Wiring(
-        reads=tuple(one.topic_name for one in readers if not has_deadline(one.qos_profile)),
-        matched={one.topic_name: one.get_subscription_count() for one in writers},
-        watches=tuple(one.topic_name for one in readers if has_deadline(one.qos_profile)),
-        promises=tuple(one.topic_name for one in writers if has_deadline(one.qos_profile)),
+        reads=tuple(one.topic_name for one in node.subscriptions),
+        matched={one.topic_name: one.get_subscription_count() for one in node.publishers},
         out=tuple(sorted(_OUT.get(node, ()))),
         lacks=tuple(sorted(_LACKS.get(node, ()))),
     )

@@ -14,37 +14,16 @@ from q2q_model.node.rehearsal import rehearse
 from q2q_model.node.stopwatch import Stopwatch
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
-from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.signal_publisher import SignalPublisher
-from q2q_model.ros.topics.deadlines import publisher_qos, watch
 from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.ros.topics.qos import TICK
+from q2q_model.ros.topics.qos import TICK, TICK_WRITER
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.signal_facts import facts
 from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import Names
-from q2q_model.tunable import check_bounds, tunable
 
 Made = TypeVar("Made", bound=Signal)
-
-
-@dataclass(frozen=True, slots=True)
-class TickWriterParams:
-    """Parameters of every node that processes ticks."""
-
-    promise_s: float = tunable(
-        0.0,
-        "live: longest silence promised to readers, as DDS deadline and liveliness lease; 0 promises none",
-        unit="s",
-        low=0.0,
-        high=10.0,
-        read_only=True,
-    )
-
-    def __post_init__(self) -> None:
-        """Check the bounds."""
-        check_bounds(self)
 
 
 class TickWiring(Generic[Made]):
@@ -57,8 +36,7 @@ class TickWiring(Generic[Made]):
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         self._node = node
         topic, signal = output
-        quality = publisher_qos(declare(node, TickWriterParams()).promise_s)
-        self._publisher = SignalPublisher(node, topic, signal, quality)
+        self._publisher = SignalPublisher(node, topic, signal, TICK_WRITER)
         self._inputs = inputs
         self._after: list[Callable[[int, Made], None]] = []
         self._topic = topic
@@ -100,12 +78,6 @@ class TickWiring(Generic[Made]):
     def listen(self, topic: str, take: Callable[[int, Signal], None]) -> None:
         """Call `take(stamp_ns, signal)` for every message of an input, including incomplete ticks."""
         self._bus.listen(topic, take)
-
-    def on_silence(self, within_s: float, act: Callable[[], None]) -> None:
-        """Call `act` when a publisher in another process misses its deadline or leaves."""
-        for topic, signal in self._inputs.items():
-            if not self._bus.carries(topic):
-                watch(self._node, topic, signal, within_s, act)
 
     def add_facts(self, more: Callable[[], Mapping[str, str]]) -> None:
         """Add the values of `more()` to `/diagnostics`, once a second."""

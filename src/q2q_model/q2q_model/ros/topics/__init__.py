@@ -1,1 +1,1 @@
-"""Topics: message types, qualities of service, deadlines, publishers of each vehicle."""
+"""Topics: message types, qualities of service, publishers of each vehicle."""
