@@ -105,7 +105,14 @@ ROOMS = (
         ),
         tuple(
             f"src/q2q_planner/test/test_{name}.py"
-            for name in ("traffic", "safe_tick", "safe_replanner", "steady_replanner", "encounters")
+            for name in (
+                "committed_motion",
+                "traffic",
+                "safe_tick",
+                "safe_replanner",
+                "steady_replanner",
+                "encounters",
+            )
         ),
         compiled=True,
     ),

@@ -81,7 +81,7 @@ class Scene:
         self.until(lambda: self.wiring.health.ticks >= 20 and bool(self.received), "ticks")
 
     def until_answered(self, status: CommandStatus, age: float) -> None:
-        """Show the clock at an age [s] after the last tick, a late one too, until the command has a status."""
+        """Show the clock `age` [s] after the last tick, a late one too, until the command has a status."""
 
         def answered() -> bool:
             if self.wiring.health.ticks != self._tick:

@@ -179,6 +179,19 @@ def test_who_is_further_off_than_its_age_explains_is_off_its_trajectory() -> Non
     ]  # as old as is remembered, no older
 
 
+@pytest.mark.parametrize(("age", "since"), [(0.0, 0.0), (0.5, 0.2 * 0.5 + 0.5 * 3.0 * 0.5**2)])
+def test_a_tube_has_a_radius_and_a_height_of_its_own_and_both_grow_with_age(age: float, since: float) -> None:
+    tube = replace(PARAMS, tracking=0.05, tracking_z=0.1)
+    motion = held(np.tile([0.0, age, 0.0], (2, 1)), np.zeros((2, 3)))  # where 1 m/s lead
+    off = np.array([-1e-9, 1e-9])  # inside, outside
+    aside = states([age, age], [0.0, 0.0])
+    aside.pos[:, 0], aside.pos[:, 1] = 0.6 * (0.05 + since + off), 0.8 * (0.05 + since + off)
+    assert off_trajectory(motion, aside, tube).tolist() == [False, True]
+    above = states([age, age], [0.0, 0.0])
+    above.pos[:, 2] = -(0.1 + since + off)
+    assert off_trajectory(motion, above, tube).tolist() == [False, True]
+
+
 def among_external_vehicles(strange: KnownStates) -> TrafficTable:
     """Return the table of two vehicles at rest and external vehicles."""
     pos = np.array([[0.0, 0.0, 0.0], [0.0, 90.0, 0.0]])
@@ -214,11 +227,11 @@ def test_an_external_vehicle_that_keeps_the_law_certainly_brakes_from_its_hold_o
     np.testing.assert_allclose(growth, [[slack, 0.0]] * 3, rtol=1e-12)
 
 
-def meet(apart: float, vel: Array, growth: Array | None = None) -> bool:
+def meet(apart: float, vel: Array, growth: Array | None = None, params: SafeReplannerParams = PARAMS) -> bool:
     """Return whether two vehicles so far apart in y [m] could matter to each other."""
     pos = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]])
     doubt = np.zeros((2, 2)) if growth is None else growth
-    _, traffic = traffic_at(held(pos, vel), setpoint(1.0, ("a", "b"), pos + 1.0), doubt, NOBODY, PARAMS)
+    _, traffic = traffic_at(held(pos, vel), setpoint(1.0, ("a", "b"), pos + 1.0), doubt, NOBODY, params)
     assert traffic.meets.tolist() == [len(traffic.pairs.i) == 1] * 2
     return bool(traffic.meets[0])
 
@@ -234,6 +247,17 @@ def test_vehicles_matter_to_each_other_up_to_where_their_ways_to_rest_overlap() 
     rest = 0.02 + (3.06 + 0.6) / 3.0
     assert meet(far + 0.4 * rest - 1e-9, vel, growth)
     assert not meet(far + 0.4 * rest + 1e-9, vel, growth)
+
+
+@pytest.mark.parametrize("jerk", [0.75, 60.0])
+def test_ways_to_rest_are_longer_by_the_ramps_of_a_bounded_jerk(jerk: float) -> None:
+    """From one full acceleration to the other and back, 4 acc_max / jerk, after two holds."""
+    vel = np.array([[3.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    late = 2 * 0.02 + 4.0 * 3.0 / jerk
+    way = {v: (v + 3.0 * late) * (late + 0.5 * (v + 3.0 * late) / 3.0) for v in (3.0, 2.0)}
+    far, smooth = PARAMS.eps + way[3.0] + way[2.0], replace(PARAMS, jerk_max=jerk)
+    assert meet(far - 1e-6, vel, params=smooth)
+    assert not meet(far + 1e-6, vel, params=smooth)
 
 
 def test_zones_that_have_grown_count_in_the_ways_and_in_the_distance() -> None:

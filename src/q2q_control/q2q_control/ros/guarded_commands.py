@@ -1,7 +1,7 @@
 """Guard of a controller node: an emergency service and, live, a watch on the wall clock.
 
-Live, a timer checks every PERIOD_S for a missing tick. DDS events (deadline, liveliness) would tell 7 ms earlier,
-but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
+Live, a timer checks every PERIOD_S for a missing tick. DDS events (deadline, liveliness) would tell 7 ms
+earlier, but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
 """
 
 from time import monotonic

@@ -96,7 +96,7 @@ def off_trajectory(
         above, aside = np.abs(error[:, 2]), np.hypot(error[:, 0], error[:, 1])
         return np.asarray((aside > params.tracking + since) | (above > params.tracking_z + since))
     away = np.sqrt((error**2).sum(-1))
-    return np.asarray(away > params.tracking + params.drift * age + 0.5 * params.acc_max * age**2)
+    return np.asarray(away > params.tracking + since)
 
 
 def traffic_at(

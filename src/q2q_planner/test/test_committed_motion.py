@@ -1,0 +1,108 @@
+"""Committed motions go on from tick to tick; a reference is joined only where it keeps the bounds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.signals.values import Names, SwarmSetpoint
+from q2q_planner.online.safe.committed_motion import (
+    CommittedMotion,
+    at_reference,
+    can_be_followed,
+    near_reference,
+    propagated,
+)
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+
+PARAMS = SafeReplannerParams(acc_max=2.0, jerk_max=20.0, speed_max=2.5, hold=0.04)
+
+
+def resting(t: float, names: Names) -> SwarmSetpoint:
+    """Return a reference on which vehicles rest side by side, 1 m apart."""
+    n = len(names)
+    pos = np.column_stack([np.arange(float(n)), np.zeros(n), np.ones(n)])
+    still = np.zeros((n, 3))
+    return SwarmSetpoint(t, names, pos, still, still, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
+
+
+def moving() -> CommittedMotion:
+    """Return one vehicle at 1 m/s, off its reference, that holds a jerk for 0.1 s more."""
+    one = at_reference(resting(2.0, ("cf1",)))
+    return replace(
+        one,
+        vel=np.array([[1.0, 0.0, 0.0]]),
+        hold=np.array([0.1]),
+        on_reference=np.array([False]),
+        pushed=np.array([True]),
+        jerk=np.array([[0.0, 6.0, 0.0]]),
+    )
+
+
+def test_a_new_vehicle_starts_on_its_reference_and_the_others_go_on() -> None:
+    both = propagated(moving(), resting(2.01, ("cf0", "cf1")), brake=2.0, jerk=20.0)
+    alone = propagated(moving(), resting(2.01, ("cf1",)), brake=2.0, jerk=20.0)
+    assert both.names == ("cf0", "cf1")
+    assert both.hold.tolist() == [0.0, pytest.approx(0.09)]
+    assert both.jerk.tolist() == [[0.0, 0.0, 0.0], [0.0, 6.0, 0.0]]
+    assert both.on_reference.tolist() == [True, False]
+    assert both.pushed.tolist() == [False, True]
+    np.testing.assert_array_equal(both.pos, [[0.0, 0.0, 1.0], alone.pos[0]])
+    np.testing.assert_array_equal(both.vel, [[0.0, 0.0, 0.0], alone.vel[0]])
+    np.testing.assert_array_equal(both.acc, [[0.0, 0.0, 0.0], alone.acc[0]])
+
+
+def test_a_held_jerk_is_integrated_over_the_tick() -> None:
+    moved = propagated(moving(), resting(2.01, ("cf1",)), brake=2.0, jerk=20.0)
+    np.testing.assert_allclose(moved.acc, [[0.0, 6.0 * 0.01, 0.0]], atol=1e-12)
+    np.testing.assert_allclose(moved.vel, [[1.0, 0.5 * 6.0 * 0.01**2, 0.0]], atol=1e-12)
+    np.testing.assert_allclose(moved.pos, [[0.01, 6.0 * 0.01**3 / 6.0, 1.0]], atol=1e-12)
+
+
+def test_a_vehicle_is_near_its_reference_by_place_and_by_speed_unless_it_is_pushed() -> None:
+    asked = resting(2.0, ("cf1", "cf2", "cf3", "cf4"))
+    on = at_reference(asked)
+    off = replace(
+        on,
+        pos=on.pos + np.array([[0.9e-4, 0, 0], [1.1e-4, 0, 0], [0, 0, 0], [0, 0, 0]]),
+        vel=on.vel + np.array([[0, 4.9e-3, 0], [0, 0, 0], [0, 5.1e-3, 0], [0, 0, 0]]),
+        pushed=np.array([False, False, False, True]),
+    )
+    assert near_reference(off, asked).tolist() == [True, False, False, False]
+
+
+@pytest.mark.parametrize(
+    ("name", "asked", "followed"),
+    [
+        ("acc", [1.9, 0.0, 0.0], True),
+        ("acc", [0.0, -2.1, 0.0], False),  # more than acc_max
+        ("acc", [1.3, 1.6, 0.0], False),  # by its size, not by its parts
+        ("vel", [0.0, 0.0, 2.4], True),
+        ("vel", [0.0, 0.0, -2.6], False),  # more than speed_max
+        ("vel", [2.0, 2.0, 0.0], False),
+    ],
+)
+def test_a_reference_is_followed_within_acceleration_and_speed(
+    name: str, asked: list[float], followed: bool
+) -> None:
+    reference = replace(resting(2.0, ("cf1",)), **{name: np.array([asked])})
+    same = replace(at_reference(reference), vel=np.zeros((1, 3)))
+    assert can_be_followed(same, reference, PARAMS).tolist() == [followed]
+
+
+@pytest.mark.parametrize(
+    ("before", "asked", "followed"),
+    [
+        (0.0, 0.79, True),
+        (0.0, -0.81, False),  # a jump of more than jerk_max hold = 0.8 m/s^2
+        (0.5, -0.31, False),
+        (0.5, -0.29, True),
+        (1.5, 1.5, True),
+    ],
+)
+def test_a_reference_is_followed_if_its_acceleration_jumps_by_no_more_than_the_jerk_allows(
+    before: float, asked: float, followed: bool
+) -> None:
+    reference = replace(resting(2.0, ("cf1",)), acc=np.array([[0.0, asked, 0.0]]))
+    committed = replace(at_reference(reference), acc=np.array([[0.0, before, 0.0]]))
+    assert can_be_followed(committed, reference, PARAMS).tolist() == [followed]
