@@ -9,6 +9,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.braking import BrakingLaw, Motions
 from q2q_planner.online.safe.jerk_limited import (
+    jerk_towards,
     lateness,
     rest_time,
     smooth_motion_after,
@@ -135,13 +136,112 @@ def test_what_is_proven_is_true_at_every_sample(seed: int) -> None:
 
 @settings(deadline=None, max_examples=30)
 @given(st.integers(0, 10**9))
-def test_compiled_and_plain_agree_and_nothing_moves_beyond_its_reach(seed: int) -> None:
+def test_compiled_and_plain_agree(seed: int) -> None:
     motions = random_motions(seed, 4)
     for i, j in ((0, 1), (2, 3), (0, 3)):
         assert stays_out_smoothly(motions, i, j, LAW, 1e-3) == stays_out_smoothly.py_func(
             motions, i, j, LAW, 1e-3
         )
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 10**9))
+def test_nothing_moves_beyond_its_reach(seed: int) -> None:
+    motions = random_motions(seed, 4)
     longest = max(rest_time(motions, row, LAW) for row in range(4))
     there, _, _ = smooth_motion_after(motions, longest, LAW)
     moved = np.sqrt(((there - motions.pos) ** 2).sum(-1)) + motions.growth @ [1.0, longest]
     assert (moved <= stop_reach(motions, LAW, longest)).all()
+
+
+def test_a_velocity_known_less_well_takes_longer_to_stop_by_two_ramps_and_a_plateau() -> None:
+    assert lateness(0.2, LAW) == pytest.approx(0.2 / BRAKE + 2.0 * np.sqrt(0.2 / JERK), rel=1e-14)
+    for vel in (0.0, 0.1, 1.0, 3.0):
+        later = rest_time(stopping(vel + 0.2, 0.0), 0, LAW) - rest_time(stopping(vel, 0.0), 0, LAW)
+        assert later <= lateness(0.2, LAW)
+
+
+@pytest.mark.parametrize(("jerk", "most"), [(0.0, BRAKE), (30.0, 4.0), (-30.0, BRAKE)])
+def test_the_reach_of_a_stop_is_its_largest_speed_for_its_time_and_its_doubt(
+    jerk: float, most: float
+) -> None:
+    """An acceleration of 1 m/s^2 becomes 4 or -2 m/s^2 within its hold; the other axes have the brake's."""
+    hold, longest = 0.1, 2.0
+    along, still = np.array([[1.0, 0.0, 0.0]]), np.zeros((1, 3))
+    motion = Motions(still, 1.5 * along, along, np.array([hold]), np.array([[0.1, 0.2]]), jerk * along)
+    bound = np.sqrt(most**2 + 2.0 * BRAKE**2)
+    speed = 1.5 + bound * (hold + bound / JERK)
+    late = longest + lateness(0.2, LAW)
+    reach = speed * rest_time(motion, 0, LAW) + 0.1 + 2.0 * 0.2 * late
+    assert stop_reach(motion, LAW, longest).tolist() == [pytest.approx(reach, rel=1e-13)]
+
+
+def test_a_jerk_leads_to_the_wanted_acceleration_within_its_lag_and_bound() -> None:
+    wanted, acc = np.array([[1.0, -1.0, 0.5]]), np.array([[0.0, 1.0, 0.5]])
+    assert jerk_towards(wanted, acc, 0.25, 100.0).tolist() == [[4.0, -8.0, 0.0]]
+    assert jerk_towards(wanted, acc, 0.25, 5.0).tolist() == [[4.0, -5.0, 0.0]]
+
+
+def pair(rel_pos: Array, vel: Array, acc: Array | None = None, hold: float = 0.0) -> Motions:
+    """Return two motions: the first at `rel_pos` from the second; velocities and accelerations are (2, 3)."""
+    pos, zero = np.array([rel_pos, np.zeros(3)]), np.zeros((2, 3))
+    return Motions(pos, vel, zero if acc is None else acc, np.full(2, hold), np.zeros((2, 2)), zero)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_vehicles_that_fly_through_each_other_are_not_proven_apart(axis: int, sign: float) -> None:
+    """Head-on at 12 m/s, they are in each other's zone for hundredths of a second."""
+    towards = np.zeros(3)
+    towards[axis] = sign
+    apart = (LAW.d if axis == 2 else LAW.eps) + 1.0
+    assert not stays_out_smoothly(
+        pair(-apart * towards, np.array([6.0 * towards, -6.0 * towards])), 0, 1, LAW, 1e-3
+    )
+    assert stays_out_smoothly(
+        pair(-apart * towards, np.array([-6.0 * towards, 6.0 * towards])), 0, 1, LAW, 1e-3
+    )
+
+
+@pytest.mark.parametrize("speed", [0.5, 2.0, 6.0])
+def test_who_passes_is_proven_apart_exactly_where_it_stays_out_of_the_zone(speed: float) -> None:
+    """It passes the other's axis at y, which is its least distance."""
+    vel = np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    start = -0.25 * speed / BRAKE * speed  # half of its way to rest
+    for outside in (5e-3, 2e-2):
+        assert stays_out_smoothly(pair(np.array([start, LAW.eps + outside, 0.0]), vel), 0, 1, LAW, 1e-3)
+    for within in (-0.9e-3, 1e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2):  # the first: less than the floor away
+        near = np.array([start, LAW.eps - within, 0.0])
+        assert not stays_out_smoothly(pair(near, vel), 0, 1, LAW, 1e-3)
+
+
+def test_accelerations_towards_each_other_count_even_without_speed() -> None:
+    """Each goes 0.16 m in its hold and as far again: 0.1 m are too few, 1 m are not."""
+    acc = np.array([[2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]])
+    for left, proven in ((0.1, False), (1.0, True)):
+        motions = pair(np.array([-LAW.eps - left, 0.0, 0.0]), np.zeros((2, 3)), acc, hold=0.4)
+        assert stays_out_smoothly(motions, 0, 1, LAW, 1e-3) == proven
+
+
+def test_who_is_nearer_than_the_floor_already_may_part_but_not_come_nearer() -> None:
+    for speed, proven in ((1.0, True), (0.0, True), (-0.01, False)):
+        vel = np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        start = np.array([LAW.eps + 5e-4, 0.0, 0.0])
+        assert stays_out_smoothly(pair(start, vel), 0, 1, LAW, 1e-3) == proven
+
+
+def test_a_pair_that_takes_too_many_steps_is_not_proven() -> None:
+    """Side by side at 1e-9 m from the zone, every step is some microseconds."""
+    vel = np.tile([3.0, 0.0, 0.0], (2, 1))
+    assert not stays_out_smoothly(pair(np.array([0.0, LAW.eps + 1e-9, 0.0]), vel), 0, 1, LAW, 0.0)
+
+
+def test_a_doubt_that_grows_brings_vehicles_together_until_both_certainly_rest() -> None:
+    """1.0 m/s is stopped within 0.6 s, 0.1 m/s more within 0.19 s: the zone grows by 79 mm."""
+    vel = np.tile([1.0, 0.0, 0.0], (2, 1))
+    grown = 0.1 * (1.0 / BRAKE + BRAKE / JERK + lateness(0.1, LAW))
+    for left, proven in ((grown + 5e-3, True), (grown - 5e-3, False)):
+        motions = pair(np.array([0.0, LAW.eps + left, 0.0]), vel)._replace(
+            growth=np.array([[0.0, 0.1], [0.0, 0.0]])
+        )
+        assert stays_out_smoothly(motions, 0, 1, LAW, 1e-3) == proven
