@@ -96,7 +96,6 @@ ROOMS = (
                 "mocap_filter_lies",
             )
         ),
-        "not no_gate and not no_numbers and not ideal_sensing",
     ),
     Room(
         tuple(
@@ -375,7 +374,8 @@ def _in_a_process_of_its_own(room: Room, asked: argparse.Namespace) -> bool:
     os.environ["NUMBA_DISABLE_JIT"] = "0" if room.compiled else "1"  # before numba is loaded
     trial = Trial(modules, asked)
     tests = [str(ROOT / name) for name in room.tests]
-    words = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-k", room.left_out, *tests]
+    silent = ["-W", "ignore::RuntimeWarning"]  # of numbers that compiled loops divide without a word
+    words = ["-q", *silent, "-p", "no:cacheprovider", "-p", "no:xdist", "-k", room.left_out, *tests]
     os._exit(int(pytest.main(words, plugins=[trial])))
 
 
