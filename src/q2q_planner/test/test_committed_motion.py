@@ -74,10 +74,10 @@ def test_a_vehicle_is_near_its_reference_by_place_and_by_speed_unless_it_is_push
 @pytest.mark.parametrize(
     ("name", "asked", "followed"),
     [
-        ("acc", [1.9, 0.0, 0.0], True),
+        ("acc", [2.0, 0.0, 0.0], True),
         ("acc", [0.0, -2.1, 0.0], False),  # more than acc_max
         ("acc", [1.3, 1.6, 0.0], False),  # by its size, not by its parts
-        ("vel", [0.0, 0.0, 2.4], True),
+        ("vel", [0.0, 0.0, 2.5], True),
         ("vel", [0.0, 0.0, -2.6], False),  # more than speed_max
         ("vel", [2.0, 2.0, 0.0], False),
     ],
@@ -93,7 +93,7 @@ def test_a_reference_is_followed_within_acceleration_and_speed(
 @pytest.mark.parametrize(
     ("before", "asked", "followed"),
     [
-        (0.0, 0.79, True),
+        (0.0, 0.8, True),
         (0.0, -0.81, False),  # a jump of more than jerk_max hold = 0.8 m/s^2
         (0.5, -0.31, False),
         (0.5, -0.29, True),
