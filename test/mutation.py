@@ -92,6 +92,7 @@ ROOMS = (
                 "tracking_gates",
                 "position_gates",
                 "position_tracks",
+                "attitude_tracks",
                 "mocap_filter",
                 "mocap_filter_lies",
             )

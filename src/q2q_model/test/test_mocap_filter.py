@@ -165,6 +165,31 @@ def test_a_swap_at_the_very_start_heals():
     assert all(np.array_equal(s.pos, _truth(round(s.t * 100))[0]) for s in states[27:])
 
 
+def _hovering_with_names_exchanged(exchanged: range) -> tuple[list[bool], list[SwarmState]]:
+    """Return for 60 ticks whether both hovering vehicles are believed where they are, and the states."""
+    block, noise = MocapFilter(MocapFilterParams(), PAIR), np.random.default_rng(0)
+    place = _truth(0)[0]
+    states = []
+    for tick in range(60):
+        seen = place + noise.normal(0.0, 3e-4, (2, 3))
+        states.append(block.update(_frame(tick, seen[::-1] if tick in exchanged else seen)))
+    return [bool(np.abs(state.pos - place).max() < 5e-3) for state in states], states
+
+
+@pytest.mark.parametrize("until", [2, 17, 35])
+def test_names_exchanged_from_the_second_frame_on_move_no_track(until: int):
+    right, states = _hovering_with_names_exchanged(range(1, until))
+    assert all(right)
+    assert all((state.status == COASTING).all() for state in states[:until])
+    assert all((state.status == TRACKED).all() for state in states[until:])
+
+
+def test_names_exchanged_in_the_first_frame_alone_are_put_right_once_the_others_have_lasted():
+    right, states = _hovering_with_names_exchanged(range(1))
+    assert right == [False] * 36 + [True] * 24  # coast_s after the second frame
+    assert not any((state.status == TRACKED).any() for state in states[:36])
+
+
 @pytest.mark.parametrize("size", [0.06, 0.12, 1.5])
 def test_a_first_sample_is_not_trusted_and_an_outlier_as_first_is_gone_with_the_next(size: float):
     block = MocapFilter(MocapFilterParams(), PAIR)

@@ -5,7 +5,8 @@ period; the gates are q2q_model.estimation.position_gates. Data association of a
 rejects, in this order:
 
 1. A track's first sample is accepted but not trusted: if the next one fails the gates, the track restarts
-   there.
+   there, unless that fits the first sample of another vehicle whose next one fails too: names are exchanged
+   in one of the two frames, and those that last for as long as a vehicle may coast are right.
 2. The sample may belong to another vehicle (q2q_model.estimation.marker_swaps). A track accepts samples of
    other names at most as often as it has accepted samples of its own name, so a wrong start is corrected.
 3. Rejected samples that stay together are a true jump (q2q_model.estimation.reacquisition): the track
@@ -163,11 +164,12 @@ class PositionTracks:
             self._reacquisition.forget(own)
             return self._all_own
         present = _present(at.samples)
-        began = present & (~tracks.seen | (~own & ~tracks.confirmed))
+        began = present & (~tracks.seen | self._refutes_first(at, present))
         rejected = present & ~own & ~began
         source = np.where(own | began, rows, -1)
         if rejected.any():
-            missing = tracks.seen & ~at.lost & ~own & ~began & (tracks.borrowed < tracks.own)
+            known = tracks.seen & (tracks.confirmed | ~present)
+            missing = known & ~at.lost & ~own & (tracks.borrowed < tracks.own)
             borrowed = swapped_sources(at.samples, at.state[:, 0], at.reach, rejected, missing)
             source = np.where(borrowed >= 0, borrowed, source)
             rejected &= (source < 0) & ~np.isin(rows, borrowed)
@@ -178,6 +180,15 @@ class PositionTracks:
             self._restart(t, at.samples, began | jumped, jumped)
         return Association(np.where(jumped, rows, source), began, jumped)
 
+    def _refutes_first(self, at: Prediction, present: Mask) -> Mask:
+        """Return the samples that show the first one of their tracks, unconfirmed as yet, to be wrong, (n,)."""
+        tracks = self._tracks
+        fails = present & tracks.seen & ~at.own & ~tracks.confirmed
+        if not fails.any():
+            return fails
+        fits = np.linalg.norm(at.samples[:, None] - at.state[None, :, 0], axis=2) <= at.reach
+        return np.asarray(fails & ~(fits & fails).any(axis=1))
+
     def _jumped(self, t: float, samples: Array, unmatched: Unmatched) -> Mask:
         """Return the tracks whose rejected samples are accepted, (n,)."""
         if not unmatched.rejected.any():
@@ -185,7 +196,7 @@ class PositionTracks:
         tracks, params = self._tracks, self._params
         last = tracks.state[:, 0], tracks.time
         ambiguous = self._reacquisition.ambiguous(t, samples, last, unmatched)
-        ambiguous &= tracks.borrowed < tracks.own
+        ambiguous &= ~tracks.confirmed | (tracks.borrowed < tracks.own)
         longest = max(params.coast_s, params.reacquire_s)
         patience = np.where(ambiguous, longest, params.reacquire_s)
         return self._reacquisition.offer(t, samples, unmatched.rejected, patience)
