@@ -80,6 +80,26 @@ def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_another_that_is_refu
     assert Reacquisition(2, LIMITS).ambiguous(4.25, pos, (last, when), refused).tolist() == [doubtful, False]
 
 
+def test_a_doubt_lasts_while_another_vehicle_is_missing_and_no_longer() -> None:
+    rivals = Reacquisition(2, LIMITS)
+    last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.full(2, 4.125)
+    near, far = np.array([[1.25, 0.0, 0.0], [9.0, 0.0, 0.0]]), np.array([[0.75, 0.0, 0.0], [np.nan] * 3])
+    none, first, both = np.zeros(2, np.bool_), np.array([True, False]), np.ones(2, np.bool_)
+    exchanged, vanished, returned = Unmatched(none, both), Unmatched(~first, first), Unmatched(none, first)
+
+    def doubtful(pos: Array, unmatched: Unmatched) -> bool:
+        return bool(rivals.ambiguous(4.25, pos, (last, when), unmatched)[0])
+
+    assert not doubtful(far, vanished)
+    assert doubtful(near, exchanged)
+    assert doubtful(far, vanished)  # by what was seen before
+    rivals.forget(first)
+    assert not doubtful(far, vanished)
+    assert doubtful(near, exchanged)
+    assert not doubtful(far, returned)
+    assert not doubtful(far, vanished)
+
+
 def test_a_sample_goes_to_the_nearest_needy_track_within_its_gate_and_never_to_its_own() -> None:
     measured = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [np.nan] * 3])
     expected = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.25, 0.0, 0.0]])

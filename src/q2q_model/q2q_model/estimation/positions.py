@@ -181,7 +181,7 @@ class PositionTracks:
         return Association(np.where(jumped, rows, source), began, jumped)
 
     def _refutes_first(self, at: Prediction, present: Mask) -> Mask:
-        """Return the samples that show the first one of their tracks, unconfirmed as yet, to be wrong, (n,)."""
+        """Return the samples that show the unconfirmed first one of their tracks to be wrong, (n,)."""
         tracks = self._tracks
         fails = present & tracks.seen & ~at.own & ~tracks.confirmed
         if not fails.any():

@@ -24,6 +24,7 @@ CANDIDATE = np.dtype(
         ("last_time", np.float64),
         ("first_pos", np.float64, 3),
         ("last_pos", np.float64, 3),
+        ("ambiguous", np.bool_),
     ]
 )
 """Columns of a candidate [s, m]."""
@@ -53,6 +54,7 @@ class Reacquisition:
     def forget(self, tracks: Mask) -> None:
         """Drop the candidates of tracks with an accepted sample."""
         self._candidates["samples"][tracks] = 0
+        self._candidates["ambiguous"][tracks] = False
 
     def offer(self, t: float, pos: Array, rejected: Mask, patience: Array) -> Mask:
         """Add rejected samples pos [m] (n, 3) at t [s]; return which candidates are now accepted, (n,).
@@ -72,20 +74,25 @@ class Reacquisition:
         return np.asarray(rejected & lasted & (one["samples"] >= CONFIRM_SAMPLES))
 
     def ambiguous(self, t: float, pos: Array, tracks: tuple[Array, Array], unmatched: Unmatched) -> Mask:
-        """Return which samples at pos [m] (n, 3) may belong to another vehicle with a wrong name, (n,).
+        """Note and return which samples at pos [m] (n, 3) may be of another vehicle with a wrong name, (n,).
 
         The other vehicle has no accepted sample and was last nearer to the sample than the vehicle it names.
         It is either absent and may have moved there, or its own sample is rejected as well: a swap in which
-        a marker was also moved. Swaps end before a vehicle has coasted. `tracks` are last positions [m]
-        (n, 3) and their times [s] (n,).
+        a marker was also moved. Swaps end before a vehicle has coasted. What was ambiguous remains so while
+        any other vehicle is without an accepted sample. `tracks` are last positions [m] (n, 3) and their
+        times [s] (n,).
         """
         last, when = tracks
-        others = np.flatnonzero(unmatched.rejected | unmatched.absent)  # (m,)
+        open_rows = unmatched.rejected | unmatched.absent
+        others = np.flatnonzero(open_rows)  # (m,)
         away = np.linalg.norm(pos[:, None] - last[others], axis=2)  # (n, m): of i's sample to j's track
         own = np.linalg.norm(pos - last, axis=1)[:, None]
         reached = away <= self._limits.jump_max + self._limits.speed_max * (t - when[others])
         suspect = unmatched.rejected[others] | reached
-        return np.asarray((suspect & (away < own)).any(axis=1))
+        noted = self._candidates["ambiguous"]
+        noted &= open_rows.sum() > open_rows  # another one
+        noted |= unmatched.rejected & (suspect & (away < own)).any(axis=1)
+        return noted.copy()
 
     def velocity(self) -> Array:
         """Return the mean velocity of every candidate [m/s], (n, 3); zero for a single sample."""
