@@ -20,13 +20,17 @@ from budgets import budget_of
 
 if TYPE_CHECKING:
     from grimp import ImportGraph
+    from xdist.workermanage import WorkerController
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim", "q2q")
 TESTS = ("src/*/test", "test")
 STARTER = "q2q_sim.processes.processes"
 """The module that starts the nodes, which it does not import."""
-MINUTE_S = 60.0
+RUN_S = 45.0
+"""Time of the tests themselves; set-up, the graph of imports and collection take the rest of a minute."""
+CHOSEN = "changed"
+"""What a worker's input calls the chosen files."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -37,17 +41,26 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Put the touched test files in the place of all; workers of xdist get them from there."""
-    if not config.getoption("changed") or hasattr(config, "workerinput"):
+    """Put the touched test files in the place of all; workers of xdist are told them."""
+    if not config.getoption("changed"):
+        return
+    if hasattr(config, "workerinput"):
+        config.args[:] = config.workerinput[CHOSEN]
         return
     files = changed_files(config.getoption("since"))
-    chosen, left = fitting(touched(files), MINUTE_S * workers(config))
+    chosen, left = fitting(touched(files), RUN_S * workers(config))
     if not chosen:
         pytest.exit("no test is touched by what changed" if files else "nothing changed", returncode=0)
     config.args[:] = [str(ROOT / one) for one in chosen]
     print(f"changed: {len(files)} files touch {len(chosen) + len(left)} test files; run: {len(chosen)}")
     if left:
         print(f"changed: left for scripts/test, to stay within a minute: {' '.join(left)}")
+
+
+@pytest.hookimpl(optionalhook=True)  # of xdist, which need not be loaded
+def pytest_configure_node(node: "WorkerController") -> None:
+    """Tell a worker the files: by itself it would take the command line, which names none."""
+    node.workerinput[CHOSEN] = list(node.config.args)
 
 
 def workers(config: pytest.Config) -> int:

@@ -1,5 +1,10 @@
 """The way from a change to a verdict: what a change touches, what fits into a minute, what was too slow."""
 
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 from budgets import TABLE, budget_of, budgets, dealt, file_of, overruns
 from changed import ROOT, fitting, module_of, touched
@@ -51,6 +56,23 @@ def test_a_minute_holds_the_nearest_and_the_first_in_any_case():
     files = [f"test/no_such_{k}.py" for k in range(4)]
     assert fitting(files, 2.5 * others) == (files[:2], files[2:])
     assert fitting(files, 0.5 * others) == (files[:1], files[1:])
+
+
+def test_workers_run_what_is_chosen_and_nothing_else(tmp_path: Path):
+    names = ("conftest.py", "pyproject.toml", "test/changed.py", "test/budgets.py", "test/budgets.toml")
+    (tmp_path / "test").mkdir()
+    for name in names:
+        shutil.copy(ROOT / name, tmp_path / name)
+    for name in ("changed", "unchanged"):
+        (tmp_path / f"test/test_{name}.py").write_text("def test_it(): pass\n")
+    (tmp_path / "test/two_hosts.py").write_text("")
+    git = ["git", "-c", "user.name=nobody", "-c", "user.email=nobody@example.org"]
+    for words in (["init", "--quiet"], ["add", "."], ["commit", "--quiet", "-m", "all"]):
+        subprocess.run([*git, *words], cwd=tmp_path, check=True)
+    (tmp_path / "test/test_changed.py").write_text("def test_it(): assert True\n")
+    pytest_of_two = [sys.executable, "-m", "pytest", "-n", "2", "--changed", "-p", "no:cacheprovider"]
+    output = subprocess.run(pytest_of_two, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert "1 passed" in output.stdout, output.stdout + output.stderr
 
 
 def test_every_file_that_has_a_budget_exists():

@@ -3,12 +3,16 @@
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from time import monotonic
 
 import pytest
+import rclpy
 from fresh_checkout import ROOT
+from rclpy.node import Node
 from started_nodes import PATIENCE_S, start, wait_until_spinning
+from std_msgs.msg import Empty
 
 from q2q_model.vehicle.constants import VEHICLES
 from q2q_sim.processes.domain import own_domain
@@ -24,6 +28,24 @@ def build(node):
 run("node", build)
 """
 """Node that is interrupted in a callback of Python's own, while it is built."""
+FINISHED = """
+from std_msgs.msg import Empty
+from q2q_model.ros.node.run import finish, run
+
+def build(node):
+    node.create_subscription(Empty, "done", lambda _: finish(node), 1)
+
+run("node", build)
+"""
+"""Node that ends by itself once it hears `done`."""
+FOR_EVER = """<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns="http://www.eprosima.com"><profiles>
+  <participant profile_name="for_ever" is_default_profile="true"><rtps><builtin><discovery_config>
+    <leaseDuration><sec>3600</sec></leaseDuration>
+  </discovery_config></builtin></rtps></participant>
+</profiles></dds>
+"""
+"""Fast DDS: a node that does not say that it leaves is believed to be there for an hour, not for 20 s."""
 NODES = [
     ("q2q_model", "mocap_filter", []),
     ("q2q_model", "interference", []),
@@ -76,6 +98,30 @@ def test_a_node_ends_with_0_on_a_signal(
 def test_an_interrupt_that_python_swallows_while_a_node_is_built_ends_it_in_silence() -> None:
     done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_node_that_ends_by_itself_tells_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "for_ever.xml").write_text(FOR_EVER)
+    monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(tmp_path / "for_ever.xml"))
+    rclpy.init()
+    try:
+        node = Node("other")
+        writer = node.create_publisher(Empty, "done", 1)
+        process = subprocess.Popen([sys.executable, "-c", FINISHED])
+        until(node, lambda: writer.get_subscription_count() == 1)
+        writer.publish(Empty())
+        assert process.wait(timeout=PATIENCE_S) == 0
+        until(node, lambda: writer.get_subscription_count() == 0)
+    finally:
+        rclpy.try_shutdown()
+
+
+def until(node: Node, reached: Callable[[], bool]) -> None:
+    """Let a node run until something is so."""
+    deadline = monotonic() + PATIENCE_S
+    while not reached():
+        assert monotonic() < deadline
+        rclpy.spin_once(node, timeout_sec=0.05)
 
 
 def test_an_unknown_scenario_is_answered_with_the_nearest_right_one() -> None:

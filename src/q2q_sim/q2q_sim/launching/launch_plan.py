@@ -197,10 +197,10 @@ def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) ->
             RECORDER,
             {"bag": str(folder / "bag"), "stamps": "receive", "facts": facts_as_text(facts)},
         ),
-        NodeSpec("q2q_model", "mocap_filter"),
+        NodeSpec("q2q_model", "mocap_filter", {}),
         NodeSpec("q2q_model", "interference", {"model": given["model"]}),
         NodeSpec("q2q_planner", "trajectory", {"plan": given["plan"], "wait": True}),
-        NodeSpec("q2q_planner", "replanner"),
+        NodeSpec("q2q_planner", "replanner", {}),
     ]
 
 

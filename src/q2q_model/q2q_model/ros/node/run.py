@@ -101,10 +101,15 @@ def start_ros(arguments: Sequence[str] | None = None) -> None:
 
 
 def _leave() -> None:
-    """Shut ROS down; SIGALRM ends the process if the middleware does not return within LEAVE_S."""
+    """Shut ROS down."""
+    _bound_leaving()
+    rclpy.try_shutdown()
+
+
+def _bound_leaving() -> None:
+    """Let SIGALRM end the process if the middleware does not return within LEAVE_S."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(LEAVE_S)
-    rclpy.try_shutdown()
 
 
 def report_unraisable(unraisable: "sys.UnraisableHookArgs") -> None:
@@ -141,6 +146,10 @@ def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
         executor.spin_until_future_complete(never, WAKE_S)
         if any(node in _FINISHED for node in nodes):
             _hand_over(nodes)
+            _bound_leaving()
+            for node in nodes:
+                executor.remove_node(node)
+                node.destroy_node()  # tells the others, who would wait 20 s for what it has not acknowledged
             return
 
 
