@@ -7,7 +7,7 @@ from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
 from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, VALID, advance_rows
 from q2q_sim.plant.quadcopter import (
-    CEILING,
+    CEILING1,
     ETA,
     QUAT,
     RATE,
@@ -37,8 +37,8 @@ def test_a_block_advances_its_rows_as_one_vehicle_is_advanced(vehicle: Vehicle, 
     state[:, RATE] = rng.normal(0.0, 0.5, (count, 3))
     state[::5, RATE] *= 60.0  # beyond the series
     state[:, ROTORS] = rng.uniform(0.2, 0.3, (count, 4)) * vehicle.hover_thrust
-    state[:, ETA:CEILING] = rng.normal(0.0, 1e-4, (count, CEILING - ETA))
-    state[:, CEILING] = rng.uniform(0.2, 0.6, count) * vehicle.hover_thrust
+    state[:, ETA:CEILING1] = rng.normal(0.0, 1e-4, (count, CEILING1 - ETA))
+    state[:, CEILING1:] = rng.uniform(0.2, 0.6, (count, 4)) * vehicle.hover_thrust
     drive = np.hstack([rng.normal(0.0, 0.5, (count, 3)), rng.uniform(0.8, 1.0, (count, 4))])
     alone, work = state.copy(), (np.zeros(BLOCK_WIDTH * LANES), np.zeros(4))
     seen: set[float] = set()

@@ -13,7 +13,7 @@ from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.vehicle import MOST_CLIENTS
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.supervisor.rules import State
-from q2q_sim.plant.quadcopter import CEILING
+from q2q_sim.plant.quadcopter import CEILING1
 
 PORTS = st.sampled_from([0, 2, 3, 4, 5, 6, 7, 8, 9, 13, 15])
 ANY = st.one_of(
@@ -46,7 +46,7 @@ def test_no_datagram_crashes_a_vehicle_or_makes_its_answers_too_long(datagrams: 
         for answer in pilot.fleet.vehicles[0].handle(datagram, client=number % 3):
             assert 1 <= len(answer) <= 1 + MAX_DATA
     pilot.fly(0.1)
-    assert np.isfinite(pilot.swarm.state[:, :CEILING]).all()
+    assert np.isfinite(pilot.swarm.state[:, :CEILING1]).all()
     assert all(1 <= len(one.datagram) <= 1 + MAX_DATA for one in pilot.out)
     # a sound client still gets its answer
     assert pilot.fleet.vehicles[0].handle(b"\xdd\x00") == [b"\xdd\x00" + struct.pack("<I", 12)]
@@ -169,4 +169,4 @@ def test_senseless_gains_and_setpoints_never_make_the_room_no_number(
     pilot.fly(0.4)
     vehicle.handle(b"\x2e" + struct.pack("<Hf", parameter, gain))
     pilot.fly(0.4, lambda _: vehicle.handle(b"\x7c" + struct.pack("<Bffff", kind, *[demanded] * 4)))
-    assert np.isfinite(pilot.swarm.state[:, :CEILING]).all()
+    assert np.isfinite(pilot.swarm.state[:, :CEILING1]).all()

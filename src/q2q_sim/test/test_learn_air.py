@@ -13,15 +13,18 @@ from q2q_model.identification.force.recorded_force import FULL_DUTY
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
-from q2q_sim.air.learning.edge_torque_term import PITCH, ROLL, edge_torque_term
+from q2q_sim.air.learning.edge_torque_term import edge_torque_term
 from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
 from q2q_sim.air.learning.evidence.fitted import Fitted
 from q2q_sim.air.learning.evidence.motor_curve import USUAL_POWER, motor_curves, usual_power
+from q2q_sim.air.learning.evidence.outer_torque import PITCH, ROLL
 from q2q_sim.air.learning.ground_term import ONE_ROTOR, ground_term
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push
-from q2q_sim.air.learning.jet.jet_term import jet_term
+from q2q_sim.air.learning.jet.jet_term import jet_alone, jet_term
+from q2q_sim.air.learning.jet.other_flights import LeftOut, left_out
 from q2q_sim.air.learning.jet.wake_push import wake_push
+from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.residual_term import residual_term
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
 from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
@@ -110,11 +113,61 @@ def test_the_jet_and_its_travel_are_found() -> None:
 
 
 def test_the_residual_is_found_under_the_noise_of_clear_air(pairs: list[AirRecord]) -> None:
-    found = residual_term(pairs, wide_jet(), None)
+    found = residual_term([LeftOut(tuple(pairs), wide_jet())], None)
     assert found is not None
     assert_within(found.values, "residual.floor_mps2", RESIDUAL.floor_mps2)
     assert_within(found.values, "residual.slope", RESIDUAL.slope)
     assert_within(found.values, "residual.time_s", RESIDUAL.time_s)
+
+
+def test_the_gains_of_vehicles_on_a_wake_are_told_from_their_errors() -> None:
+    jet, flights = wide_jet(), []
+    gains = 1.0 + 0.15 * np.random.default_rng(7).standard_normal(16)
+    for k, gain in enumerate(gains):
+        own = Wake(replace(jet, push_mps2=gain * jet.push_mps2), None, RESIDUAL)
+        flights.append(flown(f"gain{k}", orbit(40.0, (0.6, 1.05), k), own, k))
+    found = residual_term([LeftOut(tuple(flights), jet)], None)
+    same = residual_term([LeftOut(tuple(flights[:1] * 4), jet)], None)
+    assert found is not None
+    assert same is not None
+    assert_within(found.values, "residual.gain_std", float(gains.std(ddof=1)))
+    assert_within(found.values, "residual.time_s", RESIDUAL.time_s)  # gains are taken out of the turbulence
+    assert same.term.gain_std == 0.0  # one vehicle, seen four times
+
+
+def test_flights_are_compared_with_the_jet_of_others(pairs: list[AirRecord]) -> None:
+    groups = left_out(pairs, wide_jet())
+    assert [group.records for group in groups] == [(pairs[0],), (pairs[1],)]
+    other = jet_alone(pairs[1:])
+    assert other is not None
+    np.testing.assert_array_equal(groups[0].jet.push_mps2, other.push_mps2)
+    (alone,) = left_out(pairs[:1], wide_jet())
+    np.testing.assert_array_equal(alone.jet.push_mps2, wide_jet().push_mps2)  # nobody else shows one
+
+
+def test_the_load_of_the_rotors_is_found_from_what_the_motors_do_in_clear_air() -> None:
+    records = [turning_flight(f"turns{k}", 3e-3 + 2e-4 * k) for k in range(5)]
+    found = rate_load_term(records, CRAZYFLIE_2_0)
+    assert found is not None
+    assert found.term.nms == pytest.approx(3.4e-3, rel=1e-3)  # the median
+    still = [replace(one, rate_body=0.01 * one.rate_body) for one in records]
+    assert rate_load_term(still, CRAZYFLIE_2_0) is None
+
+
+def turning_flight(name: str, load: float) -> AirRecord:
+    """Return a flight whose motors work `load` [N m s] times the rates, beside I w' and a trim."""
+    motion = orbit(30.0, (0.6,), 1)
+    t = motion.t
+    rate = np.stack([0.4 * np.sin(5.0 * t), 0.3 * np.cos(7.0 * t), 0.0 * t], axis=1)
+    inertia = np.array(CRAZYFLIE_2_0.inertia)[:2]
+    torque = load * rate[:, :2] + inertia * np.gradient(rate[:, :2], t, axis=0) + np.array([5e-4, -3e-4])
+    lever, weight = CRAZYFLIE_2_0.arm / np.sqrt(2.0), CRAZYFLIE_2_0.hover_thrust
+    share = (torque[:, :1] * ROLL + torque[:, 1:] * PITCH) / (lever * weight * USUAL_POWER)
+    duty = 0.65 * (1.0 + share)[:, None]
+    record = still_record(name, motion)
+    motors = Motors(duty, np.full(duty.shape[:2], np.nan))
+    every = np.ones_like(record.clear)
+    return replace(record, lag=0.0, motors=motors, rate_body=rate[:, None], clear=every)
 
 
 def test_what_a_vehicle_absorbs_is_found_from_three_above_each_other() -> None:
@@ -219,6 +272,21 @@ def test_motors_that_differ_do_not_hide_the_curve() -> None:
     assert usual_power([curve]) == pytest.approx(1.5)
     assert curve.hover_volts == pytest.approx(2.4, rel=1e-6)
     assert curve.headroom(3.8, 1.5) == pytest.approx(_headroom(3.8), rel=0.02)
+
+
+def test_what_each_motor_works_at_hover_is_found() -> None:
+    work = np.array([1.1, 0.9, 1.15, 0.85])
+    records = []
+    for k in range(3):
+        record = battery_flight(k, 0.0)
+        assert record.motors is not None
+        duty = record.motors.duty * work ** (1.0 / USUAL_POWER)
+        records.append(replace(record, motors=Motors(duty, record.motors.volts)))
+    for curve in motor_curves(records):
+        assert curve.work == pytest.approx(work, rel=1e-6)
+    found = vehicle_term(records, replace(CRAZYFLIE_2_0, mass=MASS))
+    assert found is not None
+    assert found.term.motor_std == pytest.approx(np.std(work, ddof=1), rel=1e-6)
 
 
 def test_the_drag_of_rotors_is_found_from_the_force_across_their_thrust() -> None:

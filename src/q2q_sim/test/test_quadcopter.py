@@ -11,7 +11,7 @@ from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, VEHICLES, Vehicle
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL
+from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL, beyond
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 H = 1.0 / PHYSICS_RATE
@@ -174,3 +174,14 @@ def test_the_ground_stops_a_fall_and_lets_a_vehicle_rise_again() -> None:
     np.testing.assert_array_equal(swarm.state[0, POS], resting)
     _fly(swarm, (1.3 * vehicle.hover_thrust, 0.0, 0.0, 0.0), 1.0)
     assert swarm.state[0, 2] > 0.5
+
+
+def test_rotors_at_their_limit_cost_thrust_and_no_torque() -> None:
+    commanded, ceilings = (0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13)
+    lost = beyond(commanded, ceilings)
+    given = np.array(commanded) - lost
+    assert given.sum() == pytest.approx(
+        np.minimum(commanded, ceilings).sum()
+    )  # cut one by one
+    np.testing.assert_allclose(given - given.mean(), np.array(commanded) - np.mean(commanded))
+    assert beyond(commanded, (math.inf,) * 4) == 0.0

@@ -17,6 +17,7 @@ from q2q_sim.air.room_air import (
     GroundTerm,
     JetTerm,
     MeanderTerm,
+    RateLoadTerm,
     ResidualTerm,
     RoomAir,
     RotorDragTerm,
@@ -27,7 +28,7 @@ from q2q_sim.air.room_air import (
 from q2q_sim.air.unit_processes import RESIDUAL, OrnsteinUhlenbeck, PlayedBack
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.loop.scenario_air import ambient_of_air
-from q2q_sim.plant.quadcopter import CEILING, ETA, POS, QUAT, ROTORS, TORQUE, TX, TY, VEL
+from q2q_sim.plant.quadcopter import CEILING1, ETA, POS, QUAT, RATE, ROTORS, TORQUE, TX, TY, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 GAPS = np.array([0.1, 0.2, 0.35, 0.5, 0.8])
@@ -287,9 +288,41 @@ def test_the_headroom_differs_between_vehicles_by_its_deviation() -> None:
     own = VehicleTerm(0.0, 0.0, 0.05, 1.8, 0.0, 0.0, headroom_std=0.1)
     swarm = _swarm(RoomAir(vehicle=own), [(float(k), 0.0, 1.0) for k in range(1000)])
     swarm.downwash()
-    headroom = 4.0 * swarm.state[:, CEILING] / HOVER
+    headroom = 4.0 * swarm.state[:, CEILING1] / HOVER
     assert headroom.mean() == pytest.approx(1.8, abs=5.0 * 0.1 / np.sqrt(1000.0))
     assert headroom.std() == pytest.approx(0.1, rel=0.11)  # five deviations
+
+
+def test_the_motors_of_a_vehicle_differ_by_their_deviation() -> None:
+    own = VehicleTerm(0.0, 0.0, 0.05, 1.8, 0.0, 0.0, motor_std=0.08)
+    swarm = _swarm(RoomAir(vehicle=own), [(float(k), 0.0, 1.0) for k in range(1000)])
+    swarm.downwash()
+    work = 1.8 * 0.25 * HOVER / swarm.state[:, CEILING1:]  # what each works at hover, over their mean
+    np.testing.assert_allclose(work.mean(axis=1), 1.0)
+    assert np.sqrt(((work - 1.0) ** 2).sum() / 3000.0) == pytest.approx(0.08, rel=0.07)  # five deviations
+
+
+def test_turning_takes_from_the_range_of_the_rotors_that_turn_the_vehicle() -> None:
+    own = VehicleTerm(0.0, 0.0, 0.07, 1.8, 0.0, 0.0)
+    swarm = _swarm(RoomAir(vehicle=own, rate_load=RateLoadTerm(3e-3)), [(0.0, 0.0, 1.0), (2.0, 0.0, 1.0)])
+    swarm.state[0, RATE] = [0.5, -0.2, 1.0]
+    swarm.state[1, ROTORS] = 0.25 * HOVER + np.array([-0.01, -0.01, 0.01, 0.01])  # rolls faster and faster
+    swarm.downwash()
+    lever = CRAZYFLIE_2_0.arm / math.sqrt(2.0)
+    free, each = 0.25 * 1.8 * HOVER, 3e-3 / (4.0 * lever)
+    roll, pitch = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, 1.0, -1.0])
+    np.testing.assert_allclose(swarm.state[0, CEILING1:], free - each * (0.5 * roll - 0.2 * pitch))
+    ahead = 0.07 * lever * 0.04 / CRAZYFLIE_2_0.inertia[0]  # of the rate, after the lag of the thrust
+    np.testing.assert_allclose(swarm.state[1, CEILING1:], free - each * ahead * roll)
+
+
+def test_each_vehicle_feels_a_wake_by_its_own_gain() -> None:
+    places = [(3.0 * k, 0.0, z) for k in range(400) for z in (0.6, 1.0)]
+    swarm = _swarm(RoomAir(jet=JET, residual=ResidualTerm(0.0, 0.0, 0.1, gain_std=0.15)), places)
+    mean = _swarm(RoomAir(jet=JET), places).downwash()[::2, 2]
+    gain = swarm.downwash()[::2, 2] / mean
+    assert gain.mean() == pytest.approx(1.0, abs=5.0 * 0.15 / 20.0)
+    assert gain.std() == pytest.approx(0.15, rel=0.18)  # five deviations
 
 
 def test_rotor_drag_slows_across_the_thrust_alone() -> None:
@@ -324,6 +357,7 @@ WHOLE = RoomAir(
     wind=WindTerm((0.1, 0.0, 0.0), 0.05, 1.0),
     vehicle=VehicleTerm(0.1, 0.1, 0.06, 1.5, 0.1, 0.001),
     rotor_drag=RotorDragTerm(0.44),
+    rate_load=RateLoadTerm(0.05),
 )
 
 

@@ -9,6 +9,7 @@
     a_wind  = mean + gust                                         wind
     a_0     = offset_mean + offset_std n                          of each vehicle, drawn for each flight
     a_drag  = - k (v - (v . b) b)                                 drag of its rotors, b: body z
+    f_load  = c (+-(p + T p') +-(q + T q')) / 4 h                 of each rotor, at body rates p and q
 
 (dz, r) are measured from the axis of the jet at the vehicle's height. Its air left the source at t - tau,
 tau = dz / travel_speed, and has moved since:
@@ -30,6 +31,9 @@ gap g the jet is self-similar, P(dz, r) = (g / dz)^2 P(g, r g / dz). Where two v
 A vehicle is in a jet where a node of the table outside of its radius has a push, or where it would absorb
 more than 0.1 % of the jet; others neither feel nor absorb it.
 
+A rotor gives no more than its ceiling, less its load; what rotors are asked for beyond that, all lose alike
+(q2q_sim.plant.quadcopter.beyond). h: lever of the rotors, T: thrust lag.
+
 A term that is None is switched off; the residual and the edge torque act under a jet, and are zero without
 one. `intervals` holds the 95 % interval of each fitted value by its path, such as "residual.time_s".
 """
@@ -46,8 +50,9 @@ SHORTEST = 300
 """Fewest samples of a recorded residual: 3 s."""
 LEAST_ABSORBED = 1e-3
 """Share of a jet below which nothing is absorbed by a vehicle that feels none of it [-]."""
-INSIDE = 0.05
-"""e_0 [m/s^2]: |eta| from which on a vehicle is inside a wake."""
+INSIDE = 0.25
+"""e_0 [m/s^2]: |eta| from which on a vehicle is inside a wake: in both families the turbulence has its floor
+from about there on."""
 ATTITUDE_FREQUENCY = 80.0
 """Attitude loop of the vehicles of a room, critically damped [rad/s]. The public flights show one with more
 damping (q2q_sim.experiments.validation.onboard_law)."""
@@ -115,6 +120,8 @@ class ResidualTerm:
     """Growth of the standard deviation with |eta| [-]."""
     time_s: float
     """Correlation time [s]."""
+    gain_std: float = 0.0
+    """Standard deviation of the gain on the mean downwash, drawn for each vehicle of a flight [-]."""
     recording: Array | None = None
     """n as recorded at 100 Hz, played back in pieces in place of the process, (k,)."""
 
@@ -176,6 +183,8 @@ class VehicleTerm:
     """Natural frequency of the critically damped onboard attitude loop [rad/s]."""
     headroom_std: float = 0.0
     """Standard deviation of the headroom between vehicles and flights [-]."""
+    motor_std: float = 0.0
+    """Standard deviation of what the motors of a vehicle work at hover, over their mean [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,6 +193,17 @@ class RotorDragTerm:
 
     per_s: float
     """Acceleration over speed [1/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class RateLoadTerm:
+    """Work of the rotors in proportion to roll and pitch rate: it takes from their range and turns nothing.
+
+    Rotors reach their ceiling with it. It needs the vehicle's term, which has the ceiling.
+    """
+
+    nms: float
+    """Torque over rate [N m s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +219,7 @@ class RoomAir:
     wind: WindTerm | None = None
     vehicle: VehicleTerm | None = None
     rotor_drag: RotorDragTerm | None = None
+    rate_load: RateLoadTerm | None = None
     flights: tuple[str, ...] = ()
     """Flights it was learned from."""
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)

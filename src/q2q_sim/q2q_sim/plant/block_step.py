@@ -14,7 +14,7 @@ from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.plant.quadcopter import (
     AX,
-    CEILING,
+    CEILING1,
     ETA,
     ETA_X,
     ETA_Y,
@@ -34,6 +34,7 @@ from q2q_sim.plant.quadcopter import (
     Z,
     acceleration,
     advance,
+    beyond,
     half_turn_squared,
     quat_after,
     rate_after,
@@ -118,9 +119,10 @@ def _commanded(block: Array, lane: int, body: Body) -> tuple[Four, bool]:
 def _lagged(block: Array, lane: int, commanded: Four, decay: float) -> Four:
     """Return the rotor thrusts [N] of a lane after the step."""
     f1, f2, f3, f4 = _four(block, F1, lane)
-    gain, ceiling = _four(block, DRIVE + GAIN1, lane), block[CEILING * LANES + lane]
-    t1, t2 = min(gain[0] * commanded[0], ceiling), min(gain[1] * commanded[1], ceiling)
-    t3, t4 = min(gain[2] * commanded[2], ceiling), min(gain[3] * commanded[3], ceiling)
+    gain = _four(block, DRIVE + GAIN1, lane)
+    lost = beyond(commanded, _four(block, CEILING1, lane))
+    t1, t2 = gain[0] * max(commanded[0] - lost, 0.0), gain[1] * max(commanded[1] - lost, 0.0)
+    t3, t4 = gain[2] * max(commanded[2] - lost, 0.0), gain[3] * max(commanded[3] - lost, 0.0)
     return t1 + (f1 - t1) * decay, t2 + (f2 - t2) * decay, t3 + (f3 - t3) * decay, t4 + (f4 - t4) * decay
 
 

@@ -62,12 +62,12 @@ ETA_X, ETA_Y = 21, 22
 """Its horizontal push [m/s^2], world."""
 TX, TY, TZ = 23, 24, 25
 """Its torque [N m], body."""
-CEILING = 26
-"""Largest thrust of a rotor [N]."""
-STATE_WIDTH = 27
+CEILING1, CEILING2, CEILING3, CEILING4 = 26, 27, 28, 29
+"""Largest thrust of each rotor [N], less its load (room_air.RateLoadTerm)."""
+STATE_WIDTH = 30
 POS, VEL, QUAT = slice(X, VX), slice(VX, QX), slice(QX, P)
 RATE, ROTORS, ACC = slice(P, F1), slice(F1, AX), slice(AX, ETA)
-TORQUE = slice(TX, CEILING)
+TORQUE = slice(TX, CEILING1)
 
 GAIN1 = 3
 """Column of the first rotor's gain in a drive row, after the acceleration by moving air [m/s^2]."""
@@ -114,7 +114,7 @@ def state_at_rest(start: Array, mass: float) -> Array:
     state[:, POS] = start[:, :3]
     state[:, QUAT] = quat_from_euler(level, level, start[:, 3])
     state[start[:, 2] > 0.0, ROTORS] = 0.25 * mass * GRAVITY
-    state[:, CEILING] = np.inf
+    state[:, CEILING1:] = np.inf
     return state
 
 
@@ -251,10 +251,23 @@ def _stand(row: Array, body: Body) -> None:
 
 
 @compiled(**BORROWING)
+def beyond(commanded: Four, ceilings: Four) -> float:
+    """Return a quarter of what the rotors are asked for beyond their ceilings [N].
+
+    Every rotor loses as much: rotors at their limit cost the vehicle thrust, not attitude.
+    """
+    one, two = max(commanded[0] - ceilings[0], 0.0), max(commanded[1] - ceilings[1], 0.0)
+    three, four = max(commanded[2] - ceilings[2], 0.0), max(commanded[3] - ceilings[3], 0.0)
+    return 0.25 * (one + two + three + four)
+
+
+@compiled(**BORROWING)
 def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
     """Advance rotors and rigid body by one step under commanded rotor thrusts [N], (4,)."""
+    ceilings = (row[CEILING1], row[CEILING2], row[CEILING3], row[CEILING4])
+    lost = beyond((commanded[0], commanded[1], commanded[2], commanded[3]), ceilings)
     for k in range(4):
-        target = min(drive[GAIN1 + k] * commanded[k], row[CEILING])
+        target = drive[GAIN1 + k] * max(commanded[k] - lost, 0.0)
         row[F1 + k] = target + (row[F1 + k] - target) * body.decay
     _push(row, (drive[X] + row[ETA_X], drive[Y] + row[ETA_Y], drive[Z] + row[ETA]), body)
     _turn(row, body)

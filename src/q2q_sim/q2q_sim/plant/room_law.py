@@ -15,6 +15,8 @@ from q2q_sim.plant.order_by_x import Rows
 from q2q_sim.plant.quadcopter import Body
 from q2q_sim.random_streams import stream
 
+LEAST_WORK = 0.5
+"""Least work of a motor over the mean of a vehicle's four that is drawn [-]."""
 FARTHEST = 5.0
 """Largest value of a unit process that is searched [-]."""
 NO_JET = JetTerm(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros((2, 2)), 0.0, 1.0, 0.0, 0.0)
@@ -52,6 +54,13 @@ class RoomNumbers(NamedTuple):
     """Loss of the largest thrust of a rotor [N/s]."""
     drag: float
     """[1/s]"""
+    rate_load: float
+    """Load of a rotor over roll or pitch rate [N s]."""
+    roll_lead: float
+    pitch_lead: float
+    """Lag of the thrust over the moment of inertia [s/(kg m^2)]."""
+    lever: float
+    """Of the rotors [m]."""
 
 
 class RoomLaw(NamedTuple):
@@ -66,7 +75,9 @@ class RoomLaw(NamedTuple):
     extremes: Array
     """Largest slope and speed of the vehicles (q2q_sim.plant.jet_reach), (EXTREMES_WIDTH,)."""
     ceilings: Array
-    """Largest thrust of a rotor of each vehicle at the start [N], (n,); infinite without a vehicle term."""
+    """Largest thrust of each rotor at the start [N], (n, 4); infinite without a vehicle term."""
+    gains: Array
+    """Gain of each vehicle on the mean downwash [-], (n,)."""
     places: Array
     """Room for x, y, z [m] of the vehicles by rising x, (3, n)."""
     under: Array
@@ -87,6 +98,7 @@ def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
         unit=np.zeros((block_steps(body.step), count, WIDTH)),
         extremes=np.zeros(EXTREMES_WIDTH),
         ceilings=ceilings(air, count, body.mass, seed),
+        gains=gains(air, count, seed),
         places=np.zeros((3, count)),
         under=np.zeros((count, UNDER_WIDTH)),
         met=np.zeros(count, dtype=np.int64),
@@ -94,17 +106,28 @@ def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
 
 
 def ceilings(air: RoomAir, count: int, mass: float, seed: int) -> Array:
-    """Return the largest thrust of a rotor of each vehicle [N], (n,), drawn for a flight."""
+    """Return the largest thrust of each rotor of the vehicles [N], (n, 4), drawn for a flight."""
     if air.vehicle is None:
-        return np.full(count, math.inf)
-    drawn = stream(seed, "vehicle headroom").standard_normal(count)
+        return np.full((count, 4), math.inf)
+    drawn = stream(seed, "vehicle headroom").standard_normal((count, 1))
     headroom = air.vehicle.headroom + air.vehicle.headroom_std * drawn
-    return np.asarray(0.25 * mass * GRAVITY * headroom)
+    apart = stream(seed, "motors").standard_normal((count, 4))
+    work = 1.0 + air.vehicle.motor_std * (apart - apart.mean(axis=1, keepdims=True))
+    return np.asarray(0.25 * mass * GRAVITY * headroom / np.maximum(work, LEAST_WORK))
+
+
+def gains(air: RoomAir, count: int, seed: int) -> Array:
+    """Return the gain of each vehicle on the mean downwash [-], (n,), drawn for a flight."""
+    if air.residual is None:
+        return np.ones(count)
+    drawn = stream(seed, "wake gain").standard_normal(count)
+    return np.asarray(np.maximum(1.0 + air.residual.gain_std * drawn, 0.0))
 
 
 def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
     jet, absorption, residual = air.jet or NO_JET, air.absorption, air.residual
     torque, ground, own = air.edge_torque, air.ground, air.vehicle
+    lever, lag = body.frame[0], own.thrust_lag_s if own else 0.0
     hover = 0.25 * body.mass * GRAVITY  # thrust of a rotor
     return RoomNumbers(
         step=body.step,
@@ -126,4 +149,8 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
         rotor_radius=ground.rotor_radius_m if ground else 1.0,
         fading=hover * own.headroom_per_volt * own.discharge_v_per_s if own else 0.0,
         drag=air.rotor_drag.per_s if air.rotor_drag else 0.0,
+        rate_load=0.25 * air.rate_load.nms / lever if air.rate_load else 0.0,
+        roll_lead=lag / body.gains.inertia[0],
+        pitch_lead=lag / body.gains.inertia[1],
+        lever=lever,
     )

@@ -18,7 +18,10 @@ from q2q_sim.plant.jet_reach import JetReach, reach, reach_of, watch
 from q2q_sim.plant.order_by_x import Rows, sort_by_x
 from q2q_sim.plant.past_states import SHARE, SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y
 from q2q_sim.plant.quadcopter import (
-    CEILING,
+    CEILING1,
+    CEILING2,
+    CEILING3,
+    CEILING4,
     ETA,
     ETA_X,
     ETA_Y,
@@ -36,6 +39,8 @@ from q2q_sim.plant.quadcopter import (
     VX,
     VY,
     VZ,
+    P,
+    Q,
     Three,
     X,
     Y,
@@ -199,7 +204,7 @@ def shed(state: Array, room: RoomLaw, j: int, count: int) -> None:
             for between in range(count):
                 if under[between, FALL] < under[k, FALL]:
                     strength *= under[between, LEFT]
-        i, push = met[k], strength * under[k, PUSH]
+        i, push = met[k], strength * room.gains[met[k]] * under[k, PUSH]
         state[i, ETA] -= push
         state[j, ETA] += one.upper_ratio * push
         if one.torque != 0.0:
@@ -220,8 +225,21 @@ def drag(state: Array, i: int, per_s: float) -> None:
 
 
 @compiled(**BORROWING)
+def load(state: Array, i: int, one: RoomNumbers) -> None:
+    """Take the load of a vehicle's rotors from their ceilings, ahead by the lag of thrust."""
+    f1, f2, f3, f4 = state[i, F1], state[i, F2], state[i, F3], state[i, F4]
+    tx, ty = one.lever * (f3 + f4 - f1 - f2) + state[i, TX], one.lever * (f2 + f3 - f1 - f4) + state[i, TY]
+    roll = one.rate_load * (state[i, P] + one.roll_lead * tx)
+    pitch = one.rate_load * (state[i, Q] + one.pitch_lead * ty)
+    state[i, CEILING1] += roll + pitch
+    state[i, CEILING2] += roll - pitch
+    state[i, CEILING3] -= roll + pitch
+    state[i, CEILING4] -= roll - pitch
+
+
+@compiled(**BORROWING)
 def surround(state: Array, i: int, unit: float, one: RoomNumbers, mass: float) -> None:
-    """Add the residual, the ground effect and the drag of the rotors to the push on a vehicle."""
+    """Add residual, ground effect and drag to the push on a vehicle; take the load of its rotors off."""
     eta = abs(state[i, ETA])
     state[i, ETA] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
     near = one.rotor_radius / max(state[i, Z], one.rotor_radius)
@@ -232,15 +250,18 @@ def surround(state: Array, i: int, unit: float, one: RoomNumbers, mass: float) -
     state[i, ETA] += lift * (1.0 - 2.0 * (x * x + y * y))
     if one.drag != 0.0:
         drag(state, i, one.drag)
+    if one.rate_load != 0.0:
+        load(state, i, one)
 
 
 @compiled(**BORROWING)
 def clear(state: Array, ceilings: Array, faded: float) -> None:
-    """Write no push, no torque and the largest thrust of a rotor, less what faded, into every state."""
+    """Write no push, no torque and the largest thrust of each rotor, less what faded, into every state."""
     for i in range(state.shape[0]):
-        for column in range(ETA, CEILING):
+        for column in range(ETA, CEILING1):
             state[i, column] = 0.0
-        state[i, CEILING] = max(ceilings[i] - faded, 0.0)
+        for rotor in range(4):
+            state[i, CEILING1 + rotor] = max(ceilings[i, rotor] - faded, 0.0)
 
 
 @compiled(**BORROWING)

@@ -22,9 +22,9 @@ from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.past_states import remember
-from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, body_of, state_at_rest
+from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, state_at_rest
 from q2q_sim.plant.room_law import RoomLaw
-from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, attitude_loop_in, still_air, vehicle_in
+from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, attitude_loop_in, body_in, still_air
 
 AT_ONCE = 64
 """Vehicles whose rooms take all steps of a call together: their states stay in the first-level cache."""
@@ -56,6 +56,7 @@ def air_in(airs: Air, r: int) -> Air:
         law.unit[r],
         law.extremes[r],
         law.ceilings[r],
+        law.gains[r],
         law.places[r],
         law.under[r],
         law.met[r],
@@ -115,8 +116,7 @@ class Rooms:
                 "a seed for each room, and one or more of all are needed"
             )
         step = 1.0 / PHYSICS_RATE
-        flown = vehicle_in(setup.air, setup.vehicle)
-        self.body = body_of(flown, attitude_loop_in(setup.air), step)
+        self.body = body_in(setup.air, setup.vehicle, attitude_loop_in(setup.air), step)
         states = [state_at_rest(start, setup.vehicle.mass) for start in setup.start]
         self.state = np.stack(states)
         """Rows of each room, (rooms, n, STATE_WIDTH)."""
@@ -184,6 +184,7 @@ def stacked(airs: Sequence[Air]) -> Air:
         unit=np.stack([one.unit for one in laws]),
         extremes=np.stack([one.extremes for one in laws]),
         ceilings=np.stack([one.ceilings for one in laws]),
+        gains=np.stack([one.gains for one in laws]),
         places=np.stack([one.places for one in laws]),
         under=np.stack([one.under for one in laws]),
         met=np.stack([one.met for one in laws]),

@@ -1,36 +1,30 @@
 """Roll and pitch torque at the edge of a wake, from what the motors do against it.
 
-    I w' = tau_wake + tau_motors,    tau_wake . (e_z x n) = T peak (r / r_0) exp((1 - r^2 / r_0^2) / 2)
+    tau + c w = tau_wake,    tau_wake . (e_z x n) = T peak (r / r_0) exp((1 - r^2 / r_0^2) / 2)
 
-n points horizontally from the vehicle to the jet's axis, so a positive torque tips the vehicle towards it;
-T is the strength of the source. The motors' torque is that of their duties d_m after the thrust lag, less its
-median in clear air (trim):
-
-    f_m = T_i / 4 (1 + k (d_m - d) / d),   d: mean duty, k: power of the motor curve
+tau is what the motors do not explain (outer_torque), c w the torque against the rates (rate_load_term). n
+points horizontally from the vehicle to the jet's axis, so a positive torque tips the vehicle towards it; T is
+the strength of the source.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from q2q_control.attitude.allocation import rotor_frame
 from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.learning.evidence.air_record import AirRecord
 from q2q_sim.air.learning.evidence.block_bootstrap import block_sums, spread
 from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
 from q2q_sim.air.learning.evidence.motor_curve import motor_curves, usual_power
+from q2q_sim.air.learning.evidence.outer_torque import has_trim, outer_torque
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import jet_place
 from q2q_sim.air.learning.jet.wake_push import travel_of
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_one
 from q2q_sim.air.room_air import EdgeTorqueTerm, JetTerm
 
-ROLL = np.array([-1.0, -1.0, 1.0, 1.0])
-PITCH = np.array([-1.0, 1.0, 1.0, -1.0])
-"""Signs of the motors' thrusts in roll and pitch torque: q2q_control.attitude.allocation."""
 OUTER = 0.15
 """Radius up to which rows count [m]: the scoring rule's."""
 LEAST_GAP = 0.15
@@ -39,16 +33,17 @@ RADII = np.linspace(0.02, 0.12, 21)
 """Radii of the largest torque to choose from [m]."""
 FEWEST = 300
 """Fewest rows: 3 s at 100 Hz."""
-FEWEST_CLEAR = 100
-"""Fewest rows in clear air for the trim: 1 s at 100 Hz."""
 SOURCE = "rows under one vehicle with a motor log"
 PATHS = ("edge_torque.peak_nm", "edge_torque.radius_m")
 
 
 def edge_torque_term(
-    records: Sequence[AirRecord], jet: JetTerm, vehicle: Vehicle
+    records: Sequence[AirRecord], jet: JetTerm, vehicle: Vehicle, load: float = 0.0
 ) -> LearnedTerm[EdgeTorqueTerm] | None:
-    """Return the torque; None with fewer than FEWEST rows of vehicles with a motor log under one other."""
+    """Return the torque beside that of a load of the rates [N m s].
+
+    None with fewer than FEWEST rows of vehicles with a motor log under one other.
+    """
     parts = _inner(under_one(records), jet)
     rows = sum(part.rows.size for part in parts)
     if rows < FEWEST:
@@ -57,7 +52,7 @@ def edge_torque_term(
     ratio = place.radius[:, None] / RADII
     profile = place.strength[:, None] * ratio * np.exp(0.5 * (1.0 - ratio**2))  # (m, R)
     power = usual_power(motor_curves(records))
-    wake = np.concatenate([_wake_torque(part, vehicle, power) for part in parts])  # (m, 2)
+    wake = np.concatenate([_wake_torque(part, vehicle, power, load) for part in parts])  # (m, 2)
     across = np.stack([-place.toward[:, 1], place.toward[:, 0]], axis=1)  # e_z x n
     torque = np.sum(wake * across, axis=1)
     sums = block_sums(np.stack([profile * torque[:, None], profile**2], axis=1), wake_rows.blocks(parts))
@@ -80,7 +75,7 @@ def _inner(parts: Sequence[WakeRows], jet: JetTerm) -> list[WakeRows]:
     found = []
     for part in parts:
         record, i = part.record, part.one.vehicle
-        if record.motors is not None and record.clear[:, i].sum() >= FEWEST_CLEAR:
+        if has_trim(record, i):
             place = jet_place(record, (i, part.sources[0]), part.rows, travel_of(jet))
             near = (place.radius < OUTER) & (place.gap > LEAST_GAP)
             if near.any():
@@ -88,22 +83,9 @@ def _inner(parts: Sequence[WakeRows], jet: JetTerm) -> list[WakeRows]:
     return found
 
 
-def _wake_torque(part: WakeRows, vehicle: Vehicle, power: float) -> Array:
-    """Return I w' less the motors' torque [N m], world x and y, (k, 2)."""
-    record, i = part.record, part.one.vehicle
-    turning = np.gradient(record.rate_body[:, i, :2], record.motion.t, axis=0)
-    motors = _motor_torque(record, i, vehicle, power)
-    body = np.array(vehicle.inertia)[:2] * turning - motors + np.median(motors[record.clear[:, i]], axis=0)
-    upright = np.column_stack([body, np.zeros(len(body))])[part.rows]
-    return np.asarray(rotate(record.quat[part.rows, i], upright)[:, :2])
-
-
-def _motor_torque(record: AirRecord, i: int, vehicle: Vehicle, power: float) -> Array:
-    """Return the motors' roll and pitch torque [N m], (T, 2); 0 without a motor log."""
-    if record.motors is None:
-        return np.zeros((record.motion.t.size, 2))
-    duty = lagged(record.motors.duty[:, i], record.motion.t, record.lag)  # (T, 4)
-    mean = np.maximum(duty.mean(axis=1, keepdims=True), 1e-3)
-    quarter = 0.25 * vehicle.hover_thrust * record.strength[:, i, None]
-    thrust = quarter * (1.0 + power * (duty - mean) / mean)
-    return np.asarray(float(rotor_frame(vehicle).lever) * np.stack([thrust @ ROLL, thrust @ PITCH], axis=1))
+def _wake_torque(part: WakeRows, vehicle: Vehicle, power: float, load: float) -> Array:
+    """Return the torque of a wake [N m], world x and y, (k, 2)."""
+    record, i, rows = part.record, part.one.vehicle, part.rows
+    body = outer_torque(record, i, vehicle, power)[rows] + load * record.rate_body[rows, i, :2]
+    upright = np.column_stack([body, np.zeros(len(body))])
+    return np.asarray(rotate(record.quat[rows, i], upright)[:, :2])

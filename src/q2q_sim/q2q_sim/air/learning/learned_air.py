@@ -1,6 +1,6 @@
 """Air of a room learned from its recorded flights, term by term.
 
-flights -> records -> jet -> absorption -> residual, edge torque -> ground, wind, vehicle -> lateral force
+flights -> records -> rate load -> jet -> absorption -> residual, edge torque -> ground, wind, vehicle
 """
 
 from collections.abc import Callable, Sequence
@@ -16,7 +16,9 @@ from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm
 from q2q_sim.air.learning.ground_term import ground_term
 from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
+from q2q_sim.air.learning.jet.other_flights import left_out
 from q2q_sim.air.learning.lateral import lateral_force
+from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.residual_term import residual_term
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
 from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
@@ -25,6 +27,7 @@ from q2q_sim.air.room_air import (
     AbsorptionTerm,
     EdgeTorqueTerm,
     JetTerm,
+    RateLoadTerm,
     ResidualTerm,
     RoomAir,
 )
@@ -66,12 +69,13 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
     records, notes = air_records(recordings, vehicle)
     if not records:
         raise ValueError("; ".join(notes))
-    wakes = _wakes(records, vehicle, on_step)
+    load = rate_load_term(records, vehicle)
+    wakes = _wakes(records, vehicle, _term(load), on_step)
     on_step("ground, wind and vehicles")
     ground, wind, vehicles = ground_term(records), wind_term(records), vehicle_term(records, vehicle)
     drag = rotor_drag_term(records)
     acting = (wakes.jet, wakes.absorption, wakes.residual, wakes.edge_torque)
-    learned = (*acting, ground, wind, vehicles, drag)
+    learned = (*acting, ground, wind, vehicles, drag, load)
     values = tuple(value for one in learned if one for value in one.values)
     air = RoomAir(
         jet=_term(wakes.jet),
@@ -82,22 +86,25 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
         wind=_term(wind),
         vehicle=_term(vehicles),
         rotor_drag=_term(drag),
+        rate_load=_term(load),
         flights=tuple(record.name for record in records),
         intervals={one.path: ends for one in values if (ends := one.ends)},
     )
     return LearnedAir(air, values, wakes.checks, (*notes, *_absent(records, air, vehicle)))
 
 
-def _wakes(records: Sequence[AirRecord], vehicle: Vehicle, on_step: OnStep) -> _Wakes:
+def _wakes(
+    records: Sequence[AirRecord], vehicle: Vehicle, load: RateLoadTerm | None, on_step: OnStep
+) -> _Wakes:
     on_step("jet")
     jet = jet_term(records)
     if jet is None:
         return _Wakes()
     on_step("absorption and residual")
     absorption = absorption_term(records, jet.term)
-    residual = residual_term(records, jet.term, _term(absorption))
+    residual = residual_term(left_out(records, jet.term), _term(absorption))
     on_step("edge torque")
-    torque = edge_torque_term(records, jet.term, vehicle)
+    torque = edge_torque_term(records, jet.term, vehicle, load.nms if load else 0.0)
     share = momentum_share(jet.term, REFERENCE)
     momentum = Fitted("momentum of one jet", share, None, None, 0, "1: four rotor disks take all of m g")
     checks = (momentum, sum_of_two(records, jet.term), lateral_force(records, jet.term))
@@ -119,6 +126,7 @@ def _absent(records: Sequence[AirRecord], air: RoomAir, vehicle: Vehicle) -> lis
         "edge_torque": "no log of motor duties under another vehicle",
         "wind": "too few rows in clear air",
         "rotor_drag": "no vehicle moves in clear air with an accelerometer",
+        "rate_load": "no vehicle turns in clear air with a motor log",
         "vehicle": _no_vehicle(records, vehicle),
     }
     notes = [

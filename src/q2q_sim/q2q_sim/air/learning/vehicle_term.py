@@ -28,6 +28,7 @@ HEAVIEST = 0.1 * GRAVITY
 OFFSETS = ("vehicle.offset_mean_mps2", "vehicle.offset_std_mps2")
 HEADROOM = ("vehicle.headroom", "vehicle.headroom_per_volt", "vehicle.discharge_v_per_s")
 BETWEEN = "vehicle.headroom_std"
+MOTORS = "vehicle.motor_std"
 LAG = "vehicle.thrust_lag_s"
 
 
@@ -88,7 +89,7 @@ def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
         source = f"not learned: that of {vehicle.name}"
         return [
             Fitted(path, value, None, None, 0, source)
-            for path, value in zip((*HEADROOM, BETWEEN), (ratio, 0.0, 0.0, 0.0), strict=True)
+            for path, value in zip((*HEADROOM, BETWEEN, MOTORS), (ratio, 0.0, 0.0, 0.0, 0.0), strict=True)
         ]
     start = [one.start_volts for one in curves]
     full, empty = max(start), min(start)
@@ -101,11 +102,16 @@ def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
         per_volt = (at_full - at_empty) / (full - empty) if full > empty else 0.0
         started = np.array([one.headroom(one.start_volts, power) for one in drawn])
         discharge = np.median([one.discharge for one in drawn])
-        return np.array([np.median(started), per_volt, discharge, started.std(ddof=min(1, len(drawn) - 1))])
+        work = np.array([one.work for one in drawn])
+        between = started.std(ddof=min(1, len(drawn) - 1))
+        apart = np.sqrt(((work - 1.0) ** 2).sum() / (3.0 * len(work)))  # three free of four with a known mean
+        return np.array([np.median(started), per_volt, discharge, between, apart])
 
     source = f"flights of vehicles with a motor log, {empty:.2f} to {full:.2f} V at hover"
     found = spread(estimate, len(curves))
-    return [fitted(found, k, path, len(curves), source) for k, path in enumerate((*HEADROOM, BETWEEN))]
+    return [
+        fitted(found, k, path, len(curves), source) for k, path in enumerate((*HEADROOM, BETWEEN, MOTORS))
+    ]
 
 
 def _drawn(values: Array, weight: Array) -> Array:

@@ -40,8 +40,7 @@ def draws_in(air: FlownAir, flight: TrackedFlight, vehicle: Vehicle) -> MakeDraw
         drawn = _drawn(air, flight.headroom)
         swarm = Swarm(names, vehicle, start, drawn, seed)
         if flight.headroom is not None and isinstance(drawn, RoomAir):
-            ceilings = swarm.air.room.ceilings
-            ceilings *= flight.headroom / flight.headroom.max()
+            swarm.air.room.ceilings[:] = 0.25 * vehicle.hover_thrust * flight.headroom
         return Draw(swarm, Disturbance(_gusts(drawn), len(names), dt, seed))
 
     return make

@@ -58,7 +58,7 @@ class TrackedFlight:
     scored: Mask
     """Vehicles with enough rows in clear air to be compared, (n,)."""
     headroom: Array | None = None
-    """Largest thrust over hover thrust of each vehicle at the start, (n,); None without a motor log."""
+    """Largest thrust of each rotor over that at hover, at the start, (n, 4); None without a motor log."""
 
     @property
     def t(self) -> Array:
@@ -112,7 +112,7 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
 
 
 def recorded_headroom(recording: Recording, vehicle: Vehicle) -> Array | None:
-    """Return the largest thrust over hover thrust of each vehicle by its motor curve, (n,).
+    """Return the largest thrust of each rotor over that at hover by the motor curves, (n, 4).
 
     None if a vehicle has no log of its motors, or flies for less than 5 s.
     """
@@ -121,7 +121,7 @@ def recorded_headroom(recording: Recording, vehicle: Vehicle) -> Array | None:
     if not curves or len(curves) < records[0].vehicles:
         return None
     power = usual_power(curves)
-    return np.array([one.headroom(one.start_volts, power) for one in curves])
+    return np.array([one.headroom(one.start_volts, power) / one.work for one in curves])
 
 
 def _compensated(flight: Flight, log: FlightLog | None, mass: float) -> Array:

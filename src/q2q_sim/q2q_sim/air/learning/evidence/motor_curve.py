@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.identification.force.downwash_force import FLOOR
+from q2q_model.identification.force.downwash_force import FLOOR, Mask
 from q2q_model.identification.force.recorded_force import FULL_DUTY, lagged
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
@@ -49,6 +49,8 @@ class MotorCurve:
     start_volts: float
     discharge: float
     sag: float
+    work: Array
+    """(d_m u)^k of each motor over their mean in clear air [-], (4,)."""
 
     def headroom(self, volts: float, power: float) -> float:
         """Return the thrust at full duty over that of hover, for a voltage at hover [V]."""
@@ -96,4 +98,12 @@ def _curve(record: AirRecord, motors: Motors, i: int, rows: Rows) -> MotorCurve:
     duty, volts = lagged(mean, t, record.lag)[rows].T
     columns = np.stack([np.ones(rows.size), t[rows] - t[rows[0]], duty - duty.mean()], axis=1)
     start, fall, by_duty = map(float, np.linalg.lstsq(columns, volts)[0])
-    return MotorCurve(misses, float(scale[best] ** (-1.0 / POWERS[best])), start, -fall, -by_duty)
+    hover_volts = float(scale[best] ** (-1.0 / POWERS[best]))
+    return MotorCurve(misses, hover_volts, start, -fall, -by_duty, _work(each, record.clear[:, i], rows))
+
+
+def _work(each: Array, clear: Mask, rows: Rows) -> Array:
+    """Return the work of each motor over their mean, in clear air if there are enough rows of it."""
+    free = rows[clear[rows]]
+    done = each[free if free.size >= FEWEST else rows] ** USUAL_POWER
+    return np.asarray(np.median(done / done.mean(axis=1, keepdims=True), axis=0))

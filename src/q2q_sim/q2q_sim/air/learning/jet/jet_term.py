@@ -53,26 +53,29 @@ TOLERANCE = 5e-3
 
 def jet_term(records: Sequence[AirRecord]) -> LearnedTerm[JetTerm] | None:
     """Return the jet; None if fewer than FEWEST rows lie under exactly one vehicle."""
-    parts = under_one(records)
-    exposed = np.concatenate([part.exposed for part in parts]) if parts else np.empty(0, dtype=bool)
-    if exposed.sum() < FEWEST:
+    parts = _enough(records)
+    if parts is None:
         return None
-    fit = _Fit(parts)
-    low, high = np.quantile(wake_rows.places(parts, fit.travel).gap[exposed], FLOWN)
-    travel, upper = fit.travel, upper_share(records, fit.beta)
-    term = JetTerm(
-        gaps_m=GAPS,
-        radii_m=RADII,
-        push_mps2=pushes(fit.beta, (float(low), float(high))),
-        upper_ratio=upper.value if upper else 0.0,
-        travel_speed_mps=1.0 / max(travel.slowness, STILL),
-        carried=travel.carried,
-        slope=travel.slope,
-    )
+    fit, rows = _Fit(parts), sum(int(part.exposed.sum()) for part in parts)
+    low, high = fit.flown()
+    upper = upper_share(records, fit.beta)
     source = f"rows under one vehicle, {low:.2f} to {high:.2f} m below it"
-    found, rows = fit.spread(), int(exposed.sum())
+    found = fit.spread()
     values = [fitted(found, k, path, rows, source) for k, path in enumerate(_PATHS)]
+    term = fit.term(upper.value if upper else 0.0)
     return LearnedTerm(term, (*values, upper) if upper else tuple(values))
+
+
+def jet_alone(records: Sequence[AirRecord]) -> JetTerm | None:
+    """Return the jet as `jet_term` does, without intervals and without what its source feels."""
+    parts = _enough(records)
+    return _Fit(parts).term(0.0) if parts else None
+
+
+def _enough(records: Sequence[AirRecord]) -> list[WakeRows] | None:
+    """Return the rows under exactly one vehicle, None if fewer than FEWEST are exposed."""
+    parts = under_one(records)
+    return parts if sum(int(part.exposed.sum()) for part in parts) >= FEWEST else None
 
 
 _PATHS = ("jet.push_mps2", "jet.travel_speed_mps", "jet.carried", "jet.slope")
@@ -88,6 +91,24 @@ class _Fit:
         normal = normal_equations(wake_rows.places(parts, self.travel), self._y, self._blocks)
         self._penalty = chosen_penalty(normal)
         self.beta = solve(normal, np.ones(normal.power.size), self._penalty)
+
+    def flown(self) -> tuple[float, float]:
+        """Return the gaps between which the table is measured [m]."""
+        exposed = np.concatenate([part.exposed for part in self._parts])
+        low, high = np.quantile(wake_rows.places(self._parts, self.travel).gap[exposed], FLOWN)
+        return float(low), float(high)
+
+    def term(self, upper_ratio: float) -> JetTerm:
+        """Return the jet, given the share of its push that the source feels."""
+        return JetTerm(
+            gaps_m=GAPS,
+            radii_m=RADII,
+            push_mps2=pushes(self.beta, self.flown()),
+            upper_ratio=upper_ratio,
+            travel_speed_mps=1.0 / max(self.travel.slowness, STILL),
+            carried=self.travel.carried,
+            slope=self.travel.slope,
+        )
 
     def _travel(self) -> Travel:
         together: Blocks = np.zeros(self._y.size, dtype=np.intp)
