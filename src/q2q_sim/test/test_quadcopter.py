@@ -180,8 +180,6 @@ def test_rotors_at_their_limit_cost_thrust_and_no_torque() -> None:
     commanded, ceilings = (0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13)
     lost = beyond(commanded, ceilings)
     given = np.array(commanded) - lost
-    assert given.sum() == pytest.approx(
-        np.minimum(commanded, ceilings).sum()
-    )  # cut one by one
+    assert given.sum() == pytest.approx(np.minimum(commanded, ceilings).sum())  # cut one by one
     np.testing.assert_allclose(given - given.mean(), np.array(commanded) - np.mean(commanded))
     assert beyond(commanded, (math.inf,) * 4) == 0.0
