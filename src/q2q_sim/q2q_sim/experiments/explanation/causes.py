@@ -128,6 +128,7 @@ def _even(term: VehicleTerm) -> VehicleTerm:
         offset_std_mps2=0.0,
         headroom=max(AMPLE, term.headroom),
         headroom_std=0.0,
+        motor_std=0.0,
         discharge_v_per_s=0.0,
     )
 
