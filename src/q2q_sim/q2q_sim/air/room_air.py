@@ -54,8 +54,7 @@ INSIDE = 0.25
 """e_0 [m/s^2]: |eta| from which on a vehicle is inside a wake: in both families the turbulence has its floor
 from about there on."""
 ATTITUDE_FREQUENCY = 80.0
-"""Attitude loop of the vehicles of a room, critically damped [rad/s]. The public flights show one with more
-damping (q2q_sim.experiments.validation.onboard_law)."""
+"""Attitude loop of the vehicles of a room whose file has none, critically damped [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,11 +179,15 @@ class VehicleTerm:
     discharge_v_per_s: float
     """Fall of the battery's voltage in flight [V/s]."""
     attitude_frequency: float = ATTITUDE_FREQUENCY
-    """Natural frequency of the critically damped onboard attitude loop [rad/s]."""
+    """Natural frequency of the onboard attitude loop [rad/s]."""
     headroom_std: float = 0.0
     """Standard deviation of the headroom between vehicles and flights [-]."""
     motor_std: float = 0.0
     """Standard deviation of what the motors of a vehicle work at hover, over their mean [-]."""
+    attitude_damping: float = 1.0
+    """Damping ratio of the onboard attitude loop [-]."""
+    attitude_lead_ratio: float = 1.0
+    """Lead of the onboard attitude loop over the thrust lag [-]."""
 
 
 @dataclass(frozen=True, slots=True)

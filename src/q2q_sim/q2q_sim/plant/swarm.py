@@ -217,4 +217,7 @@ def attitude_loop_in(air: FlownAir) -> AttitudeParams:
     """Return the attitude loop of a room's vehicles, else that of the plant."""
     if not isinstance(air, RoomAir) or air.vehicle is None:
         return AttitudeParams()
-    return AttitudeParams(frequency=air.vehicle.attitude_frequency, damping=1.0)
+    own = air.vehicle
+    return AttitudeParams(
+        frequency=own.attitude_frequency, damping=own.attitude_damping, lead_ratio=own.attitude_lead_ratio
+    )

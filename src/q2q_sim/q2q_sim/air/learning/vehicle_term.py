@@ -3,14 +3,15 @@
     a_0 = median over clear air of (R f)_z - T_c b_z / m      T_c: commanded thrust after the thrust lag
 
 for each vehicle of each flight, with the vehicle's nominal mass m. A mean offset beyond HEAVIEST is that of
-another vehicle: its term is not learned. Lag and motor curve are medians over
-flights; headroom is at the highest voltage flown, its loss by volt the slope from there to the lowest.
+another vehicle: its term is not learned. Lag and motor curve are medians over flights; headroom is at the
+highest voltage flown, its loss by volt the slope from there to the lowest. The attitude loop is LOOP.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.evidence.air_record import AirRecord
@@ -30,6 +31,13 @@ HEADROOM = ("vehicle.headroom", "vehicle.headroom_per_volt", "vehicle.discharge_
 BETWEEN = "vehicle.headroom_std"
 MOTORS = "vehicle.motor_std"
 LAG = "vehicle.thrust_lag_s"
+LOOP = AttitudeParams(frequency=60.0, damping=3.0, lead_ratio=0.15)
+"""Attitude loop of the recorded vehicles: a fast loop of the rate under one of the angle, of a gain of w / 6.
+
+Damping and lead are those of least squares on the tilt of dc19_randomwalk_ss_04 (3.0, 0.14) and
+dc21_randomwalk_ss_00 (3.0, 0.14), 3.0 being the largest allowed; the frequency is the median of 16 flights
+(q2q_sim.experiments.validation.onboard_law reads that of one).
+"""
 
 
 def vehicle_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[VehicleTerm] | None:
@@ -43,7 +51,12 @@ def vehicle_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[
         *_headroom(motor_curves(records), vehicle),
     ]
     found = {one.path.removeprefix("vehicle."): one.value for one in values}
-    term = VehicleTerm(**found)
+    term = VehicleTerm(
+        **found,
+        attitude_frequency=LOOP.frequency,
+        attitude_damping=LOOP.damping,
+        attitude_lead_ratio=LOOP.lead_ratio,
+    )
     return LearnedTerm(term, tuple(values))
 
 

@@ -35,6 +35,7 @@ from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.air.learning.vehicle_term import LOOP
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
@@ -55,10 +56,6 @@ TYPICAL_SPREAD = 0.5
 ROWS_TOGETHER = 100
 """Rows that are one independent one: the residuals of a second have one cause."""
 
-LOOP = AttitudeParams(damping=3.0, lead_ratio=0.15)
-"""Attitude loop whose frequency w is read from a flight. Damping and lead are those of least squares on the
-tilt of dc19_randomwalk_ss_04 (3.0, 0.14) and dc21_randomwalk_ss_00 (3.0, 0.14), 3.0 being the largest
-allowed: a fast loop of the rate under one of the angle, of a gain of w / 6, about 10 1/s."""
 TILT_BAND = (0.8, 4.0)
 """Band in which tilts are compared [Hz]. Below, errors of the tilt come back in the command through the
 position loop, and the loop seems fast; above, noise of the velocity moves no vehicle, and it seems slow."""
