@@ -75,8 +75,8 @@ def parser() -> CommandLine:
     made.add_argument(
         "--bug-runs",
         type=_count,
-        default=30,
-        help="guided: runs of each search for each of the 20 seeded bugs; 0 leaves them out (default 30)",
+        default=80,
+        help="guided: runs of each search for each of the 20 seeded bugs; 0 leaves them out (default 80)",
     )
     made.add_argument("--case", type=Path, help="fly this case file again, and nothing else")
     made.add_argument("--json", type=output_file, help="write the totals to this file")
