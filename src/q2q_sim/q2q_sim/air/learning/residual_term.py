@@ -10,58 +10,27 @@ differ by more than their errors; their standard deviation is part of the term.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.autocovariance import autocovariance, pairs, ticks
-from q2q_sim.air.learning.evidence.block_bootstrap import (
-    Row,
-    block_sums,
-    blocks_of,
-    cell_sums,
-    spread,
-)
-from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
+from q2q_sim.air.learning.evidence.autocovariance import pairs, ticks
+from q2q_sim.air.learning.evidence.block_bootstrap import Row, blocks_of, cell_sums, spread
+from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.gain_spread import gain_spread
 from q2q_sim.air.learning.jet.other_flights import LeftOut
-from q2q_sim.air.learning.jet.wake_push import wake_push
-from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, JetTerm, ResidualTerm
+from q2q_sim.air.learning.wake_misses import LAGS, WakeMisses, wake_misses, with_own_gain
+from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, ResidualTerm
 
-LAGS = np.array([0.0, 0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2])
-"""Lags of the autocovariance [s]: from none to twice the correlation time found."""
 LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, np.inf])
 """Bounds of the levels of |eta| [m/s^2]."""
 FEWEST = 300
 """Fewest exposed rows: 3 s at 100 Hz."""
-FEWEST_GAIN = 100
-"""Fewest exposed rows of a vehicle for its gain: 1 s at 100 Hz."""
-FEWEST_STRETCHES = 3
-"""Fewest stretches of 2 s with exposed rows of a vehicle for the error of its gain."""
-FEWEST_CLEAR = 200
-"""Fewest rows for a flight's own clear air: 2 s at 100 Hz."""
 START = np.array([0.3, 0.1, 0.08])
 """Floor [m/s^2], slope [-] and time [s] from which the fit starts."""
 LOWEST, LARGEST = np.array([0.0, 0.0, 0.005]), np.array([2.0, 1.0, 1.0])
 PATHS = ("residual.floor_mps2", "residual.slope", "residual.time_s")
-GAIN = "residual.gain_std"
-
-
-@dataclass(frozen=True, slots=True)
-class WakeMisses:
-    """Misses of one vehicle of a flight on its exposed rows."""
-
-    record: AirRecord
-    one: ForceSamples
-    eta: Array
-    """|eta| [m/s^2], (T,); 0 where not exposed."""
-    missed: Array
-    """[m/s^2], (T,)"""
-    clear: Array
-    """Its autocovariance in clear air at each lag, (L,)."""
 
 
 def residual_term(
@@ -72,84 +41,12 @@ def residual_term(
     rows = sum(int(wake.one.exposed.sum()) for wake in wakes)
     if rows < FEWEST:
         return None
-    sums = _sums([_with_own_gain(wake) for wake in wakes])
+    sums = _sums([with_own_gain(wake) for wake in wakes])
     found = spread(lambda weight: _fit(np.tensordot(weight, sums, 1)), len(sums))
     values = tuple(fitted(found, k, path, rows, "exposed rows") for k, path in enumerate(PATHS))
-    gain = _gain_spread(wakes)
+    gain = gain_spread(wakes)
     floor, slope, time = map(float, found.value)
     return LearnedTerm(ResidualTerm(floor, slope, time, gain.value), (*values, gain))
-
-
-def _with_own_gain(wake: WakeMisses) -> WakeMisses:
-    """Return what is left with the vehicle's own gain."""
-    square = float(wake.eta @ wake.eta)
-    gain = -float(wake.one.y @ wake.eta) / square if square > 0.0 else 1.0
-    return replace(wake, missed=wake.one.y + gain * wake.eta)
-
-
-def _gain_spread(wakes: Sequence[WakeMisses]) -> Fitted:
-    """Return the standard deviation of the gain on the mean downwash between vehicles and flights.
-
-    It is what the gains differ by beyond their own errors (DerSimonian and Laird, Controlled Clinical
-    Trials 7, 1986, with even weights), each error from stretches of 2 s.
-    """
-    gains, errors = [], []
-    for one in wakes:
-        rows = np.flatnonzero(one.one.exposed)
-        pair = np.stack([-one.one.y[rows] * one.eta[rows], one.eta[rows] ** 2], axis=1)
-        sums = block_sums(pair, blocks_of([Row(one.record.name, one.record.motion.t[rows])]))
-        if rows.size >= FEWEST_GAIN and len(sums) >= FEWEST_STRETCHES:
-            gain = sums[:, 0].sum() / sums[:, 1].sum()
-            miss = sums[:, 0] - gain * sums[:, 1]
-            gains.append(gain)
-            errors.append(float(miss @ miss) / sums[:, 1].sum() ** 2)
-    each, own = np.array(gains), np.array(errors)
-
-    def estimate(weight: Array) -> Array:
-        if weight.sum() < 2.0:
-            return np.zeros(1)
-        mean = weight @ each / weight.sum()
-        between = weight @ (each - mean) ** 2 / (weight.sum() - 1.0) - weight @ own / weight.sum()
-        return np.array([np.sqrt(max(between, 0.0))])
-
-    found = spread(estimate, each.size)
-    return fitted(found, 0, GAIN, each.size, "flights of vehicles under another")
-
-
-def wake_misses(
-    records: Sequence[AirRecord], jet: JetTerm, absorption: AbsorptionTerm | None
-) -> list[WakeMisses]:
-    """Return what jet and absorption leave of each vehicle that has exposed rows."""
-    wakes = [
-        _wake(record, one, jet, absorption)
-        for record in records
-        for one in record.samples
-        if one.exposed.any()
-    ]
-    return _with_clear_air(wakes)
-
-
-def _wake(
-    record: AirRecord, one: ForceSamples, jet: JetTerm, absorption: AbsorptionTerm | None
-) -> WakeMisses:
-    rows = np.flatnonzero(one.exposed)
-    eta = np.zeros(one.y.size)
-    eta[rows] = wake_push(record, one.vehicle, rows, jet, absorption)
-    clear = record.clear[:, one.vehicle]
-    own = np.zeros(LAGS.size)
-    if clear.sum() >= FEWEST_CLEAR:
-        own = autocovariance(one.y - one.y[clear].mean(), clear, ticks(record.motion.t, LAGS))
-    return WakeMisses(record, one, eta, one.y + eta, own)
-
-
-def _with_clear_air(wakes: Sequence[WakeMisses]) -> list[WakeMisses]:
-    """Return the wakes with the mean autocovariance of clear air where a flight has none."""
-    known = [one.clear for one in wakes if one.clear.any()]
-    usual = np.mean(known, axis=0) if known else np.zeros(LAGS.size)
-    return [
-        one if one.clear.any() else WakeMisses(one.record, one.one, one.eta, one.missed, usual)
-        for one in wakes
-    ]
 
 
 def _sums(wakes: Sequence[WakeMisses]) -> Array:

@@ -1,0 +1,75 @@
+"""What jet and absorption leave of the measured downwash of each vehicle under another."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.signals.values import Array
+from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.evidence.autocovariance import autocovariance, ticks
+from q2q_sim.air.learning.jet.wake_push import wake_push
+from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
+
+LAGS = np.array([0.0, 0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2])
+"""Lags of the autocovariance [s]: from none to twice the correlation time found."""
+FEWEST_CLEAR = 200
+"""Fewest rows for a flight's own clear air: 2 s at 100 Hz."""
+
+
+@dataclass(frozen=True, slots=True)
+class WakeMisses:
+    """Misses of one vehicle of a flight on its exposed rows."""
+
+    record: AirRecord
+    one: ForceSamples
+    eta: Array
+    """|eta| [m/s^2], (T,); 0 where not exposed."""
+    missed: Array
+    """[m/s^2], (T,)"""
+    clear: Array
+    """Its autocovariance in clear air at each lag, (L,)."""
+
+
+def wake_misses(
+    records: Sequence[AirRecord], jet: JetTerm, absorption: AbsorptionTerm | None
+) -> list[WakeMisses]:
+    """Return what jet and absorption leave of each vehicle that has exposed rows."""
+    wakes = [
+        _wake(record, one, jet, absorption)
+        for record in records
+        for one in record.samples
+        if one.exposed.any()
+    ]
+    return _with_clear_air(wakes)
+
+
+def _wake(
+    record: AirRecord, one: ForceSamples, jet: JetTerm, absorption: AbsorptionTerm | None
+) -> WakeMisses:
+    rows = np.flatnonzero(one.exposed)
+    eta = np.zeros(one.y.size)
+    eta[rows] = wake_push(record, one.vehicle, rows, jet, absorption)
+    clear = record.clear[:, one.vehicle]
+    own = np.zeros(LAGS.size)
+    if clear.sum() >= FEWEST_CLEAR:
+        own = autocovariance(one.y - one.y[clear].mean(), clear, ticks(record.motion.t, LAGS))
+    return WakeMisses(record, one, eta, one.y + eta, own)
+
+
+def _with_clear_air(wakes: Sequence[WakeMisses]) -> list[WakeMisses]:
+    """Return the wakes with the mean autocovariance of clear air where a flight has none."""
+    known = [one.clear for one in wakes if one.clear.any()]
+    usual = np.mean(known, axis=0) if known else np.zeros(LAGS.size)
+    return [
+        one if one.clear.any() else WakeMisses(one.record, one.one, one.eta, one.missed, usual)
+        for one in wakes
+    ]
+
+
+def with_own_gain(wake: WakeMisses) -> WakeMisses:
+    """Return what is left with the vehicle's own gain."""
+    square = float(wake.eta @ wake.eta)
+    gain = -float(wake.one.y @ wake.eta) / square if square > 0.0 else 1.0
+    return replace(wake, missed=wake.one.y + gain * wake.eta)
