@@ -11,6 +11,7 @@ from q2q_model.estimation.attitudes import (
     AttitudeTracks,
     follow,
 )
+from q2q_model.geometry.rotations import quat_from_euler, quat_multiply
 from q2q_model.signals.values import Array
 
 PARAMS = AttitudeGateParams(
@@ -104,12 +105,21 @@ def test_a_turn_passes_up_to_the_bound_and_not_beyond(more: int, elapsed: float,
 
 
 @BOTH
-def test_after_a_long_time_any_turn_passes_and_gives_no_rate(more: int) -> None:
-    quat, axis = tumbling(0)
-    axis *= 0.999 * np.pi / np.linalg.norm(axis, axis=1, keepdims=True)
+def test_after_a_long_time_any_turn_that_ends_upright_passes_and_gives_no_rate(more: int) -> None:
+    quat, _ = tumbling(0)
+    about = quat_from_euler(0.0, 0.0, 0.999 * np.pi)  # world z: upright vehicles stay so
     tracks = Seen(quat, more)
-    assert tracks.update(2.0, turned(quat, axis, 1.0)) == 0
+    assert tracks.update(2.0, quat_multiply(np.broadcast_to(about, quat.shape), quat)) == 0
     assert not tracks.rate.any()
+
+
+@BOTH
+def test_a_turn_to_upside_down_passes_up_to_a_right_angle_only(more: int) -> None:
+    quat, _ = tumbling(0)
+    tilted = np.tile(quat_from_euler(np.deg2rad(60.0), 0.0, 0.0), (len(quat), 1))
+    for turn, rejected in ((80.0, 0), (100.0, len(quat))):  # to 140 and 160 degrees
+        over = np.tile(quat_from_euler(np.deg2rad(60.0 + turn), 0.0, 0.0), (len(quat), 1))
+        assert Seen(tilted, more).update(2.0, over) == rejected
 
 
 @BOTH

@@ -1,4 +1,4 @@
-"""Old stamps that rise are a clock set back; old stamps that come now and then, or out of order, are not."""
+"""Old stamps of which the newest rises are a clock set back; old stamps that come now and then are not."""
 
 from q2q_model.estimation.clock_resets import CONFIRM_STAMPS, ClockResetDetector
 
@@ -14,13 +14,29 @@ def test_few_stamps_are_none_however_far_apart() -> None:
     assert [old.rise(t) for t in (0.0, 0.5, 1.0)] == [False] * (CONFIRM_STAMPS - 1) + [True]
 
 
-def test_a_stamp_that_falls_or_repeats_or_is_none_begins_again() -> None:
-    for again in (0.02, 0.09, float("nan")):
+def test_a_stamp_older_than_all_begins_again() -> None:
+    old = ClockResetDetector()
+    for k in range(10):
+        assert not old.rise(1.0 + k * 0.01)
+    output = [old.rise(0.5 + k * 0.01) for k in range(11)]
+    assert output == [False] * 10 + [True]
+
+
+def test_a_stamp_that_repeats_or_is_none_does_not_count() -> None:
+    for again in (0.09, float("nan")):
         old = ClockResetDetector()
         for k in range(10):
             assert not old.rise(k * 0.01)
         assert not old.rise(again)
-        assert not old.rise(0.11)
+        assert old.rise(0.11)
+
+
+def test_reordered_stamps_do_not_hide_a_new_time() -> None:
+    old = ClockResetDetector()
+    late = [
+        old.rise((k - 3 if k % 2 else k) * 0.01) for k in range(20)
+    ]  # every second frame is three ticks old
+    assert True in late[:13]
 
 
 def test_a_newer_stamp_between_forgets_them() -> None:

@@ -402,6 +402,20 @@ def test_an_axis_flip_of_a_reflection_is_refused_but_not_for_ever():
     assert block.report.attitudes_refused == 60
 
 
+def test_an_axis_flip_is_refused_after_a_gap_that_would_allow_any_turn() -> None:
+    block = MocapFilter(MocapFilterParams(), PAIR)
+    flipped = np.tile(quat_from_euler(0.0, np.pi, 0.0), (2, 1))
+    turned = np.tile(quat_from_euler(0.0, 0.0, 2.5), (2, 1))
+    for tick in range(20):
+        block.update(_frame(tick))
+    after = 20 + 33  # 0.33 s later, by a gap or by the clock
+    np.testing.assert_allclose(block.update(_frame(after, quat=flipped)).quat, identity_quat((2,)))
+    np.testing.assert_allclose(block.update(_frame(after + 1)).quat, identity_quat((2,)))
+    np.testing.assert_allclose(
+        block.update(_frame(after + 34, quat=turned)).quat, turned
+    )  # upright: believed
+
+
 def test_a_first_attitude_upside_down_is_refused_and_the_first_upright_one_is_taken():
     block, tilted = MocapFilter(MocapFilterParams(), PAIR), np.tile(quat_from_euler(1.5, 0.0, 2.0), (2, 1))
     flipped = quat_multiply(tilted, quat_from_euler(0.0, np.pi, 0.0))

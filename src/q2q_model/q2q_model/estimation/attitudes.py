@@ -4,8 +4,9 @@ A quaternion q, tau after the last accepted one q0, is accepted if its angle to 
 turn_max + turn_rate_max tau, where tau stops growing at the first rejection. A rejected attitude that lasts
 for `reacquire_s` is accepted. The first attitude of a track is accepted if its body z points up: a vehicle in
 flight is not upside down, a reflected rigid body may be, and a controller that believed it would stop the
-motors. q and -q are one attitude: the sign nearest the last is kept. The body rate is
-the constant rate between successive attitudes behind a first-order low-pass filter, so it lags by half a
+motors. For the same reason a turn by more than a right angle to upside down is rejected after any gap, also
+after one by a jump of the clock. q and -q are one attitude: the sign nearest the last is kept. The body rate
+is the constant rate between successive attitudes behind a first-order low-pass filter, so it lags by half a
 sample and the filter's time constant T:
 
     w_raw = log(q0* q) / tau,   w = w + tau / (tau + T) (w_raw - w)
@@ -33,6 +34,8 @@ from q2q_model.signals.values import Array
 
 UNIT_TOLERANCE = 0.05
 """Largest deviation of a valid quaternion's length from 1: float32 has 1e-6, four digits have 1e-3."""
+RIGHT_ANGLE = math.cos(0.25 * math.pi)
+"""Last component of a quaternion that turns by a right angle."""
 _TINY = 1e-150
 """Stands for zero in the sine of a turn."""
 
@@ -109,7 +112,7 @@ class AttitudeTracks:
         tracks, params = self._tracks, self._params
         turn = quat_between(tracks.quat, quat)
         present = ~np.isnan(turn[:, 3])
-        near = tracks.seen & self._plausible(t, turn)
+        near = tracks.seen & self._plausible(t, turn) & ~_turns_over(quat, turn)
         first = ~tracks.seen & _is_upright(quat)
         rejected = present & ~near & ~first
         tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
@@ -147,6 +150,11 @@ def _is_upright(quat: Array) -> Mask:
     return np.asarray(matrix_from_quat(quat)[:, 2, 2] > 0.0)
 
 
+def _turns_over(quat: Array, turn: Array) -> Mask:
+    """Return which turns (n, 4) to quaternions (n, 4) are reflections: beyond a right angle, upside down."""
+    return np.asarray((np.abs(turn[:, 3]) < RIGHT_ANGLE) & ~_is_upright(quat))
+
+
 def _unseen(count: int) -> Attitudes:
     return Attitudes(
         seen=np.zeros(count, np.bool_),
@@ -172,6 +180,7 @@ def follow(t: float, measured: Array, params: AttitudeGateParams, tracks: Attitu
             _turn(tracks.quat[i], measured[i], turn) > 0.0
             and elapsed <= params.coast_s
             and _is_plausible(turn, elapsed, params)
+            and not _is_reflection(measured[i], turn)
         ):
             return False
     for i in range(len(measured)):
@@ -212,6 +221,13 @@ def _is_plausible(turn: Array, elapsed: float, params: AttitudeGateParams) -> bo
     """Return whether a turn within `elapsed` [s] passes the gate."""
     largest = params.turn_max + params.turn_rate_max * elapsed
     return bool(abs(turn[3]) >= math.cos(0.5 * min(largest, math.pi)))
+
+
+@compiled
+def _is_reflection(measured: Array, turn: Array) -> bool:
+    """Return whether a turn to a quaternion is one of _turns_over."""
+    x, y, z, w = measured[0], measured[1], measured[2], measured[3]
+    return abs(turn[3]) < RIGHT_ANGLE and not x * x + y * y < z * z + w * w
 
 
 @compiled

@@ -1,7 +1,7 @@
 """Detection of a clock that was set back, as opposed to late frames.
 
-Late frames are few, or newer ones come in between. Old stamps that increase CONFIRM_STAMPS times in a row and
-for PATIENCE_S are the new time.
+Late frames are few, or newer ones come in between. Old stamps of which the newest increases CONFIRM_STAMPS
+times and for PATIENCE_S are the new time, also when frames between them come in another order.
 """
 
 from math import inf
@@ -25,12 +25,14 @@ class ClockResetDetector:
 
     def reset(self) -> None:
         """Forget the old stamps: a newer one has come."""
-        self._first, self._last, self._count = inf, inf, 0
+        self._first, self._newest, self._count = inf, inf, 0
 
     def rise(self, t: float) -> bool:
-        """Take an old stamp t [s]; return whether old stamps have increased for long enough."""
-        if not t > self._last:
-            self._first, self._count = t, 0
-        self._last = t
-        self._count += 1
-        return self._count >= CONFIRM_STAMPS and t - self._first >= PATIENCE_S - ROUNDING
+        """Take an old stamp t [s]; return whether the newest of them has increased for long enough."""
+        if t < self._first:
+            self._first = self._newest = t
+            self._count = 1
+        elif t > self._newest:
+            self._newest = t
+            self._count += 1
+        return self._count >= CONFIRM_STAMPS and self._newest - self._first >= PATIENCE_S - ROUNDING
