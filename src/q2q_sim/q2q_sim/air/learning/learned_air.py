@@ -19,7 +19,7 @@ from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
 from q2q_sim.air.learning.jet.other_flights import left_out
 from q2q_sim.air.learning.lateral import lateral_force
 from q2q_sim.air.learning.rate_load_term import rate_load_term
-from q2q_sim.air.learning.residual_term import residual_term
+from q2q_sim.air.learning.residual.residual_term import residual_term
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
 from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
 from q2q_sim.air.learning.wind_term import wind_term

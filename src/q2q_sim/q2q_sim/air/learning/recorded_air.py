@@ -23,7 +23,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, AirError, air_path, recorded_paths
 from q2q_sim.air.learning.evidence.air_record import AirRecord, air_records
-from q2q_sim.air.learning.wake_misses import WakeMisses, wake_misses
+from q2q_sim.air.learning.residual.wake_misses import WakeMisses, wake_misses
 from q2q_sim.air.room_air import INSIDE, SHORTEST, ResidualTerm, RoomAir
 from q2q_sim.air.unit_processes import FADE_S, RECORDED_HZ, faded
 

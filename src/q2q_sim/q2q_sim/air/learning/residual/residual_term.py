@@ -18,9 +18,9 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.learning.evidence.autocovariance import pairs, ticks
 from q2q_sim.air.learning.evidence.block_bootstrap import Row, blocks_of, cell_sums, spread
 from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
-from q2q_sim.air.learning.gain_spread import gain_spread
 from q2q_sim.air.learning.jet.other_flights import LeftOut
-from q2q_sim.air.learning.wake_misses import LAGS, WakeMisses, wake_misses, with_own_gain
+from q2q_sim.air.learning.residual.gain_spread import gain_spread
+from q2q_sim.air.learning.residual.wake_misses import LAGS, WakeMisses, wake_misses, with_own_gain
 from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, ResidualTerm
 
 LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, np.inf])

@@ -7,7 +7,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
 from q2q_sim.air.learning.evidence.fitted import Fitted, fitted
-from q2q_sim.air.learning.wake_misses import WakeMisses
+from q2q_sim.air.learning.residual.wake_misses import WakeMisses
 
 FEWEST = 100
 """Fewest exposed rows of a vehicle for its gain: 1 s at 100 Hz."""
