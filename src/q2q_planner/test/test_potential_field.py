@@ -133,7 +133,17 @@ def test_lost_stamps_change_the_answer_little() -> None:
     assert flown(plan, gap)[-1].pos == pytest.approx(every[-1].pos, abs=1e-4)  # cubic between stamps
 
 
-def test_a_stamp_that_goes_back_and_a_reset_start_on_the_reference() -> None:
+def test_a_late_stamp_keeps_the_error_of_the_last_one() -> None:
+    plan, field = crossing(), PotentialField()
+    for k in range(520):
+        last = field.update(setpoint_at(plan, k * 0.01), None)
+    error = last.pos - setpoint_at(plan, 5.19).pos
+    assert np.abs(error).max() > 0.01
+    late = field.update(setpoint_at(plan, 5.16), None)
+    np.testing.assert_allclose(late.pos - setpoint_at(plan, 5.16).pos, error, atol=1e-12)
+
+
+def test_a_stamp_far_back_and_a_reset_start_on_the_reference() -> None:
     plan, field = crossing(), PotentialField()
     for k in range(520):
         field.update(setpoint_at(plan, k * 0.01), None)

@@ -161,6 +161,19 @@ def test_a_repeated_stamp_gets_the_same_answer_and_lost_ticks_break_nothing() ->
     assert not broken.any()
 
 
+def test_late_frames_and_a_clock_set_back_move_no_shifted_setpoint() -> None:
+    for back in (2, 40):  # late by two ticks, a clock set back by 0.4 s
+        replanner, plan = SafeReplanner(PARAMS), swap()
+        before = [replanner.update(setpoint_at(plan, k * TICK), None) for k in range(300)][-1]
+        assert np.abs(before.pos - setpoint_at(plan, before.t).pos).max() > 0.1  # shifted aside
+        after = [replanner.update(setpoint_at(plan, (300 - back + k) * TICK), None) for k in range(600)]
+        steps = np.diff(np.stack([before.pos, *(tick.pos for tick in after)]), axis=0)
+        assert np.linalg.norm(steps, axis=-1).max() < 0.02  # 2 m/s
+        inside, _, broken = judged(after)
+        assert not inside.any()
+        assert not broken.any()
+
+
 def test_a_stranger_that_rams_is_announced_before_or_when_it_is_inside() -> None:
     """A stranger at 1 m/s that never brakes breaks condition 3; our vehicle hovers."""
     hover = minimum_snap_plan([VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(9, (0, 0, 1))))])

@@ -102,7 +102,8 @@ def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("passed", "carried"), [(0.0, False), (-0.5, False), (LONGEST_GAP, True), (LONGEST_GAP + 0.5, False)]
+    ("passed", "carried"),
+    [(0.0, True), (-LONGEST_GAP, True), (LONGEST_GAP, True), (LONGEST_GAP + 0.5, False), (-5.5, False)],
 )
 def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, carried: bool) -> None:
     motion = held(np.ones((2, 3)), np.zeros((2, 3)))

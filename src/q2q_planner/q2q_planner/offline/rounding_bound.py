@@ -40,6 +40,10 @@ MOST_COEFFICIENTS = 56
 """Beyond, C(m - 1, k) is not a double."""
 
 
+UNDERFLOW = 1e-200
+"""What products below the normal numbers are off by [m]: 5e-324 for each, times powers of a duration."""
+
+
 def rounding_bound(trajectories: Sequence[Trajectory]) -> float:
     """Return a bound of the error of every computed relative position [m]; infinite where there is none."""
     order = max(curve.coefficients.shape[-1] for curve in trajectories)
@@ -51,7 +55,7 @@ def rounding_bound(trajectories: Sequence[Trajectory]) -> float:
         apart = _merged_by(trajectories)
         jump = max(_largest_jump(curve) for curve in trajectories) if apart > 0.0 else 0.0
         off = _gamma(8) * max(curve.duration for curve in trajectories) + apart
-        bound = 2.0 * np.sqrt(3.0) * (_gamma(_roundings(order)) * reach + speed * off + jump)
+        bound = 2.0 * np.sqrt(3.0) * (_gamma(_roundings(order)) * reach + speed * off + jump) + UNDERFLOW
     return float(bound) if np.isfinite(bound) and apart <= SAME_TIME else np.inf
 
 

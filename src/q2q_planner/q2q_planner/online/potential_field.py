@@ -107,8 +107,8 @@ class PotentialField:
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:  # noqa: ARG002
         """Return the modified setpoints of the tick.
 
-        A repeated stamp returns the same setpoints; a stamp that goes back, or a gap over LONGEST_GAP,
-        restarts on the reference; other gaps are integrated.
+        A repeated stamp returns the same setpoints; one that goes back keeps the error; a gap over
+        LONGEST_GAP either way restarts on the reference; other gaps are integrated.
         """
         if is_repeated(self._answer, setpoint.t, setpoint.names):
             return self._answer
@@ -116,11 +116,12 @@ class PotentialField:
             self._before = self._answer = setpoint
             return setpoint
         before = self._before
-        if before is None or not 0.0 < setpoint.t - before.t <= LONGEST_GAP:
+        if before is None or abs(setpoint.t - before.t) > LONGEST_GAP:
             self._error = no_error(setpoint.names)
         else:
-            error = matched(self._error, setpoint.names)
-            self._error = _advance(error, _rows_as(before, setpoint), setpoint, self.params)
+            self._error = matched(self._error, setpoint.names)
+            if setpoint.t > before.t:
+                self._error = _advance(self._error, _rows_as(before, setpoint), setpoint, self.params)
         push = swarm_push(setpoint.pos + self._error.pos, self.params)
         self._error = settled(self._error, np.asarray(push.any(axis=1)))
         self._on_reference = not (self._error.pos.any() or self._error.vel.any())

@@ -13,7 +13,7 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 Mask = NDArray[np.bool_]
 
 LONGEST_GAP = 5.0
-"""Gap between stamps after which vehicles restart on the reference [s]."""
+"""Gap between stamps, forwards or back, after which vehicles restart on the reference [s]."""
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
 """Distance [m] and speed [m/s] at which a vehicle snaps onto its reference; added to every zone's growth."""
 
@@ -53,20 +53,22 @@ def propagated(
 ) -> CommittedMotion:
     """Return the motion at the setpoint's stamp; new vehicles, or all after a gap, start on the reference.
 
+    Where the stamp goes back, the motion waits for it: vehicles are where they were.
+
     Args:
         committed: motion of the last tick.
         setpoint: reference of this tick.
         brake: deceleration to rest [m/s^2].
         jerk: bound of the jerk [m/s^3]; 0 for none.
     """
-    if committed is None or not 0.0 < setpoint.t - committed.t <= LONGEST_GAP:
+    if committed is None or abs(setpoint.t - committed.t) > LONGEST_GAP:
         return at_reference(setpoint)
     moved = _moved(committed, setpoint.t, brake, jerk)
     return moved if moved.names == setpoint.names else _with_new_vehicles(moved, setpoint)
 
 
 def _moved(committed: CommittedMotion, t: float, brake: float, jerk: float) -> CommittedMotion:
-    passed = round(t - committed.t, 9)  # stamps are whole nanoseconds
+    passed = round(max(t - committed.t, 0.0), 9)  # stamps are whole nanoseconds
     growth = np.zeros((len(committed.names), 2))
     motions = Motions(committed.pos, committed.vel, committed.acc, committed.hold, growth, committed.jerk)
     if jerk > 0.0:

@@ -93,8 +93,9 @@ class SafeReplanner:
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:
         """Return the modified setpoints of the tick.
 
-        A repeated stamp returns the same setpoints; a stamp that goes back, or a gap over LONGEST_GAP,
-        restarts on the reference. `state` None assumes ideal tracking and no external vehicles.
+        A repeated stamp returns the same setpoints; one that goes back, of a late frame or a clock set
+        back, leaves the motions where they are; a gap over LONGEST_GAP either way restarts on the
+        reference. `state` None assumes ideal tracking and no external vehicles.
         """
         if is_repeated(self._answer, setpoint.t, setpoint.names):
             return self._answer
