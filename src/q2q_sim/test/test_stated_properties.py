@@ -1,13 +1,19 @@
 """Each stated property holds in the sound stack and is violated by the seeded bug that breaks it."""
 
+from dataclasses import replace
 from functools import cache
 
+import numpy as np
 import pytest
 
+from q2q_model.signals.values import SetpointStatus
+from q2q_sim.experiments.campaign.campaign_flight import flown_pure
 from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+from q2q_sim.experiments.guided.stated_properties.replanner_properties import promise
+from q2q_sim.experiments.guided.stated_properties.run_ticks import run_ticks
 from q2q_sim.faults.faults import Fault
 
 BUGS = {bug.name: bug for bug in SEEDED_BUGS}
@@ -23,7 +29,7 @@ CASES: dict[str, tuple[int, str, tuple[Fault, ...]]] = {
     "reordered": (3, "none", (Fault("reordered", 3.0, 0.3),)),
     "set back": (3, "none", (Fault("clock_jump", 3.0, 1.0, (), -0.45),)),
     "lost at the zone": (5, "safe", (Fault("dropout", 3.5, 1.0, ("cf2",)),)),
-    "restarted in the zone": (3, "safe", (Fault("reordered", PASS - 0.1, 0.3),)),
+    "off its path": (3, "safe", (Fault("jump", 3.0, 1.0, ("cf1",), 0.4),)),
 }
 """Flight of Table 2, replanner and faults."""
 
@@ -57,7 +63,7 @@ def sound(case: str) -> AttackedFlight:
         ("no_evasion", "upper lost", "evasion"),
         ("evasion_reversed", "upper lost", "evasion"),
         ("hold_forgotten", "lost at the zone", "held_acc"),
-        ("break_unreported", "restarted in the zone", "promise"),
+        ("break_unreported", "off its path", "off_path"),
     ],
 )
 def test_a_bug_violates_the_property_that_the_sound_stack_keeps(bug: str, case: str, broken: str):
@@ -67,7 +73,14 @@ def test_a_bug_violates_the_property_that_the_sound_stack_keeps(bug: str, case: 
     assert broken in found.policies
 
 
-def test_a_reported_entry_into_the_zone_is_near_but_no_violation():
-    flight = sound("restarted in the zone")
-    assert flight.violations == ()
-    assert flight.margins["promise"] < 0.0
+def test_an_entry_into_the_zone_is_a_violation_unless_it_is_reported():
+    run = flown("off its path")
+    ticks = run_ticks(flown_pure(run).signals)
+    first = ticks.setpoints[0]
+    inside = first.pos.copy()
+    inside[1] = inside[0] + [0.1, 0.0, 0.0]
+    for status, broken in ((SetpointStatus.NOMINAL, 1), (SetpointStatus.PROMISE_BROKEN, 0)):
+        entering = replace(first, pos=inside, status=np.full(2, status, dtype=np.uint8))
+        found = promise(run, replace(ticks, setpoints=(entering, *ticks.setpoints[1:])))
+        assert len(found.violations) == broken
+        assert found.margin < 0.0
