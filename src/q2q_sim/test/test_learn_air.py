@@ -17,7 +17,6 @@ from q2q_sim.air.learning.edge_torque_term import edge_torque_term
 from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
 from q2q_sim.air.learning.evidence.fitted import Fitted
 from q2q_sim.air.learning.evidence.motor_curve import USUAL_POWER, motor_curves, usual_power
-from q2q_sim.air.learning.evidence.outer_torque import PITCH, ROLL
 from q2q_sim.air.learning.ground_term import ONE_ROTOR, ground_term
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push
@@ -31,6 +30,8 @@ from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
 from q2q_sim.air.learning.wind_term import wind_term
 from q2q_sim.air.room_air import AbsorptionTerm, ResidualTerm
 
+ROLL, PITCH = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, 1.0, -1.0])
+"""Signs of the rotors' thrusts in roll and pitch torque."""
 RESIDUAL = ResidualTerm(floor_mps2=0.28, slope=0.1, time_s=0.08)
 ABSORPTION = AbsorptionTerm(share=0.5, width_m=0.1)
 SECONDS = 120.0

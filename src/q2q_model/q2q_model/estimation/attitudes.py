@@ -112,7 +112,7 @@ class AttitudeTracks:
         tracks, params = self._tracks, self._params
         turn = quat_between(tracks.quat, quat)
         present = ~np.isnan(turn[:, 3])
-        near = tracks.seen & self._plausible(t, turn) & ~_turns_over(quat, turn)
+        near = tracks.seen & self._plausible(t, turn) & ~_reflections(quat, turn)
         first = ~tracks.seen & _is_upright(quat)
         rejected = present & ~near & ~first
         tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
@@ -150,8 +150,11 @@ def _is_upright(quat: Array) -> Mask:
     return np.asarray(matrix_from_quat(quat)[:, 2, 2] > 0.0)
 
 
-def _turns_over(quat: Array, turn: Array) -> Mask:
-    """Return which turns (n, 4) to quaternions (n, 4) are reflections: beyond a right angle, upside down."""
+def _reflections(quat: Array, turn: Array) -> Mask:
+    """Return which turns (n, 4) to quaternions (n, 4) are those of reflections.
+
+    They are beyond a right angle and end upside down.
+    """
     return np.asarray((np.abs(turn[:, 3]) < RIGHT_ANGLE) & ~_is_upright(quat))
 
 
@@ -225,7 +228,7 @@ def _is_plausible(turn: Array, elapsed: float, params: AttitudeGateParams) -> bo
 
 @compiled
 def _is_reflection(measured: Array, turn: Array) -> bool:
-    """Return whether a turn to a quaternion is one of _turns_over."""
+    """Return whether a turn to a quaternion is one of `_reflections`."""
     x, y, z, w = measured[0], measured[1], measured[2], measured[3]
     return abs(turn[3]) < RIGHT_ANGLE and not x * x + y * y < z * z + w * w
 

@@ -38,8 +38,6 @@ SHORTEST = 1e-6
 
 MOST_COEFFICIENTS = 56
 """Beyond, C(m - 1, k) is not a double."""
-
-
 UNDERFLOW = 1e-200
 """What products below the normal numbers are off by [m]: 5e-324 for each, times powers of a duration."""
 

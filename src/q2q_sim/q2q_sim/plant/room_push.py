@@ -45,6 +45,7 @@ from q2q_sim.plant.quadcopter import (
     X,
     Y,
     Z,
+    rotor_torque,
 )
 from q2q_sim.plant.room_law import (
     AWAY_X,
@@ -227,10 +228,10 @@ def drag(state: Array, i: int, per_s: float) -> None:
 @compiled(**BORROWING)
 def load(state: Array, i: int, one: RoomNumbers) -> None:
     """Take the load of a vehicle's rotors from their ceilings, ahead by the lag of thrust."""
-    f1, f2, f3, f4 = state[i, F1], state[i, F2], state[i, F3], state[i, F4]
-    tx, ty = one.lever * (f3 + f4 - f1 - f2) + state[i, TX], one.lever * (f2 + f3 - f1 - f4) + state[i, TY]
-    roll = one.rate_load * (state[i, P] + one.roll_lead * tx)
-    pitch = one.rate_load * (state[i, Q] + one.pitch_lead * ty)
+    rotors = state[i, F1], state[i, F2], state[i, F3], state[i, F4]
+    tx, ty, _ = rotor_torque(rotors, one.lever, 0.0)
+    roll = one.rate_load * (state[i, P] + one.roll_lead * (tx + state[i, TX]))
+    pitch = one.rate_load * (state[i, Q] + one.pitch_lead * (ty + state[i, TY]))
     state[i, CEILING1] += roll + pitch
     state[i, CEILING2] += roll - pitch
     state[i, CEILING3] -= roll + pitch

@@ -24,7 +24,7 @@ from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.past_states import remember
 from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, state_at_rest
 from q2q_sim.plant.room_law import RoomLaw
-from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, attitude_loop_in, body_in, still_air
+from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_in, still_air
 
 AT_ONCE = 64
 """Vehicles whose rooms take all steps of a call together: their states stay in the first-level cache."""
@@ -116,7 +116,7 @@ class Rooms:
                 "a seed for each room, and one or more of all are needed"
             )
         step = 1.0 / PHYSICS_RATE
-        self.body = body_in(setup.air, setup.vehicle, attitude_loop_in(setup.air), step)
+        self.body = body_in(setup.air, setup.vehicle, step)
         states = [state_at_rest(start, setup.vehicle.mass) for start in setup.start]
         self.state = np.stack(states)
         """Rows of each room, (rooms, n, STATE_WIDTH)."""

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.attitude.attitude_law import AttitudeParams
+from q2q_control.attitude.attitude_law import AttitudeParams, attitude_gains
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -121,8 +121,8 @@ class Swarm:
         """
         self.names = names
         step = 1.0 / PHYSICS_RATE
-        self._air, self._vehicle = air, vehicle
-        self.body = body_in(air, vehicle, attitude_loop_in(air), step)
+        self.body = body_in(air, vehicle, step)
+        self._flown = vehicle_in(air, vehicle)
         self.state = state_at_rest(start, vehicle.mass)
         self.air = still_air(self.state, air, self.body, seed)
         self._block = -1
@@ -151,7 +151,7 @@ class Swarm:
 
     def use_attitude_loop(self, attitude: AttitudeParams) -> None:
         """Replace the onboard attitude loop."""
-        self.body = body_in(self._air, self._vehicle, attitude, self.body.step)
+        self.body = self.body._replace(gains=attitude_gains(attitude, self._flown))
 
     def prepare(self) -> int:
         """Prepare what the compiled loop cannot; return for how many steps that lasts.
@@ -201,12 +201,12 @@ def vehicle_in(air: FlownAir, vehicle: Vehicle) -> Vehicle:
     return replace(vehicle, thrust_lag=own.thrust_lag_s, thrust_max=own.headroom * vehicle.hover_thrust)
 
 
-def body_in(air: FlownAir, vehicle: Vehicle, attitude: AttitudeParams, step: float) -> Body:
+def body_in(air: FlownAir, vehicle: Vehicle, step: float) -> Body:
     """Return the constants of a vehicle in an air, for steps of `step` [s].
 
     The ceilings of a room's vehicles limit their rotors, and nothing else does.
     """
-    body = body_of(vehicle_in(air, vehicle), attitude, step)
+    body = body_of(vehicle_in(air, vehicle), attitude_loop_in(air), step)
     if not isinstance(air, RoomAir) or air.vehicle is None:
         return body
     lever, drag, _ = body.frame

@@ -34,26 +34,18 @@ def draws_in(air: FlownAir, flight: TrackedFlight, vehicle: Vehicle) -> MakeDraw
     """Return what makes the draws of a flight in an air."""
     names, dt = flight.names, flight.dt
     if flight.headroom is not None:
-        vehicle = replace(vehicle, thrust_max=float(flight.headroom.max()) * vehicle.hover_thrust)
+        vehicle = replace(
+            vehicle, thrust_max=float(flight.headroom.mean(axis=1).max()) * vehicle.hover_thrust
+        )
 
     def make(seed: int, start: Array) -> Draw:
-        drawn = _drawn(air, flight.headroom)
+        drawn = replace(air, rotor_drag=None) if isinstance(air, RoomAir) else air
         swarm = Swarm(names, vehicle, start, drawn, seed)
         if flight.headroom is not None and isinstance(drawn, RoomAir):
             swarm.air.room.ceilings[:] = 0.25 * vehicle.hover_thrust * flight.headroom
         return Draw(swarm, Disturbance(_gusts(drawn), len(names), dt, seed))
 
     return make
-
-
-def _drawn(air: FlownAir, headroom: Array | None) -> FlownAir:
-    """Return an air with the recorded headroom and no drag."""
-    if not isinstance(air, RoomAir):
-        return air
-    drawn = replace(air, rotor_drag=None)
-    if headroom is None or drawn.vehicle is None:
-        return drawn
-    return replace(drawn, vehicle=replace(drawn.vehicle, headroom=float(headroom.max()), headroom_std=0.0))
 
 
 def _gusts(air: FlownAir) -> DisturbanceParams:

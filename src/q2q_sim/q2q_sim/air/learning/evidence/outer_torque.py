@@ -8,15 +8,12 @@ median of the motors' torque in clear air.
 
 import numpy as np
 
-from q2q_control.attitude.allocation import rotor_frame
+from q2q_control.attitude.allocation import rotor_frame, wrench_of
 from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
 
-ROLL = np.array([-1.0, -1.0, 1.0, 1.0])
-PITCH = np.array([-1.0, 1.0, 1.0, -1.0])
-"""Signs of the motors' thrusts in roll and pitch torque: q2q_control.attitude.allocation."""
 FEWEST_CLEAR = 100
 """Fewest rows in clear air for the trim: 1 s at 100 Hz."""
 
@@ -41,4 +38,4 @@ def _motor_torque(record: AirRecord, motors: Motors, i: int, vehicle: Vehicle, p
     mean = np.maximum(duty.mean(axis=1, keepdims=True), 1e-3)
     quarter = 0.25 * vehicle.hover_thrust * record.strength[:, i, None]
     thrust = quarter * (1.0 + power * (duty - mean) / mean)
-    return np.asarray(float(rotor_frame(vehicle).lever) * np.stack([thrust @ ROLL, thrust @ PITCH], axis=1))
+    return wrench_of(thrust, rotor_frame(vehicle))[:, 1:3]

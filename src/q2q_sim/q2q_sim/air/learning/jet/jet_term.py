@@ -57,7 +57,7 @@ def jet_term(records: Sequence[AirRecord]) -> LearnedTerm[JetTerm] | None:
     if parts is None:
         return None
     fit, rows = _Fit(parts), sum(int(part.exposed.sum()) for part in parts)
-    low, high = fit.flown()
+    low, high = fit.flown
     upper = upper_share(records, fit.beta)
     source = f"rows under one vehicle, {low:.2f} to {high:.2f} m below it"
     found = fit.spread()
@@ -91,8 +91,9 @@ class _Fit:
         normal = normal_equations(wake_rows.places(parts, self.travel), self._y, self._blocks)
         self._penalty = chosen_penalty(normal)
         self.beta = solve(normal, np.ones(normal.power.size), self._penalty)
+        self.flown = self._flown()
 
-    def flown(self) -> tuple[float, float]:
+    def _flown(self) -> tuple[float, float]:
         """Return the gaps between which the table is measured [m]."""
         exposed = np.concatenate([part.exposed for part in self._parts])
         low, high = np.quantile(wake_rows.places(self._parts, self.travel).gap[exposed], FLOWN)
@@ -103,7 +104,7 @@ class _Fit:
         return JetTerm(
             gaps_m=GAPS,
             radii_m=RADII,
-            push_mps2=pushes(self.beta, self.flown()),
+            push_mps2=pushes(self.beta, self.flown),
             upper_ratio=upper_ratio,
             travel_speed_mps=1.0 / max(self.travel.slowness, STILL),
             carried=self.travel.carried,

@@ -7,7 +7,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
 from q2q_sim.air.learning.evidence.fitted import Fitted, fitted
-from q2q_sim.air.learning.residual.wake_misses import WakeMisses
+from q2q_sim.air.learning.residual.wake_misses import WakeMisses, own_gain
 
 FEWEST = 100
 """Fewest exposed rows of a vehicle for its gain: 1 s at 100 Hz."""
@@ -28,7 +28,7 @@ def gain_spread(wakes: Sequence[WakeMisses]) -> Fitted:
         pair = np.stack([-one.one.y[rows] * one.eta[rows], one.eta[rows] ** 2], axis=1)
         sums = block_sums(pair, blocks_of([Row(one.record.name, one.record.motion.t[rows])]))
         if rows.size >= FEWEST and len(sums) >= FEWEST_STRETCHES:
-            gain = sums[:, 0].sum() / sums[:, 1].sum()
+            gain = own_gain(one)
             miss = sums[:, 0] - gain * sums[:, 1]
             gains.append(gain)
             errors.append(float(miss @ miss) / sums[:, 1].sum() ** 2)

@@ -68,8 +68,12 @@ def _with_clear_air(wakes: Sequence[WakeMisses]) -> list[WakeMisses]:
     ]
 
 
+def own_gain(wake: WakeMisses) -> float:
+    """Return the vehicle's gain on the mean downwash [-]; 1 where there is none."""
+    square = float(wake.eta @ wake.eta)
+    return -float(wake.one.y @ wake.eta) / square if square > 0.0 else 1.0
+
+
 def with_own_gain(wake: WakeMisses) -> WakeMisses:
     """Return what is left with the vehicle's own gain."""
-    square = float(wake.eta @ wake.eta)
-    gain = -float(wake.one.y @ wake.eta) / square if square > 0.0 else 1.0
-    return replace(wake, missed=wake.one.y + gain * wake.eta)
+    return replace(wake, missed=wake.one.y + own_gain(wake) * wake.eta)
