@@ -11,7 +11,6 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.ablation.ablation_cases import Case
-from q2q_sim.experiments.ablation.contenders import ONBOARD
 from q2q_sim.experiments.ablation.learned_models import MOST, LearnedModel
 
 DIGITS = 3
@@ -45,10 +44,9 @@ class Numbers:
         learned = self.models.get(case.plant.models, [])
         return learned[-1:] if case.paths.draws else learned[:-1]
 
-    def draws_of(self, case: Case, contender: str) -> int:
-        """Return the draws that are flown in a case, of all models together; on board, half as many."""
-        each = (self.draws + 1) // 2 if contender in ONBOARD else self.draws
-        return case.paths.draws or MOST * each
+    def draws_of(self, case: Case) -> int:
+        """Return the draws that are flown in a case, of all models together."""
+        return case.paths.draws or MOST * self.draws
 
     def save(self, file: Path) -> None:
         """Replace a file by these numbers."""

@@ -10,12 +10,11 @@
 | aware + correction | yes | accelerometers |
 | MPC | yes, ahead | disturbance observer |
 | MPC + correction | yes, ahead | accelerometers |
-| MPC + reserve | yes, ahead | accelerometers, and thrust kept free for it on the horizon |
 | distributed | yes, ahead | disturbance observer; one MPC a vehicle, which hears the others' predictions |
 | Mellinger | no | integral, on board |
 | on board | yes | accelerometers, on board: the firmware app around Mellinger's controller |
 
-The first ten are the controllers that `fly` flies, from a ground station: `pid`, with an integral or an
+The first nine are the controllers that `fly` flies, from a ground station: `pid`, with an integral or an
 observer in three of them, `mpc`, and `mpc --distributed`. K_p and K_d are the scenario's;
 K_i = 0.12 K_p K_d, an eighth of the stability limit (Routh: K_i < K_p K_d). The MPC has its default tuning.
 Mellinger's controller has its stock gains.
@@ -80,13 +79,6 @@ def _with(given: Situation, controller: Controller) -> Blocks:
     return replace(_shipped(Options())(given), controller=guarded)
 
 
-def _reserved(given: Situation) -> Blocks:
-    overrides = {**given.scenario.overrides, "mpc": {"reserve": 1.0}}
-    return _shipped(Options(controller="mpc", correct=True))(
-        replace(given, scenario=replace(given.scenario, overrides=overrides))
-    )
-
-
 def _distributed(given: Situation) -> Blocks:
     names = given.scenario.names
     controlled = tuple(names[k :: given.each] for k in range(given.each))  # draws are out of reach
@@ -105,25 +97,22 @@ CONTENDERS = {
     "aware + correction": Contender(_shipped(Options(correct=True))),
     "MPC": Contender(_shipped(Options(controller="mpc"))),
     "MPC + correction": Contender(_shipped(Options(controller="mpc", correct=True))),
-    "MPC + reserve": Contender(_reserved),
     "distributed": Contender(_distributed),
 }
 """Contenders on a ground station."""
-ABOARD = "on board"
-ONBOARD = {"Mellinger": False, ABOARD: True}
+ONBOARD = {"Mellinger": False, "on board": True}
 """Contenders on the vehicle, and whether they have the app."""
 NAMES = (*CONTENDERS, *ONBOARD)
 """Rows of the tables."""
-SPARED = frozenset({"MPC + reserve", "distributed"})
-"""Contenders that need not be flown in every case: a reserve matters where thrust is at its limit, and an MPC
-for each vehicle of a draw has the errors of `MPC` (docs/distributed_mpc.md)."""
+SPARED = frozenset({"distributed"})
+"""Contenders that need not be flown in every case: an MPC for each vehicle of a draw has the errors of `MPC`
+(docs/distributed_mpc.md)."""
 TWINS = (
     ("aware", "ignoring"),
     ("aware + observer", "observer"),
     ("MPC", "aware + observer"),
     ("aware + correction", "aware + observer"),
     ("MPC + correction", "MPC"),
-    ("MPC + reserve", "MPC + correction"),
     ("distributed", "MPC"),
     ("on board", "Mellinger"),
 )

@@ -100,5 +100,5 @@ def _missing(numbers: Numbers, wanted: Sequence[tuple[Case, str]]) -> list[Conte
             airs[plant.air] = air = find_air(plant.air)
             numbers.airs[plant.air] = list(air.flights) if isinstance(air, RoomAir) else []
         models = tuple(numbers.models_for(case))
-        asked.append(ContenderFlight(case, name, models, airs[plant.air], numbers.draws_of(case, name)))
+        asked.append(ContenderFlight(case, name, models, airs[plant.air], numbers.draws_of(case)))
     return asked

@@ -1,7 +1,7 @@
 """Flight of vehicles by their own emulated firmware, with or without the app on board.
 
-Every vehicle flies full states by Mellinger's controller with its stock gains, which the edge torque of a
-learned air topples: that term is off. Its own estimate of its motion is exact.
+Every vehicle flies full states by Mellinger's controller with its stock gains. Its own estimate of its motion
+is exact.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,6 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
 from q2q_sim.air.find_air import FlownAir
-from q2q_sim.air.room_air import RoomAir, without
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.pilot import ECHO
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
@@ -34,8 +33,6 @@ from q2q_sim.loop.closed_loop import ticks_of
 from q2q_sim.loop.room import STEPS, Room
 from q2q_sim.scenarios.scenario import Scenario
 
-TOPPLES = "edge_torque"
-"""Term of an air that Mellinger's controller does not survive."""
 LOST = 0.2
 """Share of broadcasts that do not arrive."""
 RADIO_RANGE = 5.0
@@ -56,7 +53,7 @@ def flown_on_board(
     scenario: Scenario, models: Sequence[LearnedModel], air: FlownAir, seed: int, *, apps: bool
 ) -> Trace:
     """Return a flight by the vehicles' own firmware; `models` are those of their apps, one a vehicle."""
-    room = Room(scenario, seed, calm(air))
+    room = Room(scenario, seed, air)
     fleet = Fleet(room.swarm, scenario.vehicle, Build(), _apps(scenario, models, seed) if apps else None)
     choose_mellinger(fleet, scenario.vehicle)
     plan = plan_of(scenario)
@@ -69,13 +66,6 @@ def flown_on_board(
         error[tick] = pos[tick, :, 2] - wanted.pos[:, 2]
         room.fly(fleet.fly)
     return Trace(pos, error)
-
-
-def calm(air: FlownAir) -> FlownAir:
-    """Return an air without the term that Mellinger's controller does not survive."""
-    if isinstance(air, RoomAir) and air.edge_torque is not None:
-        return without(air, (TOPPLES,))
-    return air
 
 
 def choose_mellinger(fleet: Fleet, vehicle: Vehicle) -> None:
