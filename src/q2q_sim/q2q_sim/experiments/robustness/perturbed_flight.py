@@ -16,6 +16,7 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.vehicle.thrust_map import STOCK
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.ablation.side_by_side import side_by_side
 from q2q_sim.experiments.robustness.perturbations import Perturbation, believed, flown_room, hastened
@@ -23,7 +24,7 @@ from q2q_sim.loop.assembly import TICK_S, Mode, Options, blocks_of, ignore_accel
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario, with_air
+from q2q_sim.scenarios.scenario import Scenario, with_air, with_firmware
 
 DURATION = 19.0
 """Length of a flight [s]: the last passage has ended 4 s before or more."""
@@ -55,8 +56,8 @@ class PerturbedFlight:
 
 def fly_perturbed(asked: PerturbedFlight) -> Errors:
     """Return the errors of a flight."""
-    one = hastened(with_air(library.load(asked.perturbation.scenario), asked.air, ()))
-    one = replace(one, duration=DURATION)
+    loaded = with_air(library.load(asked.perturbation.scenario), asked.air, ())
+    one = replace(hastened(with_firmware(loaded, STOCK)), duration=DURATION)
     scenario = side_by_side([one], asked.draws)
     model = model_in(scenario, asked.air)
     mode: Mode = "aware" if asked.corrects else "ignoring"
