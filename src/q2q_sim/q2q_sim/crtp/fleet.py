@@ -46,7 +46,8 @@ class Fleet:
 
     def __init__(self, swarm: Swarm, vehicle: Vehicle, build: Build, apps: OnboardApps | None = None) -> None:
         """Start the firmware of a swarm of vehicles of one type, with apps on board if given."""
-        n, airframe = len(swarm.names), airframe_of(vehicle)
+        n, (_, _, rotor_max) = len(swarm.names), swarm.body.frame
+        airframe = replace(airframe_of(vehicle), force_max=rotor_max)
         self._swarm, self.apps = swarm, apps
         self._rows = Controllers(
             setpoints=np.zeros((n, 2, SETPOINT_WIDTH)),
