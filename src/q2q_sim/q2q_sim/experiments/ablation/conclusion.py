@@ -14,7 +14,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.experiments.ablation.ablation_cases import JUDGED, SHOWN, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS
-from q2q_sim.experiments.ablation.contenders import NAMES, SPARED, TWINS
+from q2q_sim.experiments.ablation.contenders import NAMES, TWINS
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
 from q2q_sim.report.significant import significant
 
@@ -40,8 +40,8 @@ def judged_cases() -> list[Case]:
 
 
 def is_whole(numbers: Numbers, case: Case) -> bool:
-    """Return whether all contenders were flown, perhaps without SPARED."""
-    return set(flown_in(numbers, case)) >= set(NAMES) - SPARED
+    """Return whether all contenders were flown."""
+    return len(flown_in(numbers, case)) == len(NAMES)
 
 
 def flown_in(numbers: Numbers, case: Case) -> list[str]:

@@ -104,9 +104,6 @@ ONBOARD = {"Mellinger": False, "on board": True}
 """Contenders on the vehicle, and whether they have the app."""
 NAMES = (*CONTENDERS, *ONBOARD)
 """Rows of the tables."""
-SPARED = frozenset({"distributed"})
-"""Contenders that need not be flown in every case: an MPC for each vehicle of a draw has the errors of `MPC`
-(docs/distributed_mpc.md)."""
 TWINS = (
     ("aware", "ignoring"),
     ("aware + observer", "observer"),
