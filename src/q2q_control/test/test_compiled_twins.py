@@ -162,13 +162,28 @@ def test_all_free_chains_swept_at_once_are_those_swept_one_by_one():
     assert not crossing[~free].any()
 
 
+def coupled(pairs: dict[tuple[int, int], float], vehicles: int = 8) -> DownwashHorizon:
+    """Return pairs (i, j) with their slopes."""
+    i, j = np.array(list(pairs), np.intp).reshape(-1, 2).T.copy()
+    slope = np.tile(np.array(list(pairs.values()))[:, None, None, None], (1, STAGES, 3, 3))
+    return DownwashHorizon(np.zeros((vehicles, STAGES, 3)), i, j, slope)
+
+
 def test_groups_are_what_pairs_join_together():
-    i, j = np.array([0, 1, 2, 5, 7, 6]), np.array([1, 0, 4, 6, 9, 5])  # 9 is nobody of ours
-    assert groups_of(i, j, 8, joint=True) == [[0, 1], [2, 4], [5, 6], [7]]
-    assert groups_of(i, j, 8, joint=False) == [[0], [1], [2], [5], [6], [7]]
-    chained = groups_of(np.array([3, 2, 1]), np.array([2, 1, 0]), 4, joint=True)
-    assert chained == [[0, 1, 2, 3]]
-    assert groups_of(np.zeros(0, np.intp), np.zeros(0, np.intp), 3, joint=True) == []
+    one = coupled(dict.fromkeys([(0, 1), (1, 0), (2, 4), (5, 6), (7, 9), (6, 5)], 1.0))  # 9 is nobody of ours
+    assert groups_of(one, 8, 8) == [[0, 1], [2, 4], [5, 6], [7]]
+    assert groups_of(one, 8, 1) == [[0], [1], [2], [5], [6], [7]]
+    assert groups_of(coupled({(3, 2): 1.0, (2, 1): -2.0, (1, 0): 0.5}), 4, 4) == [[0, 1, 2, 3]]
+    assert groups_of(coupled({}), 3, 8) == []
+
+
+def test_a_group_that_would_be_too_large_is_split_where_vehicles_couple_least():
+    chain = coupled({(3, 2): 3.0, (2, 1): -2.0, (1, 0): 1.0})
+    assert groups_of(chain, 4, 2) == [[0, 1], [2, 3]]
+    assert groups_of(chain, 4, 3) == [[1, 2, 3]]  # 0 feels nothing
+    both = coupled({(0, 1): 3.0, (1, 0): 0.0, (2, 3): 2.0, (1, 2): -2.5, (3, 2): 0.0})
+    assert groups_of(both, 4, 2) == [[0, 1], [2, 3]]
+    assert groups_of(both, 4, 3) == [[0, 1, 2], [3]]
 
 
 def test_bounds_are_thrust_tilt_and_weight():

@@ -124,7 +124,7 @@ def rms(errors: Array) -> Array:
 def test_it_climbs_before_a_downwash_beyond_its_limit_comes_and_the_upper_vehicle_makes_room():
     preview = pass_over(speed=0.05, start=0.2)  # under the downwash's middle for two seconds at tick 400
     joint, thrust = Air(preview).fly(controller(IDEAL, preview), 800)
-    alone, _ = Air(preview).fly(controller(replace(IDEAL, joint=False), preview), 800)
+    alone, _ = Air(preview).fly(controller(replace(IDEAL, group_max=1), preview), 800)
     assert thrust.max() <= 6.6
     assert joint[:400, 0].max() > 5e-3
     assert joint[400, 1] > 0.02

@@ -1,8 +1,9 @@
 """Solver of one tick's horizon for all vehicles: groups, their problems, the solution.
 
-Vehicles whose downwash couples them within the horizon form a group and are solved together, or each by
-itself against the others' predicted paths. Axes that no downwash couples are swept all at once; those of them
-that meet a bound are solved one by one.
+Vehicles whose downwash couples them within the horizon are solved together, in groups of at most `group_max`
+vehicles: those that couple the most are joined first, and a group is solved against the predicted paths of
+all others. A joint solve grows with the third power of its vehicles. Axes that no downwash couples are swept
+all at once; those of them that meet a bound are solved one by one.
 """
 
 from collections.abc import Callable
@@ -39,8 +40,8 @@ class SolveRules:
 
     coupled: tuple[int, ...]
     """Axes whose inputs are solved together with their downwash."""
-    joint: bool
-    """Solve interacting vehicles together, not one by one."""
+    group_max: int
+    """Most vehicles that are solved together."""
     terminal: float
     """Terminal weight over that of the infinite horizon [-]: the latter knows no bounds."""
     iterations: int
@@ -73,7 +74,7 @@ class HorizonSolver:
         `in_time` is called before each problem that the sweep does not solve; False leaves it INTERRUPTED.
         """
         solution = blank_solution(*horizon.push.shape[:2])
-        coupled = groups_of(downwash.i, downwash.j, len(horizon.push), joint=self._rules.joint)
+        coupled = groups_of(downwash, len(horizon.push), self._rules.group_max)
         groups = [self._group(vehicles, self._rules.coupled) for vehicles in coupled]
         groups += self._swept(horizon, solution, [vehicle for group in coupled for vehicle in group])
         most, status = 1, solution.status
@@ -110,7 +111,7 @@ class HorizonSolver:
 
 def horizon_solver(params: MpcParams, vehicle: Vehicle) -> HorizonSolver:
     """Return the solver of (26) for vehicles like `vehicle`."""
-    rules = SolveRules(coupled_axes(params), params.joint, params.terminal, params.iterations)
+    rules = SolveRules(coupled_axes(params), params.group_max, params.terminal, params.iterations)
     return HorizonSolver(axis_chains(params, vehicle), params.steps, rules)
 
 
@@ -119,31 +120,33 @@ def coupled_axes(params: MpcParams) -> tuple[int, ...]:
     return (0, 1, 2) if params.mode == "full" else (2,)
 
 
-def groups_of(i: Rows, j: Rows, n: int, *, joint: bool) -> list[list[int]]:
-    """Return the vehicles below `n` that feel downwash, in groups connected by pairs if `joint`."""
+def groups_of(downwash: DownwashHorizon, n: int, most: int) -> list[list[int]]:
+    """Return the vehicles below `n` that pairs of `downwash` join, in groups of at most `most`."""
     roots: dict[int, list[int]] = {}
-    for vehicle, root in enumerate(_roots(i, j, n, joint).tolist()):
+    for vehicle, root in enumerate(_roots(downwash, n, most).tolist()):
         if root >= 0:
             roots.setdefault(root, []).append(vehicle)
     return list(roots.values())
 
 
 @compiled
-def _roots(i: Rows, j: Rows, n: int, joint: bool) -> Rows:
+def _roots(downwash: DownwashHorizon, n: int, most: int) -> Rows:
     """Return the first vehicle of each vehicle's group, -1 for those in none, (n,)."""
-    root = np.full(n, -1)
-    for pair in range(i.size):
-        if i[pair] < n:
-            root[i[pair]] = i[pair]
-    if not joint:
-        return root
-    for pair in range(i.size):
-        a, b = i[pair], j[pair]
+    root, size, coupling = np.full(n, -1), np.ones(n, np.intp), np.zeros(downwash.i.size)
+    for pair in range(downwash.i.size):
+        if downwash.i[pair] < n:
+            root[downwash.i[pair]] = downwash.i[pair]
+        coupling[pair] = np.abs(downwash.slope[pair]).sum()
+    for pair in np.argsort(-coupling):
+        a, b = downwash.i[pair], downwash.j[pair]
         if a >= n or b >= n:
             continue
         old, new = root[a], root[b] if root[b] >= 0 else b
+        if old == new or size[old] + size[new] > most:
+            continue
         root[b] = new
         low, high = min(old, new), max(old, new)
+        size[low] += size[high]
         for v in range(n):
             if root[v] == high:
                 root[v] = low

@@ -17,7 +17,9 @@ class MpcParams:
         "full); full: all axes, downwash couples all",
         choices=("altitude", "vertical", "full"),
     )
-    joint: bool = tunable(default=True, description="solve interacting vehicles together, not one by one")
+    group_max: int = tunable(
+        4, "most interacting vehicles that are solved together; 1 solves each by itself", low=1, high=1000
+    )
     bandwidth_z: float = tunable(5.0, "bandwidth of the altitude loop", unit="rad/s", low=0.2, high=50.0)
     bandwidth_xy: float = tunable(2.0, "bandwidth of the position loop", unit="rad/s", low=0.2, high=20.0)
     terminal: float = tunable(
