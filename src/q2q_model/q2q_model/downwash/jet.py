@@ -134,14 +134,15 @@ class Jet:
         """Return the unblended downward acceleration (...,) and eta (..., 3)."""
         shape = rel_pos.shape
         push, eta = np.empty(shape[:-1]), np.empty(shape)
-        parts = (rel_pos, motion.source_vel, motion.source_axis, motion.vel)
-        pairs = JetPairs(*(_as_pairs(part, shape) for part in parts))
+        moving = (motion.source_vel, motion.source_axis, motion.vel)
+        own = shape[1:] if all(part.shape == shape[1:] for part in moving) else shape
+        pairs = JetPairs(_as_pairs(rel_pos, shape), *(_as_pairs(part, own) for part in moving))
         evaluate_pairs(pairs, jet_law(self), push.reshape(-1), eta.reshape(-1, 3))
         return push, eta
 
 
 def _as_pairs(part: Array, shape: tuple[int, ...]) -> Array:
-    """Return (..., 3) as contiguous (p, 3), broadcast to `shape`."""
+    """Return (..., 3) as contiguous rows (p, 3), broadcast to `shape`."""
     if part.shape != shape:
         part = np.broadcast_to(part, shape)
     return np.ascontiguousarray(part, dtype=np.float64).reshape(-1, 3)
@@ -165,10 +166,12 @@ class JetLaw(NamedTuple):
 
 
 class JetPairs(NamedTuple):
-    """Pairs for the compiled loop, (p, 3) each."""
+    """Pairs for the compiled loop."""
 
     rel_pos: Array
+    """(p, 3); place k is one of pair k mod m."""
     source_vel: Array
+    """As the two below (m, 3)."""
     source_axis: Array
     vel: Array
 
@@ -195,15 +198,16 @@ def _drift(dz: float, vel: Array, axis: Array, law: JetLaw) -> tuple[float, floa
 
 
 @compiled
-def _push(pairs: JetPairs, k: int, law: JetLaw) -> float:
-    """Return the downward acceleration [m/s^2] of the lower vehicle of pair k."""
+def _push(pairs: JetPairs, k: int, above: float, law: JetLaw) -> float:
+    """Return the downward acceleration [m/s^2] of the lower vehicle at place k; `above`: tanh(dz / BLEND)."""
     x, y, dz = pairs.rel_pos[k, 0], pairs.rel_pos[k, 1], pairs.rel_pos[k, 2]
-    gap, meeting = dz * math.tanh(dz / BLEND), 1.0
+    gap, meeting = dz * above, 1.0
     if law.carried > 0.0:
-        dx, dy = _drift(dz, pairs.source_vel[k], pairs.source_axis[k], law)
+        pair = k % pairs.vel.shape[0]
+        dx, dy = _drift(dz, pairs.source_vel[pair], pairs.source_axis[pair], law)
         x, y = x + dx, y + dy
         if law.travel_speed > 0.0:
-            meeting = max(1.0 + law.carried * pairs.vel[k, 2] / law.travel_speed, 0.0)
+            meeting = max(1.0 + law.carried * pairs.vel[pair, 2] / law.travel_speed, 0.0)
     width = law.width + law.spread * gap
     gaussian = math.exp(-(x * x + y * y) / (2.0 * width * width))
     if law.power:
@@ -218,8 +222,9 @@ def _push(pairs: JetPairs, k: int, law: JetLaw) -> float:
 def evaluate_pairs(pairs: JetPairs, law: JetLaw, push: Array, eta: Array) -> None:
     """Write the downward acceleration (p,) and eta (p, 3) [m/s^2]."""
     for k in range(push.size):
-        push[k] = _push(pairs, k, law)
-        share = 0.5 * (1.0 + math.tanh(pairs.rel_pos[k, 2] / BLEND))
+        above = math.tanh(pairs.rel_pos[k, 2] / BLEND)
+        push[k] = _push(pairs, k, above, law)
+        share = 0.5 * (1.0 + above)
         eta[k, 0], eta[k, 1] = 0.0, 0.0
         eta[k, 2] = (law.upper_ratio * (1.0 - share) - share) * push[k]
 

@@ -29,12 +29,12 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.mpc.prediction.downwash_stages import (
-    DELTA,
     DownwashHorizon,
     Pairs,
     Rows,
     Tracks,
     bounding_boxes,
+    displaced,
     sum_downwash,
     within_reach,
 )
@@ -171,8 +171,4 @@ def _places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows) 
         return replace(now, pos=pos.reshape(now.pos.shape))
 
     rel_pos, motion = retarded_pairs(model, middle[i], vel[i], now, past)
-    places = np.tile(rel_pos, (1 + 2 * moves.size, 1, 1, 1))
-    for a, axis in enumerate(moves):
-        places[1 + 2 * a, ..., axis] += DELTA
-        places[2 + 2 * a, ..., axis] -= DELTA
-    return places, motion
+    return displaced(rel_pos, moves), motion

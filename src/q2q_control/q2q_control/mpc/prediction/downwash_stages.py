@@ -92,6 +92,18 @@ def within_reach(path: Array, pairs: Pairs, reach: tuple[float, float]) -> Flags
 
 
 @compiled
+def displaced(places: Array, moves: Rows) -> Array:
+    """Return places (p, N, 3), then moved by +DELTA and by -DELTA along each axis, (1 + 2 moves, p, N, 3)."""
+    found = np.empty((1 + 2 * moves.size, *places.shape))
+    for m in range(found.shape[0]):
+        found[m] = places
+    for a in range(moves.size):
+        found[1 + 2 * a, ..., moves[a]] += DELTA
+        found[2 + 2 * a, ..., moves[a]] -= DELTA
+    return found
+
+
+@compiled
 def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: DownwashHorizon) -> Flags:
     """Add the downwash of pairs to `out.eta` and write their slopes; return the pairs that are not faint.
 
