@@ -141,13 +141,11 @@ def _widened(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows,
 
     The mean over a normal distribution of the source, by Gauss-Hermite quadrature of three points an axis.
     """
-    points = [(x, y, share_x * share_y) for x, share_x in GAUSS_HERMITE for y, share_y in GAUSS_HERMITE]
+    points = np.array([(x, y, 0.0) for x, _ in GAUSS_HERMITE for y, _ in GAUSS_HERMITE])
+    shares = [of_x * of_y for _, of_x in GAUSS_HERMITE for _, of_y in GAUSS_HERMITE]
     places, motion = _places(model, tracks, pairs, moves)
-    away = (
-        np.array([(x, y, 0.0) for x, y, _ in points])[:, None] * spread[pairs[1], None]
-    )  # (points, pairs, 3)
-    law = model.acceleration(places + away[:, None, :, None], motion)
-    return np.asarray(np.tensordot([share for _, _, share in points], law, 1))
+    away = points[:, None, None, None] * spread[pairs[1], None, None]  # (points, 1, pairs, 1, 3)
+    return np.asarray(np.tensordot(shares, model.acceleration(places + away, motion), 1))
 
 
 def _law_at_places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows) -> Array:

@@ -1,8 +1,8 @@
 """Conclusion of the ablation in three sentences, made from its numbers.
 
 The first names the best controllers and what they reach; the second what each part is worth; the third how
-often the targets are met, and what is worse than ignoring. All ratios are
-of the same draw, and ranges are those of the medians in the airs that are not of the models' family.
+often the targets are met, and what is worse than ignoring. All ratios are of the same draw, and ranges are
+those of the medians in the airs that are not of the models' family.
 """
 
 from collections import Counter
