@@ -11,6 +11,7 @@ from q2q_control.mpc.prediction.neighbours import (
     HeardPath,
     HeardPredictions,
     PredictedPaths,
+    accelerations_along,
     blended,
     known_neighbours,
     positions_at,
@@ -51,6 +52,12 @@ def test_a_path_is_interpolated_at_the_receivers_stages_and_goes_on_straight_aft
     )
     assert path[:, 1] == pytest.approx(TIMES + 0.5 - 0.99, abs=1e-6)  # float32
     assert TIMES[-1] + 0.5 > heard.start + STAGES * STEP
+
+
+def test_a_path_has_the_acceleration_of_its_parabola() -> None:
+    acc = np.array([0.5, -2.0, 1.0])
+    path = 0.3 + 0.5 * acc * (TIMES[:, None] - 1.2) ** 2
+    assert accelerations_along(path[None], TIMES)[0] == pytest.approx(np.tile(acc, (STAGES, 1)))
 
 
 @pytest.mark.parametrize("age", [0.01, PERIOD])

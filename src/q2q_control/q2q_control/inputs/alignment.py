@@ -6,12 +6,14 @@ never sent (q2q_control.failsafe.last_commands).
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import (
+    KNOWN_NAMES,
     Array,
     Interference,
     Names,
@@ -93,12 +95,19 @@ def _picked(
     """Return the rows of `names` of columns whose rows are `have`, None for `names`; NaN where missing."""
     if have is None or have == names:
         return columns
-    rows = index_of(names, have)
-    if rows.min(initial=0) >= 0:
+    rows, whole = _rows_of(names, have)
+    if whole:
         return tuple(column[rows] for column in columns)
     known = (rows >= 0)[:, None]
     missing = (np.concatenate([column, np.full((1, column.shape[1]), np.nan)]) for column in columns)
     return tuple(np.where(known, column[rows], np.nan) for column in missing)
+
+
+@lru_cache(maxsize=KNOWN_NAMES)
+def _rows_of(names: Names, have: Names) -> tuple[NDArray[np.intp], bool]:
+    """Return the row in `have` of each of `names`, -1 where it is missing, and whether none is."""
+    rows = index_of(names, have)
+    return rows, bool((rows >= 0).all())
 
 
 @compiled

@@ -10,11 +10,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.outlook import Outlook
 from q2q_control.mpc.prediction.plan_memory import Plan
 from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, HorizonSolution
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
 TICK = 0.01
@@ -47,27 +49,36 @@ class Commanded:
 
 def commanded(solution: HorizonSolution, horizon: Horizon, outlook: Outlook, params: MpcParams) -> Commanded:
     """Return each vehicle's commanded acceleration, the plan to remember, and the report."""
-    plan = outlook.plan
-    failed = (solution.status == INTERRUPTED) | ~np.isfinite(solution.inputs).all(axis=(1, 2))
+    plan, failed = outlook.plan, _failed(solution.inputs, solution.status)
     shifted = failed & (plan.start - plan.solved <= params.shift_time)
     by_pd = failed & ~shifted
-    acc = np.where(
-        shifted[:, None], plan.inputs[:, 0], solution.inputs[:, 0] + first_tick_lead(horizon, params.step)
-    )
+    acc = solution.inputs[:, 0] + first_tick_lead(horizon, params.step)
+    if shifted.any():
+        acc = np.where(shifted[:, None], plan.inputs[:, 0], acc)
     if by_pd.any() or params.mode == "altitude":
         pd = pd_acceleration(horizon, params)
         acc = np.where(by_pd[:, None], pd, acc)
         if params.mode == "altitude":
             acc[:, :2] = pd[:, :2]
     report = MpcReport(
-        solved=int((~failed).sum()),
-        cut_off=int((solution.status == CUT_OFF).sum()),
-        shifted=int(shifted.sum()),
-        pid=int(by_pd.sum()),
+        solved=failed.size - np.count_nonzero(failed),
+        cut_off=np.count_nonzero(solution.status == CUT_OFF),
+        shifted=np.count_nonzero(shifted),
+        pid=np.count_nonzero(by_pd),
         iterations=solution.iterations,
         pairs=len(outlook.downwash.i),
     )
     return Commanded(acc, _new_plan(solution, horizon, plan, failed), report)
+
+
+@compiled
+def _failed(inputs: Array, status: NDArray[np.int8]) -> NDArray[np.bool_]:
+    """Return which vehicles were INTERRUPTED or have inputs (n, N, 3) that are not finite, (n,)."""
+    failed = status == INTERRUPTED
+    for v in range(inputs.shape[0]):
+        for value in inputs[v].flat:
+            failed[v] = failed[v] or not np.isfinite(value)
+    return failed
 
 
 def first_tick_lead(horizon: Horizon, step: float) -> Array:

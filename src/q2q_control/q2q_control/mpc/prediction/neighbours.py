@@ -117,7 +117,7 @@ class HeardPredictions:
             if heard is not None and abs(path[row, 0, 2]) < FAR:
                 positions_at(heard, times, path[row])
                 share[row] = math.exp(-max(t - heard.t - self._period - SAME_STAMP, 0.0) / FADE)
-        return neighbours._replace(path=path, inputs=_accelerations(path, times)), share
+        return neighbours._replace(path=path, inputs=accelerations_along(path, times)), share
 
     def _before(self, t: float, name: str) -> HeardPath | None:
         """Return a vehicle's newest path from before t [s]."""
@@ -181,9 +181,14 @@ def positions_at(heard: HeardPath, times: Array, path: Array) -> None:
             path[k, axis] = here + share * (heard.pos[before + 1, axis] - here)
 
 
-def _accelerations(path: Array, times: Array) -> Array:
+@compiled
+def accelerations_along(path: Array, times: Array) -> Array:
     """Return the accelerations along paths (n, N + 1, 3), by second differences, (n, N, 3)."""
-    acc = np.empty((len(path), times.size - 1, 3))
-    acc[:, 1:] = (path[:, 2:] - 2.0 * path[:, 1:-1] + path[:, :-2]) / (times[2] - times[1]) ** 2
-    acc[:, 0] = acc[:, 1]
+    acc, square = np.empty((path.shape[0], times.size - 1, 3)), (times[2] - times[1]) ** 2
+    for v in range(path.shape[0]):
+        for k in range(1, times.size - 1):
+            for axis in range(3):
+                bend = path[v, k + 1, axis] - 2.0 * path[v, k, axis] + path[v, k - 1, axis]
+                acc[v, k, axis] = bend / square
+        acc[v, 0] = acc[v, 1]
     return acc

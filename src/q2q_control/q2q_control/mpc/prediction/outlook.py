@@ -60,7 +60,8 @@ class Forecaster:
         plan = self._plans.shifted(tick.names, float(times[0]))
         future = Future(times, reference[..., :3] + plan.offset, plan.inputs)
         tracks = self._surroundings.tracks(tick, future, neighbours)
-        others = Others(len(tick.names), np.append(np.zeros(len(tick.names)), neighbours.spread))
+        certain = np.zeros(len(tick.names))
+        others = Others(len(tick.names), np.concatenate((certain, neighbours.spread)))
         downwash = no_downwash(tracks)
         if aware:
             downwash = predict_downwash(self._model, tracks, self._slopes, others)

@@ -7,14 +7,15 @@ but its position is uncertain. The past reaches back as far as the longest downw
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.inputs.alignment import POS, Aligned
-from q2q_control.mpc.prediction.downwash_stages import Tracks
+from q2q_control.mpc.prediction.downwash_stages import Flags, Rows, Tracks
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
+from q2q_model.signals.values import KNOWN_NAMES, Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 
 FAR = 1e6
@@ -80,7 +81,7 @@ class Surroundings:
         names = tick.names
         if others.names:
             names, here, future = _with_others(names, here, future, others)
-            trust = np.append(trust, np.ones(len(others.names)))
+            trust = np.concatenate((trust, np.ones(len(others.names))))
         self._remember(tick.t, names, here)
         times = np.concatenate([self._when, future.times])
         times[len(self._when)] = max(future.times[0], tick.t + MIN_STEP)
@@ -107,7 +108,7 @@ class Surroundings:
     def _remember(self, t: float, names: Names, here: Array) -> None:
         if names != self._names:
             self._names, self._when, self._where = names, np.zeros(0), np.zeros((0, len(names), 3))
-        when = np.append(self._when, t)
+        when = np.concatenate((self._when, (t,)))
         first = max(int(np.searchsorted(when, t - self._span, side="right")) - 1, 0)
         self._when = when[first:]
         self._where = np.concatenate([self._where, here[None]])[first:]
@@ -155,18 +156,29 @@ def at_constant_velocity(state: SwarmState, own: Names, times: Array) -> Neighbo
 
     Vehicles without state are far away.
     """
-    rows = [row for row, name in enumerate(state.names) if name not in own] if state.names != own else []
-    pos = state.pos[rows]
-    path = pos[:, None] + state.vel[rows][:, None] * (times - state.t)[:, None]
-    known = (state.status[rows] != _LOST) & np.isfinite(path).all(axis=(1, 2))
-    if not known.all():
-        away = np.full_like(pos, -FAR) * (1.0 + np.array(rows))[:, None]
-        pos = np.where(known[:, None], pos, away)
-        path = np.where(known[:, None, None], path, away[:, None])
-    return Neighbours(
-        names=tuple(state.names[row] for row in rows),
-        pos=pos,
-        path=path,
-        inputs=np.zeros((len(rows), times.size - 1, 3)),
-        spread=np.zeros(len(rows)),
-    )
+    names, rows = _others(state.names, own)
+    pos, lost = state.pos[rows], state.status[rows] == _LOST
+    path = _straight_on(pos, state.vel[rows], times - state.t, lost, rows)
+    return Neighbours(names, pos, path, np.zeros((rows.size, times.size - 1, 3)), np.zeros(rows.size))
+
+
+@lru_cache(maxsize=KNOWN_NAMES)
+def _others(names: Names, own: Names) -> tuple[Names, Rows]:
+    """Return those of `names` that are not `own`, and their rows."""
+    rows = [row for row, name in enumerate(names) if name not in own]
+    return tuple(names[row] for row in rows), np.array(rows, np.intp)
+
+
+@compiled
+def _straight_on(pos: Array, vel: Array, ahead: Array, lost: Flags, rows: Rows) -> Array:
+    """Return paths (n, K, 3) at times `ahead` (K,) [s]; far away, as then `pos`, if lost or not finite."""
+    path = np.empty((pos.shape[0], ahead.size, 3))
+    for v in range(pos.shape[0]):
+        known = not lost[v]
+        for k in range(ahead.size):
+            for axis in range(3):
+                path[v, k, axis] = pos[v, axis] + vel[v, axis] * ahead[k]
+                known = known and np.isfinite(path[v, k, axis])
+        if not known:
+            pos[v] = path[v] = -FAR * (1.0 + rows[v])
+    return path
