@@ -115,7 +115,7 @@ def test_shipped_scenarios_in_rooms_with_delays_or_dropouts_fly_with_the_same_tu
         for one in filter(None, (scenario, scenario.in_air)):
             assert safe_replanner_params(one) == replace(STEADY, tracking=0.17, tracking_z=0.12), name
             flown.append(name)
-    assert len(flown) == 10
+    assert len(flown) == 11
 
 
 def test_the_tube_of_stack3_keeps_the_promise_that_is_broken_without_it() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.tunable import tunable_of
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, CRAZYFLIE_BRUSHLESS, on_firmware
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import assembly
@@ -82,12 +82,14 @@ def test_table6_room_is_flown_by_crazyflies_in_an_air_that_is_not_its_own() -> N
     assert with_air(scenario, "paper", ()).vehicle.mass == with_air(scenario, "none", ()).vehicle.mass == 0.65
     flown = with_air(scenario, "room", ("wind",))
     assert (flown.air, flown.air_without, flown.model) == ("room", ("wind",), "measured_law")
-    assert flown.vehicle == CRAZYFLIE_2_0
+    assert flown.vehicle == on_firmware(CRAZYFLIE_2_0, "stock_2025_02")  # of the recorded flights
     assert flown.waypoints == scenario.waypoints
     assert flown.radio == scenario.radio
     assert assembly.pid_params(flown, limited=True).k_p_z == 10.0
-    chosen = with_air(with_choices(scenario, "crazyflie_2_1", ""), "room", ())
-    assert chosen.vehicle == CRAZYFLIE_2_1  # the command line comes before the file
+    chosen = with_air(with_choices(scenario, "crazyflie_2_1", ""), "room", ())  # it comes before the file
+    assert chosen.vehicle == on_firmware(CRAZYFLIE_2_1, "stock_2025_02")
+    other = with_air(with_choices(scenario, "crazyflie_brushless", ""), "room", ())
+    assert other.vehicle == CRAZYFLIE_BRUSHLESS  # it has no such firmware
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 50])

@@ -33,7 +33,7 @@ from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, firmware_of, on_firmware, vehicle_by_name
-from q2q_model.vehicle.thrust_map import STOCK
+from q2q_model.vehicle.thrust_map import MOTOR_THRUST, STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document
@@ -212,14 +212,17 @@ def with_air(scenario: Scenario, air: str, off: tuple[str, ...]) -> Scenario:
 
 
 def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
-    """Return the scenario with another vehicle, on its firmware, and another wake; empty names keep its own.
+    """Return the scenario with another vehicle and another wake; empty names keep its own.
 
-    A wake replaces the scenario's air too.
+    The vehicle is on the scenario's firmware if it has that, else on the stock one. A wake replaces the
+    scenario's air too.
 
     Raises:
-        ValueError: an unknown vehicle or wake, or a firmware that the vehicle does not have.
+        ValueError: an unknown vehicle or wake.
     """
-    firmware = firmware_of(scenario.vehicle) or STOCK
+    firmware = firmware_of(scenario.vehicle)
+    if firmware not in MOTOR_THRUST.get(vehicle, ()):
+        firmware = STOCK
     chosen = vehicle_by_name(vehicle, firmware) if vehicle else scenario.vehicle
     in_air = scenario.in_air if scenario.in_air is None else with_choices(scenario.in_air, vehicle, wake)
     if not wake:
