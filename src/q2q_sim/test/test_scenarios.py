@@ -6,12 +6,18 @@ import numpy as np
 import pytest
 
 from q2q_model.tunable import tunable_of
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, CRAZYFLIE_BRUSHLESS, on_firmware
+from q2q_model.vehicle.constants import (
+    CRAZYFLIE_2_0,
+    CRAZYFLIE_2_1,
+    CRAZYFLIE_BRUSHLESS,
+    on_firmware,
+    vehicle_by_name,
+)
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import assembly
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import BLOCKS, scenario_from_document, with_air, with_choices
+from q2q_sim.scenarios.scenario import BLOCKS, scenario_from_document, with_air, with_choices, with_firmware
 
 GOOD = {
     "description": "two vehicles",
@@ -34,6 +40,14 @@ def test_every_scenario_loads_plans_and_says_what_it_is(name: str) -> None:
         assembly.controller_parameters(scenario, assembly.Options()),
     ):
         assert all(isinstance(value, bool | int | float | str | tuple) for value in parameters.values())
+
+
+def test_controller_nodes_fly_the_vehicle_of_the_scenario() -> None:
+    loaded = [library.load(name) for name in library.names()]
+    upgraded = with_firmware(library.load("stack3"), "thrust_upgrade")
+    for one in filter(None, (*loaded, *(scenario.in_air for scenario in loaded), upgraded)):
+        told = assembly.controller_parameters(one, assembly.Options())
+        assert vehicle_by_name(str(told["vehicle"]), str(told["firmware"])) == one.vehicle
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,8 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import SwarmImu
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import ParameterValue
+from q2q_model.vehicle.constants import firmware_of
+from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.avoidance.joint_plan import avoid
 from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
@@ -230,7 +232,7 @@ def replanner_parameters(scenario: Scenario, options: Options) -> NodeParameters
 def controller_parameters(scenario: Scenario, options: Options) -> dict[str, ParameterValue]:
     """Return the parameters of the node pid or mpc."""
     own: dict[str, ParameterValue] = {"vehicle": scenario.vehicle.name, "aware": options.aware}
-    own["vehicles"] = scenario.names
+    own |= {"firmware": firmware_of(scenario.vehicle) or STOCK, "vehicles": scenario.names}
     own |= {"correct": True} if options.correct else {}
     if options.controller == "pid":
         known = {"model": scenario.model} | asdict(tracker_params(scenario)) if options.correct else {}
