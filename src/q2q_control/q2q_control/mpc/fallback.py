@@ -19,6 +19,8 @@ from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, Horiz
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
+Flags = NDArray[np.bool_]
+
 TICK = 0.01
 """Time that a command acts before the next one [s]: the 100 Hz tick."""
 
@@ -61,10 +63,10 @@ def commanded(solution: HorizonSolution, horizon: Horizon, outlook: Outlook, par
         if params.mode == "altitude":
             acc[:, :2] = pd[:, :2]
     report = MpcReport(
-        solved=failed.size - np.count_nonzero(failed),
-        cut_off=np.count_nonzero(solution.status == CUT_OFF),
-        shifted=np.count_nonzero(shifted),
-        pid=np.count_nonzero(by_pd),
+        solved=int(np.count_nonzero(~failed)),
+        cut_off=int(np.count_nonzero(solution.status == CUT_OFF)),
+        shifted=int(np.count_nonzero(shifted)),
+        pid=int(np.count_nonzero(by_pd)),
         iterations=solution.iterations,
         pairs=len(outlook.downwash.i),
     )
@@ -72,10 +74,11 @@ def commanded(solution: HorizonSolution, horizon: Horizon, outlook: Outlook, par
 
 
 @compiled
-def _failed(inputs: Array, status: NDArray[np.int8]) -> NDArray[np.bool_]:
+def _failed(inputs: Array, status: NDArray[np.int8]) -> Flags:
     """Return which vehicles were INTERRUPTED or have inputs (n, N, 3) that are not finite, (n,)."""
-    failed = status == INTERRUPTED
-    for v in range(inputs.shape[0]):
+    failed = np.zeros(status.size, np.bool_)
+    for v in range(status.size):
+        failed[v] = status[v] == INTERRUPTED
         for value in inputs[v].flat:
             failed[v] = failed[v] or not np.isfinite(value)
     return failed
@@ -100,7 +103,7 @@ def pd_acceleration(horizon: Horizon, params: MpcParams) -> Array:
     return np.asarray(np.clip(ref[:, 6:9] + feedback - horizon.push[:, 0], horizon.low, horizon.high[:, 0]))
 
 
-def _new_plan(solution: HorizonSolution, horizon: Horizon, old: Plan, failed: Array) -> Plan:
+def _new_plan(solution: HorizonSolution, horizon: Horizon, old: Plan, failed: Flags) -> Plan:
     """Return the solution as a plan, the rows of failed vehicles from the old one."""
     offset, solved = solution.pos - horizon.reference[..., :3], np.full(len(failed), old.start)
     inputs, pattern = solution.inputs, solution.pattern
