@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.downwash_stages import Flags
 from q2q_control.mpc.prediction.outlook import Outlook
 from q2q_control.mpc.prediction.plan_memory import Plan
 from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, HorizonSolution
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-
-Flags = NDArray[np.bool_]
 
 TICK = 0.01
 """Time that a command acts before the next one [s]: the 100 Hz tick."""

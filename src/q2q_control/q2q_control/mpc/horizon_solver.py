@@ -121,7 +121,7 @@ def coupled_axes(params: MpcParams) -> tuple[int, ...]:
 
 
 def groups_of(downwash: DownwashHorizon, n: int, most: int) -> list[list[int]]:
-    """Return the vehicles below `n` that pairs of `downwash` join, in groups of at most `most`."""
+    """Return the vehicles below `n` that feel downwash, with those that cause it, at most `most` a group."""
     roots: dict[int, list[int]] = {}
     for vehicle, root in enumerate(_roots(downwash, n, most).tolist()):
         if root >= 0:

@@ -55,7 +55,7 @@ ALL_PAIRS = 64
 
 GAUSS_HERMITE = ((-math.sqrt(3.0), 1.0 / 6.0), (0.0, 2.0 / 3.0), (math.sqrt(3.0), 1.0 / 6.0))
 """Places [standard deviations] and weights of the mean over a normal distribution, exact to degree 5."""
-NEGLIGIBLE = 0.01
+NEGLIGIBLE_SPREAD = 0.01
 """Spread up to which a source counts as certain [m]: a jet of 0.1 m is 1 % weaker by it on its axis."""
 
 
@@ -90,10 +90,11 @@ def predict_downwash(
     if i.size == 0:
         return no_downwash(tracks)
     moves = np.array(rule.moves)
-    if others is not None and others.spread[j].max() > NEGLIGIBLE:
-        law = _widened(model, tracks, (i, j), moves, others.spread)
+    places, motion = _places(model, tracks, (i, j), moves)
+    if others is not None and others.spread[j].max() > NEGLIGIBLE_SPREAD:
+        law = _widened(model, places, motion, others.spread[j])
     else:
-        law = _law_at_places(model, tracks, (i, j), moves)
+        law = model.acceleration(places, motion)
     downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
     if terms != PAIRS_ALONE:
         vertical = np.ascontiguousarray(law[0, ..., 2])
@@ -136,26 +137,22 @@ def _all_pairs(felt: int, n: int) -> Pairs:
     return i, j
 
 
-def _widened(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows, spread: Array) -> Array:
-    """Return the downwash of `_law_at_places` expected of sources whose horizontal positions are uncertain.
+def _widened(model: InteractionModel, places: Array, motion: PairMotion, spread: Array) -> Array:
+    """Return the downwash expected of sources whose horizontal positions have a `spread` [m], (pairs,).
 
     The mean over a normal distribution of the source, by Gauss-Hermite quadrature of three points an axis.
     """
     points = np.array([(x, y, 0.0) for x, _ in GAUSS_HERMITE for y, _ in GAUSS_HERMITE])
     shares = [of_x * of_y for _, of_x in GAUSS_HERMITE for _, of_y in GAUSS_HERMITE]
-    places, motion = _places(model, tracks, pairs, moves)
-    away = points[:, None, None, None] * spread[pairs[1], None, None]  # (points, 1, pairs, 1, 3)
+    away = points[:, None, None, None] * spread[:, None, None]  # (points, 1, pairs, 1, 3)
     return np.asarray(np.tensordot(shares, model.acceleration(places + away, motion), 1))
 
 
-def _law_at_places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows) -> Array:
-    """Return the downwash of pairs at each stage, and displaced by DELTA, (1 + 2 moves, pairs, N, 3)."""
-    places, motion = _places(model, tracks, pairs, moves)
-    return model.acceleration(places, motion)
-
-
 def _places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows) -> tuple[Array, PairMotion]:
-    """Return where sources are [m], at each stage and displaced by DELTA, and how the pairs move."""
+    """Return where sources are from those who feel them, and how both move.
+
+    The places are those of each stage, and displaced by DELTA [m], (1 + 2 moves, pairs, N, 3).
+    """
     i, j = pairs
     times = tracks.times[tracks.first :]
     path = tracks.pos[tracks.first :].transpose(1, 0, 2)  # (n, N + 1, 3)

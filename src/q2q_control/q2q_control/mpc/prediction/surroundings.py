@@ -171,7 +171,10 @@ def _others(names: Names, own: Names) -> tuple[Names, Rows]:
 
 @compiled
 def _straight_on(pos: Array, vel: Array, ahead: Array, lost: Flags, rows: Rows) -> Array:
-    """Return paths (n, K, 3) at times `ahead` (K,) [s]; far away, as then `pos`, if lost or not finite."""
+    """Return paths (n, K, 3) at times `ahead` (K,) [s].
+
+    A vehicle that is lost or not finite is put far away, in `pos` (n, 3) too.
+    """
     path = np.empty((pos.shape[0], ahead.size, 3))
     for v in range(pos.shape[0]):
         known = not lost[v]

@@ -61,7 +61,7 @@ def best_contender(numbers: Numbers, case: Case) -> str:
 def missed_targets(numbers: Numbers, case: Case, contender: str) -> list[str]:
     """Return the targets that a contender's medians miss, with what it reaches."""
     under, clear, worst = (column(numbers, case, contender, name) for name in COLUMNS)
-    gain = ratio(numbers, case, ("ignoring", contender), "worst").middle
+    gain = float(np.median(ratios(numbers, case, ("ignoring", contender), "worst")))
     over = float(np.median(under / clear))
     reached = (
         (over <= UNDER_CLEAR, f"under / clear {over:.1f}"),
@@ -87,10 +87,15 @@ def column(numbers: Numbers, case: Case, contender: str, name: str) -> Array:
 
 
 def ratio(numbers: Numbers, case: Case, pair: tuple[str, str], name: str) -> MedianInterval:
-    """Return a column of one contender over that of another, draw by draw; as many as both have."""
+    """Return the median and interval of `ratios`."""
+    return median_interval(ratios(numbers, case, pair, name))
+
+
+def ratios(numbers: Numbers, case: Case, pair: tuple[str, str], name: str) -> Array:
+    """Return a column of one contender over that of another, (models, draws); as many draws as both have."""
     first, second = (column(numbers, case, one, name) for one in pair)
     draws = min(first.shape[1], second.shape[1])
-    return median_interval(first[:, :draws] / second[:, :draws])
+    return np.asarray(first[:, :draws] / second[:, :draws])
 
 
 def millimetres(value: float) -> str:
