@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, LAG_S, DeadReckonedBraking
+from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, DeadReckonedBraking
+from q2q_control.failsafe.dead_reckoning import LAG_S
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
@@ -68,7 +69,9 @@ def test_who_is_not_seen_comes_to_rest_whatever_its_heading(yaw: float, status: 
 
 def test_a_tilt_that_was_on_its_way_when_a_vehicle_was_lost_counts() -> None:
     block = DeadReckonedBraking()
-    block.record_measured(state_at(0.0, np.zeros(2)), level_at(0.0, CommandStatus.OK, roll=-0.2))
+    leaning = quat_from_euler(np.full(2, -0.2), np.zeros(2), np.zeros(2))
+    seen = replace(state_at(0.0, np.zeros(2)), quat=leaning)
+    block.record_measured(seen, level_at(0.0, CommandStatus.OK, roll=-0.2))
     output = block.update(state_at(TICK, np.zeros(2), age=TICK), level_at(TICK))
     coming = GRAVITY * np.sin(0.2) * (LAG_S + TICK)  # m/s along y: a roll to the left
     assert output.roll[0] == pytest.approx(np.arctan(coming / 0.5 / GRAVITY), rel=1e-9)
@@ -96,19 +99,34 @@ def test_a_vehicle_that_was_never_seen_stays_level() -> None:
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
-def test_where_who_is_not_seen_comes_to_rest_is_known(yaw: float) -> None:
-    """The plant of `flown_blind`: what the reckoning does not model is the lag of the tilt, LAG_S of way."""
+@pytest.mark.parametrize("roll", [0.0, 0.3])
+def test_where_who_is_not_seen_comes_to_rest_is_known(yaw: float, roll: float) -> None:
+    """The plant: thrust of the weight, and a tilt that follows its command with a first-order lag."""
     block = DeadReckonedBraking()
-    pos, vel, tilt = np.zeros(2), np.array([0.8, -0.6]), np.zeros(2)
-    block.record_measured(state_at(0.0, vel, yaw), level_at(0.0, CommandStatus.OK))
+    pos, vel, tilt = np.zeros(2), np.array([0.8, -0.6]), np.array([roll, 0.0])
+    leaning = quat_from_euler(np.full(2, roll), np.zeros(2), np.full(2, yaw))
+    made = level_at(0.0, CommandStatus.OK, roll=roll)
+    block.record_measured(replace(state_at(0.0, vel, yaw), quat=leaning), made)
     for k in range(1, 300):
         t = k * TICK
-        made = block.update(state_at(t, np.zeros(2), age=t), level_at(t, CommandStatus.LEVEL))
-        tilt += TICK / LAG_S * (np.array([made.roll[0], made.pitch[0]]) - tilt)
-        pos = pos + TICK * vel
-        vel = vel + GRAVITY * TICK * rotate(quat_from_euler(tilt[0], tilt[1], yaw), UP)[:2]
-    assert np.linalg.norm(pos) > 0.5
-    np.testing.assert_allclose(block.positions["cf1"], pos, atol=1.1 * LAG_S)
+        for _ in range(10):
+            tilt += 0.1 * TICK / LAG_S * (np.array([made.roll[0], made.pitch[0]]) - tilt)
+            vel = vel + 0.1 * TICK * GRAVITY * rotate(quat_from_euler(tilt[0], tilt[1], yaw), UP)[:2]
+            pos = pos + 0.1 * TICK * vel
+        unseen = state_at(t, np.zeros(2), age=t)
+        known = block.predicted(unseen)
+        # the block lets the acceleration lag, the plant the tilt: 2 % of 0.8 m
+        np.testing.assert_allclose(known.pos[0], [*pos, 0.0], atol=0.016)
+        np.testing.assert_allclose(known.vel[0], [*vel, 0.0], atol=0.03)
+        np.testing.assert_array_equal(known.pos[1], unseen.pos[1])  # its neighbour is seen
+        made = block.update(unseen, level_at(t, CommandStatus.LEVEL))
+    assert np.linalg.norm(pos) > 0.4
+    np.testing.assert_allclose(vel, 0.0, atol=0.01)
+
+
+def test_a_vehicle_that_was_never_seen_is_predicted_where_its_state_is() -> None:
+    block, state = DeadReckonedBraking(), replace(state_at(0.0, np.ones(2)), age=np.full(2, 0.2))
+    assert block.predicted(state) is state
 
 
 def test_the_largest_deceleration_costs_two_percent_of_lift_and_no_more() -> None:

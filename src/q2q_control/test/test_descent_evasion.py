@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.failsafe.descent_evasion import BENEATH, PACE, REACH, DescentEvasion
+from q2q_control.failsafe.descent_evasion import BACK, BENEATH, PACE, REACH, DescentEvasion, InFallback
 from q2q_control.failsafe.ladder import is_blind
-from q2q_model.signals.values import CommandStatus, Names, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState
 
 TICK = 0.01
 UPPER = (0.0, 0.0, 1.5)
@@ -32,18 +32,19 @@ def setpoint_of(t: float, pos: np.ndarray, vel: np.ndarray | None = None) -> Swa
     )  # fmt: skip
 
 
-def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> Names:
-    """Return the vehicles flown blind if the last tick's command has this status for these rows."""
+def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> InFallback:
+    """Return the vehicles in fallback if the last tick's command has this status for these rows."""
     status = np.full(n, CommandStatus.OK, dtype=np.uint8)
     status[list(blind)] = how
-    return tuple(names_of(n)[row] for row in np.flatnonzero(is_blind(status)))
+    blind, cut = is_blind(status), status == CommandStatus.CUT
+    return InFallback(*(tuple(names_of(n)[row] for row in np.flatnonzero(rows)) for rows in (blind, cut)))
 
 
 def names_of(n: int) -> tuple[str, ...]:
     return tuple(f"cf{k + 1}" for k in range(n))
 
 
-def shifts(pos: np.ndarray, ticks: int, blind: Names, vel: np.ndarray | None = None) -> np.ndarray:
+def shifts(pos: np.ndarray, ticks: int, blind: InFallback, vel: np.ndarray | None = None) -> np.ndarray:
     """Return by how much every setpoint is moved at every tick, (ticks, n, 9); vehicles are where sent."""
     way, made = DescentEvasion(), []
     speed = np.zeros_like(pos) if vel is None else vel
@@ -135,6 +136,25 @@ def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None
     way.update(setpoint_of(7.0, pos), state_of(pos), flown(2, 0), {})
     way.reset()
     assert not way.active
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_who_climbs_back_from_the_floor_is_evaded_until_it_is_near_its_setpoint(cut: bool) -> None:
+    sent = np.array([UPPER, (0.0, 0.0, 1.0)])
+    way, pos = DescentEvasion(), sent.copy()
+    for k in range(300):
+        pos[0, 2] = max(UPPER[2] - 0.01 * k, 0.0)
+        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
+    seen = flown(2, 0, how=CommandStatus.CUT) if cut else flown(2)
+    shift = [float(np.hypot(*output.pos[1, :2]))]
+    for k in range(300, 600):
+        pos[0, 2] = 0.01 * (k - 300) * UPPER[2] / 2.0
+        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), seen, {})
+        shift.append(float(np.hypot(*output.pos[1, :2])))
+    back = round((UPPER[2] - BACK) / UPPER[2] * 200)
+    assert shift[0] == pytest.approx(REACH, abs=0.01)
+    assert (shift[back - 1] < 0.1 * REACH) == cut
+    assert shift[-1] < 0.25 * REACH
 
 
 def test_the_side_without_others_is_taken() -> None:

@@ -24,7 +24,11 @@ CASES: dict[str, tuple[int, str, tuple[Fault, ...]]] = {
     "swapped with a lost one": (
         5,
         "none",
-        (Fault("swap", 3.5, 0.15, ("cf1", "cf2")), Fault("dropout", 3.0, 0.8, ("cf2",))),
+        (
+            Fault("swap", 3.5, 0.15, ("cf1", "cf2")),
+            Fault("dropout", 3.0, 0.5, ("cf2",)),
+            Fault("dropout", 3.5, 0.15, ("cf1",)),
+        ),
     ),
     "reordered": (3, "none", (Fault("reordered", 3.0, 0.3),)),
     "set back": (3, "none", (Fault("clock_jump", 3.0, 1.0, (), -0.45),)),

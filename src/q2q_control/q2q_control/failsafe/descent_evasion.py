@@ -3,10 +3,13 @@
 A vehicle that flies level or lands blind (q2q_control.failsafe.ladder) drifts with the wind and sinks to the
 floor. The setpoints of measured vehicles that fly below it, and nearer than REACH to its dead-reckoned
 position p_j (q2q_control.failsafe.dead_reckoned_braking), are shifted along u, the one of eight directions
-that keeps the largest distance from all other vehicles (straight away from p_j if all are equal):
+that keeps the largest distance from all other vehicles, within ALIKE the one most away from p_j:
 
-    goal = max(0, REACH - (r - p_j) . u) u        r: setpoint, horizontal; u is fixed until j is back or cut
+    goal = max(0, REACH - (r - p_j) . u) u        r: setpoint, horizontal; u is fixed, see below
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
+
+where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
+or measured again and within BACK of its setpoint: it climbs there first.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -17,16 +20,19 @@ that keeps the largest distance from all other vehicles (straight away from p_j 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
 REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 2 s of blindness, 0.4."""
 BENEATH = 0.1
 """Least height difference at which a vehicle counts as below another [m]: eps of the paper's zone."""
+BACK = 0.3
+"""Distance from its setpoint at which a vehicle measured again is back [m]."""
 PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
@@ -34,6 +40,8 @@ LONGEST_STEP = 0.1
 AT_REST = 1e-3
 """Shift below which an evasion has ended [m]."""
 DIRECTIONS = 8
+ALIKE = 0.1
+"""Distances from others that count as equal [m]: less than vehicles are off their positions."""
 
 
 @dataclass(slots=True)
@@ -58,6 +66,15 @@ class _Shift:
         return not self.directions and float(np.abs(self.pos).max() + np.abs(self.vel).max()) < AT_REST
 
 
+class InFallback(NamedTuple):
+    """Vehicles in fallback phases."""
+
+    blind: Names
+    """They fly level or land without measurements."""
+    cut: Names
+    """Their motors are off for good."""
+
+
 class DescentEvasion:
     """Shifts of all evading vehicles."""
 
@@ -75,33 +92,36 @@ class DescentEvasion:
         return bool(self._shifts)
 
     def update(
-        self, setpoint: SwarmSetpoint, state: SwarmState, blind: Names, places: Mapping[str, Array]
+        self, setpoint: SwarmSetpoint, state: SwarmState, fallback: InFallback, places: Mapping[str, Array]
     ) -> SwarmSetpoint:
         """Return the setpoints to fly.
 
         Args:
             setpoint: reference of the tick.
             state: of a lost vehicle, the last accepted height is used.
-            blind: vehicles that fly level or land without measurements.
+            fallback: vehicles without measurements, and cut ones.
             places: horizontal positions of vehicles, dead-reckoned [m], (2,) each; else the last accepted
                 position of a blind vehicle is used.
         """
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
+        blind = fallback.blind
         if not blind and not self._shifts:
             return setpoint
         pos = state.pos.copy()
         for row, name in enumerate(state.names):
             if name in blind and name in places:
                 pos[row, :2] = places[name]
-        self._ask(blind, state.names, pos)
+        evaded = {name for shift in self._shifts.values() for name in shift.directions}
+        back = evaded & set(_on_their_way(setpoint, state)) - set(fallback.cut)
+        self._ask(blind, state.names, pos, back)
         moved = self._moved(setpoint, dict(zip(state.names, pos[:, :2], strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         return moved
 
-    def _ask(self, blind: Names, names: Names, pos: Array) -> None:
+    def _ask(self, blind: Names, names: Names, pos: Array, returning: set[str]) -> None:
         """Assign a direction to every new pair of evading and descending vehicle."""
-        known = set(blind) & set(names)
+        known = (set(blind) | returning) & set(names)
         for shift in self._shifts.values():
             shift.directions = {
                 name: direction for name, direction in shift.directions.items() if name in known
@@ -124,11 +144,20 @@ class DescentEvasion:
                 shortfall = REACH - float((setpoint.pos[row, :2] + target - reckoned[other]) @ direction)
                 if shortfall > 0.0:
                     target += shortfall * direction
-                    target_vel -= float((setpoint.vel[row, :2] + target_vel) @ direction) * direction
+                    towards = -float((setpoint.vel[row, :2] + target_vel) @ direction)
+                    target_vel += max(towards, 0.0) * direction
             acc[row, :2] += shift.follow(target, target_vel, dt)
             pos[row, :2] += shift.pos
             vel[row, :2] += shift.vel
         return replace(setpoint, pos=pos, vel=vel, acc=acc)
+
+
+def _on_their_way(setpoint: SwarmSetpoint, state: SwarmState) -> Names:
+    """Return the vehicles further than BACK from their setpoints."""
+    rows = index_of(setpoint.names, state.names)
+    pos = np.concatenate((state.pos, np.full((1, 3), np.nan)))[rows]
+    off = np.linalg.norm(pos - setpoint.pos, axis=1) > BACK
+    return tuple(setpoint.names[row] for row in np.flatnonzero(off))
 
 
 def _is_beneath(pos: Array, other: Array) -> NDArray[np.bool_]:
@@ -145,4 +174,5 @@ def _evasion_direction(xy: Array, i: int, j: int) -> Array:
     others = np.delete(xy, (i, j), axis=0)
     others = others[np.isfinite(others).all(axis=1)]
     room = np.linalg.norm(xy[j] + REACH * sides[:, None] - others, axis=2).min(axis=1, initial=REACH)
-    return np.asarray(sides[int(room.argmax())])
+    enough = room >= room.max() - ALIKE
+    return np.asarray(sides[int(np.where(enough, np.cos(angles - away), -np.inf).argmax())])

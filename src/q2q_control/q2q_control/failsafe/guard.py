@@ -17,7 +17,8 @@ final.
 | age | state.age | time since the last accepted measurement, from the filter [s], (n,) |
 | l | lateness | delay of the tick beyond the usual one, live only [s] |
 
-A vehicle that flies level without measurements brakes (q2q_control.failsafe.dead_reckoned_braking);
+A vehicle without measurements is flown on its dead-reckoned state while the controller still flies it, and
+brakes once it flies level (q2q_control.failsafe.dead_reckoned_braking);
 measured vehicles below it move aside (q2q_control.failsafe.descent_evasion). So they do below a vehicle of
 another controller that the state reports as LOST: its controller takes the same fallback.
 
@@ -36,7 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.dead_reckoned_braking import DeadReckonedBraking
-from q2q_control.failsafe.descent_evasion import DescentEvasion
+from q2q_control.failsafe.descent_evasion import DescentEvasion, InFallback
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command, is_blind
 from q2q_control.inputs.controller import Controller
 from q2q_model.compiled import compiled
@@ -122,9 +123,11 @@ class Guard:
             last = self._set_back(last, setpoint.t)
         self._clock_reset.reset()
         if last is not None and (self._nominal is None or self._evasion.active):
-            blind = self._blind(state, last)
-            setpoint = self._evasion.update(setpoint, state, blind, self._braking.positions)
-        command = self._controller.update(state, setpoint, interference)
+            cut = tuple(name for name, down in zip(self._names, self._down, strict=True) if down)
+            fallback = InFallback(self._blind(state, last), cut)
+            setpoint = self._evasion.update(setpoint, state, fallback, self._braking.positions)
+        flown = state if self._nominal is not None else self._braking.predicted(state)
+        command = self._controller.update(flown, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
         age = state.age if state.names == command.names else _ages(state, command.names)
         if self._is_nominal(command, state, NominalAges(age + known, known, self._params.degraded_s)):
@@ -155,12 +158,11 @@ class Guard:
 
     def _set_back(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
         """Shift stored stamps to the new clock, or reset; return the last command with its new stamp."""
-        back = last.t - t
-        if back > RESTART:
+        if last.t - t > RESTART:
             self.reset()
             return None
         self._controller.reset()
-        self._measured_at = self._measured_at - back
+        self._measured_at = self._measured_at - (last.t - self._clock_reset.first)
         self._last = replace(last, t=t)
         return self._last
 

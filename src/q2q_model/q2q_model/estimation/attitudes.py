@@ -80,6 +80,11 @@ class AttitudeTracks:
         pairs = zip(self._tracks, _unseen(extra), strict=True)
         self._tracks = Attitudes(*(np.concatenate(pair) for pair in pairs))
 
+    def set_back(self, by: float) -> None:
+        """Set the times of all attitudes back by `by` [s], as the clock was."""
+        self._tracks.time[:] -= by
+        self._tracks.rejected_since[:] -= by
+
     @property
     def quat(self) -> Array:
         """Return the orientations x y z w, (n, 4); level for a vehicle never seen."""

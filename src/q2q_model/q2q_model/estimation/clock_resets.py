@@ -27,6 +27,11 @@ class ClockResetDetector:
         """Forget the old stamps: a newer one has come."""
         self._first, self._newest, self._count = inf, inf, 0
 
+    @property
+    def first(self) -> float:
+        """Return the oldest of the old stamps [s]; infinite without one."""
+        return self._first
+
     def rise(self, t: float) -> bool:
         """Take an old stamp t [s]; return whether the newest of them has increased for long enough."""
         if t < self._first:

@@ -12,9 +12,10 @@ This file is about frames:
 - The first sample of a track is accepted but not trusted: COASTING at age 0, until a second one fits it.
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
-  state with the older stamp, and ages grow with the next newer frame. A stamp older by more than
-  `clock_jump_s`, or old stamps that increase for 0.1 s (q2q_model.estimation.clock_resets), mean a clock that
-  was set back or a restarted bag: the filter resets.
+  state with the older stamp, and ages grow with the next newer frame. Old stamps that increase for 0.1 s
+  (q2q_model.estimation.clock_resets) mean a clock that was set back: the tracks go on in the new time, their
+  last samples as old as the first of these stamps. A stamp older by more than `clock_jump_s` means another
+  flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`.
 """
@@ -160,7 +161,7 @@ class MocapFilter:
             behind = self._last.t - frame.t
             if self._is_set_back(frame.t, behind):
                 self._counts["clock_resets"] += 1
-                self.reset()
+                self._set_back(self._last.t, behind)
             elif not behind < -SAME_INSTANT:
                 self._counts["repeated_frames" if abs(behind) <= SAME_INSTANT else "stale_frames"] += 1
                 return replace(self._last, t=frame.t) if behind > SAME_INSTANT else self._last
@@ -175,6 +176,16 @@ class MocapFilter:
                 self._old.reset()
             return False
         return behind > self._params.clock_jump_s or self._old.rise(t)
+
+    def _set_back(self, last: float, behind: float) -> None:
+        """Go on in the new time, or begin another flight; `last` is the newest stamp before [s]."""
+        if behind > self._params.clock_jump_s:
+            self.reset()
+            return
+        by = last - self._old.first
+        self._positions.set_back(by)
+        self._attitudes.set_back(by)
+        self._old.reset()
 
     def _step(self, frame: MocapFrame) -> SwarmState:
         poses = self._by_track(frame)

@@ -121,6 +121,12 @@ class PositionTracks:
         self._follow(0.0, np.zeros((count, 3)), self._none, never)  # loads the kernel before the first tick
         self._steady: SteadyGain | None = None
 
+    def set_back(self, by: float) -> None:
+        """Set the times of all samples back by `by` [s], as the clock was."""
+        self._tracks.time[:] -= by
+        self._reacquisition.set_back(by)
+        self._steady = None
+
     def age(self, t: float) -> Array:
         """Return the time since each track's last accepted sample [s], (n,); infinite if never seen."""
         return np.where(self._tracks.seen, t - self._tracks.time, np.inf)

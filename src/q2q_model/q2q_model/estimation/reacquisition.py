@@ -51,6 +51,11 @@ class Reacquisition:
         """Add tracks without candidates."""
         self._candidates = np.concatenate([self._candidates, np.zeros(extra, CANDIDATE)])
 
+    def set_back(self, by: float) -> None:
+        """Set the times of all candidates back by `by` [s]."""
+        self._candidates["first_time"] -= by
+        self._candidates["last_time"] -= by
+
     def forget(self, tracks: Mask) -> None:
         """Drop the candidates of tracks with an accepted sample."""
         self._candidates["samples"][tracks] = 0

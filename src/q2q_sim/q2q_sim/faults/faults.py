@@ -121,6 +121,11 @@ SIZES: Mapping[str, tuple[float, float]] = {
 """Sizes of random faults, in the units of their kinds."""
 
 
+def earliest_start(kind: str) -> float:
+    """Return the earliest start of a random fault [s]: the first frame says which vehicle is which."""
+    return 0.01 if kind == "swap" else 0.0
+
+
 def random_faults(seed: int, names: Names, duration: float, count: int) -> tuple[Fault, ...]:
     """Return `count` faults of random kinds at random times of a flight of `duration` [s]."""
     rng = stream(seed, "random faults")
@@ -132,7 +137,7 @@ def _random_fault(kind: str, names: Names, duration: float, rng: np.random.Gener
     chosen = rng.permutation(len(names))[: 2 if kind == "swap" else 1]
     return Fault(
         kind=kind,
-        start=float(rng.uniform(0.0, duration)),
+        start=max(float(rng.uniform(0.0, duration)), earliest_start(kind)),
         duration=float(rng.uniform(*LENGTHS[kind])),
         vehicles=() if KINDS[kind].whole else tuple(names[i] for i in chosen),
         size=float(rng.uniform(*SIZES[kind])) if kind in SIZES else 0.0,

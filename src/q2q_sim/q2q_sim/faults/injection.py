@@ -69,7 +69,7 @@ class FaultInjection:
         if not self._faults:
             return here
         acting = self._acting(stamp_ns)
-        for fault in acting:
+        for fault in sorted(acting, key=_renames):
             if fault.kind in MARKS:
                 injected[self._rows[fault]] |= np.uint8(MARKS[fault.kind])
             here = replace(self._stamped(here, fault), frame=self._with_rows(here.frame, fault))
@@ -156,6 +156,11 @@ class FaultInjection:
         if fault.kind == "reordered" and (here.captured_ns // self._tick_ns) % 2 == 0:
             return self._past[-3] if len(self._past) > 2 else last
         return here
+
+
+def _renames(fault: Fault) -> bool:
+    """Return whether a fault exchanges names, which it does after the others have displaced bodies."""
+    return fault.kind == "swap"
 
 
 def _struck(fault: Fault, names: Names) -> Mask:

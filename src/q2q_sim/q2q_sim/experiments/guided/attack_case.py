@@ -14,7 +14,7 @@ from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_sim.experiments.campaign.campaign_flight import plain
 from q2q_sim.experiments.campaign.random_run import Run, fault_document
-from q2q_sim.faults.faults import Fault
+from q2q_sim.faults.faults import Fault, earliest_start
 from q2q_sim.loop.assembly import Options
 from q2q_sim.scenarios.scenario import scenario_from_document
 
@@ -67,7 +67,7 @@ def _rounded(run: Run, row: int) -> Iterator[Run]:
         one = faults[row]
         start, duration, size = (round(value, digits) for value in (one.start, one.duration, one.size))
         try:
-            rounder = replace(one, start=start, duration=duration, size=size)
+            rounder = replace(one, start=max(start, earliest_start(one.kind)), duration=duration, size=size)
         except ValueError:  # a size rounded out of its bounds
             continue
         yield with_faults(run, (*faults[:row], rounder, *faults[row + 1 :]))

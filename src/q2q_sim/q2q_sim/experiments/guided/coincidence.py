@@ -17,7 +17,7 @@ import numpy as np
 
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault
+from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, earliest_start
 from q2q_sim.loop.assembly import plan_of
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -106,7 +106,7 @@ class CoincidingFaults:
     def _fault(self, kind: str, start: float, duration: float, vehicle: str) -> Fault:
         return Fault(
             kind=kind,
-            start=float(np.clip(start, 0.0, self._last)),
+            start=float(np.clip(start, earliest_start(kind), self._last)),
             duration=duration,
             vehicles=self._struck(kind, vehicle),
             size=self._between(SIZES[kind]) if kind in SIZES else 0.0,

@@ -5,7 +5,7 @@ Each of SLOTS faults has five numbers:
 | number | meaning |
 |---|---|
 | kind | kind, in equal shares |
-| start | start, from 0 to the last start allowed |
+| start | start, from the earliest to the last start allowed |
 | length | duration, within LENGTHS of the kind |
 | size | size, within SIZES of the kind |
 | who | vehicle, or pair of vehicles of a swap, in equal shares |
@@ -18,7 +18,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array, Names
 from q2q_sim.experiments.campaign.random_run import MOST
-from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault
+from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, earliest_start
 
 SLOTS = MOST
 """Faults in an attacked run: as many as campaigns draw at most."""
@@ -66,7 +66,7 @@ def _fault(numbers: FaultNumbers, names: Names, last_start: float) -> Fault:
     choices = _choices(kind, names)
     return Fault(
         kind=kind,
-        start=numbers.start * last_start,
+        start=max(numbers.start * last_start, earliest_start(kind)),
         duration=_between(LENGTHS[kind], numbers.length),
         vehicles=choices[_share(numbers.who, len(choices))],
         size=_between(SIZES[kind], numbers.size) if kind in SIZES else 0.0,

@@ -12,6 +12,8 @@ DOWN = (CommandStatus.LAND, CommandStatus.CUT)
 """Commands that send a vehicle to the floor, whatever its setpoint."""
 UNDETECTABLE = ("jump", "swap", "clock_jump")
 """Steady sensor errors that no filter can detect: a displaced marker looks like a displaced vehicle."""
+EARLY_S = 0.005
+"""A fault acts from up to half a tick before its start on (Fault.acts_at) [s]."""
 RECOVERY_S = 1.0
 """Longest time after a steady error until the true track is accepted again [s]."""
 
@@ -38,9 +40,9 @@ def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
     mask = np.zeros((len(evidence.t), len(evidence.names)), dtype=np.bool_)
     for fault in faults:
         if fault.kind in UNDETECTABLE:
-            early = abs(fault.size) if fault.kind == "clock_jump" else 0.0
+            shift = abs(fault.size) if fault.kind == "clock_jump" else 0.0
             end = fault.start + fault.duration
-            times = (evidence.t >= fault.start - early) & (evidence.t <= end + early + after)
+            times = (evidence.t > fault.start - shift - EARLY_S) & (evidence.t <= end + shift + after)
             mask |= times[:, None] & _struck(evidence, fault)
     return mask
 

@@ -2,13 +2,14 @@
 
 import numpy as np
 
-from q2q_model.signals.values import CommandStatus, TrackStatus
+from q2q_model.signals.values import Array, CommandStatus, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.blindness import (
     RECOVERY_S,
     Mask,
     blind,
+    blind_lately,
     lately,
     misled,
     misplaced,
@@ -22,17 +23,27 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles that flew away from their setpoints.
 
     A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower is
-    allowed then, and for `settle` after it while it climbs again. A displaced marker displaces the vehicle:
-    the allowed distance grows by as much.
+    allowed then, and for `settle` after it while it climbs again. A blind vehicle stops while its setpoint
+    goes on: until `settle` after it, the setpoints since count. A displaced marker displaces the vehicle: the
+    allowed distance grows by as much.
     """
     limits = circumstances.limits
-    off_by = evidence.true_pos - evidence.sent_pos  # (T, n, 3)
     down = sent_down_lately(evidence, limits.settle)
-    off_by[..., 2] = np.where(down, np.maximum(off_by[..., 2], 0.0), off_by[..., 2])
-    off = np.linalg.norm(off_by, axis=2)
+    off = _distance(evidence.true_pos - evidence.sent_pos, down)
+    stopped = blind_lately(evidence, limits.settle)
+    for k, row in np.argwhere(stopped & (off > limits.stray_room)):
+        since = int(np.flatnonzero(np.append(True, ~stopped[:k, row]))[-1])
+        off_by = evidence.true_pos[k, row] - evidence.sent_pos[since : k + 1, row]
+        off[k, row] = np.nanmin(_distance(off_by, down[k, row]))
     off = np.maximum(off - misplaced(evidence, circumstances.faults), 0.0)
     limit = limits.stray_room
     return worst("room", evidence, off - limit, (off, limit))
+
+
+def _distance(off_by: Array, down: Mask) -> Array:
+    """Return distances [m], (...), of vectors (..., 3); below does not count where `down`."""
+    z = np.where(down, np.maximum(off_by[..., 2], 0.0), off_by[..., 2])
+    return np.asarray(np.linalg.norm(np.stack((off_by[..., 0], off_by[..., 1], z), axis=-1), axis=-1))
 
 
 def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:

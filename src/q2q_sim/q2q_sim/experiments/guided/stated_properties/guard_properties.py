@@ -2,7 +2,7 @@
 
 | property | statement |
 |---|---|
-| repeat | a command repeated at another tick is not OK |
+| repeat | a command repeated at another tick is not OK, except where a newer state is the same |
 | hold | a vehicle has status HOLD for at most HOLD_S, once more for every clock that was set back |
 | brake | a vehicle flown level without measurements is decelerated, as far as its speed is known |
 | evasion | a measured vehicle below one that begins to fly level is accelerated, and not towards it |
@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S, LAG_S
+from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.dead_reckoning import LAG_S
 from q2q_control.failsafe.descent_evasion import BENEATH, REACH
 from q2q_control.failsafe.ladder import is_blind
 from q2q_control.pid.pid import PidParams
@@ -53,7 +54,10 @@ Mask = NDArray[np.bool_]
 def repeat(_: Run, ticks: RunTicks) -> StatedOutcome:
     """Return the repeated commands that are reported as computed ones."""
     values = np.stack([np.stack((one.thrust, one.roll, one.pitch, one.yaw_rate)) for one in ticks.commands])
+    pos = np.stack([one.pos for one in ticks.states])
+    alike = (pos[1:] == pos[:-1]).all(axis=2) & ticks.newer[1:, None]
     same = (values[1:] == values[:-1]).all(axis=1) & (ticks.stamp[1:] != ticks.stamp[:-1])[:, None]
+    same &= ~alike
     computed = ticks.command_status == CommandStatus.OK
     bad = same & computed[1:] & computed[:-1]
     return StatedOutcome(
