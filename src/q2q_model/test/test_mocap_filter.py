@@ -160,9 +160,16 @@ def test_a_swap_at_the_very_start_heals():
     block = MocapFilter(IDEAL_SENSING, PAIR)
     for tick in range(20):
         block.update(_frame(tick, _truth(tick)[0][::-1]))
-    states = [block.update(_frame(tick)) for tick in range(20, 60)]
-    # 20 samples of undeserved trust and 60 ms to be convinced
-    assert all(np.array_equal(s.pos, _truth(round(s.t * 100))[0]) for s in states[27:])
+    states = [block.update(_frame(tick)) for tick in range(20, 80)]
+    # BORROWED_MOST samples and 60 ms to be convinced
+    assert all(np.array_equal(s.pos, _truth(round(s.t * 100))[0]) for s in states[42:])
+
+
+@pytest.mark.parametrize("first", [2, 4, 20])
+def test_names_exchanged_for_less_than_a_vehicle_may_coast_move_no_track_however_early(first: int):
+    right, states = _hovering_with_names_exchanged(range(first, first + 34))
+    assert all(right)
+    assert all((state.status == TRACKED).all() for state in states[1:])
 
 
 def _hovering_with_names_exchanged(exchanged: range) -> tuple[list[bool], list[SwarmState]]:

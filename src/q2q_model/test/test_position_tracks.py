@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.estimation import white_jerk
-from q2q_model.estimation.positions import PositionTracks, TrackUpdate
+from q2q_model.estimation.positions import BORROWED_MOST, PositionTracks, TrackUpdate
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array
@@ -91,17 +91,19 @@ def test_an_old_pose_again_is_no_sample_of_a_vehicle_that_should_have_moved() ->
         assert made.update(60 * DT, again, np.ones(2, dtype=bool)).accepted.tolist() == [taken, True]
 
 
-def test_a_track_takes_anothers_samples_as_often_as_it_was_right_and_is_then_convinced() -> None:
-    """Right 6 times; then swapped for good: lent 6 times, refused until the rival is 0.125 s old."""
-    made, seen = flown(6), []
-    for k in range(6, 24):
+@pytest.mark.parametrize("right", [6, 50])
+def test_a_track_takes_anothers_samples_as_often_as_it_was_right_and_is_then_convinced(right: int) -> None:
+    """Right, then swapped for good: lent as often, or 35 times; refused until the rival is 0.125 s old."""
+    made, seen = flown(right), []
+    most = max(right, BORROWED_MOST)
+    for k in range(right, right + most + 12):
         verdict = made.update(k * DT, PLACES[::-1].copy(), NOBODY)
         lines = {"lent": verdict.lent, "new": verdict.restarted, "own": verdict.accepted}
         seen.append(next((word for word, whose in lines.items() if whose.all()), "none"))
         assert verdict.lent.all() or not verdict.lent.any()
         if verdict.lent.all():
             np.testing.assert_allclose(verdict.pos, PLACES, atol=1e-9)
-    assert seen == ["lent"] * 6 + ["none"] * 8 + ["new"] + ["own"] * 3
+    assert seen == ["lent"] * most + ["none"] * 8 + ["new"] + ["own"] * 3
 
 
 def test_a_jump_that_lasts_is_believed_with_the_velocity_it_has() -> None:

@@ -124,8 +124,8 @@ class Guard:
         self._clock_reset.reset()
         if last is not None and (self._nominal is None or self._evasion.active):
             cut = tuple(name for name, down in zip(self._names, self._down, strict=True) if down)
-            fallback = InFallback(self._blind(state, last), cut)
-            setpoint = self._evasion.update(setpoint, state, fallback, self._braking.positions)
+            absent = InFallback(self._blind(state, last), cut)
+            setpoint = self._evasion.update(setpoint, state, absent, self._braking.positions)
         flown = state if self._nominal is not None else self._braking.predicted(state)
         command = self._controller.update(flown, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)

@@ -8,7 +8,8 @@ rejects, in this order:
    there, unless that fits the first sample of another vehicle whose next one fails too: names are exchanged
    in one of the two frames, and those that last for as long as a vehicle may coast are right.
 2. The sample may belong to another vehicle (q2q_model.estimation.marker_swaps). A track accepts samples of
-   other names at most as often as it has accepted samples of its own name, so a wrong start is corrected.
+   other names at most as often as it has accepted samples of its own name, or BORROWED_MOST times, so a
+   wrong start is corrected.
 3. Rejected samples that stay together are a true jump (q2q_model.estimation.reacquisition): the track
    restarts there.
 
@@ -32,6 +33,10 @@ from q2q_model.flights.outliers import Mask, OutlierThresholds
 from q2q_model.signals.values import Array
 
 Rows = NDArray[np.intp]
+
+BORROWED_MOST = 35
+"""Samples of other names that a track accepts though it has had fewer of its own: 0.35 s at 100 Hz, the time
+for which a vehicle may coast, by which swaps have ended."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +180,7 @@ class PositionTracks:
         source = np.where(own | began, rows, -1)
         if rejected.any():
             known = tracks.seen & (tracks.confirmed | ~present)
-            missing = known & ~at.lost & ~own & (tracks.borrowed < tracks.own)
+            missing = known & ~at.lost & ~own & _may_borrow(tracks)
             borrowed = swapped_sources(at.samples, at.state[:, 0], at.reach, rejected, missing)
             source = np.where(borrowed >= 0, borrowed, source)
             rejected &= (source < 0) & ~np.isin(rows, borrowed)
@@ -202,7 +207,7 @@ class PositionTracks:
         tracks, params = self._tracks, self._params
         last = tracks.state[:, 0], tracks.time
         ambiguous = self._reacquisition.ambiguous(t, samples, last, unmatched)
-        ambiguous &= ~tracks.confirmed | (tracks.borrowed < tracks.own)
+        ambiguous &= ~tracks.confirmed | _may_borrow(tracks)
         longest = max(params.coast_s, params.reacquire_s)
         patience = np.where(ambiguous, longest, params.reacquire_s)
         return self._reacquisition.offer(t, samples, unmatched.rejected, patience)
@@ -304,6 +309,11 @@ def follow(
     pos, vel = accept(t, at, Association(np.arange(len(own)), none, none), params.position_noise**2, tracks)
     tracks.cov[:] = before
     return True, pos, vel
+
+
+def _may_borrow(tracks: TrackColumns) -> Mask:
+    """Return the tracks that may accept samples of other names, (n,)."""
+    return np.asarray(tracks.borrowed < np.maximum(tracks.own, BORROWED_MOST))
 
 
 def _present(samples: Array) -> Mask:
