@@ -101,7 +101,15 @@ ROOMS = (
     Room(
         tuple(
             f"q2q_planner.online.safe.{name}"
-            for name in ("safe_replanner", "last_known_states", "committed_motion", "traffic")
+            for name in (
+                "safe_replanner",
+                "last_known_states",
+                "committed_motion",
+                "decision",
+                "tracking_tube",
+                "traffic",
+                "wanted_motion",
+            )
         ),
         tuple(
             f"src/q2q_planner/test/test_{name}.py"

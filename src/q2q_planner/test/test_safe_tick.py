@@ -8,8 +8,9 @@ import pytest
 
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_planner.online.safe.committed_motion import SNAP_POS, SNAP_VEL
-from q2q_planner.online.safe.safe_replanner import FLOOR, SafeReplanner
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.wanted_motion import FLOOR
 
 TICK = 0.01
 PARAMS = SafeReplannerParams(eps=0.2, d=1.0, tracking=0.02, acc_max=3.0, hold=0.02, forget=0.6)

@@ -13,10 +13,12 @@ from q2q_planner.online.safe.committed_motion import (
     CommittedMotion,
     near_reference,
     propagated,
+    reference_rows,
 )
 from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.traffic import TrafficTable, off_trajectory, own_uncertainty, traffic_at
+from q2q_planner.online.safe.tracking_tube import off_trajectory, own_uncertainty
+from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
 
 PARAMS = SafeReplannerParams(
     eps=0.25, d=1.0, margin=0.02, acc_max=3.0, hold=0.02, approach=2.0, tracking=0.05, drift=0.2,
@@ -197,9 +199,8 @@ def among_external_vehicles(strange: KnownStates) -> TrafficTable:
     """Return the table of two vehicles at rest and external vehicles."""
     pos = np.array([[0.0, 0.0, 0.0], [0.0, 90.0, 0.0]])
     growth = np.zeros((2, 2))
-    return traffic_at(
-        held(pos, np.zeros((2, 3))), setpoint(1.0, ("a", "b"), pos + 1.0), growth, strange, PARAMS
-    )[1]
+    reference = reference_rows(setpoint(1.0, ("a", "b"), pos + 1.0))
+    return traffic_at(held(pos, np.zeros((2, 3))), reference, growth, strange, PARAMS)[1]
 
 
 def test_what_an_external_vehicle_may_have_done_since_its_state_grows_its_zone() -> None:
@@ -232,7 +233,8 @@ def meet(apart: float, vel: Array, growth: Array | None = None, params: SafeRepl
     """Return whether two vehicles so far apart in y [m] could matter to each other."""
     pos = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]])
     doubt = np.zeros((2, 2)) if growth is None else growth
-    _, traffic = traffic_at(held(pos, vel), setpoint(1.0, ("a", "b"), pos + 1.0), doubt, NOBODY, params)
+    reference = reference_rows(setpoint(1.0, ("a", "b"), pos + 1.0))
+    _, traffic = traffic_at(held(pos, vel), reference, doubt, NOBODY, params)
     assert traffic.meets.tolist() == [len(traffic.pairs.i) == 1] * 2
     return bool(traffic.meets[0])
 
@@ -281,7 +283,7 @@ def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) ->
     pos = np.array([[0.0, 0.0, 0.0], [apart, 0.0, 0.0]])
     motion = replace(held(pos, np.zeros((2, 3))), on_reference=np.full(2, on), pushed=np.full(2, pushed))
     there = setpoint(1.0, ("a", "b"), pos + reference, np.full((2, 3), SNAP_VEL / 2.0))
-    return traffic_at(motion, there, np.zeros((2, 2)), NOBODY, PARAMS)[0]
+    return traffic_at(motion, reference_rows(there), np.zeros((2, 2)), NOBODY, PARAMS)[0]
 
 
 def test_who_meets_nobody_stays_on_its_reference_however_that_jumps() -> None:

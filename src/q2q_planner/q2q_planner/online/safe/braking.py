@@ -132,7 +132,7 @@ def stays_out(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -
 
 
 @compiled
-def _motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, Array]:
+def motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, Array]:
     """Return position and velocity (n, 3) of n motions, each at its own time `when` (n,) [s]."""
     pos, vel, acc = motions.pos, motions.vel, motions.acc
     there, moving = np.empty_like(pos), np.empty_like(vel)
@@ -152,4 +152,4 @@ def _motions_after(motions: Motions, when: Array, brake: float) -> tuple[Array, 
 
 def motion_after(motions: Motions, s: float | Array, brake: float) -> tuple[Array, Array]:
     """Return position and velocity (n, 3) of n motions at time s [s], one for all or one each."""
-    return _motions_after(motions, np.full(len(motions.hold), s, dtype=np.float64), brake)
+    return motions_after(motions, np.full(len(motions.hold), s, dtype=np.float64), brake)

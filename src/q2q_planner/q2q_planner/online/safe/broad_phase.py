@@ -49,6 +49,7 @@ class SweepLimits(NamedTuple):
     """Largest push of a pair [m/s^2]."""
 
 
+@compiled
 def broad_phase(pos: Array, vel: Array, room: StoppingSpace, limits: SweepLimits) -> Pairs:
     """Return rows i < j, i of the swarm, of all pairs that can affect each other.
 
@@ -58,12 +59,7 @@ def broad_phase(pos: Array, vel: Array, room: StoppingSpace, limits: SweepLimits
         room: space that each row may need.
         limits: see SweepLimits.
     """
-    order = np.argsort(pos[:, 0])  # NaN sorts last
-    return _sweep(np.ascontiguousarray(pos), np.ascontiguousarray(vel), order, room, limits)
-
-
-@compiled
-def _sweep(pos: Array, vel: Array, order: Rows, room: StoppingSpace, limits: SweepLimits) -> Pairs:
+    order = np.argsort(pos[:, 0], kind="mergesort")  # NaN sorts last
     stopping_distances, growth = room.stopping_distances, room.growth
     first, second = np.empty(4 * len(order), np.intp), np.empty(4 * len(order), np.intp)
     count = 0

@@ -1,12 +1,14 @@
 """Committed motion of a swarm, propagated from tick to tick."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
-from q2q_planner.online.safe.braking import BrakingLaw, Motions, motion_after
+from q2q_planner.online.safe.braking import BrakingLaw, Motions, motions_after
 from q2q_planner.online.safe.jerk_limited import smooth_motion_after
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
@@ -16,6 +18,40 @@ LONGEST_GAP = 5.0
 """Gap between stamps, forwards or back, after which vehicles restart on the reference [s]."""
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
 """Distance [m] and speed [m/s] at which a vehicle snaps onto its reference; added to every zone's growth."""
+
+
+class MotionRows(NamedTuple):
+    """Committed motion of n vehicles; fields of CommittedMotion."""
+
+    pos: Array
+    vel: Array
+    acc: Array
+    hold: Array
+    on_reference: Mask
+    pushed: Mask
+    jerk: Array
+
+
+class ReferenceRows(NamedTuple):
+    """Reference of n vehicles at a tick."""
+
+    pos: Array
+    """[m], (n, 3)."""
+    vel: Array
+    """[m/s], (n, 3)."""
+    acc: Array
+    """[m/s^2], (n, 3)."""
+
+
+class FollowBounds(NamedTuple):
+    """Bounds that a reference must keep to be followed."""
+
+    jump: float
+    """Largest jump of an acceleration on an axis [m/s^2]."""
+    acc: float
+    """[m/s^2]."""
+    speed: float
+    """[m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +74,11 @@ class CommittedMotion:
     """Deviates from its wanted acceleration, (n,)."""
     jerk: Array
     """Held jerk [m/s^3], (n, 3); 0 where it is not bounded."""
+
+    @property
+    def rows(self) -> MotionRows:
+        """Return the motion's arrays."""
+        return MotionRows(self.pos, self.vel, self.acc, self.hold, self.on_reference, self.pushed, self.jerk)
 
 
 def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
@@ -69,14 +110,23 @@ def propagated(
 
 def _moved(committed: CommittedMotion, t: float, brake: float, jerk: float) -> CommittedMotion:
     passed = round(max(t - committed.t, 0.0), 9)  # stamps are whole nanoseconds
-    growth = np.zeros((len(committed.names), 2))
-    motions = Motions(committed.pos, committed.vel, committed.acc, committed.hold, growth, committed.jerk)
-    if jerk > 0.0:
-        pos, vel, acc = smooth_motion_after(motions, passed, BrakingLaw(0.0, 0.0, brake, jerk))
-    else:
-        (pos, vel), acc = motion_after(motions, passed, brake), committed.acc
-    left = np.maximum(committed.hold - passed, 0.0)
-    return replace(committed, t=t, pos=pos, vel=vel, acc=acc, hold=left)
+    law = BrakingLaw(0.0, 0.0, brake, jerk)
+    pos, vel, acc, hold = _carried(committed.rows, passed, law)
+    on, pushed, held = committed.on_reference, committed.pushed, committed.jerk
+    return CommittedMotion(t, committed.names, pos, vel, acc, hold, on, pushed, held)
+
+
+@compiled
+def _carried(rows: MotionRows, passed: float, law: BrakingLaw) -> tuple[Array, Array, Array, Array]:
+    """Return position, velocity, acceleration (n, 3) and remaining hold (n,) after a time [s]."""
+    growth = np.zeros((rows.hold.size, 2))
+    motions = Motions(rows.pos, rows.vel, rows.acc, rows.hold, growth, rows.jerk)
+    left = np.maximum(rows.hold - passed, 0.0)
+    if law.jerk > 0.0:
+        pos, vel, acc = smooth_motion_after(motions, passed, law)
+        return pos, vel, acc, left
+    pos, vel = motions_after(motions, np.full(rows.hold.size, passed), law.brake)
+    return pos, vel, rows.acc.copy(), left
 
 
 def _with_new_vehicles(moved: CommittedMotion, setpoint: SwarmSetpoint) -> CommittedMotion:
@@ -98,11 +148,19 @@ def _with_new_vehicles(moved: CommittedMotion, setpoint: SwarmSetpoint) -> Commi
     )
 
 
+def reference_rows(setpoint: SwarmSetpoint) -> ReferenceRows:
+    """Return the reference's arrays, of one layout whether they come from a plan or a message."""
+    return ReferenceRows(np.array(setpoint.pos), np.array(setpoint.vel), np.array(setpoint.acc))
+
+
+def follow_bounds(params: SafeReplannerParams) -> FollowBounds:
+    """Return the bounds of a reference; a jump is what the jerk changes within `hold`."""
+    return FollowBounds(params.jerk_max * params.hold, params.acc_max, params.speed_max)
+
+
 def near_reference(committed: CommittedMotion, setpoint: SwarmSetpoint) -> Mask:
     """Return which vehicles may snap onto their reference: near it and not pushed, (n,)."""
-    pos = np.sqrt(((committed.pos - setpoint.pos) ** 2).sum(-1)) <= SNAP_POS
-    vel = np.sqrt(((committed.vel - setpoint.vel) ** 2).sum(-1)) <= SNAP_VEL
-    return np.asarray(~committed.pushed & pos & vel)
+    return near_rows(committed.rows, reference_rows(setpoint))
 
 
 def can_be_followed(committed: CommittedMotion, setpoint: SwarmSetpoint, params: SafeReplannerParams) -> Mask:
@@ -110,7 +168,42 @@ def can_be_followed(committed: CommittedMotion, setpoint: SwarmSetpoint, params:
 
     An acceleration that jumps by no more than the jerk changes it within `hold` keeps that of the jerk.
     """
-    jump = np.abs(setpoint.acc - committed.acc).max(-1, initial=0.0)
-    size, speed = np.sqrt((setpoint.acc**2).sum(-1)), np.sqrt((setpoint.vel**2).sum(-1))
-    steady = jump <= params.jerk_max * params.hold
-    return np.asarray(steady & (size <= params.acc_max) & (speed <= params.speed_max))
+    return followed_rows(committed.rows, reference_rows(setpoint), follow_bounds(params))
+
+
+@compiled
+def length(x: float, y: float, z: float) -> float:
+    """Return the length of a vector."""
+    return float(np.sqrt(x * x + y * y + z * z))
+
+
+@compiled
+def distance(some: Array, other: Array, row: int) -> float:
+    """Return the distance of a row of two arrays (n, 3)."""
+    return length(some[row, 0] - other[row, 0], some[row, 1] - other[row, 1], some[row, 2] - other[row, 2])
+
+
+@compiled
+def near_rows(rows: MotionRows, reference: ReferenceRows) -> Mask:
+    """Return the result of near_reference."""
+    near = np.empty(rows.hold.size, np.bool_)
+    for row in range(near.size):
+        pos, vel = distance(rows.pos, reference.pos, row), distance(rows.vel, reference.vel, row)
+        near[row] = not rows.pushed[row] and pos <= SNAP_POS and vel <= SNAP_VEL
+    return near
+
+
+@compiled
+def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBounds) -> Mask:
+    """Return the result of can_be_followed."""
+    followed = np.empty(rows.hold.size, np.bool_)
+    acc, vel = reference.acc, reference.vel
+    for row in range(followed.size):
+        size, speed = (
+            length(acc[row, 0], acc[row, 1], acc[row, 2]),
+            length(vel[row, 0], vel[row, 1], vel[row, 2]),
+        )
+        followed[row] = size <= bounds.acc and speed <= bounds.speed
+        for axis in range(3):
+            followed[row] &= abs(acc[row, axis] - rows.acc[row, axis]) <= bounds.jump
+    return followed

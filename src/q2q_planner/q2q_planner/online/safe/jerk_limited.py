@@ -141,7 +141,8 @@ def stays_out_smoothly(motions: Motions, i: int, j: int, law: BrakingLaw, floor:
 
 
 @compiled
-def _smooth_motions_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Array, Array, Array]:
+def smooth_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Array, Array, Array]:
+    """Return position, velocity and acceleration (n, 3) of n motions at time s [s]."""
     pos, vel, acc = np.empty_like(motions.pos), np.empty_like(motions.pos), np.empty_like(motions.pos)
     for row in range(motions.hold.size):
         for axis in range(3):
@@ -150,11 +151,12 @@ def _smooth_motions_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[
     return pos, vel, acc
 
 
-def smooth_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Array, Array, Array]:
-    """Return position, velocity and acceleration (n, 3) of n motions at time s [s]."""
-    return _smooth_motions_after(motions, s, law)
-
-
+@compiled
 def jerk_towards(wanted: Array, acc: Array, lag: float, most: float) -> Array:
     """Return the jerk (n, 3) that approaches wanted accelerations with a time constant, bounded by `most`."""
-    return np.asarray(np.clip((wanted - acc) / lag, -most, most))
+    jerk = (wanted - acc) / lag
+    for row in range(len(jerk)):
+        for axis in range(3):
+            if abs(jerk[row, axis]) > most:
+                jerk[row, axis] = np.copysign(most, jerk[row, axis])
+    return jerk

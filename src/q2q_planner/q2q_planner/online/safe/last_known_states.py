@@ -4,11 +4,18 @@ A vehicle that vanishes from the state keeps its last known state, with growing 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.signals.values import Array, Names, SwarmState
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import KNOWN_NAMES, Array, Names, SwarmState, index_of
+from q2q_planner.online.safe.broad_phase import Rows
+from q2q_planner.online.safe.committed_motion import Mask
+
+UNKNOWN = -np.inf
+"""Stamp of a vehicle whose state is not known [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,48 +31,89 @@ class KnownStates:
     """Age of the measurement [s], (n,)."""
 
 
-class _KnownState(NamedTuple):
-    """Last known state of one vehicle."""
+NOBODY = KnownStates((), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+
+
+class _Rows(NamedTuple):
+    """States of some vehicles."""
 
     pos: Array
     vel: Array
-    stamp: float
+    stamp: Array
+    """Time of the measurement [s], (n,)."""
 
 
 class LastKnownStates:
     """Memory of the last known states."""
 
     def __init__(self) -> None:
-        self._known: dict[str, _KnownState] = {}
+        self.reset()
 
     def reset(self) -> None:
         """Forget all vehicles."""
-        self._known.clear()
+        self._names: Names = ()
+        self._rows = _Rows(NOBODY.pos, NOBODY.vel, NOBODY.age)
 
     def update(self, state: SwarmState) -> None:
         """Store a state; rows with NaN, or not newer than the stored one, are ignored."""
-        stamps = state.t - state.age
-        finite = np.isfinite(state.pos).all(1) & np.isfinite(state.vel).all(1) & np.isfinite(stamps)
-        for row in np.flatnonzero(finite):
-            name, stamp = state.names[row], float(stamps[row])
-            known = self._known.get(name)
-            if known is None or stamp > known.stamp:
-                self._known[name] = _KnownState(state.pos[row], state.vel[row], stamp)
+        self._expect(state.names)
+        told = _Rows(np.array(state.pos), np.array(state.vel), state.t - state.age)
+        self._rows = _newest(self._rows, told, index_of(state.names, self._names))
 
     def external(self, swarm: Names, t: float, forget: float) -> KnownStates:
         """Return the states of all vehicles outside the swarm that are younger than `forget` [s]."""
-        for name in [name for name, known in self._known.items() if t - known.stamp > forget]:
-            del self._known[name]
-        own = set(swarm)
-        return self.of(tuple(name for name in self._known if name not in own), t)
+        old = t - self._rows.stamp > forget
+        if old.any():
+            self._keep(~old)
+        others = _others(self._names, swarm)
+        return self.of(others, t) if others else NOBODY
 
     def of(self, names: Names, t: float) -> KnownStates:
         """Return the states of these vehicles; NaN with infinite age for an unknown one."""
-        unknown = _KnownState(np.full(3, np.nan), np.full(3, np.nan), -np.inf)
-        rows = [self._known.get(name, unknown) for name in names]
-        return KnownStates(
-            names,
-            np.array([row.pos for row in rows]).reshape(-1, 3),
-            np.array([row.vel for row in rows]).reshape(-1, 3),
-            np.maximum(t - np.array([row.stamp for row in rows]), 0.0),
+        self._expect(names)
+        found = self._rows if names == self._names else self._at(index_of(names, self._names))
+        return KnownStates(names, found.pos, found.vel, np.maximum(t - found.stamp, 0.0))
+
+    def _at(self, rows: Rows | Mask) -> _Rows:
+        pos, vel, stamp = self._rows
+        return _Rows(pos[rows], vel[rows], stamp[rows])
+
+    def _expect(self, names: Names) -> None:
+        """Add unknown states of vehicles that are new."""
+        if names == self._names:
+            return
+        new = _others(tuple(dict.fromkeys(names)), self._names)
+        unknown = np.full((len(new), 3), np.nan)
+        pos, vel, stamp = self._rows
+        self._names += new
+        self._rows = _Rows(
+            np.concatenate([pos, unknown]),
+            np.concatenate([vel, unknown]),
+            np.concatenate([stamp, np.full(len(new), UNKNOWN)]),
         )
+
+    def _keep(self, kept: Mask) -> None:
+        """Forget all other rows."""
+        self._names = tuple(name for name, stays in zip(self._names, kept, strict=True) if stays)
+        self._rows = self._at(kept)
+
+
+@compiled
+def _newest(known: _Rows, told: _Rows, rows: Rows) -> _Rows:
+    """Return known states updated by finite ones that are newer; `rows` are their rows there, (m,)."""
+    pos, vel, stamp = known.pos.copy(), known.vel.copy(), known.stamp.copy()
+    for row in range(rows.size):
+        there = rows[row]
+        finite = np.isfinite(told.stamp[row])
+        for axis in range(3):
+            finite &= np.isfinite(told.pos[row, axis]) and np.isfinite(told.vel[row, axis])
+        if finite and told.stamp[row] > stamp[there]:
+            pos[there], vel[there], stamp[there] = told.pos[row], told.vel[row], told.stamp[row]
+    return _Rows(pos, vel, stamp)
+
+
+@lru_cache(maxsize=KNOWN_NAMES)
+def _others(names: Names, swarm: Names) -> Names:
+    """Return the names that are not of the swarm."""
+    own = set(swarm)
+    return tuple(name for name in names if name not in own)

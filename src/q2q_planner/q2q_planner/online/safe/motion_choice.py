@@ -20,7 +20,10 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.braking import BrakingLaw, Motions, stays_out
 from q2q_planner.online.safe.broad_phase import Pairs, Rows
+from q2q_planner.online.safe.candidate_motions import Traffic, new_motions, old_motions
+from q2q_planner.online.safe.committed_motion import MotionRows
 from q2q_planner.online.safe.jerk_limited import rest_time, stays_out_smoothly, stop_reach
+from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 OLD, NEW, BROKEN = 0, 1, 2
 
@@ -34,6 +37,8 @@ class ChoiceRule(NamedTuple):
     law: BrakingLaw
     floor: float
     """Distance that a new motion keeps from the zone [m]."""
+    hold: float
+    """Time for which a new motion is held [s]."""
     turn: int
     """Parity selects the vehicle of a pair that yields first."""
 
@@ -191,3 +196,13 @@ def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rul
                 changed = True
     _record_proven(selection, pairs, rule)
     return choice
+
+
+@compiled
+def choices_at(
+    rows: MotionRows, wanted: WantedMotion, traffic: Traffic, proven: Proven, rule: ChoiceRule
+) -> Choices:
+    """Return the choice of each vehicle of the swarm, (n,): what is built, then what is chosen of it."""
+    new = new_motions(traffic.rows, wanted, rule.hold)
+    old = old_motions(rows, traffic.rows, traffic.certain)
+    return choose_motions(new, old, traffic.pairs, proven, rule)[: rows.hold.size]

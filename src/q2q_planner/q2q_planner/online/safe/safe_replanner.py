@@ -32,39 +32,25 @@ each other thus keep the promise together: at every tick each proves its motion 
 may have chosen at that tick, and any other choice is the rest of a motion proven before.
 
 **Control law.** The tracking law of (20), corrected by control barriers (`barrier`): e'' = -k_d e' - k_p e
-and the least push along the zone's normal that keeps the pair's approach stoppable. With `jerk_max` the
-acceleration approaches it with the time constant LAG.
+and the least push along the zone's normal that keeps the pair's approach stoppable (`wanted_motion`).
 """
-
-from dataclasses import replace
 
 import numpy as np
 
-from q2q_model.compiled import compiled
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState, index_of
-from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
-from q2q_planner.online.safe.braking import BrakingLaw, Motions
-from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, propagated
-from q2q_planner.online.safe.jerk_limited import jerk_towards
+from q2q_planner.online.safe.braking import BrakingLaw
+from q2q_planner.online.safe.candidate_motions import Traffic
+from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, propagated, reference_rows
+from q2q_planner.online.safe.decision import decided
 from q2q_planner.online.safe.last_known_states import LastKnownStates
-from q2q_planner.online.safe.motion_choice import (
-    BROKEN,
-    NEW,
-    OLD,
-    ChoiceRule,
-    Choices,
-    Proven,
-    choose_motions,
-)
+from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.traffic import TrafficTable, off_trajectory, own_uncertainty, traffic_at
+from q2q_planner.online.safe.tracking_tube import off_trajectory, own_uncertainty
+from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
+from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion, wanted_motion
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
-FLOOR = 1e-3
-"""Distance that a new motion keeps from the zone, added to all growth [m]."""
-LAG = 0.05
-"""Time constant at which the acceleration approaches the wanted one where jerk is bounded [s]."""
 TURN = 0.01
 """Time for which the same vehicle of a pair yields first [s]: one tick."""
 
@@ -74,7 +60,7 @@ class SafeReplanner:
 
     def __init__(self, params: SafeReplannerParams | None = None) -> None:
         """Start on the reference."""
-        self.params = params or SafeReplannerParams()
+        self.configure(params or SafeReplannerParams())
         self._last_known = LastKnownStates()
         self.reset()
 
@@ -88,7 +74,7 @@ class SafeReplanner:
 
     def configure(self, params: SafeReplannerParams) -> None:
         """Change the parameters in flight; the modified trajectories continue without a jump."""
-        self.params = params
+        self.params, self._grown = params, params.with_tube
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:
         """Return the modified setpoints of the tick.
@@ -101,20 +87,19 @@ class SafeReplanner:
             return self._answer
         if state is not None:
             self._last_known.update(state)
-        params, names = self.params.with_tube, setpoint.names
+        params, names, reference = self._grown, setpoint.names, reference_rows(setpoint)
         committed = propagated(self._committed, setpoint, params.acc_max, params.jerk_max)
         known = None if state is None else self._last_known.of(names, setpoint.t)
         growth = own_uncertainty(committed, known, params)
         external = self._last_known.external(names, setpoint.t, params.forget)
-        committed, traffic = traffic_at(committed, setpoint, growth, external, params)
-        desired, pushed = _desired(committed, setpoint, traffic, params)
-        new = _new_motion(committed, setpoint, desired, params)
+        committed, traffic = traffic_at(committed, reference, growth, external, params)
+        wanted = wanted_motion(committed, reference, traffic, params)
         self._recognise(names, external.names)
-        choice = _choice(committed, traffic, new, self._proven, params)
-        self._committed = _decided(committed, new, choice, pushed)
+        choice = _choice(committed, traffic, wanted, self._proven, params)
+        self._committed, decision = decided(committed, wanted, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
-        broken = ((choice == BROKEN) | off | _outside(self._committed, traffic, params)) & params.enabled
-        self._answer = _answer(setpoint, self._committed, broken, _acceleration(self._committed, params))
+        broken = ((choice == BROKEN) | off | decision.outside) & params.enabled
+        self._answer = _answer(setpoint, self._committed, broken, decision.acc)
         return self._answer
 
     def _recognise(self, own: Names, external: Names) -> None:
@@ -128,105 +113,20 @@ class SafeReplanner:
         self._known, self._proven = (own, external), proven
 
 
-def _desired(
-    committed: CommittedMotion, setpoint: SwarmSetpoint, traffic: TrafficTable, params: SafeReplannerParams
-) -> tuple[Array, Mask]:
-    """Return the swarm's wanted accelerations (n, 3), and which vehicles the barrier changed (n,)."""
-    pull = -params.k_d * (committed.vel - setpoint.vel) - params.k_p * (committed.pos - setpoint.pos)
-    back = _limited(setpoint.acc + pull, params.acc_max)
-    acc = np.where(committed.on_reference[:, None], setpoint.acc, back)
-    if not (params.enabled and len(traffic.pairs.i)):
-        return acc, np.zeros(traffic.own, np.bool_)
-    turned = np.zeros((len(traffic.pos), 3))
-    turned[: traffic.own] = np.where(traffic.meets[:, None], _limited(acc, params.acc_max), acc)
-    wide = traffic.growth[traffic.pairs.i] + traffic.growth[traffic.pairs.j]
-    wide[:, 0] += params.margin + FLOOR
-    reference = np.concatenate([setpoint.pos, traffic.pos[traffic.own :]])
-    poles = 2.0 * params.approach, params.approach**2
-    law = BarrierLaw(traffic.own, params.eps, params.d, *poles, params.around, params.height)
-    states = BarrierStates(traffic.pos, traffic.vel, reference)
-    pushed = push_apart(turned, states, traffic.pairs, wide, law)[: traffic.own]
-    limited = np.where(
-        pushed[:, None], _limited(turned[: traffic.own], params.acc_max), turned[: traffic.own]
-    )
-    return limited, pushed | (limited != acc).any(axis=1)
-
-
-def _new_motion(
-    committed: CommittedMotion, setpoint: SwarmSetpoint, desired: Array, params: SafeReplannerParams
-) -> CommittedMotion:
-    """Return the motion with wanted accelerations (n, 3), from the reference's acceleration where on it."""
-    hold = np.full(len(committed.names), params.hold)
-    if params.jerk_max == 0.0:
-        return replace(committed, acc=desired, hold=hold)
-    acc = np.where(committed.on_reference[:, None], setpoint.acc, committed.acc)
-    return replace(committed, acc=acc, hold=hold, jerk=jerk_towards(desired, acc, LAG, params.jerk_max))
-
-
 def _choice(
     committed: CommittedMotion,
     traffic: TrafficTable,
-    new: CommittedMotion,
+    wanted: WantedMotion,
     proven: Proven,
     params: SafeReplannerParams,
 ) -> Choices:
     """Return the choice of each vehicle of the swarm, (n,); `proven` is updated in place."""
     if not (params.enabled and len(traffic.pairs.i)):
         return np.full(traffic.own, NEW, dtype=np.int8)
-    own, still = traffic.own, np.zeros_like(traffic.pos[traffic.own :])
-    acc, jerk = np.concatenate([new.acc, still]), np.concatenate([new.jerk, still])
-    hold = np.full(len(acc), params.hold)
-    fresh = Motions(traffic.pos, traffic.vel, acc, hold, traffic.growth, jerk)
-    certain = traffic.growth[:own] * np.array([1.0, 0.0])  # a proven motion needs no growth rate
-    going = committed.pos, committed.vel, committed.acc, committed.hold, certain, committed.jerk
-    old = Motions(*(np.concatenate(both) for both in zip(going, traffic.certain, strict=True)))
     law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
-    rule = ChoiceRule(law, FLOOR, round(committed.t / TURN))
-    return choose_motions(fresh, old, traffic.pairs, proven, rule)[:own]
-
-
-@compiled
-def _limited(acc: Array, most: float) -> Array:
-    """Return accelerations (n, 3) clipped to the norm `most` [m/s^2]."""
-    short = acc.copy()
-    for row in range(len(acc)):
-        size = np.sqrt(acc[row, 0] ** 2 + acc[row, 1] ** 2 + acc[row, 2] ** 2)
-        if size > most:
-            short[row] *= most / size
-    return short
-
-
-def _decided(
-    committed: CommittedMotion, new: CommittedMotion, choice: Choices, pushed: Mask
-) -> CommittedMotion:
-    """Return the motion that the swarm commits to."""
-    fresh = choice != OLD
-    return replace(
-        committed,
-        acc=np.where(fresh[:, None], new.acc, committed.acc),
-        hold=np.where(fresh, new.hold, committed.hold),
-        jerk=np.where(fresh[:, None], new.jerk, committed.jerk),
-        on_reference=committed.on_reference & fresh & ~pushed,
-        pushed=pushed | ~fresh,
-    )
-
-
-def _outside(committed: CommittedMotion, traffic: TrafficTable, params: SafeReplannerParams) -> Mask:
-    """Return which vehicles of bounded jerk are too fast, or near an external vehicle, (n,)."""
-    if params.jerk_max == 0.0:
-        return np.zeros(traffic.own, np.bool_)
-    outside: Mask = np.sqrt((committed.vel**2).sum(-1)) > params.speed_max
-    outside[traffic.pairs.i[traffic.pairs.j >= traffic.own]] = True
-    return outside
-
-
-def _acceleration(committed: CommittedMotion, params: SafeReplannerParams) -> Array:
-    """Return the acceleration of the motion at its time [m/s^2], (n, 3)."""
-    if params.jerk_max > 0.0:
-        return committed.acc
-    speed = np.sqrt((committed.vel**2).sum(-1, keepdims=True))
-    stopping = -params.acc_max * committed.vel / np.where(speed > 0.0, speed, 1.0)
-    return np.where((committed.hold > 0.0)[:, None], committed.acc, stopping)
+    rule = ChoiceRule(law, FLOOR, params.hold, round(committed.t / TURN))
+    whole = Traffic(traffic.rows, traffic.pairs, traffic.certain)
+    return choices_at(committed.rows, wanted, whole, proven, rule)
 
 
 def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:
@@ -236,4 +136,13 @@ def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, a
     moved = np.sqrt(((committed.pos - setpoint.pos) ** 2).sum(-1)) > SHIFT_TOLERANCE
     status = np.where(moved, np.uint8(SetpointStatus.SHIFTED), setpoint.status)
     status = np.where(broken, np.uint8(SetpointStatus.PROMISE_BROKEN), status).astype(np.uint8)
-    return replace(setpoint, pos=committed.pos, vel=committed.vel, acc=acc, status=status)
+    return SwarmSetpoint(
+        setpoint.t,
+        setpoint.names,
+        committed.pos,
+        committed.vel,
+        acc,
+        setpoint.yaw,
+        setpoint.yaw_rate,
+        status,
+    )

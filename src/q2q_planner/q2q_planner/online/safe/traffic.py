@@ -1,28 +1,34 @@
 """Table of all vehicles of a tick: the swarm's rows first, then those of external vehicles.
 
-Uncertainty grows a vehicle's zone by g0 [m] now and by g1 [m/s] ahead. For a vehicle of the swarm it is
-`tracking`, and `drift` while measurements are missing for longer than `grace`: a tube that is learned from
-flights covers their gaps. An external vehicle with a state of age A may have accelerated by acc_max since,
+Uncertainty grows a vehicle's zone by g0 [m] now and by g1 [m/s] ahead, for vehicles of the swarm as in
+`tracking_tube`. An external vehicle with a state of age A may have accelerated by acc_max since,
 and may for another `hold`, so its velocity is known within acc_max (A + hold) and its position within half of
 that times A + hold; neither changes by more than `speed_max` allows; and it may be off its own trajectory by
 `tracking`. The motion that an external vehicle under this law *certainly* flies has less uncertainty: it
 brakes from `hold` after its message on, since any other choice was proven against us.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.signals.values import Array, SwarmSetpoint
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
 from q2q_planner.online.safe.braking import Motions, motion_after
-from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
+from q2q_planner.online.safe.broad_phase import Pairs, Rows, StoppingSpace, SweepLimits, broad_phase
 from q2q_planner.online.safe.committed_motion import (
     SNAP_POS,
     SNAP_VEL,
     CommittedMotion,
+    FollowBounds,
     Mask,
-    can_be_followed,
-    near_reference,
+    MotionRows,
+    ReferenceRows,
+    follow_bounds,
+    followed_rows,
+    length,
+    near_rows,
 )
 from q2q_planner.online.safe.last_known_states import KnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -31,6 +37,17 @@ NO_PAIRS = Pairs(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))
 
 
 _EMPTY = np.zeros((0, 3))
+
+
+class TrafficRows(NamedTuple):
+    """Where vehicles are, and how far that is known."""
+
+    pos: Array
+    """[m], (rows, 3)."""
+    vel: Array
+    """[m/s], (rows, 3)."""
+    growth: Array
+    """g0 [m] and g1 [m/s], (rows, 2)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,12 +68,14 @@ class TrafficTable:
     """Rows i < j of pairs that can affect each other, i of the swarm."""
 
     @property
+    def rows(self) -> TrafficRows:
+        """Return the arrays of all rows."""
+        return TrafficRows(self.pos, self.vel, self.growth)
+
+    @property
     def meets(self) -> Mask:
         """Return which vehicles of the swarm are in a pair, (own,)."""
-        found = np.zeros(len(self.pos), np.bool_)
-        found[self.pairs.i] = True
-        found[self.pairs.j] = True
-        return found[: self.own]
+        return in_pairs(self.pairs, len(self.pos))[: self.own]
 
 
 _ALONE = TrafficTable(
@@ -70,38 +89,31 @@ _ALONE = TrafficTable(
 """Table without external vehicles."""
 
 
-def own_uncertainty(
-    committed: CommittedMotion, states: KnownStates | None, params: SafeReplannerParams
-) -> Array:
-    """Return the growth (n, 2) of the swarm's zones; `states` None assumes ideal tracking."""
-    growth = np.tile([params.tracking + SNAP_POS, SNAP_VEL], (len(committed.names), 1))
-    if states is None:
-        return growth
-    unseen = np.maximum(np.minimum(states.age, params.forget) - params.grace, 0.0)
-    growth[:, 0] += params.drift * unseen
-    growth[:, 1] += np.where(unseen > 0.0, params.drift, 0.0)
-    return growth
+class _Limits(NamedTuple):
+    """What decides who may snap onto its reference, and who may meet whom."""
+
+    follow: FollowBounds
+    steady: bool
+    """Jerk is bounded."""
+    hold: float
+    ramps: float
+    """See _longest_ramps."""
+    acc: float
+    eps: float
+    d: float
+    margin: float
+    pole: float
 
 
-def off_trajectory(
-    committed: CommittedMotion, states: KnownStates | None, params: SafeReplannerParams
-) -> Mask:
-    """Return which vehicles are off their modified trajectory by more than their age allows, (n,)."""
-    if states is None:
-        return np.zeros(len(committed.names), np.bool_)
-    age = np.minimum(states.age, params.forget)
-    error = states.pos + states.vel * age[:, None] - committed.pos
-    since = params.drift * age + 0.5 * params.acc_max * age**2
-    if params.tracking_z > 0.0:
-        above, aside = np.abs(error[:, 2]), np.hypot(error[:, 0], error[:, 1])
-        return np.asarray((aside > params.tracking + since) | (above > params.tracking_z + since))
-    away = np.sqrt((error**2).sum(-1))
-    return np.asarray(away > params.tracking + since)
+def _limits(params: SafeReplannerParams) -> _Limits:
+    steady, ramps = params.jerk_max > 0.0, _longest_ramps(params)
+    zone = params.eps, params.d, params.margin, params.approach
+    return _Limits(follow_bounds(params), steady, params.hold, ramps, params.acc_max, *zone)
 
 
 def traffic_at(
     committed: CommittedMotion,
-    setpoint: SwarmSetpoint,
+    reference: ReferenceRows,
     growth: Array,
     states: KnownStates,
     params: SafeReplannerParams,
@@ -110,24 +122,64 @@ def traffic_at(
 
     A vehicle on its reference without a pair stays on it, even if that jumps, unless jerk is bounded.
     """
-    external = _external_rows(states, params)
-    near = near_reference(committed, setpoint)
-    stays = committed.on_reference
-    if params.jerk_max > 0.0:
-        near = near & can_be_followed(committed, setpoint, params)
+    external, own = _external_rows(states, params), len(committed.names)
+    swarm = TrafficRows(committed.pos, committed.vel, growth)
+    put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, _limits(params))
+    placed = CommittedMotion(
+        committed.t,
+        committed.names,
+        pos[:own],
+        vel[:own],
+        committed.acc,
+        committed.hold,
+        put,
+        committed.pushed,
+        committed.jerk,
+    )
+    return placed, TrafficTable(own, pos, vel, grown, external.certain, Pairs(i, j))
+
+
+@compiled
+def _placed(
+    rows: MotionRows,
+    reference: ReferenceRows,
+    swarm: TrafficRows,
+    external: TrafficRows,
+    limits: _Limits,
+) -> tuple[Mask, Array, Array, Array, Rows, Rows]:
+    """Return who is put onto its reference (own,), and the rows and pairs of the table."""
+    own = rows.hold.size
+    pos, vel = np.concatenate((rows.pos, external.pos)), np.concatenate((rows.vel, external.vel))
+    growth = np.concatenate((swarm.growth, external.growth))
+    near, stays = near_rows(rows, reference), rows.on_reference
+    if limits.steady:
+        near = near & followed_rows(rows, reference, limits.follow)
         stays = stays & near
-    for stay in (stays, np.zeros_like(near)):
-        put = near | stay
-        placed = replace(
-            committed,
-            pos=np.where(put[:, None], setpoint.pos, committed.pos),
-            vel=np.where(put[:, None], setpoint.vel, committed.vel),
-            on_reference=put,
-        )
-        traffic = _with_pairs(placed, growth, external, params)
-        if not (traffic.meets & put & ~near).any():
-            break
-    return placed, traffic
+    put = near | stays
+    _put(pos, vel, rows, reference, put)
+    pairs = _pairs(own, TrafficRows(pos, vel, growth), limits)
+    if np.any(in_pairs(pairs, len(pos))[:own] & put & ~near):
+        put = near
+        _put(pos, vel, rows, reference, put)
+        pairs = _pairs(own, TrafficRows(pos, vel, growth), limits)
+    return put, pos, vel, growth, pairs.i, pairs.j
+
+
+@compiled
+def _put(pos: Array, vel: Array, rows: MotionRows, reference: ReferenceRows, put: Mask) -> None:
+    """Write the swarm's positions and velocities: those of the reference where a vehicle is put onto it."""
+    for row in range(put.size):
+        pos[row] = reference.pos[row] if put[row] else rows.pos[row]
+        vel[row] = reference.vel[row] if put[row] else rows.vel[row]
+
+
+@compiled
+def in_pairs(pairs: Pairs, count: int) -> Mask:
+    """Return which of `count` rows are in a pair, (count,)."""
+    found = np.zeros(count, np.bool_)
+    for row in range(pairs.i.size):
+        found[pairs.i[row]] = found[pairs.j[row]] = True
+    return found
 
 
 def _external_rows(states: KnownStates, params: SafeReplannerParams) -> TrafficTable:
@@ -150,32 +202,20 @@ def _external_rows(states: KnownStates, params: SafeReplannerParams) -> TrafficT
     return TrafficTable(0, there, states.vel, growth, certain, NO_PAIRS)
 
 
-def _with_pairs(
-    committed: CommittedMotion, growth: Array, external: TrafficTable, params: SafeReplannerParams
-) -> TrafficTable:
-    whole = TrafficTable(
-        len(committed.names),
-        np.concatenate([committed.pos, external.pos]),
-        np.concatenate([committed.vel, external.vel]),
-        np.concatenate([growth, external.growth]),
-        external.certain,
-        NO_PAIRS,
-    )
-    if len(whole.pos) < 2:
-        return whole
-    stopping, speed = _stopping_distances(whole, params)
-    closing = 2.0 * speed + 2.0 * float(whole.growth[:, 1].max())
-    approach = 2.0 * closing / params.approach + 2.0 * params.acc_max / params.approach**2
-    reach = (
-        params.eps
-        + params.margin
-        + 2.0 * max(float(stopping.max()), float(whole.growth[:, 0].max()) + approach)
-    )
-    limits = SweepLimits(whole.own, params.eps, params.d, reach, params.approach, 2.0 * params.acc_max)
-    return replace(
-        whole,
-        pairs=broad_phase(whole.pos, whole.vel, StoppingSpace(stopping, whole.growth), limits),
-    )
+@compiled
+def _pairs(own: int, rows: TrafficRows, limits: _Limits) -> Pairs:
+    """Return the pairs that can affect each other."""
+    count = len(rows.pos)
+    if count < 2:
+        none = np.zeros(0, np.intp)
+        return Pairs(none, none)
+    stopping, speed = _stopping_distances(rows, limits)
+    closing = 2.0 * speed + 2.0 * rows.growth[:, 1].max()
+    approach = 2.0 * closing / limits.pole + 2.0 * limits.acc / limits.pole**2
+    widest = max(stopping.max(), rows.growth[:, 0].max() + approach)
+    reach = limits.eps + limits.margin + 2.0 * widest
+    sweep = SweepLimits(own, limits.eps, limits.d, reach, limits.pole, 2.0 * limits.acc)
+    return broad_phase(rows.pos, rows.vel, StoppingSpace(stopping, rows.growth), sweep)
 
 
 def _longest_ramps(params: SafeReplannerParams) -> float:
@@ -183,11 +223,14 @@ def _longest_ramps(params: SafeReplannerParams) -> float:
     return params.hold + 4.0 * params.acc_max / params.jerk_max if params.jerk_max > 0.0 else 0.0
 
 
-def _stopping_distances(traffic: TrafficTable, params: SafeReplannerParams) -> tuple[Array, float]:
+@compiled
+def _stopping_distances(rows: TrafficRows, limits: _Limits) -> tuple[Array, float]:
     """Return the stopping distance of each row with growth [m], (rows,), and the largest speed [m/s]."""
-    hold = params.hold + _longest_ramps(params)
-    fast = np.sqrt((traffic.vel**2).sum(-1)) + params.acc_max * hold
-    top, rate = float(fast.max()), 2.0 * float(traffic.growth[:, 1].max())
-    rest = hold + (top + rate) / params.acc_max
-    distance = fast * (hold + 0.5 * fast / params.acc_max)
-    return distance + traffic.growth[:, 0] + traffic.growth[:, 1] * rest, top
+    hold, most, vel = limits.hold + limits.ramps, limits.acc, rows.vel
+    fast = np.empty(len(vel))
+    for row in range(fast.size):
+        fast[row] = length(vel[row, 0], vel[row, 1], vel[row, 2]) + most * hold
+    top, rate = float(fast.max()), 2.0 * float(rows.growth[:, 1].max())
+    rest = hold + (top + rate) / most
+    stopping: Array = fast * (hold + 0.5 * fast / most) + rows.growth[:, 0] + rows.growth[:, 1] * rest
+    return stopping, top

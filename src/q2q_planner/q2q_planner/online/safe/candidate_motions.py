@@ -1,0 +1,51 @@
+"""Motions that a tick chooses between: what every vehicle wants, or the rest of what was proven."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_planner.online.safe.braking import Motions
+from q2q_planner.online.safe.broad_phase import Pairs
+from q2q_planner.online.safe.committed_motion import MotionRows
+from q2q_planner.online.safe.traffic import TrafficRows
+from q2q_planner.online.safe.wanted_motion import WantedMotion
+
+
+class Traffic(NamedTuple):
+    """All vehicles of a tick; arrays of TrafficTable."""
+
+    rows: TrafficRows
+    pairs: Pairs
+    certain: Motions
+
+
+@compiled
+def new_motions(traffic: TrafficRows, wanted: WantedMotion, hold: float) -> Motions:
+    """Return the new motions of all rows; of external vehicles, every motion that they may fly.
+
+    Args:
+        traffic: all vehicles.
+        wanted: of the swarm.
+        hold: time for which they are held [s].
+    """
+    still = np.zeros((len(traffic.pos) - len(wanted.acc), 3))
+    acc, jerk = np.concatenate((wanted.acc, still)), np.concatenate((wanted.jerk, still))
+    held = np.full(len(traffic.pos), hold)
+    return Motions(traffic.pos, traffic.vel, acc, held, traffic.growth, jerk)
+
+
+@compiled
+def old_motions(rows: MotionRows, traffic: TrafficRows, certain: Motions) -> Motions:
+    """Return the rest of the swarm's motions, which needs no growth rate: it is proven; then `certain`."""
+    own = rows.hold.size
+    growth = np.zeros((own, 2))
+    growth[:, 0] = traffic.growth[:own, 0]
+    return Motions(
+        np.concatenate((rows.pos, certain.pos)),
+        np.concatenate((rows.vel, certain.vel)),
+        np.concatenate((rows.acc, certain.acc)),
+        np.concatenate((rows.hold, certain.hold)),
+        np.concatenate((growth, certain.growth)),
+        np.concatenate((rows.jerk, certain.jerk)),
+    )

@@ -1,0 +1,82 @@
+"""Motion that a swarm commits to after its choice, and what of it is outside the conditions."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
+from q2q_planner.online.safe.broad_phase import Pairs
+from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, MotionRows, length
+from q2q_planner.online.safe.motion_choice import OLD, Choices
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.wanted_motion import WantedMotion
+
+
+class Decision(NamedTuple):
+    """What a tick has decided beside the motion."""
+
+    acc: Array
+    """Acceleration of the motion at its time [m/s^2], (n, 3)."""
+    outside: Mask
+    """Vehicles of bounded jerk that are too fast, or near an external vehicle, (n,)."""
+
+
+class _Bounds(NamedTuple):
+    """Fields of SafeReplannerParams."""
+
+    hold: float
+    acc: float
+    speed: float
+    steady: bool
+    """Jerk is bounded."""
+
+
+def decided(
+    committed: CommittedMotion,
+    wanted: WantedMotion,
+    choice: Choices,
+    pairs: Pairs,
+    params: SafeReplannerParams,
+) -> tuple[CommittedMotion, Decision]:
+    """Return the motion that the swarm commits to, and what else is decided."""
+    bounds = _Bounds(params.hold, params.acc_max, params.speed_max, params.jerk_max > 0.0)
+    acc, hold, on_reference, pushed, jerk = _committed(committed.rows, wanted, choice, params.hold)
+    motion = CommittedMotion(
+        committed.t, committed.names, committed.pos, committed.vel, acc, hold, on_reference, pushed, jerk
+    )
+    now, outside = _decision(motion.rows, pairs, bounds)
+    return motion, Decision(now, outside)
+
+
+@compiled
+def _committed(
+    rows: MotionRows, wanted: WantedMotion, choice: Choices, held: float
+) -> tuple[Array, Array, Mask, Mask, Array]:
+    acc, hold, jerk = rows.acc.copy(), rows.hold.copy(), rows.jerk.copy()
+    on_reference, pushed = rows.on_reference.copy(), wanted.pushed.copy()
+    for row in range(hold.size):
+        if choice[row] == OLD:
+            pushed[row] = True
+        else:
+            acc[row], hold[row], jerk[row] = wanted.acc[row], held, wanted.jerk[row]
+        on_reference[row] &= not pushed[row]
+    return acc, hold, on_reference, pushed, jerk
+
+
+@compiled
+def _decision(rows: MotionRows, pairs: Pairs, bounds: _Bounds) -> tuple[Array, Mask]:
+    own, acc = rows.hold.size, rows.acc.copy()
+    outside = np.zeros(own, np.bool_)
+    for row in range(own):
+        vel = rows.vel[row]
+        speed = length(vel[0], vel[1], vel[2])
+        if bounds.steady:
+            outside[row] = speed > bounds.speed
+        elif not rows.hold[row] > 0.0:  # it brakes
+            for axis in range(3):
+                acc[row, axis] = -bounds.acc * vel[axis] / (speed if speed > 0.0 else 1.0)
+    for row in range(pairs.i.size):
+        if bounds.steady and pairs.j[row] >= own:
+            outside[pairs.i[row]] = True
+    return acc, outside
