@@ -1,7 +1,8 @@
 """Fly a program for Crazyflies, unmodified, against emulated vehicles under faults, and judge it.
 
-The program uses cflib; every URI that it opens is an emulated vehicle on the floor. Without faults it must
-fly and end safely; then it is flown with one fault each: radio, motion capture, battery, arming, downwash.
+The program uses cflib, or crazyflie_py of Crazyswarm2, for which there is a stand-in; every URI that it opens
+is an emulated vehicle on the floor. Without faults it must fly and end safely; then it is flown with one
+fault each: radio, motion capture, battery, arming, downwash.
 Exits with 0 if every flight passes, 1 if one does not. Options of the program come after `--`.
 """
 
@@ -22,8 +23,11 @@ from q2q_model.commands.command_line import (
 
 EXAMPLE = """  scripts/licence my_flight.py --out out/licence
   scripts/licence pair.py --start 0 -0.5 0 --start 0 0.5 90 --junit licence.xml -- --speed 0.5
+  scripts/licence swarm.py --crazyflies crazyflies.yaml
   scripts/licence --score test/licence_scripts --json out/score.json"""
 MOST_JOBS = 64
+MOST_SCANNED = 15
+"""Vehicles of one radio."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -42,6 +46,10 @@ def _prepare(args: Namespace) -> Work:
         raise ValueError(f"--room {args.room}: sizes above 0 m are allowed")
     if not 0.0 < args.limit <= 3000.0:
         raise ValueError(f"--limit {args.limit}: above 0 to 3000 s is allowed")
+    if not 0 <= args.scan <= MOST_SCANNED:
+        raise ValueError(f"--scan {args.scan}: 0 to {MOST_SCANNED} is allowed")
+    if args.crazyflies:
+        require_existing("file", args.crazyflies)
     if args.script:
         require_existing("program", args.script)
     else:
@@ -56,15 +64,7 @@ def parser() -> CommandLine:
     made = CommandLine("licence", __doc__, EXAMPLE)
     made.add_argument("script", nargs="?", type=Path, metavar="SCRIPT", help="the program")
     made.add_argument("arguments", nargs="*", metavar="ARGUMENT", help="arguments of the program, after --")
-    made.add_argument(
-        "--start",
-        nargs=3,
-        action="append",
-        default=[],
-        type=float,
-        metavar=("X", "Y", "YAW"),
-        help="start of each vehicle in turn, by URI [m, deg]; default: a row along y, 1 m apart",
-    )
+    _add_vehicles(made)
     made.add_argument(
         "--room",
         nargs=3,
@@ -74,8 +74,6 @@ def parser() -> CommandLine:
         help="size of the room, its floor centred on the origin [m] (default 6 6 2.5)",
     )
     made.add_argument("--air", default="room", help="air that the vehicles fly in (default room)")
-    made.add_argument("--scan", type=int, default=1, metavar="N", help="vehicles a scan finds (default 1)")
-    made.add_argument("--arming", action="store_true", help="the vehicles do not arm themselves")
     made.add_argument(
         "--limit", type=float, default=300.0, metavar="S", help="longest flight [s] (default 300)"
     )
@@ -89,6 +87,33 @@ def parser() -> CommandLine:
     )
     made.add_argument("--only", nargs="+", default=[], metavar="NAME", help="programs of the score to judge")
     return made
+
+
+def _add_vehicles(made: CommandLine) -> None:
+    """Add the options that say which vehicles there are."""
+    made.add_argument(
+        "--start",
+        nargs=3,
+        action="append",
+        default=[],
+        type=float,
+        metavar=("X", "Y", "YAW"),
+        help="start of each vehicle in turn, by URI [m, deg]; default: a row along y, 1 m apart",
+    )
+    made.add_argument(
+        "--scan",
+        type=int,
+        default=0,
+        metavar="N",
+        help="vehicles of a scan, or of Crazyswarm2 without --crazyflies (default: those of --start)",
+    )
+    made.add_argument(
+        "--crazyflies",
+        type=Path,
+        metavar="FILE",
+        help="crazyflies.yaml of Crazyswarm2: names, URIs, starts and parameters of the vehicles",
+    )
+    made.add_argument("--arming", action="store_true", help="the vehicles do not arm themselves")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,9 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 |---|---|
 | program_turns | threads of a program one at a time, and their clock |
 | standard_calls | sleeping, clocks, locks and threads of Python by these turns |
+| link_host | where the links of a program end |
 | emulated_link | link driver for cflib that ends at the vehicles |
+| crazyswarm | stand-in for Crazyswarm2's crazyflie_py and its server |
 | licence_room | vehicles, their motion capture and faults, with the log of a flight |
 | client_commands | commands in the packets of a program, in words |
 | licence_log | log of a flight as arrays, commands and the end of the program |

@@ -17,9 +17,16 @@ from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
 from q2q_sim.firmware.firmware import Firmware
 
 _VERTICAL, _GO, _GO_2 = struct.Struct("<Bff?f"), struct.Struct("<BB5f"), struct.Struct("<BBB5f")
-_TAKE_OFF, _LAND, _LEAVE, _GO_TO, _START = 7, 8, 3, (4, 12), (5, 13)
-NAMES = {1: "takeoff", 2: "land", 6: "define_trajectory", 9: "takeoff", 10: "land", 11: "spiral"}
-"""Commands of the high-level commander whose fields are not read."""
+_OLD = struct.Struct("<Bff")
+_TAKE_OFF, _LAND, _LEAVE, _GO_TO, _OTHER_PLANS = (1, 7), (2, 8), 3, (4, 12), (5, 9, 10, 11, 13)
+_UNMASKED = (0, 6)
+"""Commands without a mask of groups: to set it, to define a trajectory."""
+NAMES = {
+    0: "group mask", 1: "takeoff", 2: "land", 3: "high-level stop", 4: "go_to", 5: "start_trajectory",
+    6: "define_trajectory", 7: "takeoff", 8: "land", 9: "takeoff", 10: "land", 11: "spiral", 12: "go_to",
+    13: "start_trajectory",
+}  # fmt: skip
+"""Commands of the high-level commander."""
 
 
 class CommandKind(StrEnum):
@@ -164,27 +171,47 @@ def _axes(one: Setpoint) -> str:
 def _planned(data: bytes, answers: list[Packet], firmware: Firmware) -> Asked:
     number, fields = data[0], data[1:]
     refused = _refusal(answers, firmware)
+    if number not in _UNMASKED and not _is_addressed(fields[:1], firmware):
+        return Asked(CommandKind.OTHER, f"{NAMES.get(number, 'command')} for another group")
     if number == _LEAVE:
-        return Asked(CommandKind.OFF, "high-level stop")
-    if number in (_TAKE_OFF, _LAND) and len(fields) >= _VERTICAL.size:
-        _, height, yaw, keep, duration = _VERTICAL.unpack_from(fields)
-        name = "takeoff" if number == _TAKE_OFF else "land"
-        words = f"{name} to {height:.2f} m in {duration:.1f} s"
-        return Asked(
-            CommandKind.PLAN, words, (math.nan, math.nan, height), 0.0 if keep else yaw, refused=refused
-        )
-    if number in _GO_TO and len(fields) >= (_GO if number == _GO_TO[0] else _GO_2).size:
-        layout = _GO if number == _GO_TO[0] else _GO_2
-        values = layout.unpack_from(fields)
-        relative, (x, y, z, yaw, duration) = bool(values[1]), values[-5:]
-        by = "by" if relative else "to"
-        words = f"go_to {by} ({x:.2f}, {y:.2f}, {z:.2f}) m in {duration:.1f} s"
-        return Asked(CommandKind.PLAN, words, None if relative else (x, y, z), yaw, refused=refused)
-    if number in _START:
-        return Asked(CommandKind.PLAN, "start_trajectory", refused=refused)
-    if number in (1, 2, 9, 10, 11):
+        return Asked(CommandKind.OFF, NAMES[number])
+    if number in (*_TAKE_OFF, *_LAND):
+        return _vertical(number, fields, refused)
+    if number in _GO_TO:
+        return _go_to(number, fields, refused)
+    if number in _OTHER_PLANS:
         return Asked(CommandKind.PLAN, NAMES[number], refused=refused)
-    return Asked(CommandKind.OTHER, NAMES.get(number, "group mask"))
+    return Asked(CommandKind.OTHER, NAMES.get(number, "unknown command"))
+
+
+def _is_addressed(mask: bytes, firmware: Firmware) -> bool:
+    """Return whether a command with a mask of groups is for the vehicle."""
+    groups = int(firmware.parameters["hlCommander.groupmask"])
+    return not any(mask) or bool(mask[0] & groups)
+
+
+def _vertical(number: int, fields: bytes, refused: str) -> Asked:
+    """Return a take-off or landing; the old commands, 1 and 2, have no yaw."""
+    if len(fields) < (_OLD if number in (1, 2) else _VERTICAL).size:
+        return Asked(CommandKind.PLAN, NAMES[number], refused=refused)
+    yaw, keep = 0.0, True
+    if number in (1, 2):
+        _, height, duration = _OLD.unpack_from(fields)
+    else:
+        _, height, yaw, keep, duration = _VERTICAL.unpack_from(fields)
+    words = f"{NAMES[number]} to {height:.2f} m in {duration:.1f} s"
+    return Asked(CommandKind.PLAN, words, (math.nan, math.nan, height), 0.0 if keep else yaw, refused=refused)
+
+
+def _go_to(number: int, fields: bytes, refused: str) -> Asked:
+    layout = _GO if number == _GO_TO[0] else _GO_2
+    if len(fields) < layout.size:
+        return Asked(CommandKind.PLAN, NAMES[number], refused=refused)
+    values = layout.unpack_from(fields)
+    relative, (x, y, z, yaw, duration) = bool(values[1]), values[-5:]
+    by = "by" if relative else "to"
+    words = f"{NAMES[number]} {by} ({x:.2f}, {y:.2f}, {z:.2f}) m in {duration:.1f} s"
+    return Asked(CommandKind.PLAN, words, None if relative else (x, y, z), yaw, refused=refused)
 
 
 def _refusal(answers: list[Packet], firmware: Firmware) -> str:

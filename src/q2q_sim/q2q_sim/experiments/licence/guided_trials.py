@@ -4,6 +4,8 @@ The instants are those of the largest speed, of the smallest distance of two veh
 the take-off, and one second before the landing.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from q2q_model.signals.values import Array
@@ -40,7 +42,7 @@ def trials_after(nominal: LicenceLog) -> tuple[LicenceTrial, ...]:
             LicenceTrial(TrialKind.LOST, one, nearest),
             LicenceTrial(TrialKind.LOST, first, _span(nominal, first)[0] + AFTER_RISE_S),
         ]
-    return tuple(found)
+    return tuple(replace(one, names=nominal.names) for one in found)
 
 
 def _fastest(log: LicenceLog) -> tuple[int, float]:

@@ -10,6 +10,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from time import monotonic
 
+from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, Start
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams
@@ -23,9 +24,6 @@ from q2q_sim.experiments.licence.program_flight import (
 )
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.processes.warm_start import begin
-
-Start = tuple[float, float, float]
-"""x, y [m], yaw [rad]."""
 
 MOST_VEHICLES = 15
 """Vehicles of one radio."""
@@ -50,6 +48,8 @@ class LicenceOptions:
     arming: bool = False
     scanned: tuple[str, ...] = ()
     """URIs that a scan answers."""
+    served: tuple[ServedVehicle, ...] = ()
+    """Vehicles of a crazyflies.yaml; empty if there is none."""
     limit: float = 300.0
     """Longest flight without faults [s]."""
     jobs: int = 2
@@ -59,6 +59,7 @@ class LicenceOptions:
     def params(self, count: int) -> LicenceParams:
         """Return the room with `count` vehicles."""
         row = tuple((0.0, SPACING * (k - 0.5 * (count - 1)), 0.0) for k in range(count))
+        row = tuple(one.start for one in self.served) or row
         starts = self.starts[:count] if len(self.starts) >= count else row
         return LicenceParams(starts, self.air, self.seed, self.arming)
 
@@ -110,10 +111,7 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
         log = nominal.log
         limit = log.end.t + LONGER_S
         trials = trials_after(log)
-        orders = [
-            FlightOrder(program, options.params(len(log.uris)), one, log.uris, options.scanned, limit)
-            for one in trials
-        ]
+        orders = [replace(_first_order(program, options, log.uris), trial=one, limit=limit) for one in trials]
         flights += flown(orders, options, began + options.budget)
         done = {one.trial for one in flights}
         left_out = [one for one in trials if one not in done]
@@ -122,7 +120,7 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
 
 def _nominal(program: Program, options: LicenceOptions) -> FlownTrial:
     """Return the flight without faults, with as many vehicles as the program opens."""
-    order = FlightOrder(program, options.params(1), LicenceTrial(), (), options.scanned, options.limit)
+    order = _first_order(program, options, tuple(one.uri for one in options.served))
     forever = monotonic() + options.budget
     (first,) = flown([order], options, forever)
     if first.log is None or first.log.end.error != MORE_VEHICLES:
@@ -134,6 +132,12 @@ def _nominal(program: Program, options: LicenceOptions) -> FlownTrial:
     uris = tuple(sorted(surveyed.log.uris))
     (nominal,) = flown([replace(order, params=options.params(len(uris)), uris=uris)], options, forever)
     return nominal
+
+
+def _first_order(program: Program, options: LicenceOptions, uris: tuple[str, ...]) -> FlightOrder:
+    """Return the order of a flight without faults; without URIs, of one vehicle."""
+    params = options.params(max(len(uris), 1))
+    return FlightOrder(program, params, LicenceTrial(), uris, options.scanned, options.limit, options.served)
 
 
 @dataclass(slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Names
 from q2q_sim.experiments.licence.client_commands import ClientCommand
 from q2q_sim.experiments.licence.trials import LicenceTrial
 
@@ -52,7 +52,7 @@ class LicenceLog:
     thrust: Array
     """Thrust over the weight [-], (T, n)."""
     running: Mask
-    """A motor runs, (T, n)."""
+    """A motor runs, or a controller of the height may run them, (T, n)."""
     state: NDArray[np.int64]
     """State of the supervisor, (T, n)."""
     age: Array
@@ -63,6 +63,8 @@ class LicenceLog:
     end: ProgramEnd
     output: str = ""
     """Last lines that the program printed."""
+    names: Names = ()
+    """Of the vehicles, (n,); empty for cf1, cf2, ..."""
 
     @property
     def airborne(self) -> Mask:
@@ -86,4 +88,4 @@ class LicenceLog:
 
     def name(self, vehicle: int) -> str:
         """Return the name of a vehicle in sentences."""
-        return f"cf{vehicle + 1}"
+        return self.names[vehicle] if self.names else f"cf{vehicle + 1}"

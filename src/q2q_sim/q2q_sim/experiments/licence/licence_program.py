@@ -5,6 +5,7 @@ import math
 from argparse import Namespace
 from pathlib import Path
 
+from q2q_sim.experiments.licence.crazyswarm.served_vehicles import vehicles_from_file
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
@@ -28,7 +29,8 @@ def judge(args: Namespace) -> int:
         air=args.air,
         seed=args.seed,
         arming=args.arming,
-        scanned=scanned_uris(args.scan),
+        scanned=scanned_uris(args.scan or max(len(args.start), 1)),
+        served=vehicles_from_file(args.crazyflies) if args.crazyflies else (),
         limit=args.limit,
         jobs=args.jobs,
     )

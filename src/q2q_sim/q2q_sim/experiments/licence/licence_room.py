@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Names
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.crtp.fleet import Fleet
@@ -19,8 +19,9 @@ from q2q_sim.experiments.licence.client_commands import ClientCommand, asked_by
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import CHARGE, GAP_S, PUSH, LicenceTrial, TrialKind
 from q2q_sim.faults.injection import FaultInjection
+from q2q_sim.firmware.commander.setpoint import Mode
 from q2q_sim.firmware.controllers.columns import MOTOR
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware import Build, Firmware
 from q2q_sim.firmware.supervisor.rules import State
 from q2q_sim.loop.room import TICK_NS, TICK_S, Room
 from q2q_sim.plant.quadcopter import POS, QUAT, ROTORS, VEL, R
@@ -162,13 +163,14 @@ class LicenceRoom:
         state = self._room.swarm.state
         return bool((state[:, POS][:, 2] > 0.0).any() or (np.abs(state[:, VEL]) > 0.0).any())
 
-    def log(self, uris: tuple[str, ...], end: ProgramEnd, output: str) -> LicenceLog:
-        """Return the flight so far."""
+    def log(self, uris: Names, names: Names, end: ProgramEnd, output: str) -> LicenceLog:
+        """Return the flight so far, of vehicles with these URIs and names."""
         state = np.stack(self._columns.state)  # (T, n, STATE_WIDTH)
         firmware = np.array(self._columns.firmware)  # (T, n, 3)
         weight = CRAZYFLIE_2_0.mass * GRAVITY
         return LicenceLog(
             uris=uris,
+            names=names,
             trial=self.trial,
             t=np.asarray(TICK_S * np.arange(1, len(state) + 1), dtype=np.float64),
             pos=state[..., POS],
@@ -203,9 +205,18 @@ class LicenceRoom:
         rows = []
         for vehicle in self._fleet.vehicles:
             one = vehicle.firmware
-            running = bool((one.rows.memory[MOTOR : MOTOR + 4] > one.idle_pwm).any())
-            rows.append((running, int(one.supervisor.state), one.now_ms - one.commander.set_ms))
+            rows.append((runs(one), int(one.supervisor.state), one.now_ms - one.commander.set_ms))
         self._columns.firmware.append(rows)
+
+
+def runs(one: Firmware) -> bool:
+    """Return whether a motor runs, or a controller of the height may run them.
+
+    Mellinger's controller asks for no thrust for a tenth of a second when its position jumps upwards, from
+    which it recovers; that of the PID has a least thrust.
+    """
+    controlled = one.flown.z != Mode.DISABLE and one.supervisor.motors_may_run
+    return controlled or bool((one.rows.memory[MOTOR : MOTOR + 4] > one.idle_pwm).any())
 
 
 def _with_faults(scenario: Scenario, trial: LicenceTrial) -> Scenario:

@@ -28,6 +28,8 @@ class ProgramSettings:
     """x, y [m] and yaw [deg] of every vehicle."""
     room: tuple[float, ...] = (6.0, 6.0, 2.5)
     """[m]"""
+    arming: bool = False
+    """The vehicles do not arm themselves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +81,7 @@ def scored(program: ScoredProgram, jobs: int, seed: int) -> LicenceScore:
     options = LicenceOptions(
         starts=starts,
         limits=LicenceLimits(half_room=(0.5 * x, 0.5 * y), ceiling=z),
+        arming=one.arming,
         scanned=scanned_uris(max(len(starts), 1)),
         jobs=jobs,
         seed=seed,

@@ -1,9 +1,10 @@
 """One flight of a program, in the process that calls: it ends with the flight.
 
-    calls of Python by turns -> cflib -> program as __main__ -> rest of the flight -> log through a pipe
+    calls of Python by turns -> cflib, crazyflie_py -> program as __main__ -> rest of the flight -> log
 
 The program's own exit closes its links like the end of a process: without a word. The vehicles then fly on
-by their firmware, until they stand still or REST_S have passed.
+by their firmware, until they stand still or REST_S have passed. cflib may be missing; crazyflie_py is a
+stand-in (crazyswarm) whose server is this process.
 """
 
 import os
@@ -15,14 +16,18 @@ import traceback
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from io import TextIOBase
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import NoReturn
 
 from q2q_sim.experiments.licence.client_commands import FLIGHT
+from q2q_sim.experiments.licence.crazyswarm.modules import SwarmHost, put_in_place
+from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, stock_vehicles
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
+from q2q_sim.experiments.licence.program.link_host import LinkHost
 from q2q_sim.experiments.licence.program.program_turns import Turns
 from q2q_sim.experiments.licence.program.standard_calls import use_turns, watch_main_thread
 from q2q_sim.experiments.licence.trials import LicenceTrial
@@ -59,6 +64,8 @@ class FlightOrder:
     """URIs that a scan answers."""
     limit: float
     """Longest flight [s]."""
+    served: tuple[ServedVehicle, ...] = ()
+    """Vehicles of a crazyflies.yaml, which are all; empty for stock ones at the URIs that a scan answers."""
     survey: bool = False
     """Only up to the first command that asks for flight."""
 
@@ -91,6 +98,8 @@ class _Flight:
         self._failed = ProgramEnd(0.0)
         self._room = LicenceRoom(order.params, order.trial)
         self._turns = Turns(self._tick, TICK_S)
+        host = LinkHost(self._room, self._turns, str(order.program.file), self._vehicle_of, order.scanned)
+        self._links, self._swarms = host, SwarmHost(host, self._served)
 
     def run(self) -> NoReturn:
         """Fly the program and end this process."""
@@ -107,18 +116,34 @@ class _Flight:
         for thread in threading.enumerate():
             if not thread.daemon and thread is not threading.current_thread():
                 thread.join()
+        self._swarms.settle()
         self._finish(end)
 
     def _connect(self) -> None:
         """Let cflib's links end in the room; cflib is imported after its calls have been replaced."""
-        from q2q_sim.experiments.licence.program.emulated_link import LinkHost, use_emulated_links
+        put_in_place(self._swarms)
+        if find_spec("cflib") is not None:
+            from q2q_sim.experiments.licence.program.emulated_link import use_emulated_links
 
-        host = LinkHost(
-            self._room, self._turns, str(self._order.program.file), self._vehicle_of, self._order.scanned
-        )
-        use_emulated_links(host)
+            use_emulated_links(self._links)
+
+    def _served(self) -> tuple[ServedVehicle, ...]:
+        """Return the vehicles of Crazyswarm2's server."""
+        if self._order.served:
+            return self._order.served
+        rows = [self._vehicle_of(uri) for uri in self._order.scanned]
+        return stock_vehicles(self._order.scanned, [self._order.params.starts[row] for row in rows])
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        """Return the names of the vehicles, those of the server if the program knows it."""
+        served = self._order.served or (self._served() if self._swarms.called else ())
+        known = {one.uri: one.name for one in served}
+        return tuple(known.get(uri, f"cf{row + 1}") for row, uri in enumerate(self._uris))
 
     def _vehicle_of(self, uri: str) -> int:
+        if uri not in self._uris and self._order.served:
+            raise ValueError(f"{uri} is not the URI of an enabled vehicle of the crazyflies.yaml")
         if uri not in self._uris:
             if len(self._uris) == len(self._order.params.starts):
                 self._send(ProgramEnd(self._room.t, error=MORE_VEHICLES))
@@ -168,7 +193,7 @@ class _Flight:
     def _send(self, end: ProgramEnd) -> NoReturn:
         if self._room.t == 0.0:
             self._room.fly()  # a log has a tick
-        self._answer.send(self._room.log(tuple(self._uris), end, self._output.text()))
+        self._answer.send(self._room.log(tuple(self._uris), self._names, end, self._output.text()))
         self._answer.close()
         os._exit(0)
 

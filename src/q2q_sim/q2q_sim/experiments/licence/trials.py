@@ -62,16 +62,18 @@ class LicenceTrial:
     """[s]"""
     other: int = 0
     """Row of the vehicle with which it is exchanged."""
+    names: Names = ()
+    """Of the vehicles; empty for cf1, cf2, ..."""
 
     @property
     def words(self) -> str:
         """Return the trial in a few words."""
-        who, when = f"cf{self.vehicle + 1}", f" at {self.start:.1f} s"
+        who, when = self._name(self.vehicle), f" at {self.start:.1f} s"
         match self.kind:
             case TrialKind.NOMINAL:
                 return "nominal"
             case TrialKind.SWAP:
-                return f"{self.kind} of {who} and cf{self.other + 1}{when}"
+                return f"{self.kind} of {who} and {self._name(self.other)}{when}"
             case TrialKind.STALE:
                 return f"{self.kind}{when}"
             case TrialKind.UNARMED:
@@ -95,6 +97,9 @@ class LicenceTrial:
         if self.kind != TrialKind.BATTERY:
             return ()
         return (Fault("battery_sag", self.start, SAG_S, (names[self.vehicle],), SAG),)
+
+    def _name(self, row: int) -> str:
+        return self.names[row] if self.names else f"cf{row + 1}"
 
     def pushed(self, t: float) -> bool:
         """Return whether the vehicle is pushed down at t [s]."""

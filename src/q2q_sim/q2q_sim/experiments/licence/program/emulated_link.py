@@ -5,20 +5,16 @@ Needs the interface of cflib's drivers (cflib: crtp/crtpdriver.py). One packet t
 do not share radios.
 """
 
-import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from types import FrameType
-from typing import NamedTuple
 
 import cflib.crtp
 from cflib.crtp.crtpstack import CRTPPacket
 from cflib.crtp.exceptions import WrongUriType
 
-from q2q_sim.experiments.licence.licence_room import PACKET_S, LicenceRoom, OpenLink
-from q2q_sim.experiments.licence.program.program_turns import Turns, never
+from q2q_sim.experiments.licence.licence_room import OpenLink
+from q2q_sim.experiments.licence.program.link_host import LinkHost
 
 SCHEMES = ("radio", "usb", "udp", "tcp", "serial")
 DRIVERS = ("UsbDriver", "SerialDriver", "UdpDriver", "PrrtDriver", "TcpDriver")
@@ -27,50 +23,6 @@ POLL_S = 0.1
 """Time between two polls of a vehicle by its radio [s]."""
 
 Report = Callable[[str], None]
-
-
-@dataclass(frozen=True, slots=True)
-class LinkHost:
-    """Where the links of a program end."""
-
-    room: LicenceRoom
-    turns: Turns
-    program: str
-    """File of the program, as its frames name it."""
-    vehicle_of: Callable[[str], int]
-    """Return the vehicle of a URI."""
-    scanned: tuple[str, ...]
-    """URIs that a scan answers."""
-
-    def send(self, link: OpenLink, datagram: bytes) -> None:
-        """Send a packet to a vehicle; returns after the time that it takes."""
-        passes = self.room.silent_until(link.vehicle, self.turns.now)
-        if passes == float("inf"):
-            return
-        if passes > self.turns.now:
-            self.turns.wait(never, passes)
-        self.room.deliver(link, datagram, self.turns.now, _sender(self.program))
-        self.turns.sleep(PACKET_S)
-
-
-class _Sender(NamedTuple):
-    """Place in the program that sends a packet."""
-
-    line: int
-    closing: bool
-
-
-def _sender(program: str) -> _Sender:
-    """Return the line of the program that has called, 0 if none has, and whether it closes a link."""
-    frame: FrameType | None = sys._getframe()  # noqa: SLF001
-    closing = False
-    while frame is not None:
-        code = frame.f_code
-        if code.co_filename == program:
-            return _Sender(frame.f_lineno, closing)
-        closing = closing or code.co_name == "close_link"
-        frame = frame.f_back
-    return _Sender(0, closing)
 
 
 class EmulatedDriver:
@@ -135,7 +87,7 @@ class EmulatedDriver:
             if self.host.room.is_noticed(link.vehicle, self.host.turns.now):
                 report("Too many packets lost")
                 return
-            if self.host.room.silent_until(link.vehicle, self.host.turns.now) <= self.host.turns.now:
+            if self.host.passes(link):
                 self.host.room.keep_alive(link)
             time.sleep(POLL_S)
 

@@ -1,0 +1,51 @@
+"""Arguments of a program as fields of ROS messages.
+
+A field of type float64 or float32 takes a Python float. Of an int, rclpy on Humble raises an AssertionError,
+and on Jazzy the serialised message has another number: Float64(data=1) arrives as 5e-324. Both are mistakes
+of the program, so an int raises here too.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+Three = tuple[float, float, float]
+
+
+def real(value: object, what: str) -> float:
+    """Return a float; raise TypeError for what a ROS message would refuse or garble."""
+    if not isinstance(value, float):
+        raise TypeError(
+            f"{what} = {value!r} is of type {type(value).__name__}: a ROS message needs a float, like 1.0; "
+            "Humble refuses and Jazzy garbles anything else"
+        )
+    return float(value)
+
+
+def three(values: object, what: str) -> Three:
+    """Return three floats of a sequence or array."""
+    if not isinstance(values, Sequence | np.ndarray):
+        raise TypeError(f"{what} = {values!r}: three floats are needed")
+    x, y, z = (real(values[k], f"{what}[{k}]") for k in range(3))
+    return x, y, z
+
+
+def seconds(value: float, what: str) -> float:
+    """Return a duration [s], which may be a whole number."""
+    if not isinstance(value, int | float):
+        raise TypeError(f"{what} = {value!r}: a number of seconds is needed")
+    return float(value)
+
+
+def whole(value: object, what: str, most: int) -> int:
+    """Return a whole number from 0 to `most`."""
+    if not isinstance(value, int) or not 0 <= value <= most:
+        raise TypeError(f"{what} = {value!r}: a ROS message needs an int from 0 to {most}")
+    return int(value)
+
+
+def flag(value: object, what: str) -> bool:
+    """Return a truth value."""
+    if not isinstance(value, bool):
+        raise TypeError(f"{what} = {value!r}: a ROS message needs True or False")
+    return value

@@ -1,0 +1,94 @@
+"""Class CrazyflieServer: all vehicles, and commands to all at once."""
+
+from q2q_sim.experiments.licence.crazyswarm import server_packets
+from q2q_sim.experiments.licence.crazyswarm.absent import Absence
+from q2q_sim.experiments.licence.crazyswarm.connection import NUMBERS, connect
+from q2q_sim.experiments.licence.crazyswarm.message_fields import flag, real, seconds, three, whole
+from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle
+from q2q_sim.experiments.licence.crazyswarm.server_links import ServerLinks
+from q2q_sim.experiments.licence.crazyswarm.vehicle_calls import (
+    BYTE,
+    MASK,
+    CrazyflieCalls,
+    Points,
+    full_state_packet,
+    vertical_packet,
+)
+from q2q_sim.firmware.parameters.parameter_table import TABLE
+
+
+class CrazyflieServer(Absence):
+    """All vehicles of the server."""
+
+    def __init__(self, links: ServerLinks, vehicles: tuple[ServedVehicle, ...]) -> None:
+        self._links = links
+        self.paramTypeDict = NUMBERS
+        self.crazyflies = [CrazyflieCalls(self, links, number, one) for number, one in enumerate(vehicles)]
+        self.crazyfliesByName = {one.prefix[1:]: one for one in self.crazyflies}
+        self.crazyfliesById = {int(one.uri[-2:], 16): one for one in self.crazyflies}
+        for number, (one, served) in enumerate(zip(self.crazyflies, vehicles, strict=True)):
+            one.parameters = connect(links, number, served)
+
+    def emergency(self) -> None:
+        """Stop the motors of all until a reboot."""
+        self._links.broadcast(server_packets.emergency())
+
+    def takeoff(self, targetHeight: float, duration: float, groupMask: int = 0) -> None:
+        """Take off to a height [m] in a duration [s]."""
+        self._links.broadcast(vertical_packet(server_packets.TAKE_OFF, targetHeight, duration, groupMask))
+
+    def land(self, targetHeight: float, duration: float, groupMask: int = 0) -> None:
+        """Land at a height [m] in a duration [s]."""
+        self._links.broadcast(vertical_packet(server_packets.LAND, targetHeight, duration, groupMask))
+
+    def goTo(self, goal: Points, yaw: float, duration: float, groupMask: int = 0) -> None:
+        """Go by an offset [m] and yaw [rad] in a duration [s]."""
+        packet = server_packets.go_to(
+            three(goal, "goTo: goal"),
+            real(yaw, "goTo: yaw"),
+            seconds(duration, "goTo: duration"),
+            relative=True,
+            mask=whole(groupMask, "goTo: groupMask", MASK),
+        )
+        self._links.broadcast(packet)
+
+    def startTrajectory(
+        self,
+        trajectoryId: int,
+        timescale: float = 1.0,
+        reverse: bool = False,
+        relative: bool = True,
+        groupMask: int = 0,
+    ) -> None:
+        """Fly an uploaded trajectory from the present position: broadcasts are always relative."""
+        flag(relative, "startTrajectory: relative")
+        packet = server_packets.start(
+            whole(trajectoryId, "startTrajectory: trajectoryId", BYTE),
+            real(timescale, "startTrajectory: timescale"),
+            backwards=flag(reverse, "startTrajectory: reverse"),
+            relative=True,
+            mask=whole(groupMask, "startTrajectory: groupMask", MASK),
+        )
+        self._links.broadcast(packet)
+
+    def arm(self, arm: bool = True) -> None:
+        """Arm or disarm all."""
+        self._links.broadcast(server_packets.arming(arm=flag(arm, "arm")))
+
+    def setParam(self, name: str, value: float) -> None:
+        """Set a parameter of all."""
+        if name not in NUMBERS:
+            print(f"setParam: keyError raised {name!r}")
+            return
+        one = TABLE[NUMBERS[name]]
+        asked = float(value) if one.kind == "float" else int(value)
+        self._links.broadcast(server_packets.parameter_write_by_name(one, asked))
+
+    def cmdFullState(self, pos: Points, vel: Points, acc: Points, yaw: float, omega: Points) -> None:
+        """Send one full-state setpoint to all: [m], [m/s], [m/s^2], world; [rad]; [rad/s], body."""
+        self._links.broadcast(full_state_packet(pos, vel, acc, yaw, omega))
+
+    def take_reports(self) -> None:
+        """Take what the vehicles have reported."""
+        for one in self.crazyflies:
+            one.take_reports()

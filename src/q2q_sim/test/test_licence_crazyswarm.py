@@ -1,0 +1,408 @@
+"""Programs for Crazyswarm2: packets decode to the numbers given, vehicles go where they are sent, in time."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_sim.crtp.packets.packet import Packet, datagram_of, packet_of
+from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.experiments.licence.client_commands import CommandKind, asked_by
+from q2q_sim.experiments.licence.crazyswarm import server_packets
+from q2q_sim.experiments.licence.crazyswarm.ellipsoids import (
+    check_ellipsoid_collisions,
+    poisson_disk_sample,
+)
+from q2q_sim.experiments.licence.crazyswarm.message_fields import real, three, whole
+from q2q_sim.experiments.licence.crazyswarm.modules import CONNECT_S
+from q2q_sim.experiments.licence.crazyswarm.pilot_input import PRESS_AFTER_S, PRESS_S
+from q2q_sim.experiments.licence.crazyswarm.served_vehicles import (
+    STOCK_PARAMETERS,
+    ServedVehicle,
+    stock_vehicles,
+    vehicles_from_file,
+)
+from q2q_sim.experiments.licence.crazyswarm.server_packets import FullStateArguments
+from q2q_sim.experiments.licence.crazyswarm.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
+from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, flown
+from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.licence_room import LicenceParams, runs
+from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
+from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
+from q2q_sim.experiments.licence.trials import GAP_S, LicenceTrial, TrialKind
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
+from q2q_sim.firmware.controllers.columns import MOTOR
+
+MM = 1e-3
+"""Resolution of full states [m], [m/s], [m/s^2], [rad/s]."""
+QUAT_PART = 7.1e-4
+"""Largest error of a part of a quaternion in 32 bits (geometry.quaternion32)."""
+HEAD = """
+from crazyflie_py import Crazyswarm
+
+swarm = Crazyswarm()
+allcfs, timeHelper = swarm.allcfs, swarm.timeHelper
+cf = allcfs.crazyflies[0]
+"""
+
+
+def fly(
+    folder: Path, body: str, count: int = 1, trial: LicenceTrial | None = None, **order: object
+) -> FlownTrial:
+    """Fly a program of these lines with vehicles 1 m apart along y."""
+    file = folder / "flight.py"
+    file.write_text(HEAD + body)
+    uris = scanned_uris(count)
+    starts = tuple((0.0, float(row), 0.0) for row in range(count))
+    plain = FlightOrder(
+        Program(file, (), folder), LicenceParams(starts), trial or LicenceTrial(), uris, uris, 60.0
+    )
+    (one,) = flown([replace(plain, **order)], LicenceOptions(), until=float("inf"))
+    return one
+
+
+def log_of(one: FlownTrial) -> LicenceLog:
+    """Return the log of a flight whose program ended well."""
+    assert one.log is not None
+    assert one.log.end.error == ""
+    return one.log
+
+
+def at(log: LicenceLog, t: float) -> int:
+    """Return the tick at a time [s]."""
+    return int(np.searchsorted(log.t, t))
+
+
+def requested(packet: Packet) -> Setpoint:
+    """Return the setpoint that a firmware makes of a packet."""
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fleet.vehicles[0].handle(datagram_of(packet))
+    assert pilot.fleet.vehicles[0].refusals.count == 0
+    return pilot.firmware().requested
+
+
+def test_a_full_state_reaches_the_firmware_with_the_numbers_given():
+    state = FullStateArguments(
+        (1.234, -0.567, 0.891), (0.5, -1.5, 0.25), (2.5, -3.25, 9.0), 0.6, (0.1, -0.2, 1.5)
+    )
+    one = requested(server_packets.full_state(state))
+    assert one.pos == pytest.approx(state.pos, abs=MM)
+    assert one.vel == pytest.approx(state.vel, abs=MM)
+    assert one.acc == pytest.approx(state.acc, abs=MM)
+    assert np.radians(one.rate_deg) == pytest.approx(state.omega, abs=MM)
+    assert (one.x, one.y, one.z, one.quat) == (Mode.ABS,) * 4
+    about_x = (math.sin(0.3), 0.0, 0.0, math.cos(0.3))  # rowan.from_euler(0, 0, 0.6)
+    assert one.attitude_quat == pytest.approx(about_x, abs=QUAT_PART)
+
+
+def test_positions_and_hover_setpoints_reach_the_firmware_with_their_units_and_signs():
+    one = requested(server_packets.position((0.1, -0.2, 0.3), 45.0))
+    assert one.pos == pytest.approx((0.1, -0.2, 0.3))
+    assert one.attitude_deg[2] == pytest.approx(45.0)
+    hover = requested(server_packets.hover(0.1, -0.2, 0.5, 0.7))
+    assert hover.vel == pytest.approx((0.1, -0.2, 0.0))
+    assert hover.pos[2] == pytest.approx(0.7)
+    assert hover.rate_deg[2] == pytest.approx(math.degrees(0.5))  # left, as the caller means
+    assert hover.velocity_body
+
+
+def wave() -> UavTrajectory:
+    """Return a trajectory of two smooth pieces in all axes."""
+    one = UavTrajectory()
+    generator = np.random.default_rng(1)
+    one.polynomials = [
+        Polynomial4D(duration, *(generator.normal(size=8) / 2.0 ** np.arange(8) for _ in range(4)))
+        for duration in (1.0, 1.5)
+    ]
+    one.duration = 2.5
+    return one
+
+
+def test_an_uploaded_trajectory_is_flown_as_it_is_evaluated():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    trajectory = wave()
+    pieces = [
+        (one.duration, np.stack([np.asarray(axis.p) for axis in (one.px, one.py, one.pz, one.pyaw)]))
+        for one in trajectory.polynomials
+    ]
+    vehicle, begin = pilot.fleet.vehicles[0], pilot.firmware().seconds
+    for packet in server_packets.upload(3, 2, pieces):
+        vehicle.handle(datagram_of(packet))
+    (answer,) = vehicle.handle(
+        datagram_of(server_packets.start(3, 1.0, backwards=False, relative=False, mask=0))
+    )
+    assert packet_of(answer).data[3] == 0
+    for t in (0.0, 0.4, 0.99, 1.3, 2.4):
+        goal, state = pilot.firmware().planner.goal(begin + t), trajectory.eval(t)
+        assert goal is not None
+        single = 1e-4  # coefficients have 24 bits
+        assert goal.pos == pytest.approx(state.pos, abs=single)
+        assert goal.vel == pytest.approx(state.vel, abs=single)
+        assert goal.acc == pytest.approx(state.acc, abs=10.0 * single)
+
+
+def test_the_states_of_a_trajectory_are_derivatives_of_each_other():
+    trajectory, step = wave(), 1e-5
+    for t in (0.3, 0.8, 1.7):
+        before, now, after = (trajectory.eval(t + k * step) for k in (-1, 0, 1))
+        assert now.vel == pytest.approx((after.pos - before.pos) / (2.0 * step), rel=1e-6, abs=1e-6)
+        assert now.acc == pytest.approx((after.vel - before.vel) / (2.0 * step), rel=1e-6, abs=1e-6)
+
+
+def test_body_rates_have_the_closed_form_of_a_small_jerk():
+    jerk, yaw_rate = 0.6, 0.4
+    along_x = np.array([0.0, 0.0, 0.0, jerk / 6.0, 0.0, 0.0, 0.0, 0.0])
+    turning = np.array([0.0, yaw_rate, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    omega = Polynomial4D(1.0, along_x, np.zeros(8), np.zeros(8), turning).eval(0.0).omega
+    assert omega == pytest.approx([0.0, jerk / GRAVITY, yaw_rate])  # nose down for a jerk forward
+    omega = Polynomial4D(1.0, np.zeros(8), along_x, np.zeros(8), turning).eval(0.0).omega
+    assert omega == pytest.approx([-jerk / GRAVITY, 0.0, yaw_rate])  # roll left for one to the left
+
+
+def test_a_file_is_read_row_by_row(tmp_path: Path):
+    rows = np.arange(66.0).reshape(2, 33)
+    file = tmp_path / "path.csv"
+    np.savetxt(file, rows, delimiter=",", header="duration,x^0")
+    one = UavTrajectory()
+    one.loadcsv(file)
+    assert (one.n_pieces(), one.duration) == (2, 33.0)
+    assert list(one.polynomials[1].py.p) == list(range(42, 50))
+    with pytest.raises(ValueError, match=r"0 to 33\.0 s is allowed"):
+        one.eval(33.1)
+
+
+def test_fields_of_messages_refuse_what_ros_would_garble():
+    assert real(np.float64(1.5), "z") == 1.5
+    assert three(np.array([1.0, 2.0, 3.0]), "goal") == (1.0, 2.0, 3.0)
+    for wrong in (1, np.float32(1.0), np.int64(1)):
+        with pytest.raises(TypeError, match="a ROS message needs a float"):
+            real(wrong, "takeoff: targetHeight")
+    with pytest.raises(TypeError, match="an int from 0 to 255"):
+        whole(256, "groupMask", 255)
+
+
+def test_ellipsoids_touch_at_two_radii_and_sampled_points_keep_their_distance():
+    radii = np.array([0.12, 0.12, 0.3])
+    above = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5], [0.5, 0.0, 0.0]])
+    assert check_ellipsoid_collisions(above, radii).tolist() == [True, True, False]
+    points = poisson_disk_sample(6, 2, 0.4)
+    apart = np.linalg.norm(points[:, None] - points[None], axis=-1)
+    assert apart[np.triu_indices(6, 1)].min() >= 0.4
+
+
+def test_a_command_for_another_group_asks_nothing_of_a_vehicle():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    for mask, kind in ((0, CommandKind.PLAN), (1, CommandKind.PLAN), (2, CommandKind.OTHER)):
+        pilot.firmware().parameters.set("hlCommander.groupmask", 1)
+        packet = server_packets.vertical(server_packets.TAKE_OFF, 0.5, 1.0, mask)
+        asked = asked_by(packet, [], pilot.firmware())
+        assert asked is not None
+        assert asked.kind == kind
+    assert asked.words == "takeoff for another group"
+
+
+def test_old_take_offs_are_told_with_their_height_which_may_leave_the_room():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    asked = asked_by(server_packets.vertical(server_packets.TAKE_OFF, 60.0, 2.0, 0), [], pilot.firmware())
+    assert asked is not None
+    assert asked.pos is not None
+    assert (asked.words, asked.pos[2], asked.yaw_rad) == ("takeoff to 60.00 m in 2.0 s", 60.0, 0.0)
+
+
+def test_motors_count_as_running_while_a_controller_of_the_height_may_run_them():
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
+    pilot.fly(2.0, pilot.hold(Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, pos=(0.0, 0.0, 1.0))))
+    one = pilot.firmware()
+    one.rows.memory[MOTOR : MOTOR + 4] = 0.0
+    assert runs(one)
+    one.supervisor.stop()
+    pilot.fly(0.1)
+    one.rows.memory[MOTOR : MOTOR + 4] = 0.0
+    assert not runs(one)
+
+
+def test_a_trial_names_the_vehicles_as_the_server_does():
+    trial = LicenceTrial(TrialKind.SWAP, 0, 3.0, 1, ("cf231", "cf5"))
+    assert trial.words == "swapped markers of cf231 and cf5 at 3.0 s"
+
+
+FILE = """
+fileversion: 3
+robots:
+  cf7:
+    {enabled: true, uri: radio://0/80/2M/E7E7E7E707, initial_position: [0.5, -0.5, 0.0], type: cf21,
+     firmware_params: {stabilizer: {controller: 1}}}
+  cf10: {enabled: true, uri: radio://0/80/2M/E7E7E7E710, initial_position: [0, 0.5, 0], type: quiet}
+  cf9: {enabled: false, uri: radio://0/80/2M/E7E7E7E709, initial_position: [0, 0, 0], type: cf21}
+robot_types:
+  cf21: {firmware_logging: {default_topics: {status: {frequency: 5}}}}
+  quiet: {firmware_logging: {enabled: false}}
+all:
+  firmware_logging: {enabled: true, default_topics: {pose: {frequency: 20}, status: {frequency: 1}}}
+  firmware_params: {stabilizer: {controller: 2, estimator: 2}}
+"""
+
+
+def test_vehicles_are_those_of_the_file_with_their_parameters_and_logs(tmp_path: Path):
+    file = tmp_path / "crazyflies.yaml"
+    file.write_text(FILE)
+    ten, seven = vehicles_from_file(file)
+    assert (ten.name, ten.initial, ten.pose_hz, ten.status_hz) == ("cf10", (0.0, 0.5, 0.0), 0, 0)
+    assert (seven.name, seven.start, seven.pose_hz, seven.status_hz) == ("cf7", (0.5, -0.5, 0.0), 20, 5)
+    assert dict(seven.parameters) == {"stabilizer.controller": 1.0, "stabilizer.estimator": 2.0}
+    assert dict(ten.parameters)["stabilizer.controller"] == 2.0
+
+
+def test_stock_vehicles_are_named_by_their_addresses():
+    (one,) = stock_vehicles(scanned_uris(1), [(0.1, 0.2, 0.3)])
+    assert (one.name, one.initial, dict(one.parameters)) == ("cf231", (0.1, 0.2, 0.0), dict(STOCK_PARAMETERS))
+    assert [two.name for two in stock_vehicles(scanned_uris(2), [(0.0, 0.0, 0.0)] * 2)] == ["cf1", "cf2"]
+
+
+def test_a_go_to_ends_where_it_was_sent_and_the_time_is_the_room_s(tmp_path: Path):
+    body = """
+begin = timeHelper.time()
+cf.takeoff(targetHeight=0.8, duration=2.0)
+timeHelper.sleep(2.5)
+cf.goTo([0.6, -0.4, 1.2], 1.0, 3.0)
+timeHelper.sleep(5.5)
+x, y, z = cf.get_position()
+assert abs(x - 0.6) + abs(y + 0.4) + abs(z - 1.2) < 0.1, (x, y, z)
+orientation = cf.get_pose()["orientation"]
+assert abs(2.0 * orientation.z - 0.9589) < 0.1, orientation  # 2 sin(1 / 2)
+cf.land(targetHeight=0.04, duration=2.0)
+timeHelper.sleep(2.5)
+assert abs(timeHelper.time() - begin - 10.5) < 0.01
+status = cf.get_status()
+assert status["pm_state"] == 0 and 4.0 < status["battery"] < 4.2, status
+"""
+    log = log_of(fly(tmp_path, body))
+    assert log.end.t == pytest.approx(CONNECT_S + 10.5, abs=0.01)
+    before = at(log, CONNECT_S + 8.0)
+    assert log.pos[before, 0] == pytest.approx([0.6, -0.4, 1.2], abs=0.03)  # Mellinger in a room's air
+    asked = [one.asked for one in log.commands if one.asked.words.startswith("go_to")]
+    assert [one.pos for one in asked] == [pytest.approx((0.6, -0.4, 1.2))]
+    assert log.names == ("cf231",)
+
+
+def test_streamed_states_are_followed_and_outrank_a_go_to_until_they_stop(tmp_path: Path):
+    body = """
+for _ in range(300):
+    cf.cmdFullState([0.0, 0.0, 0.5], [0.0] * 3, [0.0] * 3, 0.0, [0.0] * 3)
+    timeHelper.sleepForRate(100)
+cf.goTo([0.0, 0.0, 1.5], 0.0, 1.0)
+timeHelper.sleep(0.1)
+cf.notifySetpointsStop()
+cf.land(targetHeight=0.04, duration=2.0)
+timeHelper.sleep(2.5)
+"""
+    one = fly(tmp_path, body)
+    log = log_of(one)
+    assert one.findings == ()
+    sent = [each.t for each in log.commands if each.asked.kind == CommandKind.SETPOINT]
+    assert np.diff(sent) == pytest.approx(np.full(299, 0.01), abs=1e-3)
+    assert log.pos[at(log, CONNECT_S + 3.0), 0, 2] == pytest.approx(0.5, abs=0.05)
+    first, second = (each.asked.refused for each in log.commands if each.asked.kind == CommandKind.PLAN)
+    assert first == "setpoints have priority until notify_setpoint_stop"
+    assert second == ""
+
+
+def test_a_mask_lifts_its_group_and_the_relative_go_to_of_all_moves_each_from_where_it_is(tmp_path: Path):
+    body = """
+one, other = allcfs.crazyflies
+other.setGroupMask(4)
+allcfs.takeoff(targetHeight=0.5, duration=1.5, groupMask=4)
+timeHelper.sleep(2.0)
+allcfs.takeoff(targetHeight=0.5, duration=1.5)
+timeHelper.sleep(2.0)
+allcfs.goTo([0.4, 0.0, 0.2], 0.0, 2.0)
+timeHelper.sleep(3.0)
+allcfs.land(targetHeight=0.04, duration=2.0)
+timeHelper.sleep(2.5)
+"""
+    log = log_of(fly(tmp_path, body, count=2))
+    up = log.pos[at(log, CONNECT_S + 2.0), :, 2]
+    assert up[0] < 0.01
+    assert up[1] == pytest.approx(0.5, abs=0.1)
+    moved = log.pos[at(log, CONNECT_S + 7.0)]
+    assert moved == pytest.approx(np.array([[0.4, 0.0, 0.7], [0.4, 1.0, 0.7]]), abs=0.06)
+
+
+@pytest.mark.parametrize(("call", "lands"), [("cf.land", True), ("allcfs.land", False)])
+def test_a_gap_delays_a_command_to_one_vehicle_and_swallows_a_broadcast(
+    tmp_path: Path, call: str, *, lands: bool
+):
+    body = f"""
+cf.takeoff(targetHeight=0.5, duration=1.5)
+timeHelper.sleep(3.0)
+{call}(targetHeight=0.04, duration=1.5)
+timeHelper.sleep(3.0)
+"""
+    sent = CONNECT_S + 3.0
+    trial = LicenceTrial(TrialKind.GAP, 0, sent - 0.1)
+    log = log_of(fly(tmp_path, body, trial=trial))
+    times = [one.t for one in log.commands if one.asked.words.startswith("land")]
+    assert times == ([pytest.approx(sent - 0.1 + GAP_S, abs=0.011)] if lands else [])
+    assert (log.pos[-1, 0, 2] < 0.05) == lands
+
+
+def test_parameters_are_those_before_the_file_s_and_an_installed_package_is_not_used(tmp_path: Path):
+    body = """
+assert cf.getParam("stabilizer.controller") == 1
+assert cf.getParam("locSrv.extPosStdDev") > 0.005
+cf.setParam("locSrv.extPosStdDev", 0.25)
+assert cf.getParam("locSrv.extPosStdDev") == 0.25
+cf.setParam("no.such", 1)
+assert cf.getParam("no.such") != cf.getParam("no.such")
+assert cf.initialPosition.tolist() == [0.0, 0.3, 0.0]
+assert list(allcfs.crazyfliesByName) == ["cfa"] and list(allcfs.crazyfliesById) == [231]
+allcfs.setParam("ring.effect", 7)
+begin = timeHelper.time()
+swarm.input.waitUntilButtonPressed()
+waited = timeHelper.time() - begin
+assert abs(waited - PRESS) < 0.05, waited
+""".replace("PRESS", str(PRESS_AFTER_S + PRESS_S))
+    (tmp_path / "crazyflie_py.py").write_text("raise ImportError('rclpy is needed')")  # one that is installed
+    (uri,) = scanned_uris(1)
+    served = ServedVehicle("cfa", uri, (0.0, 0.3, 0.0))
+    log = log_of(fly(tmp_path, body, served=(served,)))
+    assert log.names == ("cfa",)
+    assert "keyError raised 'no.such'" in log.output
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("import rclpy", "ImportError: a licence has no rclpy: programs command by cflib or crazyflie_py"),
+        (
+            "cf.cmdVelocityWorld([0.0] * 3, 0.0)",
+            "Crazyflie has no cmdVelocityWorld: it is one of Crazyswarm1",
+        ),
+        ("allcfs.create_timer(1.0, print)", "CrazyflieServer of a licence has no create_timer"),
+        ("import crazyflie_py.joystick as j; j.Joystick()", "a licence has no such hardware"),
+        ("Crazyswarm()", "Crazyswarm() can be called once"),
+    ],
+)
+def test_what_is_not_stood_in_for_says_so_in_a_sentence(tmp_path: Path, line: str, sentence: str):
+    (finding,) = fly(tmp_path, line).findings
+    assert finding.rule == "program"
+    assert sentence in finding.why
+    assert "\n" not in finding.why
+
+
+def test_a_vehicle_that_is_not_in_the_file_is_refused(tmp_path: Path):
+    served = ServedVehicle("cfa", "radio://0/80/2M/E7E7E7E701", (0.0, 0.0, 0.0))
+    body = """
+import cflib.crtp
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+cflib.crtp.init_drivers()
+SyncCrazyflie("radio://0/80/2M/E7E7E7E702").open_link()
+"""
+    pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
+    found = fly(tmp_path, body, served=(served,), uris=(served.uri,)).findings
+    assert "E702 is not the URI of an enabled vehicle" in found[0].why
