@@ -15,20 +15,24 @@ from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, pair_horizon
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.chain import ChainWeights, chain
+from q2q_control.mpc.group_solve import Modes
+from q2q_control.mpc.horizon_solver import InTime, horizon_solver
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
-from q2q_control.mpc.prediction.downwash_stages import Tracks
-from q2q_control.mpc.problem.horizon import Horizon
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Tracks
+from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
-from q2q_control.mpc.receding import Mpc
+from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.mpc.solver.chain_sweep import sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState
-from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_model.vehicle.constants import TEXTBOOK_065, Vehicle
 from row import Row
+
+Program = dict[str, casadi.MX]
 
 DT = 0.01
 """The house's tick [s]."""
@@ -45,13 +49,35 @@ class Flight:
     ticks: list[tuple[SwarmState, SwarmSetpoint, Interference]]
 
 
+class TimedSolver:
+    """Solver of an Mpc that keeps how long each solve took [ms]."""
+
+    def __init__(self) -> None:
+        self.taken: list[float] = []
+
+    def of(self, params: MpcParams, vehicle: Vehicle) -> "TimedSolver":
+        """Return this one, for these parameters."""
+        self._solver = horizon_solver(params, vehicle)
+        return self
+
+    def solve(
+        self, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, in_time: InTime
+    ) -> HorizonSolution:
+        """Return the solution."""
+        start = perf_counter()
+        found = self._solver.solve(horizon, downwash, guess, in_time)
+        self.taken.append(1e3 * (perf_counter() - start))
+        return found
+
+
 def run() -> list[Row]:
     """Return the rows of this area."""
-    pair = _stacked(1)
-    mpc = Mpc(PARAMS, TEXTBOOK_065, PAPER_LAW)
+    pair, solver = _stacked(1), TimedSolver()
+    mpc = Mpc(PARAMS, TEXTBOOK_065, PAPER_LAW, MpcSetup(solver=solver.of))
     steps = _milliseconds(mpc, pair)
+    median, solving = float(np.median(steps)), float(np.median(solver.taken[-len(steps) :]))
     rows = [
-        Row("joint MPC step, two vehicles, median", float(np.median(steps)), "ms"),
+        Row("joint MPC step, two vehicles, median", median, "ms", "its solve", solving / median),
         Row("joint MPC step, two vehicles, p99", float(np.percentile(steps, 99)), "ms"),
     ]
     return rows + _solvers() + [row for pairs in (5, 25, 50) for row in _swarm(pairs)] + _small_laws(pair)
@@ -96,7 +122,8 @@ def _solvers() -> list[Row]:
     ours = _best(lambda: solve(problem, pattern), 200)
     others: dict[str, tuple[Callable[[], Array], int]] = {
         "dense condensed QP (build + daqp)": (lambda: _by_daqp(problem), 5),
-        "IPOPT (CasADi)": (_by_ipopt(problem), 3),
+        "HPIPM, the solver of acados (CasADi)": (_by_casadi(problem, _hpipm), 20),
+        "IPOPT (CasADi)": (_by_casadi(problem, _ipopt), 3),
         "SciPy SLSQP": (lambda: _by_slsqp(problem), 1),
     }
     name = "solve the joint problem, two altitude axes, N = 40"
@@ -135,7 +162,7 @@ def _problem() -> LqProblem:
     most, path = 6.6 / 0.65 - 9.81, reference[..., :3].copy()
     low, high = np.full((2, 3), most - 10.0), np.full((2, stages, 3), most)
     asked = Horizon(start, reference, downwash.eta, path, low, high, np.full(3, np.inf))
-    return joint_problem(group_shape(2, (2,), (up, up, up), stages), np.arange(2), asked, downwash)
+    return joint_problem(group_shape(2, (2,), (up, up, up)), np.arange(2), asked, downwash)
 
 
 def _condensed(problem: LqProblem) -> tuple[Array, Array]:
@@ -183,32 +210,45 @@ def _by_slsqp(problem: LqProblem) -> Array:
     return np.asarray(found.x)
 
 
-def _by_ipopt(problem: LqProblem) -> Callable[[], Array]:
-    """Return IPOPT on the sparse problem, states kept, built once: its own way."""
+def _by_casadi(problem: LqProblem, made: Callable[[Program], casadi.Function]) -> Callable[[], Array]:
+    """Return a solver of the sparse problem, states kept, in the order x_0 u_0 x_1 u_1 ..., built once."""
     a, b = dense_matrices(problem), input_matrix(problem)
     stages, n = problem.low.shape
-    x, u = casadi.MX.sym("x", 3 * n, stages + 1), casadi.MX.sym("u", n, stages)
-    goal, equal = casadi.MX(0.0), [x[:, 0] - problem.start]
+    x = [casadi.MX.sym("x", 3 * n) for _ in range(stages + 1)]
+    u = [casadi.MX.sym("u", n) for _ in range(stages)]
+    goal, gaps = casadi.MX(0.0), []
     for k in range(stages):
-        off, lead = x[:, k] - problem.target[k], u[:, k] - x[2::3, k]
+        off, lead = x[k] - problem.target[k], u[k] - x[k][2::3]
         goal += casadi.dot(problem.state_weight.ravel(), off**2)
-        goal += casadi.dot(problem.input_weight[:, 0], (u[:, k] - problem.input_target[k]) ** 2)
+        goal += casadi.dot(problem.input_weight[:, 0], (u[k] - problem.input_target[k]) ** 2)
         goal += casadi.dot(problem.input_weight[:, 1], lead**2)
-        equal.append(x[:, k + 1] - a[k] @ x[:, k] - b @ u[:, k] - problem.drift[k])
+        gaps.append(a[k] @ x[k] + b @ u[k] + problem.drift[k] - x[k + 1])
     for c in range(n):
-        off = x[3 * c : 3 * c + 3, stages] - problem.target[-1][3 * c : 3 * c + 3]
+        off = x[stages][3 * c : 3 * c + 3] - problem.target[-1][3 * c : 3 * c + 3]
         goal += casadi.bilin(problem.terminal[c], off, off)
-    variables = casadi.vertcat(casadi.vec(x), casadi.vec(u))
-    options = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
-    program = {"x": variables, "f": goal, "g": casadi.vertcat(*equal)}
-    solver = casadi.nlpsol("step", "ipopt", program, options)
-    free = np.full(3 * n * (stages + 1), np.inf)
-    low, high = np.concatenate([-free, problem.low.ravel()]), np.concatenate([free, problem.high.ravel()])
+    pairs = [casadi.vertcat(*pair) for pair in zip(x, u, strict=False)]
+    solver = made({"x": casadi.vertcat(*pairs, x[stages]), "f": goal, "g": casadi.vertcat(*gaps)})
+    free = np.full((stages, 3 * n), np.inf)
+    free[0] = problem.start
+    high = np.concatenate([np.hstack([free, problem.high]).ravel(), free[1]])
+    free[1:] = -np.inf
+    low = np.concatenate([np.hstack([free, problem.low]).ravel(), free[1]])
 
     def answer() -> Array:
-        return np.array(solver(x0=0.0, lbx=low, ubx=high, lbg=0.0, ubg=0.0)["x"]).ravel()[free.size :]
+        found = np.array(solver(lbx=low, ubx=high, lbg=0.0, ubg=0.0)["x"]).ravel()
+        return found[: stages * 4 * n].reshape(stages, 4 * n)[:, 3 * n :]
 
     return answer
+
+
+def _ipopt(program: Program) -> casadi.Function:
+    quiet = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
+    return casadi.nlpsol("step", "ipopt", program, quiet)
+
+
+def _hpipm(program: Program) -> casadi.Function:
+    """Return HPIPM, which solves the quadratic problems of acados."""
+    return casadi.qpsol("step", "hpipm", program, {"print_time": False})
 
 
 def _swarm(pairs: int) -> list[Row]:

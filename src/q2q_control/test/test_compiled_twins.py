@@ -7,7 +7,7 @@ from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGai
 from q2q_control.inputs.preview import interpolated
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.group_solve import Group, solve_group
-from q2q_control.mpc.horizon_solver import groups_of
+from q2q_control.mpc.horizon_solver import group_roots, groups_of
 from q2q_control.mpc.prediction.downwash_horizon import (
     SlopeRule,
     predict_downwash,
@@ -22,12 +22,12 @@ from q2q_control.mpc.prediction.downwash_stages import (
     within_reach,
 )
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
-from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds, stage_bounds
+from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.solver.chain_sweep import sweep, sweep_free, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.interaction_model import PairMotion
-from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, Jet
+from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -97,6 +97,26 @@ def test_downwashs_are_those_of_numpy_pair_by_pair(model: Jet, n: int):
     assert np.allclose(found.eta, total, rtol=1e-9, atol=1e-12)
 
 
+class AnyModel:
+    """Jet that is not known to be one."""
+
+    def __init__(self, jet: Jet) -> None:
+        self.reach, self.max_delay = jet.reach, jet.max_delay
+        self.delay, self.acceleration, self.deviation = jet.delay, jet.acceleration, jet.deviation
+
+
+@pytest.mark.parametrize("model", [PAPER_LAW, MEASURED_LAW, MOVING_LAW])
+@pytest.mark.parametrize("moves", [(2,), (0, 1, 2)])
+def test_the_loop_of_jets_computes_what_any_models_prediction_does_bit_for_bit(
+    model: Jet, moves: tuple[int, ...]
+):
+    tracks, rule = stacked_tracks(6, 2), SlopeRule(moves, 10.0)
+    found, expected = (predict_downwash(one, tracks, rule) for one in (model, AnyModel(model)))
+    assert 0 < found.i.size <= 30
+    for one, other in zip(found, expected, strict=True):
+        assert np.array_equal(one, other)
+
+
 def test_who_meets_is_the_same_compiled_and_plain():
     path, (i, j) = stacked_tracks(5, 1).pos, np.nonzero(~np.eye(5, dtype=np.bool_))
     assert np.array_equal(
@@ -122,7 +142,7 @@ def test_a_law_that_is_no_number_at_one_stage_counts_nothing():
 def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
     rng = np.random.default_rng(2)
     n, group = 4, np.array([1, 3])
-    shape, horizon = group_shape(2, (0, 2), MODELS, STAGES), horizon_of(n, 3)
+    shape, horizon = group_shape(2, (0, 2), MODELS), horizon_of(n, 3)
     slope = rng.normal(size=(2, STAGES, 3, 3))
     downwash = DownwashHorizon(horizon.push, np.array([1, 3]), np.array([3, 1]), slope)
     guess = rng.integers(0, 3, (n, STAGES, 3)).astype(np.int8)
@@ -171,34 +191,38 @@ def coupled(pairs: dict[tuple[int, int], float], vehicles: int = 8) -> DownwashH
 
 def test_groups_are_what_pairs_join_together():
     one = coupled(dict.fromkeys([(0, 1), (1, 0), (2, 4), (5, 6), (7, 9), (6, 5)], 1.0))  # 9 is nobody of ours
-    assert groups_of(one, 8, 8) == [[0, 1], [2, 4], [5, 6], [7]]
-    assert groups_of(one, 8, 1) == [[0], [1], [2], [5], [6], [7]]
-    assert groups_of(coupled({(3, 2): 1.0, (2, 1): -2.0, (1, 0): 0.5}), 4, 4) == [[0, 1, 2, 3]]
-    assert groups_of(coupled({}), 3, 8) == []
+    assert groups_of(group_roots(one, 8, 8)) == [[0, 1], [2, 4], [5, 6], [7]]
+    assert groups_of(group_roots(one, 8, 1)) == [[0], [1], [2], [5], [6], [7]]
+    assert groups_of(group_roots(coupled({(3, 2): 1.0, (2, 1): -2.0, (1, 0): 0.5}), 4, 4)) == [[0, 1, 2, 3]]
+    assert groups_of(group_roots(coupled({}), 3, 8)) == []
 
 
 def test_a_group_that_would_be_too_large_is_split_where_vehicles_couple_least():
     chain = coupled({(3, 2): 3.0, (2, 1): -2.0, (1, 0): 1.0})
-    assert groups_of(chain, 4, 2) == [[0, 1], [2, 3]]
-    assert groups_of(chain, 4, 3) == [[1, 2, 3]]  # 0 feels nothing
+    assert groups_of(group_roots(chain, 4, 2)) == [[0, 1], [2, 3]]
+    assert groups_of(group_roots(chain, 4, 3)) == [[1, 2, 3]]  # 0 feels nothing
     both = coupled({(0, 1): 3.0, (1, 0): 0.0, (2, 3): 2.0, (1, 2): -2.5, (3, 2): 0.0})
-    assert groups_of(both, 4, 2) == [[0, 1], [2, 3]]
-    assert groups_of(both, 4, 3) == [[0, 1, 2], [3]]
+    assert groups_of(group_roots(both, 4, 2)) == [[0, 1], [2, 3]]
+    assert groups_of(group_roots(both, 4, 3)) == [[0, 1, 2], [3]]
 
 
 def test_bounds_are_thrust_tilt_and_weight():
     quat = np.random.default_rng(6).normal(size=(5, 4)) * 0.2
-    low, high = input_bounds(quat, AccelerationLimits(2.0, 14.0))
+    low, high = input_bounds(quat, AccelerationLimits(2.0, 14.0), np.zeros((5, 2)))
     upright = 1.0 - 2.0 * (quat[:, 0] ** 2 + quat[:, 1] ** 2)
-    assert np.array_equal(high, np.column_stack([np.full((5, 2), 2.0), 14.0 * upright - GRAVITY]))
-    assert np.array_equal(low[:, :2], -high[:, :2])
-    assert np.array_equal(low[:, 2], np.minimum(-FALL * GRAVITY, high[:, 2]))
+    expected = np.column_stack([np.full((5, 2), 2.0), 14.0 * upright - GRAVITY])
+    assert np.array_equal(high, np.stack([expected, expected], axis=1))
+    assert np.array_equal(low[:, :2], -expected[:, :2])
+    assert np.array_equal(low[:, 2], np.minimum(-FALL * GRAVITY, expected[:, 2]))
 
 
 def test_what_a_stage_keeps_lowers_its_bound_on_z_alone_and_never_below_the_least_input():
-    low, high = np.array([[-2.0, -2.0, -9.0]]), np.array([[2.0, 2.0, 3.0]])
-    found = stage_bounds(low, high, np.array([[0.0, 0.5, 20.0]]))
-    assert found.tolist() == [[[2.0, 2.0, 3.0], [2.0, 2.0, 2.5], [2.0, 2.0, -9.0]]]
+    level, most = np.array([[0.0, 0.0, 0.0, 1.0]]), AccelerationLimits(2.0, GRAVITY + 3.0)
+    low, high = input_bounds(level, most, np.array([[0.0, 0.5, 20.0]]))
+    least = -FALL * GRAVITY
+    assert low.tolist() == [[-2.0, -2.0, least]]
+    # 3 m/s^2 beyond the weight, to rounding
+    assert np.allclose(high, [[[2.0, 2.0, 3.0], [2.0, 2.0, 2.5], [2.0, 2.0, least]]], rtol=1e-14)
 
 
 def test_samples_between_are_numpys_interpolation():

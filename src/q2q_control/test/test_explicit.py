@@ -132,7 +132,7 @@ def test_a_law_cut_in_half_is_refused():
 def test_the_teacher_of_many_answers_as_the_solver_of_one():
     asked = random_situations(20, PARAMS.step, np.random.default_rng(6))
     model, stages = TEACHER.chain, PARAMS.steps
-    shape = group_shape(2, (2,), (model, model, model), stages)
+    shape = group_shape(2, (2,), (model, model, model))
     shape = shape._replace(terminal=PARAMS.terminal * shape.terminal)
     lines = solve_situations(asked, TEACHER)
     times, axis = np.arange(stages + 1) * PARAMS.step, np.tile([0.0, 0.0, 1.0], (2, stages, 1))

@@ -47,7 +47,7 @@ def problem(seed: int, n: int, stages: int, bound: float, step: Array = FREE_RAT
     """Return a joint problem of n vehicles on z, coupled by slopes of downwash."""
     rng = np.random.default_rng(seed)
     asked = horizon(rng, n, stages, bound, step)
-    shape = group_shape(n, (2,), MODELS, stages)
+    shape = group_shape(n, (2,), MODELS)
     return joint_problem(shape, np.arange(n), asked, pairs(rng, n, stages, 0.5))
 
 
@@ -160,7 +160,7 @@ def test_the_sweep_of_separate_chains_equals_the_general_recursion():
     swept = blank_solution(4, 40)
     vehicles, axes = np.arange(4), np.full(4, 2)
     inside = sweep(asked, (vehicles, axes), sweep_gains(MODELS[2]), swept)
-    shape = group_shape(1, (2,), MODELS, 40)
+    shape = group_shape(1, (2,), MODELS)
     none = DownwashHorizon(np.zeros((4, 40, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros((0, 40, 3, 3)))
     assert inside.all()
     for v in range(4):

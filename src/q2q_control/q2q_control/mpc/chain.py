@@ -26,11 +26,13 @@ slopes change from tick to tick.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 
@@ -66,11 +68,28 @@ class ChainWeights:
     """Weight of u - a over that of u - u* [-]."""
 
 
+class LaggedStep(NamedTuple):
+    """Coefficients of one step."""
+
+    keep: float
+    """e [-]."""
+    slow: float
+    """Velocity that the old acceleration still adds, over that acceleration [s]."""
+    late: float
+    """Position likewise [s^2]."""
+
+
+@compiled
+def lagged_step(lag: float, step: float) -> LaggedStep:
+    """Return the coefficients of a step [s] with a lag [s]."""
+    keep = math.exp(-step / lag) if lag > 0.0 else 0.0
+    slow = lag * (1.0 - keep)
+    return LaggedStep(keep, slow, lag * step - lag * slow)
+
+
 def transition(lag: float, step: float) -> tuple[Array, Array]:
     """Return A (3, 3) and B (3,) of one step."""
-    e = math.exp(-step / lag) if lag > 0.0 else 0.0
-    slow = lag * (1.0 - e)  # velocity that the old acceleration still adds, over that acceleration [s]
-    late = lag * step - lag * slow
+    e, slow, late = lagged_step(lag, step)
     matrix = np.array([[1.0, step, late], [0.0, 1.0, slow], [0.0, 0.0, e]])
     return matrix, np.array([0.5 * step * step - late, step - slow, 1.0 - e])
 

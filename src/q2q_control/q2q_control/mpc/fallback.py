@@ -8,12 +8,11 @@
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_stages import Flags
 from q2q_control.mpc.prediction.outlook import Outlook
 from q2q_control.mpc.prediction.plan_memory import Plan
 from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, HorizonSolution
@@ -48,66 +47,110 @@ class Commanded:
     report: MpcReport
 
 
+class CommandRule(NamedTuple):
+    """Parameters of a command."""
+
+    step: float
+    """Length of a stage [s]."""
+    shift_time: float
+    """[s]"""
+    bandwidth_xy: float
+    """Of the PD law [rad/s]."""
+    bandwidth_z: float
+    altitude_only: bool
+    """Command x and y by the PD law."""
+
+
+class Sources(NamedTuple):
+    """Number of vehicles by the source of their command."""
+
+    solved: int
+    cut_off: int
+    shifted: int
+    pid: int
+
+
 def commanded(solution: HorizonSolution, horizon: Horizon, outlook: Outlook, params: MpcParams) -> Commanded:
-    """Return each vehicle's commanded acceleration, the plan to remember, and the report."""
-    plan, failed = outlook.plan, _failed(solution.inputs, solution.status)
-    shifted = failed & (plan.start - plan.solved <= params.shift_time)
-    by_pd = failed & ~shifted
-    acc = solution.inputs[:, 0] + first_tick_lead(horizon, params.step)
-    if shifted.any():
-        acc = np.where(shifted[:, None], plan.inputs[:, 0], acc)
-    if by_pd.any() or params.mode == "altitude":
-        pd = pd_acceleration(horizon, params)
-        acc = np.where(by_pd[:, None], pd, acc)
-        if params.mode == "altitude":
-            acc[:, :2] = pd[:, :2]
-    report = MpcReport(
-        solved=int(np.count_nonzero(~failed)),
-        cut_off=int(np.count_nonzero(solution.status == CUT_OFF)),
-        shifted=int(np.count_nonzero(shifted)),
-        pid=int(np.count_nonzero(by_pd)),
-        iterations=solution.iterations,
-        pairs=len(outlook.downwash.i),
+    """Return each vehicle's commanded acceleration, the plan to remember, and the report.
+
+    Rows of `solution` that failed are overwritten by the last plan.
+    """
+    rule = CommandRule(
+        params.step, params.shift_time, params.bandwidth_xy, params.bandwidth_z, params.mode == "altitude"
     )
-    return Commanded(acc, _new_plan(solution, horizon, plan, failed), report)
+    old, acc = outlook.plan, np.empty((len(solution.status), 3))
+    offset, solved = np.empty_like(old.offset), np.empty_like(old.solved)
+    new = old._replace(offset=offset, inputs=solution.inputs, pattern=solution.pattern, solved=solved)
+    sources = _choose(solution, horizon, (old, new), rule, acc)
+    report = MpcReport(*sources, iterations=solution.iterations, pairs=len(outlook.downwash.i))
+    return Commanded(acc, new, report)
 
 
 @compiled
-def _failed(inputs: Array, status: NDArray[np.int8]) -> Flags:
-    """Return which vehicles were INTERRUPTED or have inputs (n, N, 3) that are not finite, (n,)."""
-    failed = np.zeros(status.size, np.bool_)
-    for v in range(status.size):
-        failed[v] = status[v] == INTERRUPTED
-        for value in inputs[v].flat:
-            failed[v] = failed[v] or not np.isfinite(value)
-    return failed
+def _choose(
+    solution: HorizonSolution, horizon: Horizon, plans: tuple[Plan, Plan], rule: CommandRule, acc: Array
+) -> Sources:
+    """Write the commands (n, 3) and the second plan, the first one where a vehicle failed."""
+    old = plans[0]
+    shifts = old.start - old.solved <= rule.shift_time
+    failures = by_plan = cut_off = 0
+    for v in range(acc.shape[0]):
+        failed = _failed(solution, v)
+        by_pd = failed and not shifts[v]
+        for axis in range(3):
+            acc[v, axis] = solution.inputs[v, 0, axis] + first_tick_lead(horizon, rule.step, v, axis)
+            if failed:
+                acc[v, axis] = old.inputs[v, 0, axis]
+            if by_pd or (rule.altitude_only and axis < 2):
+                bandwidth = rule.bandwidth_xy if axis < 2 else rule.bandwidth_z
+                acc[v, axis] = pd_acceleration(horizon, bandwidth, v, axis)
+        _keep_plan(solution, horizon, plans, v, failed)
+        failures += failed
+        by_plan += failed and not by_pd
+        cut_off += solution.status[v] == CUT_OFF
+    return Sources(acc.shape[0] - failures, cut_off, by_plan, failures - by_plan)
 
 
-def first_tick_lead(horizon: Horizon, step: float) -> Array:
-    """Return the correction of the first inputs, which act for a tick and not for a stage, (n, 3) [m/s^2].
+@compiled
+def _failed(solution: HorizonSolution, v: int) -> bool:
+    """Return whether a vehicle was INTERRUPTED or has inputs that are not finite."""
+    failed = solution.status[v] == INTERRUPTED
+    for value in solution.inputs[v].flat:
+        failed = failed or not np.isfinite(value)
+    return bool(failed)
+
+
+@compiled
+def _keep_plan(
+    solution: HorizonSolution, horizon: Horizon, plans: tuple[Plan, Plan], v: int, failed: bool
+) -> None:
+    """Write a vehicle's row of the second plan: the solution, or the first plan if it failed."""
+    old, new = plans
+    new.solved[v] = old.solved[v] if failed else old.start
+    if failed:
+        new.offset[v], new.inputs[v], new.pattern[v] = old.offset[v], old.inputs[v], old.pattern[v]
+        return
+    for k in range(new.offset.shape[1]):
+        for axis in range(3):
+            new.offset[v, k, axis] = solution.pos[v, k, axis] - horizon.reference[v, k, axis]
+
+
+@compiled
+def first_tick_lead(horizon: Horizon, step: float, v: int, axis: int) -> float:
+    """Return the correction of the first input, which acts for a tick and not for a stage [m/s^2].
 
     An input responds to the mean downwash and reference of its stage, half a stage ahead, but the command
     acts half a tick ahead. The difference is taken from the trend of u*.
     """
     early = 0.5 * max(step - TICK, 0.0) / step
-    rise = horizon.reference[:, 1, 6:9] - horizon.reference[:, 0, 6:9]
-    return np.asarray(early * (horizon.push[:, 1] - horizon.push[:, 0] - rise))
+    rise = horizon.reference[v, 1, 6 + axis] - horizon.reference[v, 0, 6 + axis]
+    return float(early * (horizon.push[v, 1, axis] - horizon.push[v, 0, axis] - rise))
 
 
-def pd_acceleration(horizon: Horizon, params: MpcParams) -> Array:
-    """Return a PD law of the loop's bandwidths, less downwash and disturbance, (n, 3) [m/s^2]."""
-    w = np.array([params.bandwidth_xy, params.bandwidth_xy, params.bandwidth_z])
-    ref, now = horizon.reference[:, 0], horizon.start
-    feedback = w**2 * (ref[:, :3] - now[..., 0]) + np.sqrt(2.0) * w * (ref[:, 3:6] - now[..., 1])
-    return np.asarray(np.clip(ref[:, 6:9] + feedback - horizon.push[:, 0], horizon.low, horizon.high[:, 0]))
-
-
-def _new_plan(solution: HorizonSolution, horizon: Horizon, old: Plan, failed: Flags) -> Plan:
-    """Return the solution as a plan, the rows of failed vehicles from the old one."""
-    offset, solved = solution.pos - horizon.reference[..., :3], np.full(len(failed), old.start)
-    inputs, pattern = solution.inputs, solution.pattern
-    if failed.any():
-        row = failed[:, None, None]
-        offset, solved = np.where(row, old.offset, offset), np.where(failed, old.solved, solved)
-        inputs, pattern = np.where(row, old.inputs, inputs), np.where(row, old.pattern, pattern)
-    return old._replace(offset=offset, inputs=inputs, pattern=pattern, solved=solved)
+@compiled
+def pd_acceleration(horizon: Horizon, bandwidth: float, v: int, axis: int) -> float:
+    """Return a PD law of the loop's bandwidth [rad/s], less downwash and disturbance [m/s^2]."""
+    ref, now = horizon.reference[v, 0], horizon.start[v, axis]
+    feedback = bandwidth**2 * (ref[axis] - now[0]) + np.sqrt(2.0) * bandwidth * (ref[3 + axis] - now[1])
+    wanted = ref[6 + axis] + feedback - horizon.push[v, 0, axis]
+    return float(min(max(wanted, horizon.low[v, axis]), horizon.high[v, 0, axis]))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from q2q_control.mpc.chain import Chains, axis_chains
 from q2q_control.mpc.group_solve import Group, Modes, solve_group
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Flags
 from q2q_control.mpc.problem.horizon import (
     CUT_OFF,
     INTERRUPTED,
@@ -26,7 +26,7 @@ from q2q_control.mpc.problem.horizon import (
     blank_solution,
 )
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
-from q2q_control.mpc.solver.chain_sweep import sweep_free, sweep_gains
+from q2q_control.mpc.solver.chain_sweep import ChainGains, sweep_free, sweep_gains
 from q2q_model.compiled import compiled
 from q2q_model.vehicle.constants import Vehicle
 
@@ -60,9 +60,10 @@ class Solver(Protocol):
 class HorizonSolver:
     """Axis models, and the structure shared by problems of equal shape."""
 
-    def __init__(self, models: Chains, stages: int, rules: SolveRules) -> None:
-        """Solve N = `stages` stages with the chains of x, y (which must be alike) and z."""
-        self._models, self._stages, self._rules = models, stages, rules
+    def __init__(self, models: Chains, rules: SolveRules) -> None:
+        """Solve with the chains of x, y (which must be alike) and z."""
+        self._models, self._rules = models, rules
+        self._coupling = np.isin(range(3), rules.coupled), rules.group_max
         self._gains = sweep_gains(models[0]), sweep_gains(models[2])
         self._shapes: dict[tuple[int, tuple[int, ...]], GroupShape] = {}
 
@@ -74,9 +75,7 @@ class HorizonSolver:
         `in_time` is called before each problem that the sweep does not solve; False leaves it INTERRUPTED.
         """
         solution = blank_solution(*horizon.push.shape[:2])
-        coupled = groups_of(downwash, len(horizon.push), self._rules.group_max)
-        groups = [self._group(vehicles, self._rules.coupled) for vehicles in coupled]
-        groups += self._swept(horizon, solution, [vehicle for group in coupled for vehicle in group])
+        groups = self._swept(horizon, downwash, solution)
         most, status = 1, solution.status
         for group in groups:
             rows = group.vehicles
@@ -91,20 +90,18 @@ class HorizonSolver:
                 status[rows] = np.where(status[rows] == SOLVED, CUT_OFF, status[rows])
         return solution._replace(iterations=most)
 
-    def _swept(self, horizon: Horizon, solution: HorizonSolution, grouped: list[int]) -> list[Group]:
-        """Sweep all chains that no downwash couples; return those that cross a bound, each by itself."""
-        free = np.ones((len(solution.status), 3), np.bool_)
-        for axis in self._rules.coupled if grouped else ():
-            free[grouped, axis] = False
-        crossing = sweep_free(horizon, free, self._gains, solution)
-        if not crossing.any():
-            return []
-        return [self._group([int(v)], (int(axis),)) for v, axis in np.argwhere(crossing)]
+    def _swept(self, horizon: Horizon, downwash: DownwashHorizon, solution: HorizonSolution) -> list[Group]:
+        """Sweep all chains that no downwash couples; return the groups, then chains that cross a bound."""
+        root, crossing = _group_and_sweep(horizon, downwash, self._coupling, self._gains, solution)
+        groups = [self._group(vehicles, self._rules.coupled) for vehicles in groups_of(root)]
+        if crossing.any():
+            groups += [self._group([int(v)], (int(axis),)) for v, axis in np.argwhere(crossing)]
+        return groups
 
     def _group(self, vehicles: list[int], axes: tuple[int, ...]) -> Group:
         key = (len(vehicles), axes)
         if key not in self._shapes:
-            shape = group_shape(len(vehicles), axes, self._models, self._stages)
+            shape = group_shape(len(vehicles), axes, self._models)
             self._shapes[key] = shape._replace(terminal=self._rules.terminal * shape.terminal)
         return Group(self._shapes[key], np.array(vehicles), self._rules.iterations)
 
@@ -112,7 +109,7 @@ class HorizonSolver:
 def horizon_solver(params: MpcParams, vehicle: Vehicle) -> HorizonSolver:
     """Return the solver of (26) for vehicles like `vehicle`."""
     rules = SolveRules(coupled_axes(params), params.group_max, params.terminal, params.iterations)
-    return HorizonSolver(axis_chains(params, vehicle), params.steps, rules)
+    return HorizonSolver(axis_chains(params, vehicle), rules)
 
 
 def coupled_axes(params: MpcParams) -> tuple[int, ...]:
@@ -120,18 +117,42 @@ def coupled_axes(params: MpcParams) -> tuple[int, ...]:
     return (0, 1, 2) if params.mode == "full" else (2,)
 
 
-def groups_of(downwash: DownwashHorizon, n: int, most: int) -> list[list[int]]:
-    """Return the vehicles below `n` that feel downwash, with those that cause it, at most `most` a group."""
-    roots: dict[int, list[int]] = {}
-    for vehicle, root in enumerate(_roots(downwash, n, most).tolist()):
-        if root >= 0:
-            roots.setdefault(root, []).append(vehicle)
-    return list(roots.values())
+def groups_of(root: Rows) -> list[list[int]]:
+    """Return the vehicles of each group; `root` is that of `group_roots`."""
+    groups: dict[int, list[int]] = {}
+    for vehicle, first in enumerate(root.tolist()):
+        if first >= 0:
+            groups.setdefault(first, []).append(vehicle)
+    return list(groups.values())
 
 
 @compiled
-def _roots(downwash: DownwashHorizon, n: int, most: int) -> Rows:
-    """Return the first vehicle of each vehicle's group, -1 for those in none, (n,)."""
+def _group_and_sweep(
+    horizon: Horizon,
+    downwash: DownwashHorizon,
+    coupling: tuple[Flags, int],
+    gains: tuple[ChainGains, ChainGains],
+    solution: HorizonSolution,
+) -> tuple[Rows, Flags]:
+    """Write the chains that no downwash couples; return the roots of groups and who crosses a bound, (n, 3).
+
+    `coupling` are the axes that downwash couples, (3,), and the most vehicles of a group.
+    """
+    axes, most = coupling
+    root = group_roots(downwash, horizon.push.shape[0], most)
+    free = np.ones((root.size, 3), np.bool_)
+    for v in range(root.size):
+        for axis in range(3):
+            free[v, axis] = root[v] < 0 or not axes[axis]
+    return root, sweep_free(horizon, free, gains, solution)
+
+
+@compiled
+def group_roots(downwash: DownwashHorizon, n: int, most: int) -> Rows:
+    """Return the first vehicle of each vehicle's group, -1 for those in none, (n,).
+
+    Grouped are the vehicles below `n` that feel downwash, with those that cause it, at most `most` a group.
+    """
     root, size, coupling = np.full(n, -1), np.ones(n, np.intp), np.zeros(downwash.i.size)
     for pair in range(downwash.i.size):
         if downwash.i[pair] < n:

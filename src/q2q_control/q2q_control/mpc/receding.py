@@ -44,7 +44,7 @@ from q2q_control.mpc.prediction.outlook import Forecaster, Outlook, correct_down
 from q2q_control.mpc.prediction.present import Present, PresentEstimator
 from q2q_control.mpc.prediction.surroundings import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
-from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds, stage_bounds
+from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
 from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import ResidualProcess
@@ -207,6 +207,5 @@ class Mpc:
         if self._setup.correct is not None:
             push[..., 2] -= faded_residual(present.residual, self._setup.correct, self._params)
             kept = thrust_reserve(eta[..., 2], self._setup.correct, self._params)
-        low, high = input_bounds(tick.table[:, QUAT].copy(), self._most)
-        high = stage_bounds(low, high, kept)
+        low, high = input_bounds(tick.table[:, QUAT].copy(), self._most, kept)
         return Horizon(present.chains, outlook.reference, push, outlook.path, low, high, self._step_max)

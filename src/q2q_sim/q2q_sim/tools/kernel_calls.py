@@ -17,6 +17,7 @@ from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.neighbours import HeardPath, accelerations_along, positions_at
 from q2q_control.mpc.receding import Mpc, MpcSetup
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.source_strength import SourceTerms, strengths
@@ -104,8 +105,8 @@ def _firmware() -> None:
 def _mpc() -> None:
     positions_at(HeardPath(0.0, 0.0, 1.0, np.zeros((2, 3))), np.zeros(1), np.zeros((1, 3)))
     accelerations_along(np.zeros((1, 3, 3)), np.arange(3.0))
-    for model in ("measured_law", "paper_law"):
-        block = Mpc(MpcParams(), TEXTBOOK_065, find_model(model).interaction)
+    for model in (MEASURED_LAW, PAPER_LAW, replace(PAPER_LAW, absorption=1.0)):
+        block = Mpc(MpcParams(), TEXTBOOK_065, model)
         for names in (MANY[:2], MANY):
             block.follow(resting_preview(names))
             rehearse(block.update, block.reset, CONTROLLED, names)

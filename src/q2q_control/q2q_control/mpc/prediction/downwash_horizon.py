@@ -38,6 +38,7 @@ from q2q_control.mpc.prediction.downwash_stages import (
     sum_downwash,
     within_reach,
 )
+from q2q_control.mpc.prediction.jet_downwash import JetRule, sum_jets
 from q2q_model.downwash.interaction_model import (
     InteractionModel,
     PairMotion,
@@ -45,6 +46,7 @@ from q2q_model.downwash.interaction_model import (
     SourceStates,
     retarded_pairs,
 )
+from q2q_model.downwash.jet import Jet, jet_law
 from q2q_model.downwash.pairs_in_reach import pairs_in_reach
 from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_terms, strengths
 from q2q_model.downwash.state_history import states_at
@@ -89,20 +91,34 @@ def predict_downwash(
     i, j = np.ascontiguousarray(near[0]), np.ascontiguousarray(near[1])  # one layout, one kernel
     if i.size == 0:
         return no_downwash(tracks)
-    moves = np.array(rule.moves)
-    places, motion = _places(model, tracks, (i, j), moves)
-    if others is not None and others.spread[j].max() > NEGLIGIBLE_SPREAD:
-        law = _widened(model, places, motion, others.spread[j])
-    else:
-        law = model.acceleration(places, motion)
     downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
-    if terms != PAIRS_ALONE:
-        vertical = np.ascontiguousarray(law[0, ..., 2])
-        law *= strengths(i, j, vertical, np.ones_like(vertical), terms)[..., None]
-    strong = sum_downwash(law, tracks.weight, moves, rule.slope_max, downwash)
+    moves = np.array(rule.moves)
+    widened = others is not None and others.spread[j].max() > NEGLIGIBLE_SPREAD
+    if isinstance(model, Jet) and terms == PAIRS_ALONE and not widened:
+        strong = sum_jets(JetRule(jet_law(model), moves, rule.slope_max), tracks, downwash)
+    else:
+        spread = others.spread[j] if others is not None and widened else None
+        law = _law_of(model, tracks, (i, j), moves, spread)
+        if terms != PAIRS_ALONE:
+            vertical = np.ascontiguousarray(law[0, ..., 2])
+            law *= strengths(i, j, vertical, np.ones_like(vertical), terms)[..., None]
+        strong = sum_downwash(law, tracks.weight, moves, rule.slope_max, downwash)
     if strong.all():
         return downwash
     return DownwashHorizon(downwash.eta, i[strong], j[strong], downwash.slope[strong])
+
+
+def _law_of(
+    model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows, spread: Array | None
+) -> Array:
+    """Return the downwash of a model at all places [m/s^2], (1 + 2 moves, pairs, N, 3).
+
+    `spread` (pairs,) is that of the sources; None if they are certain.
+    """
+    places, motion = _places(model, tracks, pairs, moves)
+    if spread is None:
+        return model.acceleration(places, motion)
+    return _widened(model, places, motion, spread)
 
 
 def no_downwash(tracks: Tracks) -> DownwashHorizon:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 
 Rows = NDArray[np.intp]
@@ -107,30 +107,40 @@ def displaced(places: Array, moves: Rows) -> Array:
 def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: DownwashHorizon) -> Flags:
     """Add the downwash of pairs to `out.eta` and write their slopes; return the pairs that are not faint.
 
-    `weight` is that of Tracks. A pair whose law is not a number counts as faint.
+    `weight` is that of Tracks.
     """
     strong = np.zeros(out.i.size, np.bool_)
     for p in range(out.i.size):
-        strong[p] = _largest(law[0, p]) > LEAST_DOWNWASH
-        if not strong[p]:
-            continue
-        i, j = out.i[p], out.j[p]
-        for k in range(law.shape[2]):
-            share = weight[j, k]
-            for c in range(3):
-                out.eta[i, k, c] += law[0, p, k, c] * share
-                for a in range(moves.size):
-                    rise = (law[1 + 2 * a, p, k, c] - law[2 + 2 * a, p, k, c]) / (2.0 * DELTA) * share
-                    out.slope[p, k, c, moves[a]] = min(max(rise, -slope_max), slope_max)
+        strong[p] = is_strong(law[0, p])
+        if strong[p]:
+            add_pair(law[:, p], weight, (moves, slope_max), p, out)
     return strong
 
 
-@compiled
-def _largest(law: Array) -> float:
-    """Return the largest magnitude, or NaN if any value is NaN."""
+@compiled(**BORROWING)
+def add_pair(law: Array, weight: Array, slopes: tuple[Rows, float], p: int, out: DownwashHorizon) -> None:
+    """Add the downwash (m, N, 3) of pair p at all places to `out.eta`, and write its slopes.
+
+    `slopes` are the axes of displacement and the largest slope [1/s^2].
+    """
+    moves, slope_max = slopes
+    i, j = out.i[p], out.j[p]
+    for k in range(law.shape[1]):
+        share = weight[j, k]
+        for c in range(3):
+            out.eta[i, k, c] += law[0, k, c] * share
+            for a in range(moves.size):
+                rise = (law[1 + 2 * a, k, c] - law[2 + 2 * a, k, c]) / (2.0 * DELTA) * share
+                out.slope[p, k, c, moves[a]] = min(max(rise, -slope_max), slope_max)
+
+
+@compiled(**BORROWING)
+def is_strong(law: Array) -> bool:
+    """Return whether a downwash (N, 3) counts; one that is not a number at some stage does not."""
     largest = 0.0
-    for value in law.flat:
-        if np.isnan(value):
-            return np.nan
-        largest = max(largest, abs(value))
-    return largest
+    for k in range(law.shape[0]):
+        for c in range(3):
+            if np.isnan(law[k, c]):
+                return False
+            largest = max(largest, abs(law[k, c]))
+    return largest > LEAST_DOWNWASH

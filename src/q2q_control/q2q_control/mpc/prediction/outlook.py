@@ -60,11 +60,13 @@ class Forecaster:
         plan = self._plans.shifted(tick.names, float(times[0]))
         future = Future(times, reference[..., :3] + plan.offset, plan.inputs)
         tracks = self._surroundings.tracks(tick, future, neighbours)
-        certain = np.zeros(len(tick.names))
-        others = Others(len(tick.names), np.concatenate((certain, neighbours.spread)))
-        downwash = no_downwash(tracks)
-        if aware:
-            downwash = predict_downwash(self._model, tracks, self._slopes, others)
+        others = None
+        if neighbours.names:
+            certain = np.zeros(len(tick.names))
+            others = Others(len(tick.names), np.concatenate((certain, neighbours.spread)))
+        downwash = (
+            predict_downwash(self._model, tracks, self._slopes, others) if aware else no_downwash(tracks)
+        )
         path = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
         return Outlook(reference, plan, downwash, path)
 

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.disturbance.tracker import DisturbanceTracker, Tracked, TrackerParams
+from q2q_control.disturbance.tracker import DisturbanceTracker, TrackerParams
 from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
-from q2q_control.mpc.chain import axis_lags, transition
+from q2q_control.mpc.chain import axis_lags, lagged_step
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_model.compiled import compiled
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.values import Array, SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import Vehicle
@@ -53,7 +54,8 @@ class PresentEstimator:
         chains = np.empty((*pos.shape, 3))
         chains[..., 0], chains[..., 1], chains[..., 2] = pos, vel, tracked.acc
         push = tick.table[:, ETA] + disturbance
-        chains = self._rolled(chains, tracked, push)
+        for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
+            roll(chains, seconds, acc, push, self._lags)
         return Present(tick.t + self._params.latency, chains, disturbance, tracked.residual)
 
     def sense(self, imu: SwarmImu) -> None:
@@ -64,19 +66,18 @@ class PresentEstimator:
         """Remember the tick's command."""
         self._tracker.sent(command, tick)
 
-    def _rolled(self, chains: Array, tracked: Tracked, push: Array) -> Array:
-        for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
-            chains = _moved(chains, seconds, (acc, push), self._lags)
-        return chains
 
-
-def _moved(
-    chains: Array, seconds: float, drive: tuple[Array, Array], lags: tuple[float, float, float]
-) -> Array:
-    command, push = drive
-    moved = np.empty_like(chains)
-    gain = np.array([0.5 * seconds * seconds, seconds, 0.0])
-    for axis, lag in enumerate(lags):
-        a, b = transition(lag, seconds)
-        moved[:, axis] = chains[:, axis] @ a.T + command[:, axis, None] * b + push[:, axis, None] * gain
-    return moved
+@compiled
+def roll(
+    chains: Array, seconds: float, command: Array, push: Array, lags: tuple[float, float, float]
+) -> None:
+    """Move chains (n, 3 axes, 3) on by a time [s] under a commanded acceleration and a push, (n, 3) each."""
+    half = 0.5 * seconds * seconds
+    for axis in range(3):
+        keep, slow, late = lagged_step(lags[axis], seconds)
+        for v in range(chains.shape[0]):
+            pos, vel, acc = chains[v, axis, 0], chains[v, axis, 1], chains[v, axis, 2]
+            u, w = command[v, axis], push[v, axis]
+            chains[v, axis, 0] = pos + seconds * vel + late * acc + (half - late) * u + half * w
+            chains[v, axis, 1] = vel + slow * acc + (seconds - slow) * u + seconds * w
+            chains[v, axis, 2] = keep * acc + (1.0 - keep) * u

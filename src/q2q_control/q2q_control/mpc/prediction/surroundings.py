@@ -54,6 +54,31 @@ class Neighbours(NamedTuple):
     """Standard deviation of the horizontal position, each axis [m], (n,)."""
 
 
+class Past(NamedTuple):
+    """Recent positions of n vehicles."""
+
+    times: Array
+    """Rising [s], (K,)."""
+    pos: Array
+    """[m], world, (K, n, 3)."""
+
+
+class Now(NamedTuple):
+    """Present positions of n vehicles."""
+
+    t: float
+    """[s]"""
+    pos: Array
+    """[m], world, (n, 3)."""
+    trust: Array
+    """Weight of each vehicle's downwash by visibility, (n,)."""
+
+
+def no_past(vehicles: int) -> Past:
+    """Return a past without positions."""
+    return Past(np.zeros(0), np.zeros((0, vehicles, 3)))
+
+
 class Surroundings:
     """Recent positions of the vehicles."""
 
@@ -65,7 +90,7 @@ class Surroundings:
     def reset(self) -> None:
         """Forget the past."""
         self._names: Names = ()
-        self._when, self._where = np.zeros(0), np.zeros((0, 0, 3))
+        self._past = no_past(0)
         self._unseen: dict[str, float] = {}
 
     def tracks(self, tick: Aligned, future: Future, others: Neighbours) -> Tracks:
@@ -82,12 +107,10 @@ class Surroundings:
         if others.names:
             names, here, future = _with_others(names, here, future, others)
             trust = np.concatenate((trust, np.ones(len(others.names))))
-        self._remember(tick.t, names, here)
-        times = np.concatenate([self._when, future.times])
-        times[len(self._when)] = max(future.times[0], tick.t + MIN_STEP)
-        pos = np.ascontiguousarray(np.concatenate([self._where, future.path.transpose(1, 0, 2)]))
-        axis, weight = thrust_axes(np.ascontiguousarray(future.inputs), trust, self._loading)
-        return Tracks(times, pos, axis, weight, len(self._when))
+        if names != self._names:
+            self._names, self._past = names, no_past(len(names))
+        self._past, tracks = _joined(self._past, Now(tick.t, here, trust), future, self._span, self._loading)
+        return tracks
 
     def _trust(self, tick: Aligned, path: Array) -> Array:
         """Return the weight of each vehicle's downwash by visibility, (n,); move negligible ones far away."""
@@ -105,13 +128,32 @@ class Surroundings:
                 trust[row], path[row] = 0.0, FAR * (1.0 + row)
         return trust
 
-    def _remember(self, t: float, names: Names, here: Array) -> None:
-        if names != self._names:
-            self._names, self._when, self._where = names, np.zeros(0), np.zeros((0, len(names), 3))
-        when = np.concatenate((self._when, (t,)))
-        first = max(int(np.searchsorted(when, t - self._span, side="right")) - 1, 0)
-        self._when = when[first:]
-        self._where = np.concatenate([self._where, here[None]])[first:]
+
+@compiled
+def _joined(past: Past, now: Now, future: Future, span: float, loading: float) -> tuple[Past, Tracks]:
+    """Return the past with the present added, and the tracks through both and the future.
+
+    Of what is older than `span` [s], one entry is kept.
+    """
+    first, stages = 0, future.times.size
+    while first < past.times.size:
+        later = past.times[first + 1] if first + 1 < past.times.size else now.t
+        if later > now.t - span:
+            break
+        first += 1
+    held = past.times.size - first
+    times, pos = np.empty(held + 1 + stages), np.empty((held + 1 + stages, now.pos.shape[0], 3))
+    times[:held], pos[:held] = past.times[first:], past.pos[first:]
+    times[held], pos[held] = now.t, now.pos
+    for k in range(stages):
+        times[held + 1 + k] = future.times[k]
+        for v in range(now.pos.shape[0]):
+            for axis in range(3):
+                pos[held + 1 + k, v, axis] = future.path[v, k, axis]
+    times[held + 1] = max(future.times[0], now.t + MIN_STEP)
+    body_z, weight = thrust_axes(future.inputs, now.trust, loading)
+    remembered = Past(times[: held + 1].copy(), pos[: held + 1].copy())
+    return remembered, Tracks(times, pos, body_z, weight, held + 1)
 
 
 @compiled
@@ -157,9 +199,18 @@ def at_constant_velocity(state: SwarmState, own: Names, times: Array) -> Neighbo
     Vehicles without state are far away.
     """
     names, rows = _others(state.names, own)
+    if not names:
+        return _nobody(times.size)
     pos, lost = state.pos[rows], state.status[rows] == _LOST
     path = _straight_on(pos, state.vel[rows], times - state.t, lost, rows)
     return Neighbours(names, pos, path, np.zeros((rows.size, times.size - 1, 3)), np.zeros(rows.size))
+
+
+@lru_cache
+def _nobody(stages: int) -> Neighbours:
+    """Return no neighbours, at so many times."""
+    none = np.zeros((0, 3))
+    return Neighbours((), none, np.zeros((0, stages, 3)), np.zeros((0, stages - 1, 3)), np.zeros(0))
 
 
 @lru_cache(maxsize=KNOWN_NAMES)

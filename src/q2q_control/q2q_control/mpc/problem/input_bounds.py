@@ -27,18 +27,18 @@ class AccelerationLimits(NamedTuple):
 
 
 @compiled
-def input_bounds(quat: Array, most: AccelerationLimits) -> tuple[Array, Array]:
-    """Return the least and largest input [m/s^2], (n, 3) each, at attitudes (n, 4)."""
-    low, high = np.empty((quat.shape[0], 3)), np.empty((quat.shape[0], 3))
-    for v in range(quat.shape[0]):
+def input_bounds(quat: Array, most: AccelerationLimits, kept: Array) -> tuple[Array, Array]:
+    """Return the least input (n, 3) and the largest of each stage (n, N, 3) [m/s^2] at attitudes (n, 4).
+
+    On z, a stage keeps `kept` (n, N) of the largest input, down to the least one.
+    """
+    n, stages = kept.shape
+    low, high = np.empty((n, 3)), np.empty((n, stages, 3))
+    for v in range(n):
         upright = 1.0 - 2.0 * (quat[v, 0] ** 2 + quat[v, 1] ** 2)
-        high[v, 0], high[v, 1], high[v, 2] = most.side, most.side, most.thrust * upright - GRAVITY
-        low[v, 0], low[v, 1], low[v, 2] = -most.side, -most.side, min(-FALL * GRAVITY, high[v, 2])
+        top = most.thrust * upright - GRAVITY
+        low[v, 0], low[v, 1], low[v, 2] = -most.side, -most.side, min(-FALL * GRAVITY, top)
+        for k in range(stages):
+            high[v, k, 0], high[v, k, 1] = most.side, most.side
+            high[v, k, 2] = max(top - kept[v, k], low[v, 2])
     return low, high
-
-
-def stage_bounds(low: Array, high: Array, kept: Array) -> Array:
-    """Return the largest input of each stage, (n, N, 3): on z less what it keeps (n, N), at least `low`."""
-    bounds = np.repeat(high[:, None], kept.shape[1], axis=1)
-    bounds[..., 2] = np.maximum(bounds[..., 2] - kept, low[:, None, 2])
-    return bounds

@@ -22,8 +22,6 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 
 Rows = NDArray[np.intp]
-_ENTRIES = (np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2]))
-"""Rows and columns of a chain's transition that are not zero."""
 
 
 class GroupShape(NamedTuple):
@@ -31,37 +29,21 @@ class GroupShape(NamedTuple):
 
     axes: Rows
     """(a,), of 0 1 2: x y z."""
-    rows: NDArray[np.int64]
-    cols: NDArray[np.int64]
-    values: Array
-    """(N, e): the chains; the entries of slopes are 0."""
-    first_slope: int
-    """First entry of the slopes: two, for position and velocity row, of each pair of chains."""
+    transition: Array
     push_gain: Array
-    """(a, 3)"""
     input_gain: Array
     state_weight: Array
     terminal: Array
     input_weight: Array
 
 
-def group_shape(size: int, axes: tuple[int, ...], models: Chains, stages: int) -> GroupShape:
+def group_shape(size: int, axes: tuple[int, ...], models: Chains) -> GroupShape:
     """Return the shape of groups of `size` vehicles; `models` are those of x, y, z."""
     own = [models[axis] for axis in axes] * size
-    count = len(own)
-    chain_rows = np.concatenate([_ENTRIES[0] + 3 * c for c in range(count)])
-    chain_cols = np.concatenate([_ENTRIES[1] + 3 * c for c in range(count)])
-    pairs = [(feels, moves) for feels in range(count) for moves in range(count)]
-    slope_rows = np.array([row for feels, _ in pairs for row in (3 * feels, 3 * feels + 1)])
-    slope_cols = np.array([3 * moves for _, moves in pairs for _ in range(2)])
-    entries = np.concatenate([model.transition[_ENTRIES] for model in own])
     return GroupShape(
         axes=np.array(axes, np.intp),
-        rows=np.concatenate([chain_rows, slope_rows]),
-        cols=np.concatenate([chain_cols, slope_cols]),
-        values=np.tile(np.concatenate([entries, np.zeros(2 * len(pairs))]), (stages, 1)),
-        first_slope=entries.size,
-        push_gain=np.stack([models[axis].push_gain for axis in axes]),
+        transition=np.stack([model.transition for model in own]),
+        push_gain=np.stack([model.push_gain for model in own]),
         input_gain=np.stack([model.input_gain for model in own]),
         state_weight=np.stack([model.state_weight for model in own]),
         terminal=np.stack([model.terminal for model in own]),
@@ -77,9 +59,9 @@ def joint_problem(
     chains, stages = vehicles.size * shape.axes.size, horizon.push.shape[1]
     problem = LqProblem(
         np.empty(3 * chains),
-        shape.rows,
-        shape.cols,
-        shape.values.copy(),
+        shape.transition,
+        shape.push_gain,
+        np.zeros((stages, chains, chains)),
         np.empty((stages, 3 * chains)),
         shape.input_gain,
         shape.state_weight,
@@ -128,15 +110,15 @@ def _fill_chains(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: L
                 if k < stages:
                     problem.input_target[k, c] = acc
                     for row in range(3):
-                        problem.drift[k, 3 * c + row] = shape.push_gain[a, row] * w
+                        problem.drift[k, 3 * c + row] = shape.push_gain[c, row] * w
 
 
 @compiled
 def _fill_slopes(
     shape: GroupShape, vehicles: Rows, downwash: DownwashHorizon, path: Array, problem: LqProblem
 ) -> None:
-    """Add G of each pair to the transition, and -G r~ to the drift."""
-    axes, count, chains = shape.axes, shape.axes.size, problem.step.size
+    """Add G of each pair to the slopes, and -G r~ to the drift."""
+    axes, count = shape.axes, shape.axes.size
     place = np.full(path.shape[0], -1)
     for g in range(vehicles.size):
         place[vehicles[g]] = g
@@ -151,10 +133,10 @@ def _fill_slopes(
                     vehicle, sign = (i, -1.0) if side == 0 else (j, 1.0)
                     if place[vehicle] < 0:
                         continue
-                    entry = shape.first_slope + 2 * (feels * chains + place[vehicle] * count + b)
+                    moves = place[vehicle] * count + b
                     for k in range(problem.drift.shape[0]):
                         slope = sign * downwash.slope[pair, k, axes[a], axes[b]]
+                        problem.slope[k, feels, moves] += slope
                         for row in range(2):
-                            pushed = shape.push_gain[a, row] * slope
-                            problem.values[k, entry + row] += pushed
+                            pushed = shape.push_gain[feels, row] * slope
                             problem.drift[k, 3 * feels + row] -= pushed * path[vehicle, k, axes[b]]

@@ -1,20 +1,22 @@
 """Linear-quadratic optimal control problem with bounded inputs, in the form its solver reads.
 
     minimise    sum_k  |x_k - x*_k|^2_Q + R (u_k - u*_k)^2 + S (u_k - a_k)^2   + |x_N - x*_N|^2_P
-    subject to  x_{k+1} = A_k x_k + B u_k + c_k,   x_0 given
+    subject to  x_{k+1} = A_k x_k + B u_k + c_k,   A_k = A + D G_k E,   x_0 given
                 low_k <= u_k <= high_k,   |u_k - a_k| <= step
 
 The state consists of one chain of three for each input: position, velocity, and the acceleration a that
 follows the input with a lag. A bound on u - a thus limits the rate of thrust or tilt, and its weight S
-penalises jerk. A_k is sparse: the chains themselves, and their coupling by downwash. Everything but A_k is
-diagonal over the chains.
+penalises jerk. Everything is diagonal over the chains but G_k, by which the positions E x of all chains push
+each one. The A of a chain is an upper triangle whose first two diagonal entries are 1.
 
 Problem and solution are NamedTuples, which compiled code can take.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | N, n | | stages, chains (inputs); the state has 3 n entries |
-| A_k | rows cols values | entries of A_k: value values[k, e] at (rows[e], cols[e]) |
+| A | transition | of each chain |
+| D | push_gain | of each chain: position [s^2], velocity [s] per acceleration |
+| G_k | slope | acceleration of one chain per position of another [1/s^2] |
 | B | input_gain | of each chain: position [s^2], velocity [s], acceleration [-] per input |
 | u | input | commanded acceleration [m/s^2] |
 """
@@ -32,12 +34,12 @@ class LqProblem(NamedTuple):
 
     start: Array
     """x_0, (3n,)."""
-    rows: NDArray[np.int64]
-    """(e,)"""
-    cols: NDArray[np.int64]
-    """(e,)"""
-    values: Array
-    """(N, e)"""
+    transition: Array
+    """A, (n, 3, 3)."""
+    push_gain: Array
+    """D, (n, 3); the acceleration's is 0."""
+    slope: Array
+    """G_k, (N, n, n): row feels, column moves."""
     drift: Array
     """c_k, (N, 3n)."""
     input_gain: Array
@@ -76,10 +78,13 @@ class LqSolution(NamedTuple):
 
 def dense_matrices(problem: LqProblem) -> Array:
     """Return A_k, (N, 3n, 3n)."""
-    size = problem.start.size
-    dense = np.zeros((problem.values.shape[0], size, size))
-    for entry, (row, col) in enumerate(zip(problem.rows, problem.cols, strict=True)):
-        dense[:, row, col] += problem.values[:, entry]
+    stages, n = problem.low.shape
+    dense = np.zeros((stages, 3 * n, 3 * n))
+    for c in range(n):
+        own = slice(3 * c, 3 * c + 3)
+        dense[:, own, own] = problem.transition[c]
+    for c in range(n):
+        dense[:, 3 * c : 3 * c + 3, ::3] += problem.push_gain[c, :, None] * problem.slope[:, c, None, :]
     return dense
 
 

@@ -29,8 +29,8 @@ def input_range(problem: LqProblem, k: int, c: int, acc: float) -> tuple[float, 
 
 
 @compiled(**FAST)
-def update_active_set(problem: LqProblem, pattern: Modes, work: Workspace, every: bool) -> int:
-    """Return how many inputs have the wrong mode, and correct `pattern` (N, n) in place.
+def update_active_set(problem: LqProblem, pattern: Modes, work: Workspace, every: bool) -> tuple[int, int]:
+    """Return how many inputs have the wrong mode and the last stage of one; correct `pattern` (N, n).
 
     All of them are corrected where `every`, else the last one only.
     """
@@ -54,7 +54,7 @@ def update_active_set(problem: LqProblem, pattern: Modes, work: Workspace, every
                     pattern[k, c] = mode
     if wrong > 0:
         pattern[last_k, last_c] = last_mode
-    return wrong
+    return wrong, last_k
 
 
 @compiled(**FAST)

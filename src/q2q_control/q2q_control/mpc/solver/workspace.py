@@ -20,13 +20,15 @@ class Workspace(NamedTuple):
     qu: Array
     """(N, n)"""
     cost_matrix: Array
-    """P of the stage ahead, (3n, 3n)."""
+    """P, (N + 1, 3n, 3n)."""
     cost_vector: Array
-    """p of the stage ahead, (3n,)."""
+    """p, (N + 1, 3n)."""
     product: Array
-    """Transpose of P A, (3n, 3n)."""
+    """P A of the stage ahead, (3n, 3n)."""
     ahead: Array
-    """P c + p, (3n,)."""
+    """P c + p of the stage ahead, (3n,)."""
+    factor: Array
+    """Cholesky factor of Quu, (n, n), with the inverse of its diagonal."""
     states: Array
     """(N + 1, 3n)"""
     inputs: Array
@@ -38,14 +40,15 @@ def workspace(stages: int, n: int) -> Workspace:
     """Return uninitialised arrays for a problem with n inputs."""
     size = 3 * n
     return Workspace(
-        np.empty((stages, n, size + 1)),
-        np.empty((stages, n, n)),
-        np.empty((stages, n, size)),
-        np.empty((stages, n)),
-        np.empty((size, size)),
-        np.empty(size),
-        np.empty((size, size)),
-        np.empty(size),
-        np.empty((stages + 1, size)),
-        np.empty((stages, n)),
+        policy=np.empty((stages, n, size + 1)),
+        quu=np.empty((stages, n, n)),
+        qux=np.empty((stages, n, size)),
+        qu=np.empty((stages, n)),
+        cost_matrix=np.empty((stages + 1, size, size)),
+        cost_vector=np.empty((stages + 1, size)),
+        product=np.empty((size, size)),
+        ahead=np.empty(size),
+        factor=np.empty((n, n)),
+        states=np.empty((stages + 1, size)),
+        inputs=np.empty((stages, n)),
     )
