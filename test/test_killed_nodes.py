@@ -114,6 +114,22 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
     np.testing.assert_allclose(evidence.true_pos[-1, :, :2], [[0.0, 0.0], [0.0, 1.0]], atol=0.2)
 
 
+@pytest.mark.parametrize("comes_back", [True, False])
+def test_live_a_controller_whose_middleware_hangs_leaves_its_vehicles_safe(
+    tmp_path: Path, comes_back: bool
+) -> None:
+    strike = Strike("pid", tick=200, how="hang", comes_back=comes_back)
+    fly_struck(FlightRequest(LOW, live=True), [strike], tmp_path)
+    evidence = evidence_in(tmp_path / "bag")
+    assert violations(evidence, LOW, "return", "floor") == []  # without states they come down
+    seen = {one for both in statuses(tmp_path / "bag", after=0.0) for one in both}
+    silent = np.isnan(evidence.thrust).all(axis=1)
+    # it acts by its own timer, or a lock of the frozen thread keeps it silent and the firmware acts
+    assert CommandStatus.LEVEL in seen or silent[201:].sum() >= 50
+    if not comes_back:
+        np.testing.assert_allclose(evidence.true_pos[-1, :, 2], 0.0, atol=1e-9)
+
+
 def test_a_strike_at_no_node_of_the_flight_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no node 'filter' in this flight; there are bag_record, mocap_fil"):
         fly_struck(FlightRequest(LOW), [Strike("filter", 1)], tmp_path)

@@ -1,7 +1,8 @@
-"""Process faults: flight of a scenario in which nodes are killed or stopped, and perhaps come back.
+"""Process faults: flight of a scenario in which nodes are killed, stopped or hang, and perhaps come back.
 
     kill       SIGKILL; come back: restarted in flight
     stop       SIGSTOP; come back: SIGCONT
+    hang       the threads of the middleware stand still, those of the node run; come back: they go on
 
 In lockstep the simulator waits for its tick with the given time-outs (q2q_sim.loop.lockstep), so that a node
 which returns in time costs no tick; in live flight nothing waits.
@@ -17,8 +18,11 @@ from typing import Literal
 from q2q_sim.flight.running_nodes import running_nodes
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.loop.flight_clock import FlightTiming, timing_of
+from q2q_sim.processes.frozen_threads import FrozenThreads
 from q2q_sim.processes.processes import NodeSpec, Processes
 
+MIDDLEWARE = "dds."
+"""Names of Fast DDS's threads begin so: receivers, events, asynchronous writer."""
 LOOKS = 20
 """Polls of the flight director (50 ms each) from a strike to the return."""
 
@@ -30,7 +34,7 @@ class Strike:
     node: str
     tick: int
     """First tick of the strike; earlier strikes must be over."""
-    how: Literal["kill", "stop"] = "kill"
+    how: Literal["kill", "stop", "hang"] = "kill"
     comes_back: bool = True
 
 
@@ -64,7 +68,11 @@ def fly_struck(
         progresses = [_Progress(running.processes, known[strike.node], strike) for strike in strikes]
         running.director.follow_clock()
         running.director.start()
-        summary = running.director.wait_summary(lambda ticks: _look(progresses, ticks))
+        try:
+            summary = running.director.wait_summary(lambda ticks: _look(progresses, ticks))
+        finally:
+            for one in progresses:
+                one.release()
     if not all(one.done for one in progresses):
         raise ValueError("the flight ended before every node was struck and back: strike earlier")
     return timing_of(summary)
@@ -83,6 +91,7 @@ class _Progress:
 
     def __init__(self, processes: Processes, spec: NodeSpec, strike: Strike) -> None:
         self._processes, self._spec, self._strike = processes, spec, strike
+        self._frozen: FrozenThreads | None = None
         self._looks = -1
         """Polls since the strike; below 0 before it."""
 
@@ -97,12 +106,26 @@ class _Progress:
             return
         self._looks += 1
         if self._looks == 0:
-            self._processes.expect_exit(self._spec.executable)
-            self._send(signal.SIGKILL if self._strike.how == "kill" else signal.SIGSTOP)
+            self._begin()
         elif self._looks == LOOKS:
             self._come_back()
 
+    def _begin(self) -> None:
+        if self._strike.how == "hang":
+            self._frozen = FrozenThreads(self._processes.pid(self._spec.executable), MIDDLEWARE)
+            return
+        self._processes.expect_exit(self._spec.executable)
+        self._send(signal.SIGKILL if self._strike.how == "kill" else signal.SIGSTOP)
+
+    def release(self) -> None:
+        """Let frozen threads go on: a process with one cannot end."""
+        if self._frozen is not None:
+            self._frozen.release()
+
     def _come_back(self) -> None:
+        if self._strike.how == "hang":
+            self.release()
+            return
         self._processes.expect(self._spec.executable)
         if self._strike.how == "kill":
             self._processes.start(self._spec)

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.failsafe.descent_evasion import REACH
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.monitors.policies.evidence import Evidence
@@ -10,10 +11,14 @@ from q2q_sim.monitors.policies.evidence import Evidence
 BLIND = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
 DOWN = (CommandStatus.LAND, CommandStatus.CUT)
 """Commands that send a vehicle to the floor, whatever its setpoint."""
+EVADED = (CommandStatus.LEVEL, CommandStatus.LAND)
+"""Commands of vehicles that those below them evade."""
 UNDETECTABLE = ("jump", "swap", "clock_jump")
 """Steady sensor errors that no filter can detect: a displaced marker looks like a displaced vehicle."""
 EARLY_S = 0.005
 """A fault acts from up to half a tick before its start on (Fault.acts_at) [s]."""
+DRIFT_M = 0.4
+"""How far a vehicle flown blind may be from where its controller believes it [m] (descent_evasion)."""
 RECOVERY_S = 1.0
 """Longest time after a steady error until the true track is accepted again [s]."""
 
@@ -33,6 +38,21 @@ def blind_lately(evidence: Evidence, settle: float) -> Mask:
 def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
     """Return which vehicles are sent to the floor, or were less than `settle` [s] before, (T, n)."""
     return lately(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
+
+
+def evading_lately(evidence: Evidence, settle: float) -> Mask:
+    """Return which vehicles may evade a vehicle flown blind above them, or might less than `settle` [s] before.
+
+    The controller shifts their setpoints (q2q_control.failsafe.descent_evasion), which the flight records
+    before the shift.
+    """
+    pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
+    evading = np.zeros(gone.shape, dtype=np.bool_)
+    for j in range(len(evidence.names)):
+        above = pos[:, j] - np.moveaxis(pos, 1, 0)  # (n, T, 3)
+        near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
+        evading |= near.T & gone[:, j, None]
+    return lately(evidence, evading, settle)
 
 
 def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.monitors.policies.blindness import blind_lately, misled
+from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, misled
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
 
@@ -36,8 +36,8 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
 def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the ordered pairs in the zone though their setpoints clear it by `stray`.
 
-    Vehicles flown blind drift, and vehicles with displaced markers follow them: their pairs are exempt until
-    `settle` later.
+    Vehicles flown blind drift, vehicles below them evade, and vehicles with displaced markers follow them:
+    their pairs are exempt until `settle` later.
     """
     found = []
     for (one, other), inside in clearances(evidence, circumstances):
@@ -52,7 +52,8 @@ def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 def clearances(evidence: Evidence, circumstances: Circumstances) -> Iterator[tuple[tuple[int, int], Array]]:
     """Yield each ordered pair and its distance from the zone [m], (T,); NaN at ticks that are not judged."""
     settle = circumstances.limits.settle
-    lost = blind_lately(evidence, settle) | misled(evidence, circumstances.faults, settle)
+    lost = blind_lately(evidence, settle) | evading_lately(evidence, settle)
+    lost |= misled(evidence, circumstances.faults, settle)
     for i, j in _pairs(evidence):
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))

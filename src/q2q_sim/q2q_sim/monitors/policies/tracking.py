@@ -10,6 +10,7 @@ from q2q_sim.monitors.policies.blindness import (
     Mask,
     blind,
     blind_lately,
+    evading_lately,
     lately,
     misled,
     misplaced,
@@ -23,14 +24,14 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles that flew away from their setpoints.
 
     A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower is
-    allowed then, and for `settle` after it while it climbs again. A blind vehicle stops while its setpoint
-    goes on: until `settle` after it, the setpoints since count. A displaced marker displaces the vehicle: the
-    allowed distance grows by as much.
+    allowed then, and for `settle` after it while it climbs again. A blind vehicle stops, and one that evades
+    it is held back, while their setpoints go on: until `settle` after it, the setpoints since count. A
+    displaced marker displaces the vehicle: the allowed distance grows by as much.
     """
     limits = circumstances.limits
     down = sent_down_lately(evidence, limits.settle)
     off = _distance(evidence.true_pos - evidence.sent_pos, down)
-    stopped = blind_lately(evidence, limits.settle)
+    stopped = blind_lately(evidence, limits.settle) | evading_lately(evidence, limits.settle)
     for k, row in np.argwhere(stopped & (off > limits.stray_room)):
         since = int(np.flatnonzero(np.append(True, ~stopped[:k, row]))[-1])
         off_by = evidence.true_pos[k, row] - evidence.sent_pos[since : k + 1, row]
