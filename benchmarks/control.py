@@ -122,7 +122,7 @@ def _solvers() -> list[Row]:
     ours = _best(lambda: solve(problem, pattern), 200)
     others: dict[str, tuple[Callable[[], Array], int]] = {
         "dense condensed QP (build + daqp)": (lambda: _by_daqp(problem), 5),
-        "HPIPM, the solver of acados (CasADi)": (_by_casadi(problem, _hpipm), 20),
+        "PIQP (CasADi)": (_by_casadi(problem, _piqp), 20),
         "IPOPT (CasADi)": (_by_casadi(problem, _ipopt), 3),
         "SciPy SLSQP": (lambda: _by_slsqp(problem), 1),
     }
@@ -246,9 +246,8 @@ def _ipopt(program: Program) -> casadi.Function:
     return casadi.nlpsol("step", "ipopt", program, quiet)
 
 
-def _hpipm(program: Program) -> casadi.Function:
-    """Return HPIPM, which solves the quadratic problems of acados."""
-    return casadi.qpsol("step", "hpipm", program, {"print_time": False})
+def _piqp(program: Program) -> casadi.Function:
+    return casadi.qpsol("step", "piqp", program, {"print_time": False})
 
 
 def _swarm(pairs: int) -> list[Row]:

@@ -110,6 +110,8 @@ def _mpc() -> None:
         for names in (MANY[:2], MANY):
             block.follow(resting_preview(names))
             rehearse(block.update, block.reset, CONTROLLED, names)
+    among_others = Mpc(MpcParams(), TEXTBOOK_065, MEASURED_LAW, MpcSetup(MANY[:1]))
+    rehearse(among_others.update, among_others.reset, CONTROLLED, MANY[:2])
 
 
 def _explicit() -> None:
