@@ -18,6 +18,7 @@ from q2q_model.signals.values import (
     SwarmState,
     TrackStatus,
 )
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands import policies as tool
 from q2q_sim.experiments.campaign import campaign_flight
 from q2q_sim.experiments.campaign.random_run import GAINS, drawn
@@ -243,8 +244,10 @@ def test_a_vehicle_that_does_not_come_back_breaks_the_return_once_it_had_its_tim
 
 
 def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_spare_does_not() -> None:
-    """Run 15: two wakes push the lowest of three Crazyflies 2.0 by more than its thrust holds."""
-    run = replace(drawn(15), document={**drawn(15).document, "faults": []})
+    """Run 15 on today's stock firmware: two wakes push the lowest of three by more than its thrust holds."""
+    most = {"thrust_max": CRAZYFLIE_2_0.thrust_max}
+    stock = {"firmware": "stock", "overrides": {"pid": GAINS | most, "mpc": most}, "faults": []}
+    run = replace(drawn(15), document={**drawn(15).document, **stock})
     flown = campaign_flight.flown_pure(run)
     assert flown.violations == ()
     blind = [one for one in flown.signals if one.topic != "truth_interference"]

@@ -41,7 +41,7 @@ def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
 
 
 def evading_lately(evidence: Evidence, settle: float) -> Mask:
-    """Return which vehicles may evade a vehicle flown blind above them, or might less than `settle` [s] before.
+    """Return which vehicles may evade one flown blind above them, or might less than `settle` [s] before.
 
     The controller shifts their setpoints (q2q_control.failsafe.descent_evasion), which the flight records
     before the shift.
