@@ -13,7 +13,7 @@ from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimit
 
 BRAKE = 3.0
 LAW = BrakingLaw(0.2, 1.1, BRAKE)
-BARRIER = BarrierLaw(3, 0.2, 1.1, 4.0, 4.0, 0.5, 0.05)
+BARRIER = BarrierLaw(3, 0.2, 1.1, 4.0, 4.0, 0.5, 0.05, shares=False)
 
 
 def random_motions(seed: int, n: int = 2) -> Motions:

@@ -64,6 +64,12 @@ def parser() -> CommandLine:
         metavar="A",
         help="share of flights outside the tube (default 0.05)",
     )
+    made.add_argument(
+        "--keep",
+        type=output_file,
+        metavar="FILE",
+        help="keep finished flights there, as JSON lines, and resume from them",
+    )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
     return made
 

@@ -6,9 +6,10 @@ For a pair with signed distance h to the zone and outward normal n the relative 
 
 (an exponential control barrier function, Nguyen and Sreenath, 2016; pairwise as Wang, Ames and Egerstedt,
 Safety barrier certificates for collisions-free multirobot systems, 2017). The violation is corrected along n,
-half by each vehicle of the swarm, or all by one that meets an external vehicle; SWEEPS Gauss-Seidel sweeps
-resolve several pairs at once. The curvature term (tangential speed)^2 / radius accounts for the rotation of n
-along the cylinder's side.
+half by each vehicle of the swarm, or all by one that meets an external vehicle; where jerk is bounded, the
+nearer of two to its reference takes more, so that those far away pass. SWEEPS Gauss-Seidel sweeps resolve
+several pairs at once. The curvature term (tangential speed)^2 / radius accounts for the rotation of n along
+the cylinder's side.
 
 If the references are on opposite sides of each other, a push perpendicular to n leads around: to the side of
 the reference, or to the right if it is straight behind, which breaks the symmetric tie.
@@ -32,6 +33,8 @@ FAR = 6.0
 """Required acceleration below -FAR times the largest wanted one: the pair is too far apart to matter."""
 ON_AXIS = 1e-9
 """Horizontal distance below which the direction is taken as x [m]."""
+SHIFTED = 0.1
+"""Shift from a reference that is added to those of both when a correction is shared [m]."""
 TIE = 0.02
 """Lateral offset below which a reference counts as straight behind the other [m]."""
 
@@ -65,6 +68,8 @@ class BarrierLaw(NamedTuple):
     """Share of a push that leads around."""
     height: float
     """w, weight of height in a push."""
+    shares: bool
+    """The nearer to its reference, the more of a correction a vehicle takes; else each takes half."""
 
 
 @compiled
@@ -115,6 +120,25 @@ def _lead(ref: Array, i: int, j: int, face: Array, reach: float) -> float:
 
 
 @compiled
+def _shift(states: BarrierStates, row: int) -> float:
+    """Return the distance of a vehicle from its reference [m], and SHIFTED."""
+    x, y = states.pos[row, 0] - states.ref[row, 0], states.pos[row, 1] - states.ref[row, 1]
+    z = states.pos[row, 2] - states.ref[row, 2]
+    return float(np.sqrt(x * x + y * y + z * z) + SHIFTED)
+
+
+@compiled
+def _share(states: BarrierStates, i: int, j: int, law: BarrierLaw) -> float:
+    """Return the share of a correction that vehicle i takes: all where j is external."""
+    if j >= law.own:
+        return 1.0
+    if not law.shares:
+        return 0.5
+    first, second = _shift(states, i), _shift(states, j)
+    return second / (first + second)
+
+
+@compiled
 def push_apart(
     acc: Array, states: BarrierStates, pairs: Pairs, wide: Array, law: BarrierLaw
 ) -> NDArray[np.bool_]:
@@ -140,8 +164,8 @@ def push_apart(
             continue
         lead = face[_FLAT] * law.around * need * _lead(states.ref, i, j, face, law.eps + wide[row, 0])
         size = need / (face[_FLAT] * face[_FLAT] + law.height * face[_UP] * face[_UP])
-        share = 0.5 if j < law.own else 1.0
-        for vehicle, sign in ((i, share), (j, -share)):
+        share = _share(states, i, j, law)
+        for vehicle, sign in ((i, share), (j, share - 1.0)):
             if vehicle < law.own:
                 acc[vehicle, 0] += sign * (size * face[_FLAT] * face[_X] - lead * face[_Y])
                 acc[vehicle, 1] += sign * (size * face[_FLAT] * face[_Y] + lead * face[_X])

@@ -1,8 +1,9 @@
 """Motion that every vehicle wants: back to its reference, and never nearer to a zone than it can stop.
 
 On its reference a vehicle wants the reference's acceleration, else that of the tracking law of (20),
-e'' = -k_d e' - k_p e, within acc_max. Control barriers (`barrier`) correct both. Where jerk is bounded, the
-acceleration approaches the wanted one with the time constant LAG.
+e'' = -k_d e' - k_p e, within acc_max; where jerk is bounded, the shift e shrinks as fast as it can stop
+(`approach_speed`), and the acceleration approaches the wanted one with the time constant LAG. Control
+barriers (`barrier`) correct both.
 """
 
 from typing import NamedTuple
@@ -11,6 +12,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
+from q2q_planner.online.safe.approach_speed import LAG, ApproachLaw, approach_speed
 from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import (
@@ -26,8 +28,12 @@ from q2q_planner.online.safe.traffic import TrafficRows, TrafficTable, in_pairs
 
 FLOOR = 1e-3
 """Distance that a new motion keeps from the zone, added to all growth [m]."""
-LAG = 0.05
-"""Time constant at which the acceleration approaches the wanted one where jerk is bounded [s]."""
+RETURN_BRAKE = 0.75
+"""Share of acc_max by which a return of bounded jerk brakes; the rest is for ramps and the reference."""
+TINY = 1e-9
+"""Shift below which its direction does not matter [m]."""
+HEADROOM = 0.95
+"""Share of speed_max up to which a vehicle of bounded jerk returns."""
 
 
 class WantedMotion(NamedTuple):
@@ -50,6 +56,10 @@ class _WantedLaw(NamedTuple):
     jerk: float
     keep: float
     """Distance to keep from the grown zone [m]."""
+    back: ApproachLaw
+    """Of the return to the reference, where jerk is bounded."""
+    speed: float
+    """Up to which a vehicle of bounded jerk returns [m/s]."""
     barrier: BarrierLaw
     avoids: bool
 
@@ -65,10 +75,20 @@ def wanted_motion(
 
 
 def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
-    poles = 2.0 * params.approach, params.approach**2
-    barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height)
-    keep = params.margin + FLOOR
-    return _WantedLaw(params.k_p, params.k_d, params.acc_max, params.jerk_max, keep, barrier, params.enabled)
+    poles = 2.0 * params.pole, params.pole**2
+    shares = params.jerk_max > 0.0
+    barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height, shares)
+    return _WantedLaw(
+        params.k_p,
+        params.k_d,
+        params.acc_max,
+        params.jerk_max,
+        params.margin + FLOOR,
+        ApproachLaw(params.pole, RETURN_BRAKE * params.acc_max),
+        HEADROOM * params.speed_max,
+        barrier,
+        params.enabled,
+    )
 
 
 @compiled
@@ -95,11 +115,40 @@ def _towards_reference(rows: MotionRows, reference: ReferenceRows, law: _WantedL
     for row in range(rows.hold.size):
         if rows.on_reference[row]:
             continue
-        for axis in range(3):
-            rate = rows.vel[row, axis] - reference.vel[row, axis]
-            acc[row, axis] += -law.k_d * rate - law.k_p * (rows.pos[row, axis] - reference.pos[row, axis])
+        if law.jerk > 0.0:
+            _return_fast(acc, rows, reference, row, law)
+        else:
+            for axis in range(3):
+                rate = rows.vel[row, axis] - reference.vel[row, axis]
+                shift = rows.pos[row, axis] - reference.pos[row, axis]
+                acc[row, axis] += -law.k_d * rate - law.k_p * shift
         _limit(acc, row, law.acc)
     return acc
+
+
+@compiled
+def _return_fast(acc: Array, rows: MotionRows, reference: ReferenceRows, row: int, law: _WantedLaw) -> None:
+    """Add the acceleration by which the shift e of a row follows e' = -w(|e|) e / |e| (approach_speed)."""
+    shift, rate = rows.pos[row] - reference.pos[row], rows.vel[row] - reference.vel[row]
+    far = max(length(shift[0], shift[1], shift[2]), TINY)
+    speed, slope = approach_speed(far, law.back)
+    most = _most_closing(shift / far, reference.vel[row], law.speed)
+    if speed > most:
+        speed, slope = most, 0.0
+    along = (shift * rate).sum() / far
+    turning = speed / far
+    for axis in range(3):
+        out = shift[axis] / far
+        aside = rate[axis] - along * out
+        acc[row, axis] -= law.back.pole * (rate[axis] + speed * out) + slope * along * out + turning * aside
+
+
+@compiled
+def _most_closing(out: Array, vel: Array, most: float) -> float:
+    """Return the largest w, 0 or more, at which a reference's velocity less w `out` is within `most`."""
+    along = (out * vel).sum()
+    left = along * along + most * most - (vel * vel).sum()
+    return max(0.0, along + np.sqrt(left)) if left > 0.0 else 0.0
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -12,6 +12,7 @@ from rich.progress import track
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import to_plain
 from q2q_sim.experiments.campaign.engine import ParallelRuns, spread
+from q2q_sim.experiments.promise.kept_flights import resumed
 from q2q_sim.experiments.promise.promise_verdict import errors_of, verdict, verdict_json, verdict_lines
 from q2q_sim.experiments.promise.room_encounter import STEADY, EncounterRecord, PromiseCase, fly_case
 from q2q_sim.experiments.promise.tracking_tube import (
@@ -29,7 +30,7 @@ def run(args: Namespace) -> int:
     case = case_of(args, tube)
     for difference in different_conditions(tube, case.conditions) if tube else ():
         print(f"promise: not the flights of the tube: {difference}", file=sys.stderr)
-    records = _flown(range(args.first, args.first + args.count), case, args.jobs)
+    records = _flown(range(args.first, args.first + args.count), case, args)
     found = verdict(records, tube)
     print(*verdict_lines(found), sep="\n")
     document: dict[str, Json] = {"first": args.first, "verdict": verdict_json(found)}
@@ -56,10 +57,15 @@ def case_of(args: Namespace, tube: TrackingTube | None) -> PromiseCase:
     return PromiseCase(params, args.controller, args.air)
 
 
-def _flown(seeds: Sequence[int], case: PromiseCase, jobs: int) -> list[EncounterRecord]:
-    runs = spread(ParallelRuns("local", jobs), partial(fly_case, case=case), seeds, _died)
+def _flown(seeds: Sequence[int], case: PromiseCase, args: Namespace) -> list[EncounterRecord]:
+    fly = partial(_spread, case=case, jobs=args.jobs)
+    runs = resumed(seeds, case, args.keep, fly) if args.keep else fly(seeds)
     shown = track(runs, "promise", total=len(seeds), console=Console(stderr=True), transient=True)
     return sorted(shown, key=lambda one: one.seed)
+
+
+def _spread(seeds: Sequence[int], case: PromiseCase, jobs: int) -> Iterator[EncounterRecord]:
+    return spread(ParallelRuns("local", jobs), partial(fly_case, case=case), seeds, _died)
 
 
 def _died(seed: int, error: BaseException) -> EncounterRecord:

@@ -12,17 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.files.find_model import find_model
-from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint
+from q2q_model.signals.values import Array, SetpointStatus
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.experiments.encounters import AFTERWARDS, CLEAR, NEAR, random_encounter
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.experiments.promise.tracking_tube import TubeConditions
-from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.settings import REAL
 
@@ -141,26 +139,32 @@ def encounter_scenario(plan: SwarmPlan, latency: float, loss: float, case: Promi
 
 
 class _Flown(NamedTuple):
-    """A flight, and which vehicles had the status PROMISE_BROKEN at each tick, (T, n)."""
+    """What is judged of a flight."""
 
-    flight: Flight
+    t: Array
+    """Ticks [s], (T,)."""
+    true_pos: Array
+    """[m], (T, n, 3)."""
+    safe_pos: Array
+    """Of the setpoints [m], (T, n, 3)."""
     broken: NDArray[np.bool_]
+    """Which vehicles had the status PROMISE_BROKEN, (T, n)."""
 
 
 def _flown(seed: int, scenario: Scenario, controller: str) -> _Flown:
-    broken: list[NDArray[np.bool_]] = []
-
-    def hear(topic: str, _: int, signal: Signal) -> None:
-        if topic == "reference_safe" and isinstance(signal, SwarmSetpoint):
-            broken.append(signal.status == SetpointStatus.PROMISE_BROKEN)
-
     known = find_model(scenario.model).interaction
-    options = FlightOptions(controller=controller, replan="safe", seed=seed, model=known, on_signal=hear)
-    return _Flown(fly(scenario, options), np.array(broken))
+    options = FlightOptions(controller=controller, replan="safe", seed=seed, model=known)
+    ticks = [
+        (answer.given.t, tick.truth.pos, answer.given.pos, answer.given.status)
+        for tick, answer in answered_ticks(scenario, options)
+    ]
+    t, true_pos, safe_pos, status = (np.array(column) for column in zip(*ticks, strict=True))
+    return _Flown(t, true_pos, safe_pos, status == SetpointStatus.PROMISE_BROKEN)
 
 
 def _record(seed: int, scenario: Scenario, plan: SwarmPlan, case: PromiseCase) -> EncounterRecord:
-    flown, told = _flown(seed, scenario, case.controller)
+    flown = _flown(seed, scenario, case.controller)
+    told = flown.broken
     error = flown.true_pos - flown.safe_pos
     zone = Cylinder(case.params.eps, case.params.d)
     i, j = np.triu_indices(len(scenario.names), 1)
