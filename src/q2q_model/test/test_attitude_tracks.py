@@ -5,12 +5,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from q2q_model.estimation.attitudes import (
+    ATTITUDE,
     UNIT_TOLERANCE,
     AttitudeGateParams,
-    Attitudes,
     AttitudeTracks,
     follow,
 )
+from q2q_model.estimation.reacquisition import Table
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply
 from q2q_model.signals.values import Array
 
@@ -134,19 +135,19 @@ def test_what_has_not_unit_length_is_absent(more: int, length: float) -> None:
     assert not tracks.rate.any()
 
 
-def at_rest(quat: Array, *, seen: bool = True, rejected_since: float = np.inf) -> Attitudes:
+def at_rest(quat: Array, *, seen: bool = True, rejected_since: float = np.inf) -> Table:
     """Return tracks of which all but the last were seen at 1 s."""
-    columns = np.ones(N, np.bool_), np.ones(N), np.full(N, np.inf), quat.copy(), np.zeros((N, 3))
-    tracks = Attitudes(*columns)
-    tracks.seen[-1], tracks.rejected_since[-1] = seen, rejected_since
+    tracks = np.zeros(N, ATTITUDE)
+    tracks["seen"], tracks["time"], tracks["rejected_since"], tracks["quat"] = True, 1.0, np.inf, quat
+    tracks["seen"][-1], tracks["rejected_since"][-1] = seen, rejected_since
     return tracks
 
 
-def taken(t: float, measured: Array, tracks: Attitudes) -> bool:
+def taken(t: float, measured: Array, tracks: Table) -> bool:
     """Return whether the compiled way takes a tick; where not, no track has changed."""
-    before = [column.copy() for column in tracks]
+    before = tracks.copy()
     took = follow(t, measured, PARAMS, tracks)
-    assert took or all(np.array_equal(*pair) for pair in zip(tracks, before, strict=True))
+    assert took or np.array_equal(tracks, before)
     return took
 
 

@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.estimation.reacquisition import SAME_INSTANT
+from q2q_model.estimation.reacquisition import SAME_INSTANT, Table
 from q2q_model.flights.outliers import Mask
 from q2q_model.geometry.rotations import identity_quat, matrix_from_quat, quat_between, vector_from_quat
 from q2q_model.signals.values import Array
@@ -52,8 +52,21 @@ class AttitudeGateParams(NamedTuple):
     coast_s: float
 
 
+ATTITUDE = np.dtype(
+    [
+        ("seen", np.bool_),
+        ("time", np.float64),
+        ("rejected_since", np.float64),
+        ("quat", np.float64, 4),
+        ("ang_vel_body", np.float64, 3),
+    ],
+    align=True,
+)
+"""Row of a table of attitude tracks: one array, as q2q_model.estimation.track_columns.TRACK."""
+
+
 class Attitudes(NamedTuple):
-    """Attitude track of every vehicle, in columns."""
+    """Attitude track of every vehicle, in columns of a table."""
 
     seen: Mask
     """(n,)"""
@@ -73,12 +86,23 @@ class AttitudeTracks:
     def __init__(self, params: AttitudeGateParams, count: int) -> None:
         """Start `count` vehicles level and at rest, none of them seen."""
         self._params = params
-        self._tracks = _unseen(count)
+        self._table = _unseen(0)
+        self.grow(count)
 
     def grow(self, extra: int) -> None:
         """Add vehicles that were never seen."""
-        pairs = zip(self._tracks, _unseen(extra), strict=True)
-        self._tracks = Attitudes(*(np.concatenate(pair) for pair in pairs))
+        known, self._table = self._table, _unseen(len(self._table) + extra)
+        self._table[: len(known)] = known
+
+    @property
+    def _tracks(self) -> Attitudes:
+        """Return the columns of the table, views of it."""
+        return Attitudes(*(self._table[name] for name in Attitudes._fields))
+
+    @property
+    def table(self) -> Table:
+        """Return the tracks, ATTITUDE (n,), which stay in this table until they grow."""
+        return self._table
 
     def set_back(self, by: float) -> None:
         """Set the times of all attitudes back by `by` [s], as the clock was."""
@@ -108,7 +132,7 @@ class AttitudeTracks:
             t: Capture time [s], later than before.
             measured: Quaternion of every vehicle, (n, 4); NaN where absent.
         """
-        if follow(t, measured, self._params, self._tracks):
+        if follow(t, measured, self._params, self._table):
             return 0
         return int(self._gate(t, _unit_or_nan(measured)).sum())
 
@@ -163,22 +187,27 @@ def _reflections(quat: Array, turn: Array) -> Mask:
     return np.asarray((np.abs(turn[:, 3]) < RIGHT_ANGLE) & ~_is_upright(quat))
 
 
-def _unseen(count: int) -> Attitudes:
+def _unseen(count: int) -> Table:
+    table = np.zeros(count, ATTITUDE)
+    table["rejected_since"], table["quat"] = np.inf, identity_quat((count,))
+    return table
+
+
+@compiled
+def columns_of(table: Table) -> Attitudes:
+    """Return the columns of a table, views of it."""
     return Attitudes(
-        seen=np.zeros(count, np.bool_),
-        time=np.zeros(count),
-        rejected_since=np.full(count, np.inf),
-        quat=identity_quat((count,)),
-        ang_vel_body=np.zeros((count, 3)),
+        table["seen"], table["time"], table["rejected_since"], table["quat"], table["ang_vel_body"]
     )
 
 
 @compiled
-def follow(t: float, measured: Array, params: AttitudeGateParams, tracks: Attitudes) -> bool:
+def follow(t: float, measured: Array, params: AttitudeGateParams, table: Table) -> bool:
     """Take one tick's quaternions (n, 4) at t [s]; False, and no track changed, unless all are usual.
 
     That is: no track is new or rejected samples before, and every sample is absent or passes the gate.
     """
+    tracks = columns_of(table)
     turn = np.empty(4)
     for i in range(len(measured)):
         elapsed = t - tracks.time[i]

@@ -28,10 +28,12 @@ from numpy.typing import NDArray
 from q2q_model.estimation.attitudes import AttitudeGateParams, AttitudeTracks
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport
+from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
 from q2q_model.estimation.reacquisition import SAME_INSTANT
 from q2q_model.estimation.track_columns import TrackParams
-from q2q_model.flights.outliers import Mask, OutlierThresholds
+from q2q_model.estimation.usual_tick import POSE_WIDTH, QUAT_AT, repeated_poses, usual_tick
+from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
 from q2q_model.tunable import check_bounds, tunable
 
@@ -99,28 +101,6 @@ IDEAL_SENSING = MocapFilterParams(position_noise=0.0, rate_filter_s=0.0)
 """For noise-free simulated mocap: positions pass through, velocities are accurate to 4e-5 m/s."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Poses:
-    """Measured pose of every track; NaN where absent."""
-
-    pos: Array
-    """(n, 3)"""
-    quat: Array
-    """(n, 4)"""
-
-    def equal(self, other: "_Poses") -> Mask | None:
-        """Return which poses equal another frame's bit for bit, (n,); None if no x does."""
-        if not (self.pos[:, 0] == other.pos[:, 0]).any():
-            return None
-        turned = (self.quat != other.quat) & ~(np.isnan(self.quat) & np.isnan(other.quat))
-        return np.asarray((self.pos == other.pos).all(axis=1) & ~turned.any(axis=1))
-
-    def grown(self, extra: int) -> "_Poses":
-        """Return the poses with `extra` absent ones after them."""
-        pos, quat = np.full((extra, 3), np.nan), np.full((extra, 4), np.nan)
-        return _Poses(np.vstack([self.pos, pos]), np.vstack([self.quat, quat]))
-
-
 class MocapFilter:
     """Tracks of all vehicles; maps frames to states."""
 
@@ -142,14 +122,16 @@ class MocapFilter:
         """Forget every track, and adopted names."""
         self._names: Names = self._given
         count = len(self._names)
-        self._positions = PositionTracks(_track_params(self._params), count)
-        self._attitudes = AttitudeTracks(_attitude_params(self._params), count)
+        self._gates = _track_params(self._params), _attitude_params(self._params)
+        self._positions = PositionTracks(self._gates[0], count)
+        self._attitudes = AttitudeTracks(self._gates[1], count)
         self._last: SwarmState | None = None
         self._old = ClockResetDetector()
         self._frame_names: Names | None = None
         self._track_of_row: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
         self._repeated, self._unknown = 0, 0  # rows of a frame with a repeated or unknown name
-        self._before = _Poses(np.zeros((0, 3)), np.zeros((0, 4))).grown(count)
+        self._before = np.full((count, POSE_WIDTH), np.nan)
+        self._find_memory()
 
     def update(self, frame: MocapFrame) -> SwarmState:
         """Return the state of every vehicle at the frame's time; the last one for an old or repeated frame.
@@ -187,34 +169,50 @@ class MocapFilter:
         self._attitudes.set_back(by)
         self._old.reset()
 
-    def _step(self, frame: MocapFrame) -> SwarmState:
-        poses = self._by_track(frame)
-        tracked = self._positions.update(frame.t, poses.pos, poses.equal(self._before))
-        rejected = self._attitudes.update(frame.t, self._quat_of(tracked, poses.quat))
-        self._before = poses
-        self._count(poses, tracked)
-        self._counts["attitudes_refused"] += rejected
-        age, status = self._age_and_status(frame.t, tracked)
-        return SwarmState(
-            t=frame.t,
-            names=self._names,
-            pos=tracked.pos,
-            vel=tracked.vel,
-            quat=self._attitudes.quat,
-            ang_vel_body=self._attitudes.ang_vel_body,
-            age=age,
-            status=status,
-        )
+    def _find_memory(self) -> None:
+        """Find the tracks' memory, which moves when they grow."""
+        self._memory = self._positions.memory, self._attitudes.table
+        self._all_tracked = np.full(len(self._names), _TRACKED)
 
-    def _by_track(self, frame: MocapFrame) -> _Poses:
-        """Return the frame's poses in the order of the tracks; NaN where absent."""
+    def _step(self, frame: MocapFrame) -> SwarmState:
+        poses, t = self._by_track(frame), frame.t
+        pos, vel, ang_vel_body = np.empty((3, len(poses), 3))
+        quat, age = np.empty((len(poses), 4)), np.zeros(len(poses))
+        out = pos, vel, quat, ang_vel_body
+        outcome, turned = usual_tick(t, (poses, self._before), self._gates, self._memory, out)
+        if turned and outcome == WHOLE:
+            self._count_nominal()
+            state = SwarmState(t, self._names, *out, age, self._all_tracked.copy())
+        else:
+            state = self._gapped(t, poses, self._tracked(t, outcome, poses, out), turned)
+        self._before = poses
+        return state
+
+    def _tracked(self, t: float, outcome: int, poses: Array, out: tuple[Array, ...]) -> TrackUpdate:
+        if outcome != UNUSUAL:
+            return self._positions.usual(outcome, poses[:, :QUAT_AT], out[0], out[1])
+        repeated, fresh = repeated_poses(poses, self._before)
+        return self._positions.update(t, poses[:, :QUAT_AT], None if fresh else repeated)
+
+    def _gapped(self, t: float, poses: Array, tracked: TrackUpdate, turned: bool) -> SwarmState:
+        """Return the state of a tick that is not nominal; `turned` is whether attitudes have been taken."""
+        if not turned:
+            quat = self._quat_of(tracked, poses[:, QUAT_AT:].copy())
+            self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
+        self._count(poses[:, :QUAT_AT], tracked)
+        age, status = self._age_and_status(t, tracked)
+        moving = tracked.pos, tracked.vel, self._attitudes.quat, self._attitudes.ang_vel_body
+        return SwarmState(t, self._names, *moving, age, status)
+
+    def _by_track(self, frame: MocapFrame) -> Array:
+        """Return the frame's poses in the order of the tracks, (n, 7); NaN where absent."""
         tracks = self._match(frame.names)
+        poses = np.concatenate((frame.pos, frame.quat), axis=1)
         if frame.names == self._names:
-            return _Poses(frame.pos, frame.quat)
-        ours = tracks >= 0
-        pos, quat = np.full((len(self._names), 3), np.nan), np.full((len(self._names), 4), np.nan)
-        pos[tracks[ours]], quat[tracks[ours]] = frame.pos[ours], frame.quat[ours]
-        return _Poses(pos, quat)
+            return poses
+        ours, found = tracks >= 0, np.full((len(self._names), POSE_WIDTH), np.nan)
+        found[tracks[ours]] = poses[ours]
+        return found
 
     def _quat_of(self, tracked: TrackUpdate, quat: Array) -> Array:
         """Return each track's quaternion; where markers were swapped, the nearer of both vehicles'."""
@@ -247,20 +245,24 @@ class MocapFilter:
         self._names += new
         self._positions.grow(len(new))
         self._attitudes.grow(len(new))
-        self._before = self._before.grown(len(new))
+        self._before = np.concatenate((self._before, np.full((len(new), POSE_WIDTH), np.nan)))
+        self._find_memory()
 
-    def _count(self, poses: _Poses, tracked: TrackUpdate) -> None:
+    def _count_nominal(self) -> None:
         counts = self._counts
         counts["frames"] += 1
         counts["repeated_names"] += self._repeated
         counts["unknown_names"] += self._unknown
+        counts["samples"] += len(self._names)
+
+    def _count(self, pos: Array, tracked: TrackUpdate) -> None:
+        self._count_nominal()
         if tracked.nominal:
-            counts["samples"] += len(self._names)
             return
-        present = np.asarray(np.isfinite(poses.pos).all(axis=1))
+        counts, present = self._counts, np.asarray(np.isfinite(pos).all(axis=1))
         used = np.zeros(len(present), dtype=np.bool_)
         used[tracked.source[tracked.accepted]] = True
-        counts["samples"] += int(present.sum())
+        counts["samples"] += int(present.sum()) - len(present)
         counts["swapped"] += int(tracked.lent.sum())
         counts["refused"] += int((present & ~used).sum())
         counts["restarted"] += int(tracked.restarted.sum())

@@ -17,18 +17,25 @@ Without samples a track coasts for `coast_s`; then it is lost, with its position
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.compiled import compiled
 from q2q_model.estimation.marker_swaps import swapped_sources
-from q2q_model.estimation.position_gates import GATE_SIGMAS, PositionGates, screen
-from q2q_model.estimation.reacquisition import SAME_INSTANT, Reacquisition, Unmatched
-from q2q_model.estimation.steady_gain import SteadyGain, steady_gain
+from q2q_model.estimation.position_steps import (
+    UNUSUAL,
+    WHOLE,
+    Association,
+    Prediction,
+    TrackMemory,
+    accept,
+    follow,
+    look_ahead,
+)
+from q2q_model.estimation.reacquisition import Reacquisition, Unmatched
+from q2q_model.estimation.steady_gain import PERIOD
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, unseen
-from q2q_model.estimation.white_jerk import MotionEstimate, correct, gain, predict, start
+from q2q_model.estimation.white_jerk import start
 from q2q_model.flights.outliers import Mask, OutlierThresholds
 from q2q_model.signals.values import Array
 
@@ -47,7 +54,7 @@ class TrackUpdate:
     """Position [m], (n, 3); zero for a vehicle never seen."""
     vel: Array
     """Velocity [m/s], (n, 3); zero for a lost vehicle."""
-    source: NDArray[np.intp]
+    source: Rows
     """Row of the accepted sample, (n,): another row where markers were swapped, -1 where none."""
     restarted: Mask
     """TrackColumns restarted at a true jump, (n,)."""
@@ -67,70 +74,44 @@ class TrackUpdate:
         return np.asarray(self.accepted & (self.source != np.arange(len(self.source))))
 
 
-class Prediction(NamedTuple):
-    """TrackColumns predicted to a tick, and the samples that pass their gates."""
-
-    elapsed: Array
-    """Time since each track's last sample [s], (n,)."""
-    state: Array
-    """As in white_jerk, (n, 3, 3)."""
-    cov: Array
-    """(n, 3, 3)"""
-    K: Array
-    """Gain of a correction, (n, 3)."""
-    samples: Array
-    """Positions [m], (n, 3); NaN where there is no sample."""
-    own: Mask
-    """TrackColumns whose own sample passes the gates, (n,)."""
-    reach: Array
-    """Largest believable distance of a sample from the prediction [m], (n,)."""
-    lost: Mask
-    """TrackColumns without a sample for longer than coast_s, (n,)."""
-    nominal: bool
-    """Every track is confirmed, and its own sample passes the gates."""
-
-
-class Association(NamedTuple):
-    """Samples assigned to tracks."""
-
-    source: Rows
-    """As TrackUpdate.source."""
-    began: Mask
-    """TrackColumns that start, or restart after an unconfirmed first sample, (n,)."""
-    jumped: Mask
-    """TrackColumns that restart at a true jump, (n,)."""
-
-
 class PositionTracks:
     """Position track of every vehicle."""
 
     def __init__(self, params: TrackParams, count: int) -> None:
         """Start `count` tracks without samples."""
-        self._params = params
-        self._noise_var = params.position_noise**2
-        self._tracks = unseen(0)
+        self._params, self._noise_var = params, params.position_noise**2
         self._reacquisition = Reacquisition(
             0, OutlierThresholds(params.pos_max, params.speed_max, params.jump_max)
         )
+        self._table, self._clock = unseen(0), np.full(2, np.nan)
         self.grow(count)
 
     def grow(self, extra: int) -> None:
         """Add tracks without samples."""
-        pairs = zip(self._tracks, unseen(extra), strict=True)
-        self._tracks = TrackColumns(*(np.concatenate(pair) for pair in pairs))
+        known, self._table = self._table, unseen(len(self._table) + extra)
+        self._table[: len(known)] = known
         self._reacquisition.grow(extra)
-        count = len(self._tracks.seen)
+        count = len(self._table)
+        self._clock[PERIOD] = np.nan
         self._none, self._all = np.zeros(count, np.bool_), np.ones(count, np.bool_)
-        self._all_own = Association(np.arange(count), self._none, self._none)
-        never = SteadyGain(np.zeros((count, 3)), 0.0, -np.inf)
-        self._follow(0.0, np.zeros((count, 3)), self._none, never)  # loads the kernel before the first tick
-        self._steady: SteadyGain | None = None
+        self._rows = np.arange(count)
+        self.update(0.0, np.full((count, 3), np.nan))  # loads the kernels before the first tick
+
+    @property
+    def _tracks(self) -> TrackColumns:
+        """Return the columns of the table, views of it."""
+        return TrackColumns(*(self._table[name] for name in TrackColumns._fields))
+
+    @property
+    def memory(self) -> TrackMemory:
+        """Return the tracks in tables, which stay the same until the tracks grow."""
+        return TrackMemory(self._table, self._reacquisition.candidates, self._clock)
 
     def set_back(self, by: float) -> None:
         """Set the times of all samples back by `by` [s], as the clock was."""
         self._tracks.time[:] -= by
         self._reacquisition.set_back(by)
-        self._steady = None
+        self._clock[PERIOD] = np.nan
 
     def age(self, t: float) -> Array:
         """Return the time since each track's last accepted sample [s], (n,); infinite if never seen."""
@@ -145,35 +126,29 @@ class PositionTracks:
             repeated: Poses that equal the last frame's bit for bit, (n,); None where no x does.
         """
         samples = measured.copy()  # of one layout for the kernels, whatever they are cut from
-        repeats, steady = self._none if repeated is None else repeated, self._steady
-        if steady is not None and steady.is_due(t):
-            followed = self._follow(t, samples, repeats, steady)
-            if followed is not None:
-                return followed
-        at = Prediction(*look_ahead((t, np.nan), samples, repeats, self._params, self._tracks))
-        assigned, cov = self._associate(t, at), self._tracks.cov.copy()
-        pos, vel = accept(t, at, assigned, self._noise_var, self._tracks)
-        self._steady = None
-        if at.nominal and repeated is None:
-            self._steady = steady_gain(at.K, (t, at.elapsed), (cov, self._tracks.cov))
+        repeats, pos, vel = self._none if repeated is None else repeated, *np.empty((2, *samples.shape))
+        offered = samples, repeats, repeated is None
+        outcome = follow(t, offered, self._params, self.memory, (pos, vel))
+        if outcome != UNUSUAL:
+            return self.usual(outcome, samples, pos, vel)
+        at = look_ahead((t, np.nan), samples, repeats, self._params, self._table)
+        assigned = self._associate(t, at)
+        pos, vel = accept(t, at, assigned, self._noise_var, self._table)
+        self._clock[PERIOD] = np.nan
         trusted = (assigned.source >= 0) & self._tracks.confirmed
-        return TrackUpdate(pos, vel, assigned.source, assigned.jumped, trusted, at.nominal)
+        return TrackUpdate(pos, vel, assigned.source, assigned.jumped, trusted, nominal=False)
 
-    def _follow(self, t: float, samples: Array, repeated: Mask, steady: SteadyGain) -> TrackUpdate | None:
-        """Return the tracks after a nominal tick; None, and no track changed, if it is not nominal."""
-        nominal, pos, vel = follow(t, (samples, repeated), steady, self._params, self._tracks)
-        if not nominal:
-            return None
-        self._reacquisition.forget(self._all)
-        self._steady = SteadyGain(steady.K, steady.period, t)
-        return TrackUpdate(pos, vel, self._all_own.source, self._none, self._all, nominal=True)
+    def usual(self, outcome: int, measured: Array, pos: Array, vel: Array) -> TrackUpdate:
+        """Return the result of a tick that `follow` took, (n, 3) each."""
+        if outcome == WHOLE:
+            return TrackUpdate(pos, vel, self._rows, self._none, self._all, nominal=True)
+        present = _present(measured)
+        source = np.where(present, self._rows, -1)
+        return TrackUpdate(pos, vel, source, self._none, present, nominal=False)
 
     def _associate(self, t: float, at: Prediction) -> Association:
         """Assign samples to tracks."""
-        tracks, own, rows = self._tracks, at.own, self._all_own.source
-        if at.nominal:
-            self._reacquisition.forget(own)
-            return self._all_own
+        tracks, own, rows = self._tracks, at.own, self._rows
         present = _present(at.samples)
         began = present & (~tracks.seen | self._refutes_first(at, present))
         rejected = present & ~own & ~began
@@ -228,87 +203,6 @@ class PositionTracks:
         velocity = (samples - tracks.state[:, 0]) / elapsed[:, None]
         slow = np.linalg.norm(velocity, axis=1) <= self._params.speed_max
         return np.where(slow[:, None], velocity, 0.0)
-
-
-@compiled(error_model="numpy")
-def look_ahead(
-    tick: tuple[float, float], measured: Array, repeated: Mask, params: TrackParams, tracks: TrackColumns
-) -> tuple[Array, Array, Array, Array, Array, Mask, Array, Mask, bool]:
-    """Return the columns of a Prediction.
-
-    Args:
-        tick: Time [s], and the steady period of all tracks [s]; NaN without.
-        measured: Positions [m], (n, 3); NaN where absent.
-        repeated: Poses that equal the last frame's bit for bit, (n,).
-        params: Parameters.
-        tracks: TrackColumns.
-    """
-    t, period = tick
-    elapsed = np.where(tracks.seen, t - tracks.time, 0.0)
-    if not np.isnan(period):
-        elapsed[:] = period
-    noise_var = params.position_noise**2
-    coasted = np.minimum(elapsed, params.coast_s)
-    ahead = predict(MotionEstimate(tracks.state, tracks.cov), coasted, params.jerk_noise**2)
-    gates = PositionGates(
-        last=tracks.state[:, 0],
-        expected=ahead.state[:, 0],
-        reach=params.jump_max + params.speed_max * elapsed,
-        deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + noise_var),
-        lost=elapsed > params.coast_s + SAME_INSTANT,
-        pos_max=params.pos_max,
-    )
-    samples, passed = screen(measured, repeated, gates)
-    own, reach = passed & tracks.seen, np.minimum(gates.deviation, gates.reach)
-    nominal = bool((own & tracks.confirmed).all())
-    return elapsed, ahead.state, ahead.cov, gain(ahead, noise_var), samples, own, reach, gates.lost, nominal
-
-
-@compiled
-def accept(
-    t: float, at: Prediction, assigned: Association, noise_var: float, tracks: TrackColumns
-) -> tuple[Array, Array]:
-    """Take the assigned samples into the tracks; return positions and velocities, (n, 3) each."""
-    better = correct(MotionEstimate(at.state, at.cov), at.samples[assigned.source], at.K, noise_var)
-    pos, vel = np.empty_like(at.samples), np.zeros_like(at.samples)
-    for i, source in enumerate(assigned.source):
-        if source < 0:
-            pos[i] = at.state[i, 0]
-            if not at.lost[i]:
-                vel[i] = at.state[i, 1]
-            continue
-        tracks.seen[i], tracks.time[i] = True, t
-        if assigned.began[i] or assigned.jumped[i]:
-            tracks.own[i], tracks.confirmed[i] = 1, assigned.jumped[i]
-        else:
-            tracks.state[i], tracks.cov[i] = better.state[i], better.cov[i]
-            if source == i:
-                tracks.own[i] += 1
-                tracks.borrowed[i], tracks.confirmed[i] = 0, True
-            else:
-                tracks.borrowed[i] += 1
-        pos[i], vel[i] = tracks.state[i, 0], tracks.state[i, 1]
-    return pos, vel
-
-
-@compiled
-def follow(
-    t: float, offered: tuple[Array, Mask], steady: SteadyGain, params: TrackParams, tracks: TrackColumns
-) -> tuple[bool, Array, Array]:
-    """Take one tick's samples at the steady gain, in one call; the covariance stands still.
-
-    Return whether the tick is nominal, else no track has changed, and positions and velocities, (n, 3) each.
-    `offered` is `measured` and `repeated` of look_ahead.
-    """
-    made = look_ahead((t, steady.period), offered[0], offered[1], params, tracks)
-    elapsed, state, cov, _, samples, own, reach, lost, nominal = made
-    if not nominal:
-        return False, samples, samples
-    at = Prediction(elapsed, state, cov, steady.K, samples, own, reach, lost, nominal)
-    none, before = np.zeros(len(own), np.bool_), tracks.cov.copy()
-    pos, vel = accept(t, at, Association(np.arange(len(own)), none, none), params.position_noise**2, tracks)
-    tracks.cov[:] = before
-    return True, pos, vel
 
 
 def _may_borrow(tracks: TrackColumns) -> Mask:

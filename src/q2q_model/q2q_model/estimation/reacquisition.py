@@ -9,9 +9,12 @@ time becomes the track.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.flights.outliers import Mask, OutlierThresholds
 from q2q_model.signals.values import Array
+
+Table = NDArray[np.void]
 
 CONFIRM_SAMPLES = 3
 """Least number of samples of an accepted jump, whatever their rate."""
@@ -46,6 +49,11 @@ class Reacquisition:
         """Start `count` tracks without candidates."""
         self._limits = limits
         self._candidates = np.zeros(count, CANDIDATE)
+
+    @property
+    def candidates(self) -> Table:
+        """Return the candidates, CANDIDATE (n,), which stay in this table until they grow."""
+        return self._candidates
 
     def grow(self, extra: int) -> None:
         """Add tracks without candidates."""

@@ -8,43 +8,41 @@ kept period for the time since the last sample, and the covariance stands still.
 filter from that covariance.
 """
 
-from typing import NamedTuple
+import math
 
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.estimation.reacquisition import SAME_INSTANT
 from q2q_model.signals.values import Array
 
 CONVERGED = 1e-9
 """Largest change of a converged covariance within a tick, relative to the largest of all tracks."""
+PERIOD, LAST = 0, 1
+"""Entries of a clock: period of a steady gain [s], NaN without; last tick [s]."""
 
 
-class SteadyGain(NamedTuple):
-    """Gain of every track at a constant period."""
-
-    K: Array
-    """(n, 3)"""
-    period: float
-    """[s]"""
-    t: float
-    """Last tick [s]."""
-
-    def is_due(self, t: float) -> bool:
-        """Return whether a tick at t [s] comes one period after the last."""
-        return abs(t - self.t - self.period) <= SAME_INSTANT
+@compiled
+def is_due(clock: Array, t: float) -> bool:
+    """Return whether a tick at t [s] comes one steady period after the last."""
+    return bool(abs(t - clock[LAST] - clock[PERIOD]) <= SAME_INSTANT)
 
 
-def steady_gain(K: Array, tick: tuple[float, Array], covs: tuple[Array, Array]) -> SteadyGain | None:
-    """Return the gain if it has converged.
+@compiled
+def steady_period(elapsed: Array, before: Array, after: Array) -> float:
+    """Return the period of a nominal tick whose gain has converged [s], else NaN.
 
     Args:
-        K: Gain of a nominal tick, (n, 3).
-        tick: Its time [s], and the time since each track's last sample [s], (n,).
-        covs: Covariances of the tracks before and after it, (n, 3, 3) each.
+        elapsed: Time since each track's last sample [s], (n,).
+        before: Covariances of the tracks before the tick, (n, 3, 3).
+        after: The same after it.
     """
-    (t, elapsed), (before, after) = tick, covs
-    if not len(elapsed) or np.ptp(elapsed) >= SAME_INSTANT:
-        return None
-    if (np.abs(after - before) > CONVERGED * np.abs(before).max(axis=0)).any():
-        return None
-    return SteadyGain(K, float(elapsed[0]), t)
+    if not elapsed.size or elapsed.max() - elapsed.min() >= SAME_INSTANT:
+        return math.nan
+    for row in range(3):
+        for k in range(3):
+            largest = np.abs(before[:, row, k]).max()
+            for i in range(elapsed.size):
+                if abs(after[i, row, k] - before[i, row, k]) > CONVERGED * largest:
+                    return math.nan
+    return float(elapsed[0])

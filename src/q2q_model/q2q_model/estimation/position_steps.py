@@ -1,0 +1,208 @@
+"""Compiled steps of the position tracks: predict and gate, take samples, do both in a usual tick.
+
+A tick is nominal if every track is confirmed and the sample of its own name passes its gates. A tick is
+usual if that holds for the samples that there are. The association of samples in other ticks is
+q2q_model.estimation.positions.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.compiled import compiled
+from q2q_model.estimation.position_gates import GATE_SIGMAS, PositionGates, screen
+from q2q_model.estimation.reacquisition import SAME_INSTANT, Table
+from q2q_model.estimation.steady_gain import LAST, PERIOD, is_due, steady_period
+from q2q_model.estimation.track_columns import TrackParams, columns_of
+from q2q_model.estimation.white_jerk import MotionEstimate, correct, gain, predict
+from q2q_model.flights.outliers import Mask
+from q2q_model.signals.values import Array
+
+UNUSUAL, WITH_GAPS, WHOLE = 0, 1, 2
+"""Outcomes of `follow`: no track has changed; some vehicles have no sample; the tick is nominal."""
+
+
+class Prediction(NamedTuple):
+    """TrackColumns predicted to a tick, and the samples that pass their gates."""
+
+    elapsed: Array
+    """Time since each track's last sample [s], (n,)."""
+    state: Array
+    """As in white_jerk, (n, 3, 3)."""
+    cov: Array
+    """(n, 3, 3)"""
+    K: Array
+    """Gain of a correction, (n, 3)."""
+    samples: Array
+    """Positions [m], (n, 3); NaN where there is no sample."""
+    own: Mask
+    """TrackColumns whose own sample passes the gates, (n,)."""
+    reach: Array
+    """Largest believable distance of a sample from the prediction [m], (n,)."""
+    lost: Mask
+    """TrackColumns without a sample for longer than coast_s, (n,)."""
+    nominal: bool
+    """Every track is confirmed, and its own sample passes the gates."""
+
+
+class Association(NamedTuple):
+    """Samples assigned to tracks."""
+
+    source: NDArray[np.intp]
+    """As TrackUpdate.source."""
+    began: Mask
+    """TrackColumns that start, or restart after an unconfirmed first sample, (n,)."""
+    jumped: Mask
+    """TrackColumns that restart at a true jump, (n,)."""
+
+
+class TrackMemory(NamedTuple):
+    """What position tracks keep from tick to tick, for one kernel of nominal ticks."""
+
+    tracks: Table
+    """TRACK, (n,)."""
+    candidates: Table
+    """CANDIDATE of q2q_model.estimation.reacquisition, (n,)."""
+    clock: Array
+    """Of q2q_model.estimation.steady_gain, (2,)."""
+
+
+@compiled(error_model="numpy")
+def look_ahead(
+    tick: tuple[float, float], measured: Array, repeated: Mask, params: TrackParams, table: Table
+) -> Prediction:
+    """Return the tracks predicted to a tick, and which samples pass their gates.
+
+    Args:
+        tick: Time [s], and the steady period of all tracks [s]; NaN without.
+        measured: Positions [m], (n, 3); NaN where absent.
+        repeated: Poses that equal the last frame's bit for bit, (n,).
+        params: Parameters.
+        table: TRACK, (n,).
+    """
+    (t, period), tracks = tick, columns_of(table)
+    elapsed = np.where(tracks.seen, t - tracks.time, 0.0)
+    if not np.isnan(period):
+        elapsed[:] = period
+    noise_var = params.position_noise**2
+    coasted = np.minimum(elapsed, params.coast_s)
+    ahead = predict(MotionEstimate(tracks.state, tracks.cov), coasted, params.jerk_noise**2)
+    gates = PositionGates(
+        last=tracks.state[:, 0],
+        expected=ahead.state[:, 0],
+        reach=params.jump_max + params.speed_max * elapsed,
+        deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + noise_var),
+        lost=elapsed > params.coast_s + SAME_INSTANT,
+        pos_max=params.pos_max,
+    )
+    samples, passed = screen(measured, repeated, gates)
+    own, reach = passed & tracks.seen, np.minimum(gates.deviation, gates.reach)
+    nominal = bool((own & tracks.confirmed).all())
+    K = gain(ahead, noise_var)
+    return Prediction(elapsed, ahead.state, ahead.cov, K, samples, own, reach, gates.lost, nominal)
+
+
+@compiled
+def accept(
+    t: float, at: Prediction, assigned: Association, noise_var: float, table: Table
+) -> tuple[Array, Array]:
+    """Take the assigned samples into the tracks; return positions and velocities, (n, 3) each."""
+    tracks = columns_of(table)
+    better = correct(MotionEstimate(at.state, at.cov), at.samples[assigned.source], at.K, noise_var)
+    pos, vel = np.empty_like(at.samples), np.zeros_like(at.samples)
+    for i, source in enumerate(assigned.source):
+        if source < 0:
+            pos[i] = at.state[i, 0]
+            if not at.lost[i]:
+                vel[i] = at.state[i, 1]
+            continue
+        tracks.seen[i], tracks.time[i] = True, t
+        if assigned.began[i] or assigned.jumped[i]:
+            tracks.own[i], tracks.confirmed[i] = 1, assigned.jumped[i]
+        else:
+            tracks.state[i], tracks.cov[i] = better.state[i], better.cov[i]
+            if source == i:
+                tracks.own[i] += 1
+                tracks.borrowed[i], tracks.confirmed[i] = 0, True
+            else:
+                tracks.borrowed[i] += 1
+        pos[i], vel[i] = tracks.state[i, 0], tracks.state[i, 1]
+    return pos, vel
+
+
+@compiled
+def follow(
+    t: float,
+    offered: tuple[Array, Mask, bool],
+    params: TrackParams,
+    memory: TrackMemory,
+    out: tuple[Array, Array],
+) -> int:
+    """Take the samples of a tick in which each is accepted by the track of its own name; return the outcome.
+
+    Args:
+        t: Time [s].
+        offered: `measured` and `repeated` of look_ahead, and whether no vehicle's x repeats the last frame.
+        params: Parameters.
+        memory: Of the tracks.
+        out: Written unless UNUSUAL: positions and velocities, (n, 3) each.
+    """
+    (measured, repeated, fresh), table, clock = offered, memory.tracks, memory.clock
+    steady = is_due(clock, t)
+    at = look_ahead((t, clock[PERIOD] if steady else math.nan), measured, repeated, params, table)
+    if steady and not at.nominal:
+        steady = False
+        at = look_ahead((t, math.nan), measured, repeated, params, table)
+    if not (at.nominal or _only_gaps(at, measured, table)):
+        return UNUSUAL
+    K = table["gain"].copy() if steady else at.K
+    better = correct(MotionEstimate(at.state, at.cov), at.samples, K, params.position_noise**2)
+    if not steady:
+        converged = at.nominal and fresh
+        clock[PERIOD] = steady_period(at.elapsed, table["cov"], better.cov) if converged else math.nan
+        table["gain"][:] = at.K
+    clock[LAST] = t
+    _take_own((t, steady), at, better, memory, out)
+    return WHOLE if at.nominal else WITH_GAPS
+
+
+@compiled
+def _only_gaps(at: Prediction, measured: Array, table: Table) -> bool:
+    """Return whether all samples that there are pass, and are of confirmed tracks."""
+    for i in range(len(at.own)):
+        absent = math.isnan(measured[i, 0]) or math.isnan(measured[i, 1]) or math.isnan(measured[i, 2])
+        if not (absent or (at.own[i] and table["confirmed"][i])):
+            return False
+    return True
+
+
+@compiled
+def _take_own(
+    tick: tuple[float, bool],
+    at: Prediction,
+    better: MotionEstimate,
+    memory: TrackMemory,
+    out: tuple[Array, Array],
+) -> None:
+    """Take corrected states of tracks with a sample.
+
+    `tick` is the time [s], and whether covariances stand still; the rest is as above.
+    """
+    (t, steady), tracks, (pos, vel) = tick, columns_of(memory.tracks), out
+    for i in range(len(at.own)):
+        if not at.own[i]:
+            pos[i], vel[i] = at.state[i, 0], 0.0
+            if not at.lost[i]:
+                vel[i] = at.state[i, 1]
+            continue
+        tracks.seen[i], tracks.confirmed[i], tracks.time[i] = True, True, t
+        tracks.own[i] += 1
+        tracks.borrowed[i] = 0
+        tracks.state[i] = better.state[i]
+        if not steady:
+            tracks.cov[i] = better.cov[i]
+        pos[i], vel[i] = better.state[i, 0], better.state[i, 1]
+        memory.candidates["samples"][i] = 0
+        memory.candidates["ambiguous"][i] = False
