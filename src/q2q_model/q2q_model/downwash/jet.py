@@ -185,6 +185,15 @@ def jet_law(jet: Jet) -> JetLaw:
 
 
 @compiled
+def law_of_numbers(numbers: Array) -> JetLaw:
+    """Return a law from its numbers (12,): numba looks at every field of a tuple in each call from Python."""
+    strength, gap_ref, power, virtual_origin, decay_rate, width = numbers[:6]
+    spread, upper_ratio, travel_speed, carried, velocity_share, reach = numbers[6:]
+    shape = strength, gap_ref, power != 0.0, virtual_origin, decay_rate
+    return JetLaw(*shape, width, spread, upper_ratio, travel_speed, carried, velocity_share, reach)
+
+
+@compiled
 def _drift(dz: float, vel: Array, axis: Array, law: JetLaw) -> tuple[float, float]:
     """Return the horizontal displacement of the air since it left its source [m]."""
     upright = max(axis[2], 0.5)
