@@ -31,7 +31,6 @@ but an emergency.
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,8 +129,7 @@ class Guard:
         command = self._controller.update(flown, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
         age = state.age if state.names == command.names else _ages(state, command.names)
-        if self._is_nominal(command, state, NominalAges(age + known, known, self._params.degraded_s)):
-            self._measured_at = command.t - age - max(known, 0.0)
+        if self._is_nominal(command, state, age, known):
             self._last, self._nominal = command, state
             return command
         self._start_dead_reckoning()
@@ -174,14 +172,19 @@ class Guard:
         self._measured_at = np.zeros(0)
         self._down = np.zeros(0, dtype=np.bool_)
 
-    def _is_nominal(self, command: SwarmCommand, state: SwarmState, ages: "NominalAges") -> bool:
-        """Return whether every vehicle is measured, commanded and on: nearly every tick."""
+    def _is_nominal(self, command: SwarmCommand, state: SwarmState, age: Array, known: float) -> bool:
+        """Return whether every vehicle is measured, commanded and on: nearly every tick.
+
+        Store when each was measured then. The state is `known` [s] old, its ages are `age` [s], (n,).
+        """
         if self._emergency or command.names != self._names:
             return False
         if state.names != self._names and (state.status == TrackStatus.LOST).any():
             return False
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-        return all_nominal(ages, values, command.status, self._down)
+        bounds = known, self._params.degraded_s
+        memory = self._down, self._measured_at
+        return note_nominal((command.t, *bounds), age.copy(), values, command.status, memory)
 
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
         """Return the vehicles that fly blind, by the last command or, of another controller, by the state."""
@@ -227,24 +230,32 @@ class Guard:
         return SwarmCommand(command.t, command.names, thrust, roll, pitch, yaw_rate, status)
 
 
-class NominalAges(NamedTuple):
-    """Ages of measurements, and the bounds of nominal ones."""
-
-    ages: Array
-    """[s], (n,)."""
-    least: float
-    most: float
-
-
 @compiled
-def all_nominal(known: NominalAges, values: Array, status: Status, down: NDArray[np.bool_]) -> bool:
-    """Return whether all ages are nominal, all command values finite, and no motors `down` (n,)."""
-    for i in range(known.ages.size):
-        if not (known.least <= known.ages[i] < known.most) or status[i] > _SOUND or down[i]:
+def note_nominal(
+    times: tuple[float, float, float],
+    age: Array,
+    values: Array,
+    status: Status,
+    memory: tuple[NDArray[np.bool_], Array],
+) -> bool:
+    """Return whether a tick is nominal; if it is, write when each vehicle was measured.
+
+    Args:
+        times: Tick, time since the state's, and largest nominal age of a measurement [s].
+        age: Of each measurement in the state [s], (n,).
+        values: Of the command, all of which must be finite, (4 n,).
+        status: CommandStatus, (n,).
+        memory: Which motors are cut, (n,), and `b` of the module, (n,).
+    """
+    (t, known, most), (down, measured_at) = times, memory
+    for i in range(age.size):
+        if not (known <= age[i] + known < most) or status[i] > _SOUND or down[i]:
             return False
-    for value in values:  # noqa: SIM110  numba knows no all()
+    for value in values:
         if not isfinite(value):
             return False
+    for i in range(age.size):
+        measured_at[i] = t - age[i] - max(known, 0.0)
     return True
 
 

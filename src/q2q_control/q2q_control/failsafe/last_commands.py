@@ -34,6 +34,11 @@ class HoldThenLevel:
     hover_thrust: float
     """[N]"""
 
+    @property
+    def numbers(self) -> tuple[float, float]:
+        """Return hold time [s] and hover thrust [N], for compiled code."""
+        return self.hold_time, self.hover_thrust
+
 
 class LastCommands:
     """Last computed command of every vehicle and its time."""
@@ -50,13 +55,17 @@ class LastCommands:
 
     def completed(self, tick: Aligned, values: Array, saturated: Flags) -> SwarmCommand:
         """Return the tick's command: `values` thrust, roll, pitch, yaw rate (n, 4) where usable."""
-        if tick.names != self._names:
-            self._reorder(tick.names)
         out, status = np.empty((4, len(values))), np.empty(len(values), dtype=np.uint8)
-        rule = _Rule(self.rule.hold_time, self.rule.hover_thrust)
-        last = _Last(self._values, self._stamps)
-        _complete(_Tick(tick.t, values, saturated, tick.usable), last, rule, out, status)
-        return SwarmCommand(tick.t, tick.names, out[0], out[1], out[2], out[3], status)
+        thrust, roll, pitch, yaw_rate = out
+        last, rule = self.memory(tick.names), self.rule.numbers
+        complete((tick.t, tick.usable), (values, saturated), last, rule, (out, status))
+        return SwarmCommand(tick.t, tick.names, thrust, roll, pitch, yaw_rate, status)
+
+    def memory(self, names: Names) -> "Last":
+        """Return the last computed commands of vehicles, written in place by `complete`."""
+        if names != self._names:
+            self._reorder(names)
+        return Last(self._values, self._stamps)
 
     def _reorder(self, names: Names) -> None:
         rows = index_of(names, self._names)
@@ -65,39 +74,42 @@ class LastCommands:
         self._names, self._values, self._stamps = names, values[rows], stamps[rows]
 
 
-class _Tick(NamedTuple):
-    """Commands computed in a tick."""
-
-    t: float
-    values: Array
-    """Thrust, roll, pitch, yaw rate, (n, 4)."""
-    saturated: Flags
-    usable: Flags
-
-
-class _Last(NamedTuple):
+class Last(NamedTuple):
     """Last computed commands."""
 
     values: Array
+    """Thrust [N], roll, pitch [rad], yaw rate [rad/s], (n, 4)."""
     stamps: Array
-
-
-class _Rule(NamedTuple):
-    hold_time: float
-    hover_thrust: float
+    """[s], (n,)."""
 
 
 @compiled
-def _complete(tick: _Tick, last: _Last, rule: _Rule, out: Array, status: Status) -> None:
-    """Write commands (4, n) and status (n,), and store the computed ones in `last`."""
-    for i in range(tick.usable.size):
-        if tick.usable[i]:
-            last.values[i], last.stamps[i] = tick.values[i], tick.t
-            status[i] = _SATURATED if tick.saturated[i] else _OK
-        elif tick.t - last.stamps[i] > rule.hold_time:
-            out[:, i], out[0, i] = 0.0, rule.hover_thrust
+def complete(
+    tick: tuple[float, Flags],
+    computed: tuple[Array, Flags],
+    last: Last,
+    rule: tuple[float, float],
+    out: tuple[Array, Status],
+) -> None:
+    """Complete the commands of a tick, and store the computed ones in `last`.
+
+    Args:
+        tick: Time [s], and which vehicles are usable, (n,).
+        computed: Thrust, roll, pitch, yaw rate, (n, 4), and which are saturated, (n,).
+        last: Last computed commands.
+        rule: Hold time [s], and hover thrust [N].
+        out: Written: commands, (4, n), and status, (n,).
+    """
+    (t, usable), (values, saturated), (commands, status) = tick, computed, out
+    hold_time, hover_thrust = rule
+    for i in range(usable.size):
+        if usable[i]:
+            last.values[i], last.stamps[i] = values[i], t
+            status[i] = _SATURATED if saturated[i] else _OK
+        elif t - last.stamps[i] > hold_time:
+            commands[:, i], commands[0, i] = 0.0, hover_thrust
             status[i] = _LEVEL
             continue
         else:
             status[i] = _HOLD
-        out[:, i] = last.values[i]
+        commands[:, i] = last.values[i]

@@ -63,37 +63,26 @@ def align(
     """
     names = vehicles or setpoint.names
     table, usable = np.empty((len(names), _WIDTH)), np.empty(len(names), dtype=np.bool_)
-    parts = _columns(state, setpoint, interference, len(names))
-    picked = [part for have, columns in parts for part in _picked(columns, have, names)]
-    np.concatenate(picked, axis=1, out=table)
+    moving = (state.pos, state.vel, state.quat, state.status[:, None])
+    plan = (setpoint.pos, setpoint.vel, setpoint.acc, setpoint.yaw[:, None], setpoint.yaw_rate[:, None])
+    *motion, track = _picked(moving, state.names, names)
+    asked = _picked(plan, setpoint.names, names)
+    push = _push(interference, names)
+    np.concatenate((*motion, *asked, push, track), axis=1, out=table)
     mark_usable(table, usable)
     return Aligned(setpoint.t, names, usable, table)
 
 
-def _columns(
-    state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None, vehicles: int
-) -> tuple[tuple[Names | None, tuple[Array | Status, ...]], ...]:
-    """Return the columns of a table, in order, with the names of their rows; None is for the table's."""
-    yaw, yaw_rate = setpoint.yaw[:, None], setpoint.yaw_rate[:, None]
-    plan = setpoint.pos, setpoint.vel, setpoint.acc, yaw, yaw_rate
-    downwash = (
-        (None, (np.zeros((vehicles, 3)),))
-        if interference is None
-        else (interference.names, (interference.acc,))
-    )
-    return (
-        (state.names, (state.pos, state.vel, state.quat)),
-        (setpoint.names, plan),
-        downwash,
-        (state.names, (state.status[:, None],)),
-    )
+def _push(interference: Interference | None, names: Names) -> Array | Status:
+    """Return the downwash of the vehicles [m/s^2], (n, 3); 0 without a prediction."""
+    if interference is None:
+        return np.zeros((len(names), 3))
+    return _picked((interference.acc,), interference.names, names)[0]
 
 
-def _picked(
-    columns: tuple[Array | Status, ...], have: Names | None, names: Names
-) -> tuple[Array | Status, ...]:
-    """Return the rows of `names` of columns whose rows are `have`, None for `names`; NaN where missing."""
-    if have is None or have == names:
+def _picked(columns: tuple[Array | Status, ...], have: Names, names: Names) -> tuple[Array | Status, ...]:
+    """Return the rows of `names` of columns whose rows are `have`; NaN where missing."""
+    if have == names:
         return columns
     rows, whole = _rows_of(names, have)
     if whole:

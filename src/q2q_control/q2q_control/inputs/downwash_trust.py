@@ -33,7 +33,7 @@ class DownwashTrust:
 
     def faded(self, interference: Interference | None) -> Interference | None:
         """Return the downwash to use at this tick."""
-        if interference is None or not interference.status.any():
+        if interference is None or not np.count_nonzero(interference.status):
             self._valid = {}
             self._t = -np.inf if interference is None else interference.t
             return interference

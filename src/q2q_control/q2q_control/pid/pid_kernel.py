@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_control.failsafe.last_commands import Last, complete
 from q2q_control.inputs.alignment import ETA_AT, POS_AT, REF_ACC_AT, REF_POS_AT, REF_VEL_AT, VEL_AT
 from q2q_control.pid.thrust_vector import Excess, Flags, ThrustLimits, write_command
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Status
 
 
 class PidGains(NamedTuple):
@@ -47,6 +48,28 @@ def pid_rows(
         outward = acc[0] * gains.k_i[0] * error[0] + acc[1] * gains.k_i[1] * error[1]
         _integrate(integral[i], error, gains, Excess(excess.thrust, excess.tilt and outward > 0.0), dt)
     return values, saturated
+
+
+@compiled
+def pid_commands(
+    tick: tuple[float, float, Array, Flags],
+    law: tuple[PidGains, ThrustLimits],
+    memory: tuple[Array, Last],
+    rule: tuple[float, float],
+    out: tuple[Array, Status],
+) -> None:
+    """Write the commands of a tick: the law's, or the last ones where a vehicle is not usable.
+
+    Args:
+        tick: Time, and time since the last tick [s]; table, and which rows are usable, (n,).
+        law: Gains and limits.
+        memory: Integrals, (n, 3), and last computed commands; both advance.
+        rule: As that of q2q_control.failsafe.last_commands.complete.
+        out: As there.
+    """
+    t, dt, table, usable = tick
+    computed = pid_rows(table, memory[0], law[0], law[1], dt)
+    complete((t, usable), computed, memory[1], rule, out)
 
 
 @compiled
