@@ -166,6 +166,7 @@ def stacked_in_a_rooms_air() -> None:
     swarm = Swarm(scenario.names, scenario.vehicle, start, air)
     drive = np.hstack([np.zeros((len(start), 3)), np.ones((len(start), 4))])
     swarm.step(np.zeros((1, len(start), 4)), drive)
+    swarm.downwash()
     rooms = Rooms(RoomsSetup(scenario.vehicle, np.stack([start, start]), air))
     rooms.step(np.zeros((1, 2, len(start), 4)), np.stack([drive, drive]))
 

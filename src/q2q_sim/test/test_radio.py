@@ -9,7 +9,7 @@ from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 from q2q_sim.link.packets import round_packets
-from q2q_sim.link.radio import Radio, RadioParams
+from q2q_sim.link.radio import Radio, RadioParams, command_values
 
 TICK_NS, STEP_NS, STEPS = 10_000_000, 2_000_000, 5
 HOVER = 0.33
@@ -18,8 +18,8 @@ STRONG = replace(CRAZYFLIE_2_0, thrust_max=0.6, full_pwm_thrust=0.66)
 CLEAR = np.zeros(50, dtype=np.bool_)
 
 
-def _command(thrust: float, roll: float = 0.0, n: int = 1) -> SwarmCommand:
-    return SwarmCommand(
+def _command(thrust: float, roll: float = 0.0, n: int = 1) -> np.ndarray:
+    command = SwarmCommand(
         t=0.0,
         names=tuple(f"cf{i + 1}" for i in range(n)),
         thrust=np.full(n, thrust),
@@ -28,6 +28,7 @@ def _command(thrust: float, roll: float = 0.0, n: int = 1) -> SwarmCommand:
         yaw_rate=np.full(n, 0.25),
         status=np.zeros(n, dtype=np.uint8),
     )
+    return command_values(command)
 
 
 def _radio(params: RadioParams, n: int = 1, seed: int = 0, vehicle: Vehicle = STRONG) -> Radio:

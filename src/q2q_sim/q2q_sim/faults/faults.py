@@ -95,8 +95,13 @@ class Fault:
 
     def acts_at(self, t: float, tick: float) -> bool:
         """Return whether the fault acts on the tick at t [s]; `tick` is the time between ticks [s]."""
+        begin, end = self.window(tick)
+        return begin <= t < end
+
+    def window(self, tick: float) -> tuple[float, float]:
+        """Return begin and end of the times of the ticks on which the fault acts [s]; the end is outside."""
         early = 0.5 * tick  # stamps and starts are sums of floats
-        return self.start - early <= t < max(self.start + self.duration, self.start + tick) - early
+        return self.start - early, max(self.start + self.duration, self.start + tick) - early
 
 
 def check_vehicles(faults: Sequence[Fault], names: Names) -> None:

@@ -6,6 +6,7 @@ one, and a missing frame is the last one repeated with its stamp. Only outliers 
 their own stream.
 """
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -52,16 +53,18 @@ class FaultInjection:
     def __init__(self, faults: Sequence[Fault], names: Names, tick_ns: int, seed: int) -> None:
         """Take the faults and the vehicles `names`; `tick_ns` is the sample time [ns]."""
         self._faults = tuple(faults)
+        self._windows = [(*fault.window(time_from_stamp(tick_ns)), fault) for fault in faults]
+        self._weakening = [fault for fault in faults if fault.kind in ("battery_sag", "weak_rotor")]
         self._names = names
         self._tick_ns = tick_ns
         self._rng = stream(seed, "fault outlier")
         self._loss = stream(seed, "fault radio loss")
+        self._no_loss = np.zeros(len(names), dtype=np.bool_)  # ticks share it
         self._rows = {fault: _struck(fault, names) for fault in faults}
         self._now: tuple[int, list[Fault]] = -1, []  # stamp of a tick [ns], and the faults that act on it
-        self._past: list[Delivery] = []
-        self._sent: Delivery | None = None
         longest = max((fault.size for fault in faults if fault.kind == "late"), default=0.0)
-        self._kept = round(longest * 1e9 / tick_ns) + 3
+        self._past: deque[Delivery] = deque(maxlen=round(longest * 1e9 / tick_ns) + 3)
+        self._sent: Delivery | None = None
 
     def deliver(self, frame: MocapFrame, stamp_ns: int, injected: Flags) -> Delivery:
         """Return the frame that arrives in the tick at stamp_ns and mark the faults in `injected` (n,)."""
@@ -73,7 +76,7 @@ class FaultInjection:
             if fault.kind in MARKS:
                 injected[self._rows[fault]] |= np.uint8(MARKS[fault.kind])
             here = replace(self._stamped(here, fault), frame=self._with_rows(here.frame, fault))
-        self._past = [*self._past[1 - self._kept :], here]
+        self._past.append(here)
         for fault in acting:
             here = self._arriving(here, fault)
         stamped = time_from_stamp(here.stamp_ns)
@@ -85,30 +88,26 @@ class FaultInjection:
 
     def jammed(self, stamp_ns: int) -> Mask:
         """Return which vehicles lose their packet of this tick, (n,)."""
-        lost = np.zeros(len(self._names), dtype=np.bool_)
-        if not self._faults:
-            return lost
-        for fault in self._acting(stamp_ns):
+        lost = self._no_loss
+        for fault in self._acting(stamp_ns) if self._faults else ():
             if fault.kind == "radio_loss":
-                lost |= self._rows[fault] & (self._loss.random(len(lost)) < fault.size)
+                lost = lost | self._rows[fault] & (self._loss.random(len(lost)) < fault.size)
         return lost
 
     def weakened(self, drive: Array, stamp_ns: int) -> Array:
         """Return the drive (n, 7) with the rotor gains reduced by battery sag and weak rotors."""
-        for fault in self._faults:
+        for fault in self._weakening:
             if fault.kind == "battery_sag":
                 drive[self._rows[fault], 3:] *= 1.0 - fault.size * self._elapsed(fault, stamp_ns)
-            if fault.kind == "weak_rotor" and self._acts(fault, stamp_ns):
+            elif fault in self._acting(stamp_ns):
                 drive[self._rows[fault], 3] *= 1.0 - fault.size
         return drive
 
     def _acting(self, stamp_ns: int) -> list[Fault]:
         if self._now[0] != stamp_ns:
-            self._now = stamp_ns, [fault for fault in self._faults if self._acts(fault, stamp_ns)]
+            t = time_from_stamp(stamp_ns)
+            self._now = stamp_ns, [fault for begin, end, fault in self._windows if begin <= t < end]
         return self._now[1]
-
-    def _acts(self, fault: Fault, stamp_ns: int) -> bool:
-        return fault.acts_at(time_from_stamp(stamp_ns), time_from_stamp(self._tick_ns))
 
     def _elapsed(self, fault: Fault, stamp_ns: int) -> float:
         """Return the elapsed fraction of the fault's duration, 0 to 1."""

@@ -41,20 +41,41 @@ Onboard = tuple[Nanoseconds, Flags, Array]
 
 
 @compiled
+def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
+    """Write commands as vehicles read them in packets: integer PWM, and 32-bit floats in degrees.
+
+    The numbers are those of q2q_control.radio.rpyt_scale, which takes numpy's calls: ten times as long.
+
+    Args:
+        values: commands, rows as the columns of `what`, (4, k).
+        full_pwm_thrust: collective thrust at PWM_FULL [N].
+        out: written, (4, k).
+    """
+    for k in range(values.shape[1]):
+        pwm = min(max(np.rint(values[0, k] / full_pwm_thrust * PWM_FULL), 0.0), RPYT_PWM_MAX)
+        out[0, k] = pwm / PWM_FULL * full_pwm_thrust if pwm >= PWM_MIN else 0.0
+        for c in range(1, 4):
+            out[c, k] = np.float64(np.float32(values[c, k] * DEGREES)) * RADIANS
+
+
+@compiled
 def put(
-    flying: Flying, count: int, commands: tuple[Array, float], sent: Sent, clock: tuple[int, int, int]
+    flying: Flying, count: int, commands: tuple[Array, float, float], sent: Sent, clock: tuple[int, int, int]
 ) -> int:
     """Send packets; return how many are in the air then.
 
     Args:
         flying: packets in the air.
         count: number of them.
-        commands: values (4, k), and the largest thrust [N].
+        commands: values (4, k), the largest thrust [N], and the thrust at PWM_FULL [N]; 0 rounds nothing.
         sent: state of the transmitter.
         clock: now, gap between packets of a vehicle, latency [ns].
     """
     when, what = flying
-    values, thrust_max = commands
+    values, thrust_max, full_pwm_thrust = commands
+    if full_pwm_thrust > 0.0:
+        exact, values = values, np.empty_like(values)
+        round_packets(exact, full_pwm_thrust, values)
     rows, next_ns, lost, late_ns = sent
     now_ns, gap_ns, latency_ns = clock
     for k in range(rows.size):
@@ -117,21 +138,3 @@ def deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int]
                 out[s, row, 0] = 0.0
     applied[:] = out[steps - 1]
     return left
-
-
-@compiled
-def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
-    """Write commands as vehicles read them in packets: integer PWM, and 32-bit floats in degrees.
-
-    The numbers are those of q2q_control.radio.rpyt_scale, which takes numpy's calls: ten times as long.
-
-    Args:
-        values: commands, rows as the columns of `what`, (4, k).
-        full_pwm_thrust: collective thrust at PWM_FULL [N].
-        out: written, (4, k).
-    """
-    for k in range(values.shape[1]):
-        pwm = min(max(np.rint(values[0, k] / full_pwm_thrust * PWM_FULL), 0.0), RPYT_PWM_MAX)
-        out[0, k] = pwm / PWM_FULL * full_pwm_thrust if pwm >= PWM_MIN else 0.0
-        for c in range(1, 4):
-            out[c, k] = np.float64(np.float32(values[c, k] * DEGREES)) * RADIANS

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from q2q_model.signals.values import Array, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.link.packets import deliver, put, round_packets
-from q2q_sim.random_streams import stream
+from q2q_sim.link.packets import deliver, put
+from q2q_sim.random_streams import DrawnAhead, stream
 from q2q_sim.sensors.episodes import Mask
 
 Rows = NDArray[np.intp]
@@ -51,8 +51,9 @@ class Radio:
         """Start with every vehicle level at a thrust [N] of `at_start` (n,)."""
         n = len(at_start)
         self._params = params
-        self._full_pwm_thrust, self._rpyt_thrust_max = vehicle.full_pwm_thrust, vehicle.rpyt_thrust_max
-        self._loss, self._jitter = stream(seed, "radio loss"), stream(seed, "radio jitter")
+        self._scale = vehicle.rpyt_thrust_max, vehicle.full_pwm_thrust if params.quantised else 0.0
+        self._loss = DrawnAhead(stream(seed, "radio loss").random, (n,))
+        self._jitter = DrawnAhead(stream(seed, "radio jitter").random, (n,))
         self._gap_ns, self._latency_ns = round(1e9 / params.rate), round(1e9 * params.latency)
         self._next_ns = np.zeros(n, dtype=np.int64)
         self._in_time = np.zeros(n, dtype=np.int64)
@@ -62,21 +63,19 @@ class Radio:
         applied[:, 0] = np.where(locked, 0.0, at_start)
         self._onboard = np.zeros(n, dtype=np.int64), locked, applied
         sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
-        none = np.zeros(0)
-        nothing = SwarmCommand(0.0, (), none, none, none, none, none.astype(np.uint8))
-        coded = self._coded(nothing), self._rpyt_thrust_max
-        put(self._flying, 0, coded, sent, (0, 0, 0))  # loads the kernels before the first tick
+        nothing = np.zeros((4, 0)), *self._scale
+        put(self._flying, 0, nothing, sent, (0, 0, 0))  # loads the kernel before the first tick
 
-    def send(self, now_ns: int, rows: Rows, command: SwarmCommand, jammed: Mask) -> None:
-        """Send the command of the tick at now_ns; row k of it is for vehicle rows[k].
+    def send(self, now_ns: int, rows: Rows, values: Array, jammed: Mask) -> None:
+        """Send the commands of the tick at now_ns, `command_values` (4, k); column k is for vehicle rows[k].
 
         Packets to `jammed` vehicles (n,) are lost in addition to random losses.
         """
-        asked = self._coded(command), self._rpyt_thrust_max
+        asked = values, *self._scale
         while self._count + len(rows) > len(self._flying[0]):
             when, what = self._flying
             self._flying = np.vstack([when, np.zeros_like(when)]), np.vstack([what, np.zeros_like(what)])
-        sent = rows, self._next_ns, jammed | self._lost(), self._late_ns()
+        sent = rows, self._next_ns, self._lost(jammed), self._late_ns()
         self._count = put(self._flying, self._count, asked, sent, (now_ns, self._gap_ns, self._latency_ns))
 
     def applied(self, now_ns: int, step_ns: int, steps: int) -> Array:
@@ -85,23 +84,19 @@ class Radio:
         self._count = deliver(self._flying, self._count, self._onboard, (now_ns, step_ns), out)
         return out
 
-    def _lost(self) -> Mask | bool:
+    def _lost(self, jammed: Mask) -> Mask:
         """Return which vehicles lose their packet of this tick, (n,)."""
-        return self._params.loss > 0.0 and self._loss.random(len(self._next_ns)) < self._params.loss
+        return jammed | (self._loss.next() < self._params.loss) if self._params.loss > 0.0 else jammed
 
     def _late_ns(self) -> NDArray[np.int64]:
         """Return the delay of the packets of this tick beyond the latency [ns], (n,)."""
         if self._params.jitter == 0.0:
             return self._in_time
-        late = self._jitter.random(len(self._next_ns)) * (self._params.jitter * 1e9)
+        late = self._jitter.next() * (self._params.jitter * 1e9)
         return np.rint(late).astype(np.int64)
 
-    def _coded(self, command: SwarmCommand) -> Array:
-        """Return the commands as sent: thrust [N], roll, pitch [rad], yaw rate [rad/s], (4, k)."""
-        values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-        values = values.reshape(4, len(command.names))
-        if not self._params.quantised:
-            return values
-        rounded = np.empty_like(values)
-        round_packets(values, self._full_pwm_thrust, rounded)
-        return rounded
+
+def command_values(command: SwarmCommand) -> Array:
+    """Return thrust [N], roll, pitch [rad], yaw rate [rad/s] of the vehicles of a command, (4, k)."""
+    values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
+    return values.reshape(4, len(command.names))

@@ -29,7 +29,7 @@ from q2q_model.signals.values import (
 )
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.faults.injection import FaultInjection
-from q2q_sim.link.radio import Radio, RadioParams, Rows
+from q2q_sim.link.radio import Radio, RadioParams, Rows, command_values
 from q2q_sim.loop.scenario_air import air_of, ambient_of_air, ambient_of_scenario
 from q2q_sim.plant.quadcopter import ACC
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
@@ -135,7 +135,10 @@ class Room:
         self.capture()  # captured once every tick, so that the noise does not depend on the callers
         now_ns = self._tick * TICK_NS
         if command is not None:
-            self._radio.send(now_ns, self._rows_of(command), command, self._faults.jammed(now_ns))
+            rows, values = self._rows_of(command), command_values(command)
+            if not math.isfinite(np.vdot(values, values)):
+                self._check_finite(command.names, values.T)
+            self._radio.send(now_ns, rows, values, self._faults.jammed(now_ns))
         applied = self._radio.applied(now_ns, TICK_NS // STEPS, STEPS)
         self._swarm.step(applied, self._faults.weakened(self._ambient.drive(), now_ns))
         self._tick += 1
@@ -157,9 +160,6 @@ class Room:
         if command.names != self._commanded:
             self._command_rows = self._known_rows(command.names)
             self._commanded = command.names
-        values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-        if not math.isfinite(values.sum()):
-            self._check_finite(command.names, values.reshape(4, -1).T)
         return self._command_rows
 
     def _known_rows(self, names: Names) -> Rows:

@@ -20,9 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.random_streams import stream
+from q2q_sim.random_streams import DrawnAhead, stream
 
 Three = tuple[float, float, float]
 STILL = (0.0, 0.0, 0.0)
@@ -66,7 +67,7 @@ class Disturbance:
             seed: seed of the flight.
             mean: acceleration by steady wind [m/s^2], world.
         """
-        self._rng = stream(seed, "air")
+        self._normal = DrawnAhead(stream(seed, "air").standard_normal, (vehicles, 3)).next
         self._std = params.air_std
         self._mean, self._steady = np.array(mean), any(mean)
         self._keep = math.exp(-tick / params.air_time)
@@ -74,7 +75,7 @@ class Disturbance:
         gain = stream(seed, "thrust gain").uniform(
             params.thrust_gain_min, params.thrust_gain_max, (vehicles, 1)
         )
-        air = self._std * self._rng.standard_normal((vehicles, 3))
+        air = self._std * self._normal()
         self.drive = np.hstack([air, np.repeat(gain, 4, axis=1)])
         """Acceleration by gusts [m/s^2], world, then the gain of each rotor, (n, 7)."""
 
@@ -87,8 +88,15 @@ class Disturbance:
         """Return the drive of this tick, (n, 7), and advance the air by one tick."""
         now = self.drive.copy()
         if self._std > 0.0:
-            fresh = self._rng.standard_normal((len(now), 3))
-            self.drive[:, :3] = self._keep * now[:, :3] + self._fresh * fresh
+            blow(self.drive, self._normal(), self._keep, self._fresh)
         if self._steady:
             now[:, :3] += self._mean
         return now
+
+
+@compiled
+def blow(drive: Array, normal: Array, keep: float, fresh: float) -> None:
+    """Advance the air of a drive (n, 7) by one tick, by standard normal deviates (n, 3)."""
+    for i in range(len(drive)):
+        for k in range(3):
+            drive[i, k] = keep * drive[i, k] + fresh * normal[i, k]

@@ -66,6 +66,14 @@ class Air(NamedTuple):
     """Empty if the kind is not ROOM."""
 
 
+class LawAir(NamedTuple):
+    """Air of a wake law: the part of an Air that it needs, as numba looks at every number in each call."""
+
+    kind: int
+    ring: Array
+    rows: Rows
+
+
 @compiled(**BORROWING)
 def air_push(state: Array, air: Air, body: Body) -> None:
     """Write push and torque of the air on every vehicle."""
@@ -84,6 +92,24 @@ def run(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> No
         air_push(state, air, body)
         advance_rows(state, commands[k], drive, body, work)
         remember(state, air.ring, air.rows, body.mass * GRAVITY)
+
+
+@compiled(nogil=True)
+def run_in_law(state: Array, air: LawAir, commands: Array, drive: Array, body: Body) -> None:
+    """Do as `run` in the air of a wake law: for ten vehicles in two thirds of the time."""
+    work = (np.zeros(BLOCK_WIDTH * LANES), np.zeros(4))
+    for k in range(commands.shape[0]):
+        law_push(state, air.ring, air.rows, air.kind, body.step)
+        advance_rows(state, commands[k], drive, body, work)
+        remember(state, air.ring, air.rows, body.mass * GRAVITY)
+
+
+@compiled(**BORROWING)
+def write_law_push(state: Array, air: LawAir, step: float, push: Array) -> None:
+    """Write the push of a wake law on every vehicle [m/s^2], (n, 3), into `push`; `step` is physics' [s]."""
+    law_push(state, air.ring, air.rows, air.kind, step)
+    for i in range(state.shape[0]):
+        push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA]
 
 
 @compiled(**BORROWING)
@@ -125,6 +151,7 @@ class Swarm:
         self._flown = vehicle_in(air, vehicle)
         self.state = state_at_rest(start, vehicle.mass)
         self.air = still_air(self.state, air, self.body, seed)
+        self._law = LawAir(*self.air[:3]) if isinstance(air, WakeLaw) else None
         self._block = -1
         self._processes = UnitProcesses(air, len(names), step, seed) if isinstance(air, RoomAir) else None
         setup = AirSetup(vehicle, len(names), step, seed)
@@ -143,6 +170,9 @@ class Swarm:
         Raises:
             AirError: the air's own class gives no valid push.
         """
+        if self._law is not None:
+            run_in_law(self.state, self._law, commands, drive, self.body)
+            return
         done = 0
         while done < len(commands):
             end = done + self.prepare()
@@ -173,8 +203,11 @@ class Swarm:
 
     def downwash(self) -> Array:
         """Return the push of the air on every vehicle now [m/s^2], world, (n, 3)."""
-        self.prepare()
         push = np.empty((len(self.names), 3))
+        if self._law is not None:
+            write_law_push(self.state, self._law, self.body.step, push)
+            return push
+        self.prepare()
         write_push(self.state, self.air, self.body, push)
         return push
 

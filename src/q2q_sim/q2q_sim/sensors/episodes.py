@@ -13,11 +13,9 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
+from q2q_sim.random_streams import AHEAD
 
 Mask = NDArray[np.bool_]
-
-AHEAD = 32
-"""Ticks drawn at a time: enough that their calls cost little, few enough for the tick that draws."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ from q2q_model.compiled import compiled
 from q2q_model.geometry.rotations import quat_multiply
 from q2q_model.signals.values import Array, MocapFrame, SwarmState
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.random_streams import stream
+from q2q_sim.random_streams import DrawnAhead, stream
 from q2q_sim.sensors.episodes import Episodes, Frequency, Mask
 
 
@@ -90,12 +90,14 @@ class Vicon:
     def __init__(self, params: ViconParams, vehicles: int, tick: float, seed: int) -> None:
         """Observe `vehicles` vehicles every `tick` [s]."""
         self._params = params
-        self._rng = {name: stream(seed, f"vicon {name}") for name in ("noise", "flip axis", "outlier size")}
-        self._happens = {
-            name: Episodes(frequency, 1 if name == "stale" else vehicles, tick, stream(seed, f"vicon {name}"))
-            for name, frequency in _frequencies(params).items()
-            if frequency.rate > 0.0
-        }
+        self._rng = {name: stream(seed, f"vicon {name}") for name in ("flip axis", "outlier size")}
+        self._noise = DrawnAhead(stream(seed, "vicon noise").standard_normal, (2, vehicles, 3))
+        self._happens = [
+            (name, Episodes(often, 1 if name == "stale" else vehicles, tick, stream(seed, f"vicon {name}")))
+            for name, often in _frequencies(params).items()
+            if often.rate > 0.0
+        ]
+        self._now: dict[str, tuple[Mask, Mask]] = {}  # rows in an episode, and that start one, in this tick
         self._turn = np.zeros((vehicles, 4))
         self._partner = np.arange(vehicles)
         self._last: tuple[Array, Array] | None = None
@@ -106,7 +108,10 @@ class Vicon:
         """Return the frame of a tick; call once a tick."""
         self.injected = np.zeros(len(truth.names), dtype=np.uint8)
         pos, quat = self._noisy(truth)
-        if not self._happens:
+        happening = ((name, episodes.step()) for name, episodes in self._happens)
+        self._now = {name: found for name, found in happening if found is not None}
+        if not self._now:
+            self._last = pos, quat
             return MocapFrame(t=truth.t, names=truth.names, pos=pos, quat=quat)
         quat = self._flipped(quat)
         pos, quat = self._swapped(truth.pos, pos, quat)
@@ -124,13 +129,12 @@ class Vicon:
         params = self._params
         if params.pos_noise == 0.0 and params.angle_noise == 0.0:
             return truth.pos, truth.quat
-        noise = self._rng["noise"].standard_normal((2, *truth.pos.shape))
         pos, quat = np.empty(truth.pos.shape), np.empty(truth.quat.shape)
-        blur((truth.pos, truth.quat), noise, (params.pos_noise, params.angle_noise), pos, quat)
+        blur((truth.pos, truth.quat), self._noise.next(), (params.pos_noise, params.angle_noise), pos, quat)
         return pos, quat
 
     def _flipped(self, quat: Array) -> Array:
-        happening = self._step("flip")
+        happening = self._now.get("flip")
         if happening is None:
             return quat
         flips, begins = happening
@@ -141,7 +145,7 @@ class Vicon:
         return np.where(flips[:, None], quat_multiply(quat, self._turn), quat)
 
     def _swapped(self, true_pos: Array, pos: Array, quat: Array) -> tuple[Array, Array]:
-        happening = self._step("swap")
+        happening = self._now.get("swap")
         if len(pos) < 2 or happening is None:
             return pos, quat
         swaps, begins = happening
@@ -156,7 +160,7 @@ class Vicon:
         return pos[rows], quat[rows]
 
     def _with_outliers(self, pos: Array) -> Array:
-        happening = self._step("outlier")
+        happening = self._now.get("outlier")
         if happening is None:
             return pos
         outliers, _ = happening
@@ -168,23 +172,18 @@ class Vicon:
         return np.where(outliers[:, None], pos + size * direction, pos)
 
     def _stale(self, pos: Array, quat: Array) -> tuple[Array, Array]:
-        if self._step("stale") is not None and self._last is not None:
+        if "stale" in self._now and self._last is not None:
             self._mark(np.ones(len(pos), dtype=np.bool_), Injected.STALE)
             return self._last
         self._last = pos, quat
         return pos, quat
-
-    def _step(self, name: str) -> tuple[Mask, Mask] | None:
-        """Advance one tick; return which rows are in an episode and which start one, None if none is."""
-        happens = self._happens.get(name)
-        return happens.step() if happens else None
 
     def _mark(self, rows: Mask, what: Injected) -> None:
         self.injected[rows] |= np.uint8(what)
 
     def _absent(self) -> Mask | None:
         """Return which vehicles are not in the frame, (n,); None if all are."""
-        dropout, missing = self._step("dropout"), self._step("missing")
+        dropout, missing = self._now.get("dropout"), self._now.get("missing")
         if dropout is None or missing is None:
             either = dropout or missing
             return None if either is None else either[0]

@@ -83,6 +83,7 @@ def _in_a_rooms_air() -> None:
     n = len(start)
     drive = np.hstack([np.zeros((n, 3)), np.ones((n, 4))])
     swarm.step(np.zeros((1, n, 4)), drive)
+    swarm.downwash()
     rooms = Rooms(RoomsSetup(scenario.vehicle, start[None], air))
     rooms.step(np.zeros((1, 1, n, 4)), drive[None])
 

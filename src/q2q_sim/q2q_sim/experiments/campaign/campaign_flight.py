@@ -11,6 +11,7 @@ import yaml
 from q2q_model.bag import BagWriter
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import time_from_stamp
 from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.experiments.campaign.violation_replay import write_replay
@@ -54,7 +55,7 @@ def flown_pure(run: Run) -> JudgedFlight:
     signals: list[RecordedSignal] = []
     try:
         for tick, answer in answered_ticks(run.scenario, flight_options(run)):
-            at, state, given = tick.stamp_ns / NS, answer.state, answer.given
+            at, state, given = time_from_stamp(tick.stamp_ns), answer.state, answer.given
             seen: tuple[Signal, ...] = (tick.truth, tick.truth_interference, tick.frame)
             heard = (*seen, state, given, answer.command)
             signals += [RecordedSignal(topic, at, one) for topic, one in zip(JUDGED, heard, strict=True)]
@@ -86,7 +87,10 @@ def judged(run: Run, signals: Sequence[RecordedSignal]) -> tuple[Violation, ...]
 
 def at_own_stamps(signals: Sequence[RecordedSignal]) -> list[RecordedSignal]:
     """Return the recorded messages as in a bag in lockstep: bag time is the stamp."""
-    return [RecordedSignal(one.topic, one.signal.t, one.signal) for one in signals]
+    return [
+        one if one.at == one.signal.t else RecordedSignal(one.topic, one.signal.t, one.signal)
+        for one in signals
+    ]
 
 
 def crash(error: Exception) -> Violation:
