@@ -1,6 +1,7 @@
 """A tube holds as often as it says; encounters with full dynamics are judged by what vehicles did."""
 
 import json
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.commands.promise import main
+from q2q_sim.experiments.promise.kept_flights import resumed
 from q2q_sim.experiments.promise.promise_verdict import Rate, verdict, verdict_json
 from q2q_sim.experiments.promise.room_encounter import (
     STEADY,
@@ -173,6 +175,30 @@ def test_a_verdict_counts_what_happened_under_the_conditions_apart_from_the_rest
         "least_distance_m": -0.01, "ticks": 300, "broken_ticks": 7, "left_tube": 1,
         "left_tube_rate_most": Rate(1, 3).most, "arrived": 1, "can_arrive": 2,
     }  # fmt: skip
+
+
+def test_an_interrupted_series_flies_only_what_is_missing_and_keeps_to_its_case(tmp_path: Path) -> None:
+    """The last line is cut off, as by a kill while it is written."""
+    blank = EncounterRecord(
+        seed=0, vehicles=2, apart_at_start=True, horizontal=0.05, vertical=0.02, clearance=0.1,
+        announced=True, ticks=100, broken_ticks=0, arrived=None,
+    )  # fmt: skip
+    file, flown = tmp_path / "flights.jsonl", list[int]()
+
+    def fly_seeds(seeds: Sequence[int]) -> Iterator[EncounterRecord]:
+        for seed in seeds:
+            flown.append(seed)
+            yield replace(blank, seed=seed)
+
+    case = PromiseCase()
+    assert [one.seed for one in resumed(range(3), case, file, fly_seeds)] == [0, 1, 2]
+    file.write_text(file.read_text()[:-20])
+    found = list(resumed(range(1, 5), case, file, fly_seeds))
+    assert sorted(one.seed for one in found) == [1, 2, 3, 4]
+    assert flown == [0, 1, 2, 2, 3, 4]
+    other = PromiseCase(replace(STEADY, tracking=0.2))
+    with pytest.raises(ValueError, match="flights of another tube"):
+        list(resumed(range(3), other, file, fly_seeds))
 
 
 def test_the_command_prints_a_tube_and_writes_its_numbers(
