@@ -71,6 +71,13 @@ def test_while_it_waits_the_reference_is_where_the_vehicles_are_seen() -> None:
     assert room.player.played is None
 
 
+def test_a_vehicle_missing_from_a_frame_rests_where_it_was_last_seen() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
+    player.update(frame(0.0, GROUND))
+    alone = MocapFrame(0.1, PLAN.names[:1], ABOVE[:1], np.array([[0.0, 0.0, 0.0, 1.0]]))
+    np.testing.assert_array_equal(player.update(alone).pos, [ABOVE[0], *GROUND[1:]])
+
+
 def test_a_vehicle_that_was_never_seen_has_no_reference_and_is_named() -> None:
     player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=True)
     with pytest.raises(ValueError, match="cf2 has not been measured"):

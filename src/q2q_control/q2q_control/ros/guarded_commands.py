@@ -24,6 +24,7 @@ EMERGENCY = "all/emergency"
 """Name of the emergency service, as in Crazyswarm2."""
 PERIOD_S = 0.01
 """Period of the checks [s]: one tick."""
+_SATURATED = int(CommandStatus.SATURATED)  # numpy takes 10 us to compare with an enumeration
 
 
 class GuardedCommands:
@@ -70,7 +71,7 @@ class GuardedCommands:
             self._state = state
 
     def _count(self, _: int, command: SwarmCommand) -> None:
-        self._wiring.health.fallbacks += int(command.status.max(initial=0) > CommandStatus.SATURATED)
+        self._wiring.health.fallbacks += int(command.status.max(initial=0)) > _SATURATED
 
     def _check(self) -> None:
         """Send the command that is due."""

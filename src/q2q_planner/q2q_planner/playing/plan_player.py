@@ -9,6 +9,7 @@ make the reference jump: a glide starts where it rests, the plan starts where th
 """
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
@@ -48,6 +49,7 @@ class PlanPlayer:
         self.played = Played(plan, start) if start >= 0.0 and not wait else None
         """None while waiting."""
         self._seen = np.full((len(plan.names), 4), np.nan)
+        self._whole: MocapFrame | None = None  # last frame, if it shows all vehicles
         self._last: SwarmSetpoint | None = None
 
     def update(self, frame: MocapFrame) -> SwarmSetpoint:
@@ -101,17 +103,28 @@ class PlanPlayer:
         return Reply(granted=True, reason=f"at rest in {stopping.duration:.1f} s")
 
     def _see(self, frame: MocapFrame) -> None:
+        """Keep the measured poses; those of a whole frame are taken only when they are asked for."""
+        if frame.names == self._plan.names and isfinite(np.vdot(frame.pos, frame.pos)):
+            self._whole = frame
+            return
+        self._seen, self._whole = self._measured(), None
         rows = index_of(frame.names, self._plan.names)
         seen = (rows >= 0) & np.isfinite(frame.pos).all(axis=1)
         yaw = yaw_from_quat(frame.quat[seen])
         self._seen[rows[seen], :3] = frame.pos[seen]
         self._seen[rows[seen], 3] = np.where(np.isfinite(yaw), yaw, 0.0)
 
+    def _measured(self) -> Array:
+        """Return the last measured positions [m] and yaw [rad] of the plan's vehicles, (n, 4)."""
+        if self._whole is None:
+            return self._seen
+        yaw = yaw_from_quat(self._whole.quat)
+        return np.column_stack([self._whole.pos, np.where(np.isfinite(yaw), yaw, 0.0)])
+
     def _resting(self, t: float) -> SwarmSetpoint:
+        seen = self._measured()
         missing = [
-            name
-            for name, one in zip(self._plan.names, self._seen, strict=True)
-            if not np.isfinite(one[:3]).all()
+            name for name, one in zip(self._plan.names, seen, strict=True) if not np.isfinite(one[:3]).all()
         ]
         if missing:
             raise ValueError(f"{', '.join(missing)} has not been measured yet: no reference before that")
@@ -119,10 +132,10 @@ class PlanPlayer:
         return SwarmSetpoint(
             t=t,
             names=self._plan.names,
-            pos=self._seen[:, :3].copy(),
+            pos=seen[:, :3].copy(),
             vel=np.zeros((n, 3)),
             acc=np.zeros((n, 3)),
-            yaw=self._seen[:, 3].copy(),
+            yaw=seen[:, 3].copy(),
             yaw_rate=np.zeros(n),
             status=np.full(n, int(SetpointStatus.NOMINAL), dtype=np.uint8),
         )
