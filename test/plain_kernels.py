@@ -60,6 +60,8 @@ def difference(one: object, other: object) -> float:
         return max((difference(a, b) for a, b in zip(one, other, strict=True)), default=0.0)
     if one is None:
         return 0.0 if other is None else np.inf
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray) and one.dtype.names:
+        return difference(*(tuple(table[name] for name in one.dtype.names) for table in (one, other)))
     left, right = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
     if left.shape != right.shape or not np.array_equal(np.isfinite(left), np.isfinite(right)):
         return np.inf
