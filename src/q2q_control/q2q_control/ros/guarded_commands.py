@@ -24,7 +24,7 @@ EMERGENCY = "all/emergency"
 """Name of the emergency service, as in Crazyswarm2."""
 PERIOD_S = 0.01
 """Period of the checks [s]: one tick."""
-_SATURATED = int(CommandStatus.SATURATED)  # numpy takes 10 us to compare with an enumeration
+_SATURATED = int(CommandStatus.SATURATED)  # numpy takes 5 us to read an enumeration
 
 
 class GuardedCommands:
