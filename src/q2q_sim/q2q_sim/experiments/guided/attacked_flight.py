@@ -101,14 +101,17 @@ def _record(signals: Sequence[RecordedSignal]) -> Iterator[Violation]:
     for topic in RECORDED:
         mine = [one.signal for one in written if one.topic == topic]
         back = [signal for name, signal in read if name == topic]
-        if len(mine) != len(back) or not all(map(_same, mine, back)):
+        if not _same(mine, back):
             yield Violation(RECORD, topic, math.nan, math.nan, 0.0)
             return
 
 
-def _same(written: Signal, read: Signal) -> bool:
-    """Return whether two messages have the same stamp, names and numbers."""
-    if written.t != read.t or written.names != read.names:
+def _same(written: Sequence[Signal], read: Sequence[Signal]) -> bool:
+    """Return whether the messages of a topic have the same stamps, names and numbers."""
+    if [(one.t, one.names) for one in written] != [(one.t, one.names) for one in read]:
         return False
-    columns = (column.attribute for column in LAYOUTS[type(written)].columns)
-    return all(np.array_equal(getattr(written, one), getattr(read, one), equal_nan=True) for one in columns)
+    numbers = [
+        [np.concatenate([getattr(one, column.attribute) for one in signals]) for signals in (written, read)]
+        for column in LAYOUTS[type(written[0])].columns
+    ]
+    return all(np.array_equal(mine, back, equal_nan=True) for mine, back in numbers)
