@@ -18,7 +18,7 @@ from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
 from q2q_control.radio import cflib_link
-from q2q_control.radio.firmware_params import difference, firmware_params
+from q2q_control.radio.firmware_params import POSE_STD, difference, firmware_params
 from q2q_control.radio.node_params import RadioNodeParams
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
@@ -227,6 +227,9 @@ def test_parameters_of_the_node_are_checked() -> None:
         RadioNodeParams(vehicles=("cf1", "cf2"), uris=("udp://x",))
     assert firmware_params(("locSrv.extPosStdDev = 1e-3",), "setpoint") == {
         "stabilizer.controller": 2.0, "locSrv.extPosStdDev": 1e-3,
+    }  # fmt: skip
+    assert firmware_params(("locSrv.extPosStdDev=1e-3",), "command", poses=True) == {
+        **POSE_STD, "locSrv.extPosStdDev": 1e-3,
     }  # fmt: skip
     with pytest.raises(ValueError, match=r"'nonsense': group\.name=value"):
         firmware_params(("nonsense",), "command")

@@ -374,6 +374,16 @@ def test_places_are_sent_once_a_frame_and_only_where_measured() -> None:
     assert bench.links["cf2"].sent == [expected, expected]
 
 
+def test_places_are_moved_on_by_their_delay() -> None:
+    bench, seen = _Bench(), state(1.0)
+    turning = replace(seen, vel=seen.pos / 4.0, ang_vel_body=np.tile([0.0, 0.0, 5.0], (2, 1)))
+    bench.pilot.update_state(turning, bench.t)
+    ((_, pos, quat),) = bench.links["cf2"].sent
+    delay = PARAMS.pose_delay_s
+    assert pos == pytest.approx([4.0 + delay, 5.0 + 1.25 * delay, 6.0 + 1.5 * delay])
+    assert quat == pytest.approx([0.0, 0.0, math.sin(2.5 * delay), math.cos(2.5 * delay)])
+
+
 def test_a_place_that_is_no_number_and_a_stranger_are_passed_over() -> None:
     bench = _Bench()
     one = state(1.0)

@@ -112,9 +112,9 @@ def test_poses_moved_on_by_their_delay_are_better_than_stock_and_nothing_diverge
     found = {(one.condition, one.estimator): one for one in replayed_errors(motion, range(1))}
     assert sum(one.diverged for one in found.values()) == 0
     speed, delay = RADIUS * RATE, 0.02
-    stock, advanced = (summary([found["100 Hz", name]]).median for name in ("stock", "advanced"))
+    stock, fed = (summary([found["100 Hz", name]]).median for name in ("stock", "fed"))
     assert stock > 0.5 * speed * delay
-    assert advanced < 0.3 * stock
+    assert fed < 0.3 * stock
     assert summary([found["1 s away", "filter"]]).worst > 0.3  # it holds the position for 0.65 s
     uncut = np.count_nonzero(motion.flying & motion.seen)
     assert len(found["100 Hz", "filter"].errors) == uncut

@@ -8,19 +8,25 @@ from math import isclose, nan
 
 MELLINGER = 2.0
 """Value of stabilizer.controller whose controller uses the acceleration of full states."""
+POSE_STD = {"locSrv.extPosStdDev": 0.001, "locSrv.extQuatStdDev": 0.05}
+"""Standard deviations of the poses sent [m], [rad], as Crazyswarm2 sets them. Recorded flights gave nothing
+better that keeps the yaw of a vehicle at its start (docs/estimators.md)."""
 FLOATS = {"<e", "<f", "<d"}
 """Layouts of floating-point parameters."""
 FLOAT32_ROUNDING = 1e-6
 """Relative; a vehicle stores 24 significant bits."""
 
 
-def firmware_params(entries: tuple[str, ...], mode: str) -> dict[str, float]:
-    """Return the parameters to set on a vehicle: Mellinger's controller for full states, then `entries`.
+def firmware_params(entries: tuple[str, ...], mode: str, *, poses: bool = False) -> dict[str, float]:
+    """Return the parameters to set on a vehicle.
+
+    Mellinger's controller for full states and POSE_STD where poses are sent; `entries` override them.
 
     Raises:
         ValueError: an entry is not `group.name=value`.
     """
     params = {"stabilizer.controller": MELLINGER} if mode == "setpoint" else {}
+    params |= POSE_STD if poses else {}
     for entry in entries:
         name, _, value = entry.partition("=")
         expected = f"firmware_params: {entry!r}: group.name=value is expected"

@@ -1,4 +1,4 @@
-"""Time and voltage limits of q2q_control.radio.radio_pilot."""
+"""Delay of poses, time and voltage limits of q2q_control.radio.radio_pilot."""
 
 from dataclasses import dataclass
 
@@ -8,6 +8,15 @@ from q2q_model.tunable import check_bounds, tunable
 @dataclass(frozen=True, slots=True)
 class RadioPilotParams:
     """Limits after which arming has failed, and after which a vehicle levels, lands or stops."""
+
+    # camera, filter and radio of Crazyswarm: 26 ms to the actuators (Preiss et al., ICRA 2017)
+    pose_delay_s: float = tunable(
+        0.02,
+        "from capture to the onboard estimate: poses sent are moved on by it",
+        unit="s",
+        low=0.0,
+        high=0.1,
+    )
 
     arm_s: float = tunable(2.0, "longest time for arming", unit="s", low=0.1, high=30.0)
     volt_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)

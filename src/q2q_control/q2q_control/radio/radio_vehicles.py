@@ -101,7 +101,7 @@ def other_publishers(node: str, publishers: Sequence[Sequence[str]]) -> str:
 
 
 def _open_links(params: RadioNodeParams) -> dict[str, CflibLink]:
-    firmware = firmware_params(params.firmware_params, params.mode)
+    firmware = firmware_params(params.firmware_params, params.mode, poses=params.places)
     return {one.name: CflibLink(one.name, one.uri, firmware, params.toc_cache) for one in _crazyflies(params)}
 
 

@@ -4,9 +4,8 @@
 |---|---|
 | filter | the mocap filter of q2q; it knows no inertial sensors |
 | stock | the firmware's filter, poses as they were captured, the firmware's parameters |
-| fed | the same behind the mocap filter, as `radio` feeds it, with the parameters of docs/real_vehicles.md |
-| advanced | the same, poses moved on by the delay; standard deviations 3 mm and 0.3 rad |
-| all axes | the same, with all axes of the accelerometer (a build option of the firmware) |
+| fed | the same behind the mocap filter, as `radio` feeds it: poses moved on by the delay, its POSE_STD |
+| all axes | the same, with all axes of the accelerometer (a build option), 3 mm and 0.3 rad |
 | recorded | what the vehicle itself estimated in the recorded flight, where the recording has it |
 
 Poses reach the vehicle DELAY ticks late. Of each sample an estimate is made that has not seen it: the
@@ -14,14 +13,15 @@ filter's by its velocity from the tick before, or as it coasts; the firmware's b
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.radio.firmware_params import POSE_STD
+from q2q_control.radio.sent_poses import moved_on
 from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.flights.outliers import Mask
-from q2q_model.geometry.rotations import integrate_quat
 from q2q_model.signals.values import Array, MocapFrame, TrackStatus
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
 from q2q_sim.firmware.estimator import DT
@@ -36,9 +36,9 @@ VIBRATING = ImuParams(acc_noise=0.2, acc_bias=0.1, gyro_noise=0.02, gyro_bias=0.
 (q2q_model.downwash.residual_process), bias between the 0.03 of z and the 0.14 of x and y in logs of
 Neural-Swarm2 (T-RO 2021). Gyroscope: the bias of the `real` room, and ten times its noise for vibration,
 which is assumed."""
-FED = ExtendedKalmanParams(pos_std=0.001, quat_std=0.05)
-"""As docs/real_vehicles.md has it."""
-ADVANCED = ExtendedKalmanParams(pos_std=0.003, quat_std=0.3)
+FED = ExtendedKalmanParams(pos_std=POSE_STD["locSrv.extPosStdDev"], quat_std=POSE_STD["locSrv.extQuatStdDev"])
+"""As `radio` sets them."""
+ALL_AXES = ExtendedKalmanParams(pos_std=0.003, quat_std=0.3, all_axes=True)
 """Chosen on four of the flights in docs/estimators.md: markers are up to 4 degrees askew, and the tilt that
 the positions tell is better than theirs."""
 RECORDED = "recorded"
@@ -94,14 +94,13 @@ def estimates(motion: RecordedMotion, given: Mask, seeds: Sequence[int]) -> Mapp
     runs = [filtered_motion(motion, one) for one in given.T]
     inertial = inertial_readings(motion, seeds)
     raw = Feed(given, _repeated(motion.pos, given), _repeated(motion.quat, given))
-    plain, moved = feed(runs, 0.0), feed(runs, DELAY * DT)
+    sent = feed(runs, DELAY * DT)
     never = np.zeros(len(seeds), dtype=np.int64)
     found = {
         "filter": Estimates(ahead(runs, given), never),
         "stock": onboard(ExtendedKalmanParams(), motion, raw, inertial),
-        "fed": onboard(FED, motion, plain, inertial),
-        "advanced": onboard(ADVANCED, motion, moved, inertial),
-        "all axes": onboard(replace(ADVANCED, all_axes=True), motion, moved, inertial),
+        "fed": onboard(FED, motion, sent, inertial),
+        "all axes": onboard(ALL_AXES, motion, sent, inertial),
     }
     if motion.own_pos is not None:
         found[RECORDED] = Estimates(_repeated(motion.own_pos, given), never)
@@ -134,12 +133,14 @@ def ahead(runs: Sequence[FilteredMotion], given: Mask) -> Array:
     return np.where(given[..., None], before, pos)
 
 
-def feed(runs: Sequence[FilteredMotion], advance: float) -> Feed:
-    """Return the poses that are sent, moved on by a time [s]."""
-    sent = np.stack([run.tracked for run in runs], axis=1)
-    pos = np.stack([run.pos + advance * run.vel for run in runs], axis=1)
-    quat = np.stack([integrate_quat(run.quat, run.ang_vel_body, advance) for run in runs], axis=1)
-    return Feed(sent, pos, quat)
+def feed(runs: Sequence[FilteredMotion], delay: float) -> Feed:
+    """Return the poses that are sent, moved on by a delay [s]."""
+    poses = [moved_on(run, delay) for run in runs]
+    return Feed(
+        sent=np.stack([run.tracked for run in runs], axis=1),
+        pos=np.stack([pos for pos, _ in poses], axis=1),
+        quat=np.stack([quat for _, quat in poses], axis=1),
+    )
 
 
 def inertial_readings(motion: RecordedMotion, seeds: Sequence[int]) -> tuple[Array, Array]:
