@@ -251,7 +251,8 @@ def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_s
     flown = campaign_flight.flown_pure(run)
     assert flown.violations == ()
     blind = [one for one in flown.signals if one.topic != "truth_interference"]
-    assert {one.policy for one in campaign_flight.judged(run, blind)} == {"return"}
+    unaware = evidence_of(campaign_flight.at_own_stamps(blind))
+    assert {one.policy for one in judge(unaware, campaign_flight.circumstances_of(run))} == {"return"}
     light = {**run.document, "vehicle": "crazyflie_2_1"}  # 27 g with the same motors
     assert campaign_flight.flown_pure(replace(run, document=light)).violations == ()
     weak = {"pid": GAINS | {"k_p_z": 4.0, "k_i_z": 0.0}}

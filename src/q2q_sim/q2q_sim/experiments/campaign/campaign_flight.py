@@ -18,7 +18,7 @@ from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.loop.assembly import MODES
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
 from q2q_sim.loop.scenario_facts import scenario_facts
-from q2q_sim.monitors.policies import Circumstances, RecordedSignal, Violation, evidence_of, judge
+from q2q_sim.monitors.policies import Circumstances, Evidence, RecordedSignal, Violation, evidence_of, judge
 
 NS = 1_000_000_000
 JUDGED = ("truth", "truth_interference", "mocap", "state", "reference_safe", "command")
@@ -31,6 +31,8 @@ class JudgedFlight:
 
     signals: tuple[RecordedSignal, ...]
     violations: tuple[Violation, ...]
+    evidence: Evidence | None = None
+    """None where the flight ended with an error."""
 
 
 def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
@@ -53,16 +55,19 @@ def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
 def flown_pure(run: Run) -> JudgedFlight:
     """Return the run's flight by closed_loop; an error counts as a violation."""
     signals: list[RecordedSignal] = []
+    evidence = None
     try:
         for tick, answer in answered_ticks(run.scenario, flight_options(run)):
             at, state, given = time_from_stamp(tick.stamp_ns), answer.state, answer.given
             seen: tuple[Signal, ...] = (tick.truth, tick.truth_interference, tick.frame)
             heard = (*seen, state, given, answer.command)
             signals += [RecordedSignal(topic, at, one) for topic, one in zip(JUDGED, heard, strict=True)]
-        violations = judged(run, signals)
+        evidence = evidence_of(at_own_stamps(signals))
+        violations = judge(evidence, circumstances_of(run))
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         violations = (crash(error),)
-    return JudgedFlight(tuple(signals), violations)
+        evidence = None
+    return JudgedFlight(tuple(signals), violations, evidence)
 
 
 def flight_options(run: Run) -> FlightOptions:
@@ -77,12 +82,10 @@ def flight_options(run: Run) -> FlightOptions:
     )
 
 
-def judged(run: Run, signals: Sequence[RecordedSignal]) -> tuple[Violation, ...]:
-    """Return the violations of a run's flight."""
+def circumstances_of(run: Run) -> Circumstances:
+    """Return what a run's flight is judged by."""
     scenario = run.scenario
-    return judge(
-        evidence_of(at_own_stamps(signals)), Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
-    )
+    return Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
 
 
 def at_own_stamps(signals: Sequence[RecordedSignal]) -> list[RecordedSignal]:

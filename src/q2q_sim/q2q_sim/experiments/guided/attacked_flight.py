@@ -18,9 +18,8 @@ import numpy as np
 
 from q2q_model.bag import BagReader, BagWriter
 from q2q_model.signals.layout import LAYOUTS, Signal
-from q2q_sim.experiments.campaign.campaign_flight import NS, at_own_stamps, crash, flown_pure
+from q2q_sim.experiments.campaign.campaign_flight import NS, circumstances_of, crash, flown_pure
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.campaign.run_outcome import CRASH
 from q2q_sim.experiments.guided.stated_properties import (
     filter_properties,
     guard_properties,
@@ -28,7 +27,7 @@ from q2q_sim.experiments.guided.stated_properties import (
 )
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, run_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
-from q2q_sim.monitors.policies import Circumstances, RecordedSignal, Violation, evidence_of
+from q2q_sim.monitors.policies import RecordedSignal, Violation
 from q2q_sim.monitors.policies.margins import margins
 
 RECORD = "record"
@@ -68,14 +67,12 @@ class AttackedFlight:
 def fly_attacked(run: Run) -> AttackedFlight:
     """Return the outcome of a run by closed_loop; an error counts as a violation."""
     flown = flown_pure(run)
-    if any(one.policy == CRASH for one in flown.violations):
+    if flown.evidence is None:
         return AttackedFlight(flown.violations)
-    evidence = evidence_of(at_own_stamps(flown.signals))
     ticks = run_ticks(flown.signals)
     stated = {name: judged(run, ticks) for name, judged in PROPERTIES.items()}
     found = [one for outcome in stated.values() for one in outcome.violations]
-    scenario = run.scenario
-    known = dict(margins(evidence, Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)))
+    known = dict(margins(flown.evidence, circumstances_of(run)))
     known |= {name: outcome.margin for name, outcome in stated.items()}
     try:
         found += _record(flown.signals)
