@@ -15,11 +15,14 @@ from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.estimation.white_jerk import MotionEstimate
 from q2q_model.flights.outliers import REPEAT_STEP, Mask
 from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
 
 NEAR = 1e-9
 """Distance from a bound [m]: far above the rounding of a squared distance."""
 DIRECTION = np.array([0.48, 0.6, 0.64])
 """Of unit length."""
+ACROSS = np.array([0.8, 0.0, -0.6])
+"""Normal to it, of unit length."""
 GATES = PositionGates(
     last=np.array([[0.0, 0.0, 1.0]]),
     expected=np.array([[0.0, 0.0, 1.0]]),
@@ -48,6 +51,41 @@ def test_a_sample_passes_within_the_deviation_from_its_prediction(beyond: float,
 @pytest.mark.parametrize(("beyond", "believed"), [(-NEAR, True), (NEAR, False)])
 def test_a_sample_passes_within_the_reach_of_the_last_one(beyond: float, *, believed: bool):
     assert passed(sample(0.5 + beyond), GATES._replace(deviation=np.array([1.0]))) == believed
+
+
+@pytest.mark.parametrize(("beside", "believed"), [(-NEAR, True), (NEAR, False)])
+@pytest.mark.parametrize("share", [-1.0, -0.3, 0.0, 0.25, 1.0])
+def test_a_sample_passes_beside_any_place_where_an_impact_may_put_it(
+    share: float, beside: float, *, believed: bool
+):
+    """Stopped on its way, or thrown back; DIRECTION is the way, ACROSS normal to it."""
+    way = GATES._replace(expected=GATES.last + 0.4 * DIRECTION, reach=np.array([2.0]))
+    measured = GATES.last + 0.4 * share * DIRECTION + (0.25 + beside) * ACROSS
+    assert passed(measured, way) == believed
+
+
+@pytest.mark.parametrize(("beyond", "believed"), [(-NEAR, True), (NEAR, False)])
+@pytest.mark.parametrize("ahead", [True, False])
+def test_beyond_the_ends_of_the_line_the_distance_from_them_counts(
+    beyond: float, *, ahead: bool, believed: bool
+):
+    way = GATES._replace(expected=GATES.last + 0.4 * DIRECTION, reach=np.array([2.0]))
+    along = 0.4 + 0.25 + beyond if ahead else -0.4 - 0.25 - beyond
+    assert passed(GATES.last + along * DIRECTION, way) == believed
+
+
+@pytest.mark.parametrize("rebound", [0.0, 0.5])
+@pytest.mark.parametrize("period", [0.01, 0.1])
+def test_a_vehicle_that_falls_to_the_ground_is_followed_at_any_rate(period: float, rebound: float):
+    """From 1 m at 1.5 m/s, stopped or thrown back within a tick and falling again, as at a hard landing."""
+    made = PositionTracks(TrackParams(8.0, 4.0, 0.04, 1e-3, 8.0, 0.35, 0.06), 1)
+    for k in range(round(1.5 / period)):
+        t = k * period
+        since = t - 1.0 / 1.5
+        height = max(-1.5 * since, since * (1.5 * rebound - 0.5 * GRAVITY * since), 0.0)
+        tracked = made.update(t, np.array([[0.0, 0.0, height]]))
+        assert tracked.accepted[0]
+        assert abs(tracked.pos[0, 2] - height) < 0.01
 
 
 def test_no_sample_of_a_lost_track_passes_and_none_that_is_nan():
