@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import Array, SwarmSetpoint
-from q2q_planner.online.safe.approach_speed import ApproachLaw, approach_speed, fastest_pole
+from q2q_planner.online.safe.approach_speed import ApproachLaw, approach_speed
 from q2q_planner.online.safe.barrier import SHIFTED, BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
@@ -12,7 +12,7 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 LAW = ApproachLaw(4.0, 1.5)
 TICK = 0.01
-PARAMS = SafeReplannerParams(acc_max=2.0, jerk_max=20.0, speed_max=2.5)
+PARAMS = SafeReplannerParams(acc_max=2.0, jerk_max=20.0, speed_max=2.5, approach=4.0)
 
 
 def test_an_approach_at_its_speed_decelerates_by_the_brake_and_near_the_end_by_less() -> None:
@@ -32,12 +32,6 @@ def test_the_slope_is_the_derivative_of_the_speed() -> None:
     for s in (0.05, 0.2, 2.0):
         rise = approach_speed(s + 1e-6, LAW)[0] - approach_speed(s - 1e-6, LAW)[0]
         assert approach_speed(s, LAW)[1] == pytest.approx(rise / 2e-6, rel=1e-6)
-
-
-def test_the_pole_leaves_time_for_the_lag_and_a_reversal_of_the_acceleration() -> None:
-    assert 1.0 / fastest_pole(2.0, 20.0) == pytest.approx(0.05 + 2.0 * 2.0 / 20.0)
-    assert PARAMS.pole == pytest.approx(4.0)
-    assert SafeReplannerParams(approach=1.5).pole == 1.5
 
 
 def shifted_by(shift: Array) -> list[SwarmSetpoint]:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 from q2q_model.tunable import check_bounds, tunable
-from q2q_planner.online.safe.approach_speed import fastest_pole
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +24,11 @@ class SafeReplannerParams:
         4.0, "damping towards the reference, if jerk_max is 0", unit="1/s", low=0.01, high=100.0
     )
     approach: float = tunable(
-        2.0, "both poles of the approach to a zone, if jerk_max is 0", unit="1/s", low=0.1, high=20.0
+        2.0,
+        "both poles of the approach to a zone; if jerk_max is set, to the reference, too",
+        unit="1/s",
+        low=0.1,
+        high=20.0,
     )
     around: float = tunable(0.5, "share of a push that leads around", low=0.0, high=2.0)
     height: float = tunable(
@@ -58,11 +61,6 @@ class SafeReplannerParams:
     forget: float = tunable(
         2.0, "age at which an external vehicle's state is dropped", unit="s", low=0.1, high=600.0
     )
-
-    @property
-    def pole(self) -> float:
-        """Return both poles of the approach to a zone [1/s]; of bounded jerk, the fastest that it follows."""
-        return self.approach if self.jerk_max == 0.0 else fastest_pole(self.acc_max, self.jerk_max)
 
     @property
     def with_tube(self) -> "SafeReplannerParams":

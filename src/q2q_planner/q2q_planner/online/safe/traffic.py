@@ -107,7 +107,7 @@ class _Limits(NamedTuple):
 
 def _limits(params: SafeReplannerParams) -> _Limits:
     steady, ramps = params.jerk_max > 0.0, _longest_ramps(params)
-    zone = params.eps, params.d, params.margin, params.pole
+    zone = params.eps, params.d, params.margin, params.approach
     return _Limits(follow_bounds(params), steady, params.hold, ramps, params.acc_max, *zone)
 
 

@@ -75,7 +75,7 @@ def wanted_motion(
 
 
 def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
-    poles = 2.0 * params.pole, params.pole**2
+    poles = 2.0 * params.approach, params.approach**2
     shares = params.jerk_max > 0.0
     barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height, shares)
     return _WantedLaw(
@@ -84,7 +84,7 @@ def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
         params.acc_max,
         params.jerk_max,
         params.margin + FLOOR,
-        ApproachLaw(params.pole, RETURN_BRAKE * params.acc_max),
+        ApproachLaw(params.approach, RETURN_BRAKE * params.acc_max),
         HEADROOM * params.speed_max,
         barrier,
         params.enabled,
