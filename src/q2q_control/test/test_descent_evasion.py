@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from q2q_control.failsafe.dead_reckoning import Reckoned
 from q2q_control.failsafe.descent_evasion import BACK, BENEATH, PACE, REACH, DescentEvasion, InFallback
 from q2q_control.failsafe.ladder import is_blind
 from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState
@@ -220,8 +221,17 @@ def test_way_is_made_where_the_blind_one_is_reckoned_to_be_not_where_it_was_seen
     way, sent = DescentEvasion(), setpoint_of(0.0, pos)
     assert way.update(sent, state_of(pos), flown(2, 0), {}) is not None
     assert not way.active
+    known = {"cf1": Reckoned(np.array([0.0, -0.3]), np.array([0.0, -0.3]))}
     for k in range(1, 300):
-        output = way.update(
-            setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {"cf1": np.array([0.0, -0.3])}
-        )
+        output = way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), known)
     np.testing.assert_allclose(output.pos[1], [0.0, REACH - 0.3, 1.0], atol=0.01)
+
+
+def test_way_is_made_across_the_path_of_who_drifts_over_and_not_ahead_of_it() -> None:
+    pos = np.array([(0.0, -0.5, 1.5), (0.0, 0.0, 1.0)])
+    way = DescentEvasion()
+    for k in range(300):
+        drifted = np.array([0.0, min(0.01 * k, 1.0) - 0.5])  # 1 m/s, at rest 0.5 m beyond
+        known = {"cf1": Reckoned(drifted, np.array([0.0, 0.5]))}
+        output = way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), known)
+    np.testing.assert_allclose(np.abs(output.pos[1]), [REACH, 0.0, 1.0], atol=0.01)

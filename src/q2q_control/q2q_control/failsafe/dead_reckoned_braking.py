@@ -27,6 +27,7 @@ from q2q_control.failsafe.dead_reckoning import (
     VX,
     VY,
     YAW,
+    Reckoned,
     Sight,
     X,
     Y,
@@ -59,9 +60,15 @@ class DeadReckonedBraking:
         self._t = math.inf
 
     @property
-    def positions(self) -> dict[str, Array]:
-        """Return the horizontal position of each vehicle, measured or dead-reckoned [m], (2,)."""
-        return dict(zip(self._names, self._track[:, X : Y + 1], strict=True))
+    def reckoned(self) -> dict[str, Reckoned]:
+        """Return the horizontal motion of each vehicle, measured or dead-reckoned."""
+        pos, coming = self._track[:, X : Y + 1], self._coming()
+        speed = np.linalg.norm(coming, axis=1, keepdims=True)
+        # at BRAKING_MAX down to the speed from which it decays within BRAKING_S
+        fast = np.maximum(speed - BRAKING_MAX * BRAKING_S, 0.0)
+        time = LAG_S + BRAKING_S + 0.5 * fast**2 / BRAKING_MAX / np.maximum(speed, 1e-9)
+        rest = pos + time * coming
+        return {name: Reckoned(*one) for name, *one in zip(self._names, pos, rest, strict=True)}
 
     def record_measured(self, state: SwarmState, command: SwarmCommand) -> None:
         """Record a tick in which every vehicle was measured, and its command."""
@@ -105,10 +112,13 @@ class DeadReckonedBraking:
         propagate(track, _of(self._given, self._names, names, 0.0), elapsed)
         return track
 
+    def _coming(self) -> Array:
+        """Return the velocity once all commands have taken effect [m/s], (n, 2)."""
+        return self._track[:, VX : VY + 1] + LAG_S * self._track[:, AX : AY + 1]
+
     def _tilt(self) -> tuple[Array, Array]:
         """Return roll and pitch [rad] that brake each vehicle, (n,) each."""
-        coming = self._track[:, VX : VY + 1] + LAG_S * self._track[:, AX : AY + 1]
-        yaw = self._track[:, YAW]
+        coming, yaw = self._coming(), self._track[:, YAW]
         speed = np.linalg.norm(coming, axis=1)
         gain = np.minimum(1.0 / BRAKING_S, BRAKING_MAX / np.maximum(speed, 1e-9))
         acc = -gain[:, None] * coming

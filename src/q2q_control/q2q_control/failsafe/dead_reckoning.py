@@ -34,6 +34,15 @@ UNKNOWN = np.array([np.nan, np.nan, 0.0, 0.0, 0.0, 0.0, 0.0])
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
 
+class Reckoned(NamedTuple):
+    """Horizontal motion of a vehicle without measurements."""
+
+    pos: Array
+    """Position now [m], (2,)."""
+    rest: Array
+    """Position at which it comes to rest by braking [m], (2,)."""
+
+
 class Sight(NamedTuple):
     """Measured tracks, and the age of each."""
 

@@ -3,7 +3,8 @@
 A vehicle that flies level or lands blind (q2q_control.failsafe.ladder) drifts with the wind and sinks to the
 floor. The setpoints of measured vehicles that fly below it, and nearer than REACH to its dead-reckoned
 position p_j (q2q_control.failsafe.dead_reckoned_braking), are shifted along u, the one of eight directions
-that keeps the largest distance from all other vehicles, within ALIKE the one most away from p_j:
+that keeps the largest distance from all other vehicles, within ALIKE the one of the smallest shift until j
+has come to rest: away from j if it is at rest, across its path if it moves:
 
     goal = max(0, REACH - (r - p_j) . u) u        r: setpoint, horizontal; u is fixed, see below
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
@@ -25,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.failsafe.dead_reckoning import Reckoned
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
 REACH = 0.6
@@ -92,7 +94,7 @@ class DescentEvasion:
         return bool(self._shifts)
 
     def update(
-        self, setpoint: SwarmSetpoint, state: SwarmState, fallback: InFallback, places: Mapping[str, Array]
+        self, setpoint: SwarmSetpoint, state: SwarmState, fallback: InFallback, known: Mapping[str, Reckoned]
     ) -> SwarmSetpoint:
         """Return the setpoints to fly.
 
@@ -100,8 +102,8 @@ class DescentEvasion:
             setpoint: reference of the tick.
             state: of a lost vehicle, the last accepted height is used.
             fallback: vehicles without measurements, and cut ones.
-            places: horizontal positions of vehicles, dead-reckoned [m], (2,) each; else the last accepted
-                position of a blind vehicle is used.
+            known: horizontal motions of vehicles, dead-reckoned; else the last accepted position of a blind
+                vehicle is used, at rest.
         """
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
@@ -109,29 +111,30 @@ class DescentEvasion:
         if not blind and not self._shifts:
             return setpoint
         pos = state.pos.copy()
+        rest = pos[:, :2].copy()
         for row, name in enumerate(state.names):
-            if name in blind and name in places:
-                pos[row, :2] = places[name]
+            if name in blind and name in known:
+                pos[row, :2], rest[row] = known[name]
         evaded = {name for shift in self._shifts.values() for name in shift.directions}
         back = evaded & set(_on_their_way(setpoint, state)) - set(fallback.cut)
-        self._ask(blind, state.names, pos, back)
+        self._end((set(blind) | back) & set(state.names))
+        self._ask(np.isin(state.names, blind), state.names, pos, rest)
         moved = self._moved(setpoint, dict(zip(state.names, pos[:, :2], strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         return moved
 
-    def _ask(self, blind: Names, names: Names, pos: Array, returning: set[str]) -> None:
-        """Assign a direction to every new pair of evading and descending vehicle."""
-        known = (set(blind) | returning) & set(names)
+    def _end(self, evaded: set[str]) -> None:
+        """End the evasions of all but some vehicles."""
         for shift in self._shifts.values():
-            shift.directions = {
-                name: direction for name, direction in shift.directions.items() if name in known
-            }
-        gone = np.isin(names, blind)
+            shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
+
+    def _ask(self, gone: NDArray[np.bool_], names: Names, pos: Array, rest: Array) -> None:
+        """Assign a direction to every new pair of evading vehicle and one that is `gone`, (n,)."""
         for j in np.flatnonzero(gone & np.isfinite(pos).all(axis=1)):
             for i in np.flatnonzero(~gone & _is_beneath(pos, pos[j])):
                 shift = self._shifts.setdefault(names[i], _Shift())
                 if names[j] not in shift.directions:
-                    shift.directions[names[j]] = _evasion_direction(pos[:, :2], int(i), int(j))
+                    shift.directions[names[j]] = _evasion_direction(pos[:, :2], int(i), int(j), rest[j])
 
     def _moved(self, setpoint: SwarmSetpoint, reckoned: Mapping[str, Array], dt: float) -> SwarmSetpoint:
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
@@ -166,8 +169,8 @@ def _is_beneath(pos: Array, other: Array) -> NDArray[np.bool_]:
     return np.asarray(near & (pos[:, 2] < other[2] - BENEATH))
 
 
-def _evasion_direction(xy: Array, i: int, j: int) -> Array:
-    """Return the direction in which vehicle i evades j, (2,): away from j, or from other vehicles."""
+def _evasion_direction(xy: Array, i: int, j: int, rest: Array) -> Array:
+    """Return the direction in which vehicle i evades j, (2,), which comes to `rest` [m], (2,)."""
     away = np.arctan2(*(xy[i] - xy[j])[::-1])
     angles = away + np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
     sides = np.stack([np.cos(angles), np.sin(angles)], axis=1)  # (8, 2)
@@ -175,4 +178,5 @@ def _evasion_direction(xy: Array, i: int, j: int) -> Array:
     others = others[np.isfinite(others).all(axis=1)]
     room = np.linalg.norm(xy[j] + REACH * sides[:, None] - others, axis=2).min(axis=1, initial=REACH)
     enough = room >= room.max() - ALIKE
-    return np.asarray(sides[int(np.where(enough, np.cos(angles - away), -np.inf).argmax())])
+    clear = np.minimum(sides @ (xy[i] - xy[j]), sides @ (xy[i] - rest))  # the shift is REACH less this
+    return np.asarray(sides[int(np.where(enough, clear, -np.inf).argmax())])

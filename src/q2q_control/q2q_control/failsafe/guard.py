@@ -124,7 +124,7 @@ class Guard:
         if last is not None and (self._nominal is None or self._evasion.active):
             cut = tuple(name for name, down in zip(self._names, self._down, strict=True) if down)
             absent = InFallback(self._blind(state, last), cut)
-            setpoint = self._evasion.update(setpoint, state, absent, self._braking.positions)
+            setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned)
         flown = state if self._nominal is not None else self._braking.predicted(state)
         command = self._controller.update(flown, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)

@@ -128,8 +128,8 @@ def _no_evasion(_: DescentEvasion, setpoint: SwarmSetpoint, *__: object) -> Swar
     return setpoint
 
 
-def _evasion_reversed(xy: Array, i: int, j: int) -> Array:
-    return -_evasion_direction(xy, i, j)
+def _evasion_reversed(xy: Array, i: int, j: int, rest: Array) -> Array:
+    return -_evasion_direction(xy, i, j, rest)
 
 
 def _no_proof(_: CommittedMotion, traffic: TrafficTable, *__: object) -> Choices:
