@@ -106,7 +106,8 @@ ROOMS = (
                 "last_known_states",
                 "committed_motion",
                 "decision",
-                "tracking_tube",
+                "tracking_uncertainty",
+                "found_again",
                 "traffic",
                 "wanted_motion",
             )
@@ -125,7 +126,7 @@ ROOMS = (
         compiled=True,
     ),
     Room(
-        ("q2q_planner.online.safe.jerk_limited",),
+        ("q2q_planner.online.safe.stopping.jerk_limited",),
         ("src/q2q_planner/test/test_jerk_limited.py",),
         "not compiled_and_plain",
     ),

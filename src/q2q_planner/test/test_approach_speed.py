@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import Array, SwarmSetpoint
-from q2q_planner.online.safe.approach_speed import ApproachLaw, approach_speed
 from q2q_planner.online.safe.barrier import SHIFTED, BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.stopping.approach_speed import ApproachLaw, approach_speed
 
 LAW = ApproachLaw(4.0, 1.5)
 TICK = 0.01

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.braking import BrakingLaw, Motions
-from q2q_planner.online.safe.jerk_limited import (
+from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions
+from q2q_planner.online.safe.stopping.jerk_limited import (
     jerk_towards,
     lateness,
     rest_time,

@@ -17,7 +17,7 @@ from q2q_planner.online.safe.committed_motion import (
 )
 from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.tracking_tube import off_trajectory, own_uncertainty
+from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
 
 PARAMS = SafeReplannerParams(

@@ -61,7 +61,7 @@ class CommandRule(NamedTuple):
     """Command x and y by the PD law."""
 
 
-class Sources(NamedTuple):
+class CommandSources(NamedTuple):
     """Number of vehicles by the source of their command."""
 
     solved: int
@@ -89,7 +89,7 @@ def commanded(solution: HorizonSolution, horizon: Horizon, outlook: Outlook, par
 @compiled
 def _choose(
     solution: HorizonSolution, horizon: Horizon, plans: tuple[Plan, Plan], rule: CommandRule, acc: Array
-) -> Sources:
+) -> CommandSources:
     """Write the commands (n, 3) and the second plan, the first one where a vehicle failed."""
     old = plans[0]
     shifts = old.start - old.solved <= rule.shift_time
@@ -108,7 +108,7 @@ def _choose(
         failures += failed
         by_plan += failed and not by_pd
         cut_off += solution.status[v] == CUT_OFF
-    return Sources(acc.shape[0] - failures, cut_off, by_plan, failures - by_plan)
+    return CommandSources(acc.shape[0] - failures, cut_off, by_plan, failures - by_plan)
 
 
 @compiled

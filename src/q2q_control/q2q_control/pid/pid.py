@@ -29,7 +29,7 @@ import numpy as np
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import Aligned, align
 from q2q_control.inputs.downwash_trust import DownwashTrust
-from q2q_control.pid.pid_kernel import PidGains, pid_commands
+from q2q_control.pid.pid_kernel import PidGains, PidTick, pid_commands
 from q2q_control.pid.thrust_vector import ThrustLimits
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import (
@@ -129,7 +129,7 @@ class Pid:
         if tick.names != self._names:
             self._reorder(tick.names)
         out, status = np.empty((4, len(tick.names))), np.empty(len(tick.names), dtype=np.uint8)
-        now = tick.t, max(dt, 0.0), tick.table, tick.usable
+        now = PidTick(tick.t, max(dt, 0.0), tick.table, tick.usable)
         memory = self._integral, self._rows.memory(tick.names)
         pid_commands(now, self._law, memory, self._rows.rule.numbers, (out, status))
         thrust, roll, pitch, yaw_rate = out

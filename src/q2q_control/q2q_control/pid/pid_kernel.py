@@ -50,9 +50,21 @@ def pid_rows(
     return values, saturated
 
 
+class PidTick(NamedTuple):
+    """Inputs of a tick."""
+
+    t: float
+    """[s]"""
+    dt: float
+    """Time since the last tick [s]."""
+    table: Array
+    usable: Flags
+    """Rows of the table that are usable, (n,)."""
+
+
 @compiled
 def pid_commands(
-    tick: tuple[float, float, Array, Flags],
+    tick: PidTick,
     law: tuple[PidGains, ThrustLimits],
     memory: tuple[Array, Last],
     rule: tuple[float, float],
@@ -61,7 +73,7 @@ def pid_commands(
     """Write the commands of a tick: the law's, or the last ones where a vehicle is not usable.
 
     Args:
-        tick: Time, and time since the last tick [s]; table, and which rows are usable, (n,).
+        tick: Inputs.
         law: Gains and limits.
         memory: Integrals, (n, 3), and last computed commands; both advance.
         rule: As that of q2q_control.failsafe.last_commands.complete.

@@ -23,7 +23,7 @@ start after the first command in flight, and end with the next command before th
 decides whether vehicles may be armed (q2q_control.flight_procedure).
 
 A vehicle's pose is sent once per frame, and only if it was measured in that frame, moved on by
-pose_delay_s (q2q_control.radio.sent_poses).
+pose_delay_s (q2q_model.geometry.pose_ahead).
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -36,9 +36,9 @@ from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth, VehicleLink
 from q2q_control.radio.pilot_params import RadioPilotParams
-from q2q_control.radio.sent_poses import moved_on
 from q2q_control.radio.setpoints import ZERO_RPYT, FullState, RpytSetpoint
 from q2q_control.radio.vehicle_record import AIRBORNE, Phase, VehicleRecord
+from q2q_model.geometry.pose_ahead import moved_on
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmState, TrackStatus
 

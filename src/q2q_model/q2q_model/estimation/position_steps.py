@@ -58,6 +58,17 @@ class Association(NamedTuple):
     """TrackColumns that restart at a true jump, (n,)."""
 
 
+class Offered(NamedTuple):
+    """Samples of a tick."""
+
+    measured: Array
+    """Positions [m], (n, 3); NaN where absent."""
+    repeated: Mask
+    """Poses that equal the last frame's bit for bit, (n,)."""
+    fresh: bool
+    """No vehicle's x repeats the last frame."""
+
+
 class TrackMemory(NamedTuple):
     """What position tracks keep from tick to tick, for one kernel of nominal ticks."""
 
@@ -135,7 +146,7 @@ def accept(
 @compiled
 def follow(
     t: float,
-    offered: tuple[Array, Mask, bool],
+    offered: Offered,
     params: TrackParams,
     memory: TrackMemory,
     out: tuple[Array, Array],
@@ -144,7 +155,7 @@ def follow(
 
     Args:
         t: Time [s].
-        offered: `measured` and `repeated` of look_ahead, and whether no vehicle's x repeats the last frame.
+        offered: Samples.
         params: Parameters.
         memory: Of the tracks.
         out: Written unless UNUSUAL: positions and velocities, (n, 3) each.

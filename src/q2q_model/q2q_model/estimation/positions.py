@@ -26,6 +26,7 @@ from q2q_model.estimation.position_steps import (
     UNUSUAL,
     WHOLE,
     Association,
+    Offered,
     Prediction,
     TrackMemory,
     accept,
@@ -127,7 +128,7 @@ class PositionTracks:
         """
         samples = measured.copy()  # of one layout for the kernels, whatever they are cut from
         repeats, pos, vel = self._none if repeated is None else repeated, *np.empty((2, *samples.shape))
-        offered = samples, repeats, repeated is None
+        offered = Offered(samples, repeats, repeated is None)
         outcome = follow(t, offered, self._params, self.memory, (pos, vel))
         if outcome != UNUSUAL:
             return self.usual(outcome, samples, pos, vel)

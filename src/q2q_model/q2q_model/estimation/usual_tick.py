@@ -11,7 +11,7 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.estimation.attitudes import AttitudeGateParams
 from q2q_model.estimation.attitudes import follow as follow_attitudes
-from q2q_model.estimation.position_steps import UNUSUAL, TrackMemory
+from q2q_model.estimation.position_steps import UNUSUAL, Offered, TrackMemory
 from q2q_model.estimation.position_steps import follow as follow_positions
 from q2q_model.estimation.reacquisition import Table
 from q2q_model.estimation.track_columns import TrackParams
@@ -55,7 +55,7 @@ def usual_tick(
     """
     (now, before), (pos, vel, quat, ang_vel_body) = poses, out
     repeated, fresh = repeated_poses(now, before)
-    offered = now[:, :QUAT_AT].copy(), repeated, fresh
+    offered = Offered(now[:, :QUAT_AT].copy(), repeated, fresh)
     outcome = follow_positions(t, offered, params[0], memory[0], (pos, vel))
     turned = outcome != UNUSUAL and follow_attitudes(t, now[:, QUAT_AT:], params[1], memory[1])
     if turned:

@@ -11,6 +11,7 @@
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,16 +59,25 @@ def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
             out[c, k] = np.float64(np.float32(values[c, k] * DEGREES)) * RADIANS
 
 
+class AskedPackets(NamedTuple):
+    """Commands of a tick."""
+
+    values: Array
+    """(4, k)"""
+    thrust_max: float
+    """Largest thrust [N]."""
+    full_pwm_thrust: float
+    """Thrust at PWM_FULL [N]; 0 rounds nothing."""
+
+
 @compiled
-def put(
-    flying: Flying, count: int, commands: tuple[Array, float, float], sent: Sent, clock: tuple[int, int, int]
-) -> int:
+def put(flying: Flying, count: int, commands: AskedPackets, sent: Sent, clock: tuple[int, int, int]) -> int:
     """Send packets; return how many are in the air then.
 
     Args:
         flying: packets in the air.
         count: number of them.
-        commands: values (4, k), the largest thrust [N], and the thrust at PWM_FULL [N]; 0 rounds nothing.
+        commands: commands of the tick.
         sent: state of the transmitter.
         clock: now, gap between packets of a vehicle, latency [ns].
     """

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from q2q_model.signals.values import Array, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.link.packets import deliver, put
+from q2q_sim.link.packets import AskedPackets, deliver, put
 from q2q_sim.random_streams import DrawnAhead, stream
 from q2q_sim.sensors.episodes import Mask
 
@@ -63,7 +63,7 @@ class Radio:
         applied[:, 0] = np.where(locked, 0.0, at_start)
         self._onboard = np.zeros(n, dtype=np.int64), locked, applied
         sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
-        nothing = np.zeros((4, 0)), *self._scale
+        nothing = AskedPackets(np.zeros((4, 0)), *self._scale)
         put(self._flying, 0, nothing, sent, (0, 0, 0))  # loads the kernel before the first tick
 
     def send(self, now_ns: int, rows: Rows, values: Array, jammed: Mask) -> None:
@@ -71,7 +71,7 @@ class Radio:
 
         Packets to `jammed` vehicles (n,) are lost in addition to random losses.
         """
-        asked = values, *self._scale
+        asked = AskedPackets(values, *self._scale)
         while self._count + len(rows) > len(self._flying[0]):
             when, what = self._flying
             self._flying = np.vstack([when, np.zeros_like(when)]), np.vstack([what, np.zeros_like(what)])

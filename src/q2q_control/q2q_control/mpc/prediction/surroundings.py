@@ -63,7 +63,7 @@ class Past(NamedTuple):
     """[m], world, (K, n, 3)."""
 
 
-class Now(NamedTuple):
+class PresentInputs(NamedTuple):
     """Present positions of n vehicles."""
 
     t: float
@@ -109,7 +109,9 @@ class Surroundings:
             trust = np.concatenate((trust, np.ones(len(others.names))))
         if names != self._names:
             self._names, self._past = names, no_past(len(names))
-        self._past, tracks = _joined(self._past, Now(tick.t, here, trust), future, self._span, self._loading)
+        self._past, tracks = _joined(
+            self._past, PresentInputs(tick.t, here, trust), future, self._span, self._loading
+        )
         return tracks
 
     def _trust(self, tick: Aligned, path: Array) -> Array:
@@ -130,7 +132,9 @@ class Surroundings:
 
 
 @compiled
-def _joined(past: Past, now: Now, future: Future, span: float, loading: float) -> tuple[Past, Tracks]:
+def _joined(
+    past: Past, now: PresentInputs, future: Future, span: float, loading: float
+) -> tuple[Past, Tracks]:
     """Return the past with the present added, and the tracks through both and the future.
 
     Of what is older than `span` [s], one entry is kept.

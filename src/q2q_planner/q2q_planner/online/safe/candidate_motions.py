@@ -5,14 +5,14 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_planner.online.safe.braking import Motions
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import MotionRows
+from q2q_planner.online.safe.stopping.braking import Motions
 from q2q_planner.online.safe.traffic import TrafficRows
 from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 
-class Traffic(NamedTuple):
+class PairedTraffic(NamedTuple):
     """All vehicles of a tick; arrays of TrafficTable."""
 
     rows: TrafficRows

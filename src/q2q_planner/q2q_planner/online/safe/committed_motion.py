@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
-from q2q_planner.online.safe.braking import BrakingLaw, Motions, motions_after
-from q2q_planner.online.safe.jerk_limited import smooth_motion_after
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motions_after
+from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 
 Mask = NDArray[np.bool_]
 

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.braking import BrakingLaw, Motions, stays_out
 from q2q_planner.online.safe.broad_phase import Pairs, Rows
-from q2q_planner.online.safe.candidate_motions import Traffic, new_motions, old_motions
+from q2q_planner.online.safe.candidate_motions import PairedTraffic, new_motions, old_motions
 from q2q_planner.online.safe.committed_motion import MotionRows
-from q2q_planner.online.safe.jerk_limited import rest_time, stays_out_smoothly, stop_reach
+from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
+from q2q_planner.online.safe.stopping.jerk_limited import rest_time, stays_out_smoothly, stop_reach
 from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 OLD, NEW, BROKEN = 0, 1, 2
@@ -200,7 +200,7 @@ def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rul
 
 @compiled
 def choices_at(
-    rows: MotionRows, wanted: WantedMotion, traffic: Traffic, proven: Proven, rule: ChoiceRule
+    rows: MotionRows, wanted: WantedMotion, traffic: PairedTraffic, proven: Proven, rule: ChoiceRule
 ) -> Choices:
     """Return the choice of each vehicle of the swarm, (n,): what is built, then what is chosen of it."""
     new = new_motions(traffic.rows, wanted, rule.hold)

@@ -10,7 +10,8 @@ kept apart. With `jerk_max` every modified trajectory has bounded jerk and accel
 whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_max` is left at that tick.
 
 **Conditions.** The promise is broken, and reported at the same tick, if
-1. at the first tick, or when a vehicle appears, two can no longer brake outside their zone;
+1. at the first tick, or when a vehicle appears or is measured again (`found_again`), two can no longer brake
+   outside their zone;
 2. a vehicle is measured further from its modified trajectory than `tracking`, plus `drift` times the age of
    the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it;
 3. an external vehicle (one of `state` without a setpoint here) does what no vehicle under this law does:
@@ -39,14 +40,15 @@ import numpy as np
 
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState, index_of
-from q2q_planner.online.safe.braking import BrakingLaw
-from q2q_planner.online.safe.candidate_motions import Traffic
+from q2q_planner.online.safe.candidate_motions import PairedTraffic
 from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, propagated, reference_rows
 from q2q_planner.online.safe.decision import decided
-from q2q_planner.online.safe.last_known_states import LastKnownStates
+from q2q_planner.online.safe.found_again import LostVehicles, restarted
+from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.tracking_tube import off_trajectory, own_uncertainty
+from q2q_planner.online.safe.stopping.braking import BrakingLaw
+from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
 from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion, wanted_motion
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
@@ -69,6 +71,7 @@ class SafeReplanner:
         self._committed: CommittedMotion | None = None
         self._answer: SwarmSetpoint | None = None
         self._last_known.reset()
+        self._lost = LostVehicles()
         self._known: tuple[Names, Names] = ((), ())
         self._proven: Proven = np.zeros((0, 0), np.bool_)
 
@@ -90,6 +93,8 @@ class SafeReplanner:
         params, names, reference = self._grown, setpoint.names, reference_rows(setpoint)
         committed = propagated(self._committed, setpoint, params.acc_max, params.jerk_max)
         known = None if state is None else self._last_known.of(names, setpoint.t)
+        if known is not None:
+            committed = self._with_found(committed, known)
         growth = own_uncertainty(committed, known, params)
         external = self._last_known.external(names, setpoint.t, params.forget)
         committed, traffic = traffic_at(committed, reference, growth, external, params)
@@ -101,6 +106,14 @@ class SafeReplanner:
         broken = ((choice == BROKEN) | off | decision.outside) & params.enabled
         self._answer = _answer(setpoint, self._committed, broken, decision.acc)
         return self._answer
+
+    def _with_found(self, committed: CommittedMotion, known: KnownStates) -> CommittedMotion:
+        """Return the motion in which vehicles that are measured again, off it, start where they are."""
+        found = self._lost.found(known)
+        if found.any():
+            found &= off_trajectory(committed, known, self.params)
+            committed = restarted(committed, known, found, self.params.speed_max)
+        return committed
 
     def _recognise(self, own: Names, external: Names) -> None:
         """Match the proven pairs to this tick's names; a new vehicle is in none."""
@@ -125,7 +138,7 @@ def _choice(
         return np.full(traffic.own, NEW, dtype=np.int8)
     law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
     rule = ChoiceRule(law, FLOOR, params.hold, round(committed.t / TURN))
-    whole = Traffic(traffic.rows, traffic.pairs, traffic.certain)
+    whole = PairedTraffic(traffic.rows, traffic.pairs, traffic.certain)
     return choices_at(committed.rows, wanted, whole, proven, rule)
 
 

@@ -1,7 +1,7 @@
 """Table of all vehicles of a tick: the swarm's rows first, then those of external vehicles.
 
 Uncertainty grows a vehicle's zone by g0 [m] now and by g1 [m/s] ahead, for vehicles of the swarm as in
-`tracking_tube`. An external vehicle with a state of age A may have accelerated by acc_max since,
+`tracking_uncertainty`. An external vehicle with a state of age A may have accelerated by acc_max since,
 and may for another `hold`, so its velocity is known within acc_max (A + hold) and its position within half of
 that times A + hold; neither changes by more than `speed_max` allows; and it may be off its own trajectory by
 `tracking`. The motion that an external vehicle under this law *certainly* flies has less uncertainty: it
@@ -15,7 +15,6 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.braking import Motions, motion_after
 from q2q_planner.online.safe.broad_phase import Pairs, Rows, StoppingSpace, SweepLimits, broad_phase
 from q2q_planner.online.safe.committed_motion import (
     SNAP_POS,
@@ -32,6 +31,7 @@ from q2q_planner.online.safe.committed_motion import (
 )
 from q2q_planner.online.safe.last_known_states import KnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.stopping.braking import Motions, motion_after
 
 NO_PAIRS = Pairs(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.approach_speed import LAG, ApproachLaw, approach_speed
 from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import (
@@ -22,8 +21,9 @@ from q2q_planner.online.safe.committed_motion import (
     ReferenceRows,
     length,
 )
-from q2q_planner.online.safe.jerk_limited import jerk_towards
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.safe.stopping.approach_speed import LAG, ApproachLaw, approach_speed
+from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards
 from q2q_planner.online.safe.traffic import TrafficRows, TrafficTable, in_pairs
 
 FLOOR = 1e-3

@@ -35,9 +35,9 @@ from q2q_model.signals.values import (
     SwarmState,
 )
 from q2q_planner.online.safe import safe_replanner
-from q2q_planner.online.safe.braking import BrakingLaw
 from q2q_planner.online.safe.committed_motion import CommittedMotion, propagated
 from q2q_planner.online.safe.motion_choice import NEW, Choices
+from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.traffic import TrafficTable
 
 # ruff: noqa: SLF001  a mutant replaces what nobody else may touch

@@ -1,4 +1,4 @@
-"""Poses as they are sent to vehicles: moved on by the delay after which they reach an onboard estimate.
+"""Poses moved on by a delay at constant velocities, as they are sent to vehicles.
 
 The firmware takes a pose for current however late it is, so at speed v a pose as captured is wrong by v d.
 

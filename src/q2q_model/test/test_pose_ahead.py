@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from q2q_control.radio.sent_poses import moved_on
+from q2q_model.geometry.pose_ahead import moved_on
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.braking import MOST_STEPS, NEARER, BrakingLaw, Motions, zone_distance
+from q2q_planner.online.safe.stopping.braking import MOST_STEPS, NEARER, BrakingLaw, Motions, zone_distance
 
 Axis = tuple[float, float, float]
 """Position [m], velocity [m/s] and acceleration [m/s^2] of one axis."""

@@ -1,0 +1,64 @@
+"""Vehicles that are measured again after nobody flew them: their motion begins where they are.
+
+A vehicle without measurements brakes and sinks (q2q_control.failsafe), while its modified trajectory goes on.
+Measured again, it would be pulled to a setpoint metres away, past others, faster than any motion that was
+proven. Its motion therefore starts anew at its measured position and velocity, and leads back from there.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from q2q_model.signals.values import Array, Names
+from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask
+from q2q_planner.online.safe.last_known_states import KnownStates
+
+BLIND_S = 0.35
+"""Age of a measurement beyond which a controller does not fly a vehicle [s]: the mocap filter's coast_s."""
+FRESH_S = 0.01
+"""Age of a measurement that is of this tick or the last one [s]."""
+
+
+class LostVehicles:
+    """Which vehicles of a swarm were lost at the last tick."""
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all vehicles."""
+        self._names: Names = ()
+        self._lost: Mask = np.zeros(0, np.bool_)
+
+    def found(self, known: KnownStates) -> Mask:
+        """Return the vehicles that were lost and are measured now, (n,)."""
+        before = self._lost if known.names == self._names else np.zeros(len(known.names), np.bool_)
+        fresh = known.age <= FRESH_S
+        # never measured is not lost: a vehicle begins on its reference
+        now = (known.age > BLIND_S) & np.isfinite(known.age)
+        self._names, self._lost = known.names, now | (before & ~fresh)
+        return np.asarray(before & fresh)
+
+
+def restarted(
+    committed: CommittedMotion, known: KnownStates, found: Mask, speed_max: float
+) -> CommittedMotion:
+    """Return the motion with `found` vehicles, (n,), where they are measured, at most at speed_max."""
+    if not found.any():
+        return committed
+    col, still = found[:, None], np.zeros((len(found), 3))
+    return replace(
+        committed,
+        pos=np.where(col, known.pos, committed.pos),
+        vel=np.where(col, _bounded(known.vel, speed_max), committed.vel),
+        acc=np.where(col, still, committed.acc),
+        hold=np.where(found, 0.0, committed.hold),
+        on_reference=committed.on_reference & ~found,
+        pushed=committed.pushed & ~found,
+        jerk=np.where(col, still, committed.jerk),
+    )
+
+
+def _bounded(vel: Array, most: float) -> Array:
+    speed = np.linalg.norm(vel, axis=1, keepdims=True)
+    return np.asarray(vel * np.minimum(1.0, most / np.maximum(speed, most)))

@@ -1,0 +1,80 @@
+"""A vehicle that is measured again after nobody flew it starts anew where it is, and is led back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
+from q2q_planner.online.safe.found_again import BLIND_S
+from q2q_planner.online.safe.safe_replanner import SafeReplanner
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+
+TICK = 0.01
+PARAMS = SafeReplannerParams()
+SENT = np.array([[0.0, 0.0, 1.5], [4.0, 0.0, 1.0]])
+"""Two vehicles hover, out of each other's reach."""
+OFF = np.array([-1.0, 0.5, -0.4])
+"""By how much the first is off when it is measured again [m]."""
+ON = np.zeros(3)
+
+
+def setpoint_at(t: float) -> SwarmSetpoint:
+    still, level = np.zeros((2, 3)), np.zeros(2)
+    return SwarmSetpoint(t, ("cf1", "cf2"), SENT, still, still, level, level, np.zeros(2, dtype=np.uint8))
+
+
+def state_at(t: float, age: float, off: Array = ON, vel: Array = ON) -> SwarmState:
+    """Return the state with the first vehicle off its setpoint, measured `age` ago."""
+    pos, speed = SENT + np.array([off, ON]), np.array([vel, ON])
+    quat, ages = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), np.array([age, 0.0])
+    return SwarmState(
+        t, ("cf1", "cf2"), pos, speed, quat, np.zeros((2, 3)), ages, np.zeros(2, dtype=np.uint8)
+    )
+
+
+def flown(unseen_s: float, params: SafeReplannerParams, vel: Array = ON) -> list[SwarmSetpoint]:
+    """Return 600 ticks from that on in which the first vehicle is measured again, and then follows."""
+    replanner, begin = SafeReplanner(params), round(unseen_s / TICK) + 1
+    ticks: list[SwarmSetpoint] = []
+    for k in range(begin):
+        replanner.update(setpoint_at(k * TICK), state_at(k * TICK, k * TICK))
+    for k in range(begin, begin + 600):
+        off, speed = (ticks[-1].pos[0] - SENT[0], ON) if ticks else (OFF, vel)
+        ticks.append(replanner.update(setpoint_at(k * TICK), state_at(k * TICK, 0.0, off, speed)))
+    return ticks
+
+
+@pytest.mark.parametrize("jerk", [0.0, 20.0])
+def test_it_starts_where_it_is_and_is_back_within_the_bounds_of_acceleration(jerk: float) -> None:
+    params = replace(PARAMS, jerk_max=jerk)
+    back = flown(BLIND_S + 0.2, params)
+    pos = np.array([tick.pos[0] for tick in back]) - SENT[0]
+    np.testing.assert_allclose(pos[0], OFF, atol=1e-12)
+    acc = np.diff(pos, n=2, axis=0) / TICK**2
+    # acc_max bounds each axis where jerk is bounded; the snap onto the reference moves it by up to 0.1 mm
+    assert np.abs(acc[:200]).max() < params.acc_max * 1.01
+    np.testing.assert_allclose(pos[-1], 0.0, atol=2e-3)
+    assert back[0].status[0] == SetpointStatus.SHIFTED
+    assert all(tick.status[1] == SetpointStatus.NOMINAL for tick in back)
+    np.testing.assert_array_equal([tick.pos[1] for tick in back], np.tile(SENT[1], (600, 1)))
+
+
+def test_it_starts_with_its_velocity_up_to_the_fastest_that_is_allowed() -> None:
+    vel = np.array([3.0, -4.0, 0.0])
+    first = flown(BLIND_S + 0.2, PARAMS, vel)[0]
+    np.testing.assert_allclose(first.vel[0], vel * PARAMS.speed_max / 5.0, atol=1e-12)
+
+
+def test_one_that_was_flown_all_the_time_is_led_on_and_announced() -> None:
+    """A shorter gap is flown by prediction: a vehicle that is off then has broken the promise."""
+    first = flown(BLIND_S - 0.1, PARAMS)[0]
+    np.testing.assert_array_equal(first.pos, SENT)
+    assert first.status.tolist() == [SetpointStatus.PROMISE_BROKEN, SetpointStatus.NOMINAL]
+
+
+def test_one_that_was_never_measured_begins_on_its_reference() -> None:
+    replanner = SafeReplanner(PARAMS)
+    for k in range(60):
+        replanner.update(setpoint_at(k * TICK), state_at(k * TICK, np.inf))
+    np.testing.assert_array_equal(replanner.update(setpoint_at(0.6), state_at(0.6, 0.0, OFF)).pos, SENT)
