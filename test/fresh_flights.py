@@ -72,7 +72,7 @@ def flights() -> None:
     flown(replace(library.load("table6"), duration=25.0), "mpc", "none")
     flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
     absorbing = replace(MEASURED_LAW, absorption=1.0)
-    fly(replace(library.load("stack3"), duration=0.1), FlightOptions(controller="mpc", model=absorbing))
+    fly(replace(library.load("swarm20"), duration=0.1), FlightOptions(controller="mpc", model=absorbing))
     distributed(replace(library.load("stack3"), duration=0.2))
     flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
     steady = {"safe_replanner": {"jerk_max": 20.0, "tracking_z": 0.1}}

@@ -193,7 +193,7 @@ def test_a_run_that_raises_is_a_crash_and_leaves_its_bag(
     def broken(*_: object) -> None:
         raise ZeroDivisionError("made up")
 
-    monkeypatch.setattr(campaign_flight, "judged", broken)
+    monkeypatch.setattr(campaign_flight, "judge", broken)
     found = campaign_flight.fly_and_judge(5, tmp_path)
     assert [one.policy for one in found.violations] == [CRASH]
     assert "ZeroDivisionError: made up" in found.violations[0].who

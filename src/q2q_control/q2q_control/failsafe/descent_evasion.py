@@ -4,13 +4,13 @@ A vehicle that flies level or lands blind (q2q_control.failsafe.ladder) drifts w
 floor. The setpoints of measured vehicles that fly below it, and nearer than REACH to its dead-reckoned
 position p_j (q2q_control.failsafe.dead_reckoned_braking), are shifted along u, the one of eight directions
 that keeps the largest distance from all other vehicles, within ALIKE the one of the smallest shift until j
-has come to rest: away from j if it is at rest, across its path if it moves:
+has come to rest: away from j if it is at rest, across its path if it moves or climbs back:
 
     goal = max(0, REACH - (r - p_j) . u) u        r: setpoint, horizontal; u is fixed, see below
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
-or measured again and within BACK of its setpoint: it climbs there first.
+or measured again and within BACK of its setpoint: it climbs where it is first, and then moves there.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -54,6 +54,8 @@ class _Shift:
     vel: Array = field(default_factory=lambda: np.zeros(2))
     directions: dict[str, Array] = field(default_factory=dict)
     """u for each vehicle that is evaded."""
+    returning: set[str] = field(default_factory=set)
+    """Those of them that are measured again."""
 
     def follow(self, target: Array, target_vel: Array, dt: float) -> Array:
         """Integrate over dt [s]; return the acceleration [m/s^2], (2,)."""
@@ -86,6 +88,7 @@ class DescentEvasion:
     def reset(self) -> None:
         """Drop all shifts."""
         self._shifts: dict[str, _Shift] = {}
+        self._climbs: dict[str, Array] = {}
         self._t: float | None = None
 
     @property
@@ -118,8 +121,11 @@ class DescentEvasion:
         evaded = {name for shift in self._shifts.values() for name in shift.directions}
         back = evaded & set(_on_their_way(setpoint, state)) - set(fallback.cut)
         self._end((set(blind) | back) & set(state.names))
+        self._turn(back & set(state.names), setpoint, state)
         self._ask(np.isin(state.names, blind), state.names, pos, rest)
-        moved = self._moved(setpoint, dict(zip(state.names, pos[:, :2], strict=True)), dt)
+        moved = self._moved(
+            self._climbing(back, setpoint, state), dict(zip(state.names, pos[:, :2], strict=True)), dt
+        )
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         return moved
 
@@ -127,6 +133,28 @@ class DescentEvasion:
         """End the evasions of all but some vehicles."""
         for shift in self._shifts.values():
             shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
+
+    def _turn(self, back: set[str], setpoint: SwarmSetpoint, state: SwarmState) -> None:
+        """Evade a vehicle that is measured again across its way back to its setpoint."""
+        for name, shift in self._shifts.items():
+            for other in (back & shift.directions.keys()) - shift.returning:
+                if name in state.names and other in setpoint.names:
+                    goal = setpoint.pos[setpoint.names.index(other), :2]
+                    i, j = state.names.index(name), state.names.index(other)
+                    shift.directions[other] = _evasion_direction(state.pos[:, :2], i, j, goal)
+            shift.returning = back & shift.directions.keys()
+
+    def _climbing(self, back: set[str], setpoint: SwarmSetpoint, state: SwarmState) -> SwarmSetpoint:
+        """Return the setpoints with vehicles that are measured again above where they are, until they are up."""
+        pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
+        climbs = {}
+        for name in sorted(back & set(setpoint.names) & set(state.names)):
+            row, seen = setpoint.names.index(name), state.pos[state.names.index(name)]
+            if abs(pos[row, 2] - seen[2]) > BACK:
+                climbs[name] = self._climbs.get(name, seen[:2].copy())
+                pos[row, :2], vel[row, :2], acc[row, :2] = climbs[name], 0.0, 0.0
+        self._climbs = climbs
+        return replace(setpoint, pos=pos, vel=vel, acc=acc) if climbs else setpoint
 
     def _ask(self, gone: NDArray[np.bool_], names: Names, pos: Array, rest: Array) -> None:
         """Assign a direction to every new pair of evading vehicle and one that is `gone`, (n,)."""
