@@ -235,3 +235,17 @@ def test_way_is_made_across_the_path_of_who_drifts_over_and_not_ahead_of_it() ->
         known = {"cf1": Reckoned(drifted, np.array([0.0, 0.5]))}
         output = way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), known)
     np.testing.assert_allclose(np.abs(output.pos[1]), [REACH, 0.0, 1.0], atol=0.01)
+
+
+def test_who_climbs_back_does_so_where_it_is_and_is_led_aside_only_at_its_height() -> None:
+    sent = np.array([(0.5, 0.0, 1.5), (0.0, 0.0, 1.0)])
+    way, pos = DescentEvasion(), np.array([(0.1, 0.0, 1.5), (0.0, 0.0, 1.0)])
+    for k in range(200):
+        way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
+    for height in (0.2, 0.7, 1.5 - 1.01 * BACK):
+        pos[0] = [0.1 + 0.01 * height, 0.0, height]  # it drifts a little
+        output = way.update(setpoint_of(2.0 + height, sent), state_of(pos), flown(2), {})
+        np.testing.assert_allclose(output.pos[0], [0.102, 0.0, 1.5], atol=1e-12)
+    pos[0, 2] = 1.5 - 0.99 * BACK
+    output = way.update(setpoint_of(4.0, sent), state_of(pos), flown(2), {})
+    np.testing.assert_array_equal(output.pos[0], sent[0])

@@ -145,7 +145,7 @@ class DescentEvasion:
             shift.returning = back & shift.directions.keys()
 
     def _climbing(self, back: set[str], setpoint: SwarmSetpoint, state: SwarmState) -> SwarmSetpoint:
-        """Return the setpoints with vehicles that are measured again above where they are, until they are up."""
+        """Return the setpoints, with vehicles that are measured again held where they are until up."""
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
         climbs = {}
         for name in sorted(back & set(setpoint.names) & set(state.names)):
