@@ -119,7 +119,7 @@ class DescentEvasion:
             if name in blind and name in known:
                 pos[row, :2], rest[row] = known[name]
         evaded = {name for shift in self._shifts.values() for name in shift.directions}
-        back = evaded & set(_on_their_way(setpoint, state)) - set(fallback.cut)
+        back = evaded & set(_on_their_way(setpoint, state)) - set(fallback.cut) - set(blind)
         self._end((set(blind) | back) & set(state.names))
         self._turn(back & set(state.names), setpoint, state)
         self._ask(np.isin(state.names, blind), state.names, pos, rest)
