@@ -30,6 +30,7 @@ LAG_S = 0.15
 
 X, Y, VX, VY, AX, AY, YAW = range(7)
 UP = np.array([0.0, 0.0, 1.0])
+LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 UNKNOWN = np.array([np.nan, np.nan, 0.0, 0.0, 0.0, 0.0, 0.0])
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
@@ -54,7 +55,9 @@ class Sight(NamedTuple):
 
 def measured_tracks(state: SwarmState) -> Array:
     """Return the tracks of a state, (n, 7)."""
-    acc = GRAVITY * rotate(state.quat, UP)[:, :2]
+    size = np.square(state.quat).sum(axis=1, keepdims=True)
+    known = np.isfinite(size) & (size > 0.0)  # any message may come: no attitude is level
+    acc = GRAVITY * rotate(np.where(known, state.quat, LEVEL), UP)[:, :2]
     yaw = yaw_from_quat(state.quat)[:, None]
     return np.concatenate((state.pos[:, :2], state.vel[:, :2], acc, yaw), axis=1)
 
