@@ -57,12 +57,12 @@ class LegacyTopics:
         self._scale = scale
         self._writers = VehiclePublishers(node, {"cmd_vel_legacy": Twist}, rate_hz, names)
 
-    def publish(self, _: int, command: SwarmCommand) -> None:
+    def publish(self, stamp_ns: int, command: SwarmCommand) -> None:
         """Publish the command of every vehicle, if one is due."""
         if not self._writers.due(command.t, command.names):
             return
         for name, row in zip(command.names, legacy_setpoints(command, self._scale).tolist(), strict=True):
-            for writer in self._writers.read(name):
+            for writer in self._writers.read(name, stamp_ns):
                 pitch, roll, yaw_rate, pwm = row
                 writer.publish(Twist(linear=Vector3(x=pitch, y=roll, z=pwm), angular=Vector3(z=yaw_rate)))
 

@@ -4,13 +4,12 @@ A chunk is closed after `chunk_s` of bag time. Closed chunks of a process that w
 full, can be read (q2q_model.bag.storage.salvage). Each compressed chunk has a checksum that detects damage.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Never, Self
 
 from rosbags.interfaces import (
     Connection,
@@ -32,6 +31,8 @@ from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 
 VERSION = 9
 """Version of metadata.yaml in ROS 2 Jazzy."""
+ZSTD_LEVEL = -1
+"""Level of compression: bags are 5 to 12 % larger than by the default 3, in 0.4 of the time."""
 CHUNK_S = 1.0
 """Bag time in a chunk [s], the most that a kill loses."""
 _FOR_EVER = QosTime(sec=9223372036, nsec=854775807)
@@ -107,8 +108,10 @@ class BagWriter:
         begin = self._chunk_begin
         if begin is not None and abs(stamp_ns - begin) >= self._chunk_ns:
             self.flush()
-        with self._stored():
+        try:
             self._writer.write(self._connections[topic], stamp_ns, data)
+        except OSError as refused:
+            self._give_up(refused)
         self._chunk_begin = stamp_ns if self._chunk_begin is None else self._chunk_begin
 
     def write_signal(self, topic: str, stamp_ns: int, signal: Signal) -> None:
@@ -126,30 +129,30 @@ class BagWriter:
         self._check_open()
         storage = self._writer.storage
         if self._chunk_begin is not None:
-            with self._stored():
+            try:
                 storage.close_chunk()
                 storage.bio.flush()
+            except OSError as refused:
+                self._give_up(refused)
         self._chunk_begin = None
 
     def close(self) -> None:
         """Write the index and metadata.yaml; further calls do nothing."""
         if not self._closed:
-            with self._stored():
+            try:
                 self._writer.close()
+            except OSError as refused:
+                self._give_up(refused)
             self._closed = True
 
-    @contextmanager
-    def _stored(self) -> Iterator[None]:
-        """Close the bag and raise BagError if the disk refuses what the block writes."""
-        try:
-            yield
-        except OSError as refused:
-            self._closed = True
-            with suppress(OSError):
-                self._writer.storage.bio.close()
-            raise BagError(
-                f"cannot write to the bag {self.path}: {refused.strerror}; what it holds can be read"
-            ) from refused
+    def _give_up(self, refused: OSError) -> Never:
+        """Close the bag and raise BagError: the disk takes no more."""
+        self._closed = True
+        with suppress(OSError):
+            self._writer.storage.bio.close()
+        raise BagError(
+            f"cannot write to the bag {self.path}: {refused.strerror}; what it holds can be read"
+        ) from refused
 
     def __enter__(self) -> Self:
         """Return the writer."""
@@ -170,13 +173,13 @@ class BagWriter:
         named = self.path / f"{self.path.name}_0.mcap"
         storage.path.rename(named)
         storage.path = named
-        storage.compressor = partial(storage.compressor, options=_checksum_options())
+        storage.compressor = partial(storage.compressor, options=_zstd_options())
 
 
-def _checksum_options() -> dict[int, int]:
+def _zstd_options() -> dict[int, int]:
     from backports.zstd import CompressionParameter
 
-    return {CompressionParameter.checksum_flag: 1}
+    return {CompressionParameter.checksum_flag: 1, CompressionParameter.compression_level: ZSTD_LEVEL}
 
 
 def _profile(qos: OfferedQos) -> Qos:

@@ -29,6 +29,8 @@ class CommandGate:
         Raises:
             ValueError: the command names a vehicle that does not exist.
         """
+        if self._exact and command.names == self._names:
+            return command if stamp_ns == self._stamp_ns else None
         check_known(command.names, self._names)
         rows = {name: row for row, name in enumerate(command.names) if self._accepts(name, stamp_ns)}
         self._rows |= {name: (command, row) for name, row in rows.items()}

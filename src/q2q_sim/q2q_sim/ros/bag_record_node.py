@@ -23,6 +23,7 @@ from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.qos import RECORD
 from q2q_model.signals.cdr import encode, header_stamp_ns
+from q2q_model.signals.layout import Signal
 from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.loop.topics import TYPE_NAMES
@@ -89,23 +90,27 @@ class Recorder:
             raise BagError(f"bag {self._writer.path} lacks what came after its disk took no more")
 
     def _storing_signals(self, topic: str) -> Listener:
-        store = self._storing(topic)
-        return lambda stamp_ns, signal: store(encode(signal, stamp_ns))
+        def take(stamp_ns: int, signal: Signal) -> None:
+            self._store(topic, stamp_ns if self._by_header else time_ns(), encode(signal, stamp_ns))
+
+        return take
 
     def _storing(self, topic: str) -> Callable[[bytes], None]:
         def take(data: bytes) -> None:
-            if self.is_full:
-                self.health.missed += 1
-                return
-            stamp = header_stamp_ns(data) if self._by_header else time_ns()
-            try:
-                self._writer.write_raw(topic, stamp, data)
-            except BagError as refusal:
-                self._give_up(refusal)
-            else:
-                self.health.ticks += 1
+            self._store(topic, header_stamp_ns(data) if self._by_header else time_ns(), data)
 
         return take
+
+    def _store(self, topic: str, stamp_ns: int, data: bytes) -> None:
+        if self.is_full:
+            self.health.missed += 1
+            return
+        try:
+            self._writer.write_raw(topic, stamp_ns, data)
+        except BagError as refusal:
+            self._give_up(refusal)
+        else:
+            self.health.ticks += 1
 
     def _give_up(self, refusal: BagError) -> None:
         """Record nothing further."""

@@ -29,6 +29,7 @@ from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.topics.audience import Audience
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
 from q2q_model.signals.cdr import encode_stamp
@@ -69,6 +70,7 @@ class Simulator:
             topic: SignalPublisher(node, topic, signal, TICK_WRITER) for topic, signal in OUTPUTS.items()
         }
         self._clock = node.create_publisher(Clock, "/clock", TICK)
+        self._clock_audience = Audience((self._clock,))
         self._summary = node.create_publisher(String, "flight_summary", LATCHED)
         if not params.crtp:
             self._listen()
@@ -119,7 +121,7 @@ class Simulator:
     def _publish(self, output: Output) -> None:
         for topic, signal, stamp_ns in output.signals:
             self._writers[topic].post(stamp_ns, signal)
-        if output.clock_ns is not None and self._clock.get_subscription_count():
+        if output.clock_ns is not None and self._clock_audience.listens(output.clock_ns):
             self._clock.publish(encode_stamp(output.clock_ns))
         if output.refusal:
             self._node.get_logger().error(f"command refused: {output.refusal}", throttle_duration_sec=1.0)

@@ -9,10 +9,13 @@ from collections.abc import Mapping
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
+from q2q_model.ros.topics.audience import Audience
 from q2q_model.signals.decimation import Decimation
 from q2q_model.signals.values import Names
 
 QUEUE = 10
+ASK_EVERY_NS = 500_000_000
+"""Interval of the question for subscribers [ns]."""
 
 
 class VehiclePublishers:
@@ -31,6 +34,7 @@ class VehiclePublishers:
         self._topics = topics if rate_hz > 0.0 else {}
         self._due = Decimation(rate_hz)
         self._made: dict[str, tuple[Publisher, ...]] = {}
+        self._audiences: dict[str, Audience] = {}
         self._met: Names = ()
         for name in names:
             self._make(name)
@@ -50,11 +54,12 @@ class VehiclePublishers:
         else:
             self._make(new)
 
-    def read(self, name: str) -> tuple[Publisher, ...]:
+    def read(self, name: str, stamp_ns: int) -> tuple[Publisher, ...]:
         """Return a vehicle's publishers in the order of the topics; empty without subscribers."""
-        made = self._made.get(name, ())
-        return made if any(one.get_subscription_count() for one in made) else ()
+        audience = self._audiences.get(name)
+        return self._made[name] if audience is not None and audience.listens(stamp_ns) else ()
 
     def _make(self, name: str) -> None:
         make = self._node.create_publisher
         self._made[name] = tuple(make(kind, f"{name}/{topic}", QUEUE) for topic, kind in self._topics.items())
+        self._audiences[name] = Audience(self._made[name], ASK_EVERY_NS)

@@ -33,7 +33,7 @@ class VehicleTopics:
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame
         for row, name in enumerate(state.names):
-            if not (read := self._writers.read(name)):
+            if not (read := self._writers.read(name, stamp_ns)):
                 continue
             pose, odom = read
             header = header_at(stamp_ns)
