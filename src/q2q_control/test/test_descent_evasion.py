@@ -249,3 +249,18 @@ def test_who_climbs_back_does_so_where_it_is_and_is_led_aside_only_at_its_height
     pos[0, 2] = 1.5 - 0.99 * BACK
     output = way.update(setpoint_of(4.0, sent), state_of(pos), flown(2), {})
     np.testing.assert_array_equal(output.pos[0], sent[0])
+
+
+def test_who_is_back_at_its_height_drives_nobody_ahead_on_its_way() -> None:
+    """The upper one is measured again 1 m behind its setpoint, and follows it over the one that evaded."""
+    sent = np.array([(1.0, 0.0, 1.5), (0.0, 0.0, 1.0)])
+    way, pos = DescentEvasion(), np.array([(0.0, 0.0, 1.5), (0.0, 0.0, 1.0)])
+    for k in range(200):
+        way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
+    assert way.active
+    for k in range(200, 600):
+        pos[0, 0] = sent[0, 0] = 1.0 + 0.005 * (k - 200)
+        pos[0, 0] -= 0.9
+        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2), {})
+        assert np.hypot(*output.pos[1, :2]) < REACH + 0.01
+    np.testing.assert_allclose(output.pos, sent, atol=1e-3)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.estimation import white_jerk
+from q2q_model.estimation.position_steps import THAW_STEP
 from q2q_model.estimation.positions import BORROWED_MOST, PositionTracks, TrackUpdate
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.flights.outliers import REPEAT_STEP
@@ -89,6 +90,29 @@ def test_an_old_pose_again_is_no_sample_of_a_vehicle_that_should_have_moved() ->
         made = flown(60, vel=vel)
         again = PLACES + 59 * DT * vel
         assert made.update(60 * DT, again, np.ones(2, dtype=bool)).accepted.tolist() == [taken, True]
+
+
+def test_a_pose_that_shows_repeated_ones_to_be_old_restarts_its_track_at_their_mean_velocity() -> None:
+    vel = np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    made, again = flown(60, vel=vel), PLACES + 59 * DT * vel
+    for k in range(60, 76):
+        assert made.update(k * DT, again, np.ones(2, dtype=bool)).accepted.all()
+    verdict = made.update(76 * DT, PLACES + 76 * DT * vel, np.array([False, True]))
+    assert verdict.restarted.tolist() == [True, False]
+    assert verdict.trusted.all()
+    np.testing.assert_allclose(verdict.vel, vel, atol=0.01)
+    np.testing.assert_allclose(verdict.pos[0], PLACES[0] + 76 * DT * vel[0], atol=1e-9)
+
+
+def test_a_step_after_repeated_poses_is_taken_as_usual_up_to_its_bound() -> None:
+    made = flown(60)
+    for k in range(60, 76):
+        made.update(k * DT, PLACES, np.ones(2, dtype=bool))
+    for beyond, restarted in ((-NEAR, False), (NEAR, True)):
+        place = PLACES[0] + (THAW_STEP + beyond) * np.array([0.48, 0.6, 0.64])
+        verdict = offered(deepcopy(made), 76 * DT, place)
+        assert verdict.restarted.tolist() == [restarted, False]
+        assert not offered(flown(76), 76 * DT, place).restarted.any()  # without repeated ones before
 
 
 @pytest.mark.parametrize("right", [6, 50])

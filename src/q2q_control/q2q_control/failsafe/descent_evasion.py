@@ -10,7 +10,7 @@ has come to rest: away from j if it is at rest, across its path if it moves or c
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
-or measured again and within BACK of its setpoint: it climbs where it is first, and then moves there.
+or measured again and within BACK of its setpoint's height: it climbs where it is, and moves there then.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -34,7 +34,7 @@ REACH = 0.6
 BENEATH = 0.1
 """Least height difference at which a vehicle counts as below another [m]: eps of the paper's zone."""
 BACK = 0.3
-"""Distance from its setpoint at which a vehicle measured again is back [m]."""
+"""Height difference from its setpoint within which a vehicle measured again is back [m]."""
 PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
@@ -119,9 +119,9 @@ class DescentEvasion:
             if name in blind and name in known:
                 pos[row, :2], rest[row] = known[name]
         evaded = {name for shift in self._shifts.values() for name in shift.directions}
-        back = evaded & set(_on_their_way(setpoint, state)) - set(fallback.cut) - set(blind)
+        back = evaded & set(_away(setpoint, state)) - set(fallback.cut) - set(blind)
         self._end((set(blind) | back) & set(state.names))
-        self._turn(back & set(state.names), setpoint, state)
+        self._turn(back & set(state.names), state)
         self._ask(np.isin(state.names, blind), state.names, pos, rest)
         moved = self._moved(
             self._climbing(back, setpoint, state), dict(zip(state.names, pos[:, :2], strict=True)), dt
@@ -134,14 +134,14 @@ class DescentEvasion:
         for shift in self._shifts.values():
             shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
 
-    def _turn(self, back: set[str], setpoint: SwarmSetpoint, state: SwarmState) -> None:
-        """Evade a vehicle that is measured again across its way back to its setpoint."""
+    def _turn(self, back: set[str], state: SwarmState) -> None:
+        """Evade a vehicle that is measured again where it is."""
+        xy = state.pos[:, :2]
         for name, shift in self._shifts.items():
             for other in (back & shift.directions.keys()) - shift.returning:
-                if name in state.names and other in setpoint.names:
-                    goal = setpoint.pos[setpoint.names.index(other), :2]
+                if name in state.names:
                     i, j = state.names.index(name), state.names.index(other)
-                    shift.directions[other] = _evasion_direction(state.pos[:, :2], i, j, goal)
+                    shift.directions[other] = _evasion_direction(xy, i, j, xy[j])
             shift.returning = back & shift.directions.keys()
 
     def _climbing(self, back: set[str], setpoint: SwarmSetpoint, state: SwarmState) -> SwarmSetpoint:
@@ -150,9 +150,8 @@ class DescentEvasion:
         climbs = {}
         for name in sorted(back & set(setpoint.names) & set(state.names)):
             row, seen = setpoint.names.index(name), state.pos[state.names.index(name)]
-            if abs(pos[row, 2] - seen[2]) > BACK:
-                climbs[name] = self._climbs.get(name, seen[:2].copy())
-                pos[row, :2], vel[row, :2], acc[row, :2] = climbs[name], 0.0, 0.0
+            climbs[name] = self._climbs.get(name, seen[:2].copy())
+            pos[row, :2], vel[row, :2], acc[row, :2] = climbs[name], 0.0, 0.0
         self._climbs = climbs
         return replace(setpoint, pos=pos, vel=vel, acc=acc) if climbs else setpoint
 
@@ -183,11 +182,11 @@ class DescentEvasion:
         return replace(setpoint, pos=pos, vel=vel, acc=acc)
 
 
-def _on_their_way(setpoint: SwarmSetpoint, state: SwarmState) -> Names:
-    """Return the vehicles further than BACK from their setpoints."""
+def _away(setpoint: SwarmSetpoint, state: SwarmState) -> Names:
+    """Return the vehicles further than BACK from the heights of their setpoints."""
     rows = index_of(setpoint.names, state.names)
-    pos = np.concatenate((state.pos, np.full((1, 3), np.nan)))[rows]
-    off = np.linalg.norm(pos - setpoint.pos, axis=1) > BACK
+    height = np.append(state.pos[:, 2], np.nan)[rows]
+    off = np.abs(height - setpoint.pos[:, 2]) > BACK
     return tuple(setpoint.names[row] for row in np.flatnonzero(off))
 
 

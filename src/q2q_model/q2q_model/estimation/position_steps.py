@@ -1,8 +1,13 @@
 """Compiled steps of the position tracks: predict and gate, take samples, do both in a usual tick.
 
-A tick is nominal if every track is confirmed and the sample of its own name passes its gates. A tick is
-usual if that holds for the samples that there are. The association of samples in other ticks is
-q2q_model.estimation.positions.
+A tick is nominal if every track is confirmed and the sample of its own name passes its gates and shows no
+thaw. A tick is usual if that holds for the samples that there are. The association of samples in other ticks
+is q2q_model.estimation.positions.
+
+A pose that repeats bit for bit is taken as a sample while the vehicle is slow: it may be at rest. If the next
+one is further than THAW_STEP from the prediction, it was an old frame under new stamps: the track restarts
+there with the mean velocity since the pose first came (a thaw), else the step would count as a movement
+within one tick.
 """
 
 import math
@@ -15,11 +20,14 @@ from q2q_model.compiled import compiled
 from q2q_model.estimation.position_gates import GATE_SIGMAS, PositionGates, screen
 from q2q_model.estimation.reacquisition import SAME_INSTANT, Table
 from q2q_model.estimation.steady_gain import LAST, PERIOD, is_due, steady_period
-from q2q_model.estimation.track_columns import TrackParams, columns_of
+from q2q_model.estimation.track_columns import TrackColumns, TrackParams, columns_of
 from q2q_model.estimation.white_jerk import MotionEstimate, correct, gain, predict
 from q2q_model.flights.outliers import Mask
 from q2q_model.signals.values import Array
 
+THAW_STEP = 0.005
+"""Deviation from the prediction of a sample after repeated ones that shows them to be old [m]: 5 standard
+deviations of a sample; 10 m/s^2 move a vehicle by 0.5 mm within a tick."""
 UNUSUAL, WITH_GAPS, WHOLE = 0, 1, 2
 """Outcomes of `follow`: no track has changed; some vehicles have no sample; the tick is nominal."""
 
@@ -43,8 +51,12 @@ class Prediction(NamedTuple):
     """Largest believable distance of a sample from the prediction [m], (n,)."""
     lost: Mask
     """TrackColumns without a sample for longer than coast_s, (n,)."""
+    repeated: Mask
+    """Poses that equal the last frame's bit for bit, (n,)."""
+    thawed: Mask
+    """TrackColumns whose own sample shows that the repeated ones before it were old, (n,)."""
     nominal: bool
-    """Every track is confirmed, and its own sample passes the gates."""
+    """Every track is confirmed, and its own sample passes the gates and shows no thaw."""
 
 
 class Association(NamedTuple):
@@ -55,7 +67,7 @@ class Association(NamedTuple):
     began: Mask
     """TrackColumns that start, or restart after an unconfirmed first sample, (n,)."""
     jumped: Mask
-    """TrackColumns that restart at a true jump, (n,)."""
+    """TrackColumns that restart at a true jump or a thaw, (n,)."""
 
 
 class Offered(NamedTuple):
@@ -110,9 +122,24 @@ def look_ahead(
     )
     samples, passed = screen(measured, repeated, gates)
     own, reach = passed & tracks.seen, np.minimum(gates.deviation, gates.reach)
-    nominal = bool((own & tracks.confirmed).all())
+    thawed = _thawed(samples, ahead.state, own & ~repeated, tracks)
+    nominal = bool((own & tracks.confirmed & ~thawed).all())
     K = gain(ahead, noise_var)
-    return Prediction(elapsed, ahead.state, ahead.cov, K, samples, own, reach, gates.lost, nominal)
+    state, cov = ahead
+    return Prediction(elapsed, state, cov, K, samples, own, reach, gates.lost, repeated, thawed, nominal)
+
+
+@compiled
+def _thawed(samples: Array, ahead: Array, new: Mask, tracks: TrackColumns) -> Mask:
+    """Return which `new` samples follow repeated ones and are further than THAW_STEP from `ahead`, (n,)."""
+    thawed = np.zeros(len(new), np.bool_)
+    for i in range(len(new)):
+        if new[i] and tracks.time[i] - tracks.since[i] > SAME_INSTANT:
+            squared = 0.0
+            for k in range(3):
+                squared += (samples[i, k] - ahead[i, 0, k]) ** 2
+            thawed[i] = squared > THAW_STEP * THAW_STEP
+    return thawed
 
 
 @compiled
@@ -130,6 +157,8 @@ def accept(
                 vel[i] = at.state[i, 1]
             continue
         tracks.seen[i], tracks.time[i] = True, t
+        if not at.repeated[source]:
+            tracks.since[i] = t
         if assigned.began[i] or assigned.jumped[i]:
             tracks.own[i], tracks.confirmed[i] = 1, assigned.jumped[i]
         else:
@@ -184,7 +213,7 @@ def _only_gaps(at: Prediction, measured: Array, table: Table) -> bool:
     """Return whether all samples that there are pass, and are of confirmed tracks."""
     for i in range(len(at.own)):
         absent = math.isnan(measured[i, 0]) or math.isnan(measured[i, 1]) or math.isnan(measured[i, 2])
-        if not (absent or (at.own[i] and table["confirmed"][i])):
+        if not (absent or (at.own[i] and table["confirmed"][i] and not at.thawed[i])):
             return False
     return True
 
@@ -209,6 +238,8 @@ def _take_own(
                 vel[i] = at.state[i, 1]
             continue
         tracks.seen[i], tracks.confirmed[i], tracks.time[i] = True, True, t
+        if not at.repeated[i]:
+            tracks.since[i] = t
         tracks.own[i] += 1
         tracks.borrowed[i] = 0
         tracks.state[i] = better.state[i]

@@ -11,7 +11,7 @@ rejects, in this order:
    other names at most as often as it has accepted samples of its own name, or BORROWED_MOST times, so a
    wrong start is corrected.
 3. Rejected samples that stay together are a true jump (q2q_model.estimation.reacquisition): the track
-   restarts there.
+   restarts there, as it does at a thaw (q2q_model.estimation.position_steps).
 
 Without samples a track coasts for `coast_s`; then it is lost, with its position held and zero velocity.
 """
@@ -58,7 +58,7 @@ class TrackUpdate:
     source: Rows
     """Row of the accepted sample, (n,): another row where markers were swapped, -1 where none."""
     restarted: Mask
-    """TrackColumns restarted at a true jump, (n,)."""
+    """TrackColumns restarted at a true jump or a thaw, (n,)."""
     trusted: Mask
     """TrackColumns with an accepted sample that are confirmed, (n,)."""
     nominal: bool
@@ -111,6 +111,7 @@ class PositionTracks:
     def set_back(self, by: float) -> None:
         """Set the times of all samples back by `by` [s], as the clock was."""
         self._tracks.time[:] -= by
+        self._tracks.since[:] -= by
         self._reacquisition.set_back(by)
         self._clock[PERIOD] = np.nan
 
@@ -163,9 +164,9 @@ class PositionTracks:
         self._reacquisition.forget(source >= 0)
         unmatched = Unmatched(~present & tracks.seen, rejected)
         jumped = self._jumped(t, at.samples, unmatched)
-        if (began | jumped).any():
-            self._restart(t, at.samples, began | jumped, jumped)
-        return Association(np.where(jumped, rows, source), began, jumped)
+        if (began | jumped | at.thawed).any():
+            self._restart(t, at, began | jumped | at.thawed, jumped)
+        return Association(np.where(jumped, rows, source), began, jumped | at.thawed)
 
     def _refutes_first(self, at: Prediction, present: Mask) -> Mask:
         """Return the samples that show the unconfirmed first one of their tracks to be wrong, (n,)."""
@@ -188,20 +189,22 @@ class PositionTracks:
         patience = np.where(ambiguous, longest, params.reacquire_s)
         return self._reacquisition.offer(t, samples, unmatched.rejected, patience)
 
-    def _restart(self, t: float, samples: Array, fresh: Mask, jumped: Mask) -> None:
+    def _restart(self, t: float, at: Prediction, fresh: Mask, jumped: Mask) -> None:
         """Start tracks at their own samples."""
-        velocity = np.where(
-            jumped[:, None], self._reacquisition.velocity(), self._velocity_since_last(t, samples)
-        )
-        state, cov = start(samples[fresh], velocity[fresh], self._noise_var)
+        velocity = self._velocity_since_last(t, at)
+        velocity = np.where(jumped[:, None], self._reacquisition.velocity(), velocity)
+        state, cov = start(at.samples[fresh], velocity[fresh], self._noise_var)
         self._tracks.state[fresh], self._tracks.cov[fresh] = state, cov
         self._reacquisition.forget(jumped)
 
-    def _velocity_since_last(self, t: float, samples: Array) -> Array:
-        """Return the velocity from the last samples to these [m/s], (n, 3); zero beyond speed_max."""
+    def _velocity_since_last(self, t: float, at: Prediction) -> Array:
+        """Return the velocity from the last samples to these [m/s], (n, 3); zero beyond speed_max.
+
+        Of samples that repeat, the first one counts.
+        """
         tracks = self._tracks
-        elapsed = np.where(tracks.seen, t - tracks.time, np.inf)
-        velocity = (samples - tracks.state[:, 0]) / elapsed[:, None]
+        elapsed = np.where(tracks.seen, t - np.where(at.thawed, tracks.since, tracks.time), np.inf)
+        velocity = (at.samples - tracks.state[:, 0]) / elapsed[:, None]
         slow = np.linalg.norm(velocity, axis=1) <= self._params.speed_max
         return np.where(slow[:, None], velocity, 0.0)
 

@@ -37,6 +37,8 @@ class TrackColumns(NamedTuple):
     """TrackColumns in which a second sample has passed the gates, (n,)."""
     time: Array
     """Time of the last accepted sample [s], (n,)."""
+    since: Array
+    """Time of the first sample of those that equal the last one bit for bit [s], (n,)."""
     own: NDArray[np.int64]
     """Accepted samples of the track's own name, (n,)."""
     borrowed: NDArray[np.int64]
@@ -52,6 +54,7 @@ TRACK = np.dtype(
         ("seen", np.bool_),
         ("confirmed", np.bool_),
         ("time", np.float64),
+        ("since", np.float64),
         ("own", np.int64),
         ("borrowed", np.int64),
         ("state", np.float64, (3, 3)),
@@ -70,6 +73,7 @@ def columns_of(table: Table) -> TrackColumns:
         table["seen"],
         table["confirmed"],
         table["time"],
+        table["since"],
         table["own"],
         table["borrowed"],
         table["state"],

@@ -94,7 +94,8 @@ def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
     judged &= np.einsum("tnk,tnk->tn", _last_measured_vel(ticks)[: len(vel)], vel) > FAST * speed
     judged &= ~np.array(struck(ticks.names, run.scenario.faults, DECEIVING))
     due = np.minimum(speed / BRAKING_S, BRAKING_MAX) * np.maximum(speed, FAST)
-    share = np.where(judged, -np.einsum("tnk,tnk->tn", acc, vel) / due, np.inf)
+    share = np.full(judged.shape, np.inf)
+    share[judged] = -np.einsum("mk,mk->m", acc[judged], vel[judged]) / due[judged]
     k, row = np.unravel_index(int(share.argmin()), share.shape)
     least = float(share[k, row])
     bad = (Violation("brake", ticks.names[row], float(ticks.t[k]), least, SHARE),) if least < SHARE else ()
