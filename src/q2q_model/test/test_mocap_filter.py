@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_model.estimation.mocap_filter import IDEAL_SENSING, MocapFilter, MocapFilterParams
+from q2q_model.estimation.usual_tick import RECENT
 from q2q_model.geometry.rotations import identity_quat, quat_from_euler, quat_multiply
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState, TrackStatus
 
@@ -325,6 +326,33 @@ def test_an_old_frame_under_new_stamps_is_no_sample_but_not_for_ever():
             assert list(state.status) == [COASTING, COASTING]
     assert list(state.status) == [TRACKED, TRACKED]
     assert np.array_equal(state.pos, old)
+
+
+@pytest.mark.parametrize("back", [2, 20, RECENT - 1])
+def test_any_recent_pose_under_a_new_stamp_is_no_sample(back: int) -> None:
+    block = _flown(50)
+    block.update(_frame(50, _truth(50 - back)[0]))
+    state = block.update(_frame(51, _truth(51 - back)[0]))
+    assert list(state.status) == [COASTING, COASTING]
+    np.testing.assert_allclose(state.pos, _truth(51)[0], atol=1e-3)
+    assert list(block.update(_frame(52)).status) == [TRACKED, TRACKED]
+
+
+def test_recent_poses_of_vehicles_that_are_adopted_later_are_remembered() -> None:
+    block = MocapFilter(IDEAL_SENSING, ())
+    for tick in range(50):
+        block.update(_frame(tick, _truth(tick)[0][: 1 if tick < 20 else 2]))
+    assert list(block.update(_frame(50, _truth(45)[0])).status) == [COASTING, COASTING]
+
+
+def test_names_put_right_again_are_believed_as_soon_as_any_jump() -> None:
+    """After a gap both are lost, and their names exchanged for 0.2 s."""
+    block = _flown(50)
+    for tick in range(150, 170):
+        assert list(block.update(_frame(tick, _truth(tick)[0][::-1].copy())).status) == [LOST, LOST]
+    for tick in range(170, 177):
+        state = block.update(_frame(tick))
+        assert list(state.status) == [TRACKED if tick == 176 else LOST] * 2
 
 
 def test_a_vehicle_at_rest_without_noise_is_tracked():

@@ -32,7 +32,15 @@ from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
 from q2q_model.estimation.reacquisition import SAME_INSTANT
 from q2q_model.estimation.track_columns import TrackParams
-from q2q_model.estimation.usual_tick import POSE_WIDTH, QUAT_AT, repeated_poses, usual_tick
+from q2q_model.estimation.usual_tick import (
+    POSE_WIDTH,
+    QUAT_AT,
+    no_poses,
+    remember_poses,
+    repeated_poses,
+    usual_tick,
+    with_more,
+)
 from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
 from q2q_model.tunable import check_bounds, tunable
@@ -130,7 +138,7 @@ class MocapFilter:
         self._frame_names: Names | None = None
         self._track_of_row: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
         self._repeated, self._unknown = 0, 0  # rows of a frame with a repeated or unknown name
-        self._before = np.full((count, POSE_WIDTH), np.nan)
+        self._recent = no_poses(count)
         self._find_memory()
 
     def update(self, frame: MocapFrame) -> SwarmState:
@@ -179,20 +187,19 @@ class MocapFilter:
         pos, vel, ang_vel_body = np.empty((3, len(poses), 3))
         quat, age = np.empty((len(poses), 4)), np.zeros(len(poses))
         out = pos, vel, quat, ang_vel_body
-        outcome, turned = usual_tick(t, (poses, self._before), self._gates, self._memory, out)
+        outcome, turned = usual_tick(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
             self._count_nominal()
             state = SwarmState(t, self._names, *out, age, self._all_tracked.copy())
         else:
             state = self._gapped(t, poses, self._tracked(t, outcome, poses, out), turned)
-        self._before = poses
+        remember_poses(poses, self._recent)
         return state
 
     def _tracked(self, t: float, outcome: int, poses: Array, out: tuple[Array, ...]) -> TrackUpdate:
         if outcome != UNUSUAL:
             return self._positions.usual(outcome, poses[:, :QUAT_AT], out[0], out[1])
-        repeated, fresh = repeated_poses(poses, self._before)
-        return self._positions.update(t, poses[:, :QUAT_AT], None if fresh else repeated)
+        return self._positions.update(t, poses[:, :QUAT_AT], repeated_poses(poses, self._recent)[0])
 
     def _gapped(self, t: float, poses: Array, tracked: TrackUpdate, turned: bool) -> SwarmState:
         """Return the state of a tick that is not nominal; `turned` is whether attitudes have been taken."""
@@ -245,7 +252,7 @@ class MocapFilter:
         self._names += new
         self._positions.grow(len(new))
         self._attitudes.grow(len(new))
-        self._before = np.concatenate((self._before, np.full((len(new), POSE_WIDTH), np.nan)))
+        self._recent = with_more(self._recent, len(new))
         self._find_memory()
 
     def _count_nominal(self) -> None:
@@ -279,15 +286,7 @@ def _check_shapes(frame: MocapFrame) -> None:
 
 
 def _track_params(params: MocapFilterParams) -> TrackParams:
-    return TrackParams(
-        pos_max=params.pos_max,
-        speed_max=params.speed_max,
-        jump_max=params.jump_max,
-        position_noise=params.position_noise,
-        jerk_noise=params.jerk_noise,
-        coast_s=params.coast_s,
-        reacquire_s=params.reacquire_s,
-    )
+    return TrackParams(*(getattr(params, name) for name in TrackParams._fields))
 
 
 def _attitude_params(params: MocapFilterParams) -> AttitudeGateParams:

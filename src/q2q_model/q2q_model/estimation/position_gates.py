@@ -9,13 +9,13 @@ passes every gate:
 | velocity | abs(r - p) <= jump_max + speed_max tau |
 | position | abs(r - c) <= jump_max + GATE_SIGMAS sqrt(S), c: nearest to r on the line from 2 p - p- to p- |
 | lost | tau <= coast_s |
-| repeat | r differs from the last frame, unless the vehicle is at rest |
+| repeat | the pose differs from all recent ones, unless the vehicle is at rest |
 
 The position gate spans a line, because a vehicle that hits the ground is stopped on its way or thrown back,
 with no more speed than it came with: a tenth of a second after the last sample, it may be 2 v tau short of
 its prediction. At 100 Hz that is 2 cm at 1 m/s.
 
-A pose that repeats the last frame bit for bit, though the vehicle should have moved by more than REPEAT_STEP
+A pose that equals a recent one bit for bit, though the vehicle should have moved by more than REPEAT_STEP
 or the pose fails another gate, is an old frame with a new stamp: it counts as no sample until the track is
 lost.
 """
@@ -58,7 +58,7 @@ def screen(measured: Array, repeated: Mask, gates: PositionGates) -> tuple[Array
 
     Args:
         measured: Positions [m], (n, 3); NaN where absent.
-        repeated: Poses that equal the last frame's bit for bit, (n,).
+        repeated: Poses that equal a recent one bit for bit, (n,).
         gates: Gates of this tick.
     """
     samples, passed = measured.copy(), np.empty(len(measured), np.bool_)

@@ -52,7 +52,7 @@ class Prediction(NamedTuple):
     lost: Mask
     """TrackColumns without a sample for longer than coast_s, (n,)."""
     repeated: Mask
-    """Poses that equal the last frame's bit for bit, (n,)."""
+    """Poses that equal a recent one bit for bit, (n,)."""
     thawed: Mask
     """TrackColumns whose own sample shows that the repeated ones before it were old, (n,)."""
     nominal: bool
@@ -76,7 +76,7 @@ class Offered(NamedTuple):
     measured: Array
     """Positions [m], (n, 3); NaN where absent."""
     repeated: Mask
-    """Poses that equal the last frame's bit for bit, (n,)."""
+    """Poses that equal a recent one bit for bit, (n,)."""
     fresh: bool
     """No vehicle's x repeats the last frame."""
 
@@ -101,7 +101,7 @@ def look_ahead(
     Args:
         tick: Time [s], and the steady period of all tracks [s]; NaN without.
         measured: Positions [m], (n, 3); NaN where absent.
-        repeated: Poses that equal the last frame's bit for bit, (n,).
+        repeated: Poses that equal a recent one bit for bit, (n,).
         params: Parameters.
         table: TRACK, (n,).
     """

@@ -125,7 +125,7 @@ class PositionTracks:
         Args:
             t: Capture time [s], later than before.
             measured: Positions [m], (n, 3); NaN where absent.
-            repeated: Poses that equal the last frame's bit for bit, (n,); None where no x does.
+            repeated: Poses that equal a recent one bit for bit, (n,); None where none does.
         """
         samples = measured.copy()  # of one layout for the kernels, whatever they are cut from
         repeats, pos, vel = self._none if repeated is None else repeated, *np.empty((2, *samples.shape))

@@ -74,10 +74,7 @@ class Reacquisition:
 
         `patience` (n,) is how long each candidate must have lasted [s].
         """
-        one = self._candidates
-        reach = self._limits.jump_max + self._limits.speed_max * (t - one["last_time"])
-        near = np.linalg.norm(pos - one["last_pos"], axis=-1) <= reach
-        joins = rejected & (one["samples"] > 0) & near
+        one, joins = self._candidates, rejected & self._near(t, pos)
         starts = rejected & ~joins
         one["first_time"][starts], one["first_pos"][starts] = t, pos[starts]
         one["last_time"][rejected], one["last_pos"][rejected] = t, pos[rejected]
@@ -91,8 +88,8 @@ class Reacquisition:
 
         The other vehicle has no accepted sample and was last nearer to the sample than the vehicle it names.
         It is either absent and may have moved there, or its own sample is rejected as well: a swap in which
-        a marker was also moved. Swaps end before a vehicle has coasted. What was ambiguous remains so while
-        any other vehicle is without an accepted sample. `tracks` are last positions [m] (n, 3) and their
+        a marker was also moved. Swaps end before a vehicle has coasted. A candidate that was ambiguous
+        remains so while any other vehicle is without an accepted sample. `tracks` are last positions [m] (n, 3) and their
         times [s] (n,).
         """
         last, when = tracks
@@ -104,8 +101,15 @@ class Reacquisition:
         suspect = unmatched.rejected[others] | reached
         noted = self._candidates["ambiguous"]
         noted &= open_rows.sum() > open_rows  # another one
+        noted &= self._near(t, pos) | ~unmatched.rejected
         noted |= unmatched.rejected & (suspect & (away < own)).any(axis=1)
         return noted.copy()
+
+    def _near(self, t: float, pos: Array) -> Mask:
+        """Return which samples at pos [m] (n, 3) join the candidates of their rows, (n,)."""
+        one = self._candidates
+        reach = self._limits.jump_max + self._limits.speed_max * (t - one["last_time"])
+        return np.asarray((one["samples"] > 0) & (np.linalg.norm(pos - one["last_pos"], axis=-1) <= reach))
 
     def velocity(self) -> Array:
         """Return the mean velocity of every candidate [m/s], (n, 3); zero for a single sample."""

@@ -56,11 +56,15 @@ def evading_lately(evidence: Evidence, settle: float) -> Mask:
 
 
 def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
-    """Return which vehicles have a steady sensor error, or had less than `after` [s] before, (T, n)."""
+    """Return which vehicles have a steady sensor error, or had less than `after` [s] before, (T, n).
+
+    Clock jumps may add up: their stamps are other ticks' by the sum of their sizes at most.
+    """
+    jumps = sum(abs(fault.size) for fault in faults if fault.kind == "clock_jump")
     mask = np.zeros((len(evidence.t), len(evidence.names)), dtype=np.bool_)
     for fault in faults:
         if fault.kind in UNDETECTABLE:
-            shift = abs(fault.size) if fault.kind == "clock_jump" else 0.0
+            shift = jumps if fault.kind == "clock_jump" else 0.0
             end = fault.start + fault.duration
             times = (evidence.t > fault.start - shift - EARLY_S) & (evidence.t <= end + shift + after)
             mask |= times[:, None] & _struck(evidence, fault)

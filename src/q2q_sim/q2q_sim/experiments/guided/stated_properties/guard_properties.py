@@ -35,7 +35,7 @@ FAST = 0.6
 """Speed from which braking is judged [m/s]."""
 SHARE = 0.25
 """Least share of the braking that the true speed asks for [-]."""
-DECEIVING = ("jump", "swap", "clock_jump", "radio_loss")
+DECEIVING = ("jump", "swap", "clock_jump", "late", "radio_loss")
 """Faults after which the dead-reckoned velocity may be wrong."""
 CALM_TICKS = 300
 """Ticks without a vehicle flown level before an evasion is judged: earlier shifts have ended."""
