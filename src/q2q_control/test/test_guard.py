@@ -26,7 +26,8 @@ from guarded_flights import (
     state_at,
 )
 
-from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S, LIFT_MAX
+from q2q_control.failsafe.dead_reckoning import BALANCE_S
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.tick_watch import TickWatch
 from q2q_model.signals.values import (
@@ -130,7 +131,7 @@ def test_an_unseen_vehicle_goes_down_the_ladder_by_age_and_its_neighbour_flies_o
     assert since[CUT] == pytest.approx(5.0, abs=0.0101)
     assert since[DEGRADED] <= 0.06  # the safe action within 60 ms of the fault
     landing = commands[200]
-    assert landing.thrust[0] == pytest.approx(0.94 * HOVER)
+    assert landing.thrust[0] == pytest.approx(0.94 * HOVER, rel=1e-4)  # what it hovered with is forgotten
     assert commands[-1].thrust[0] == 0.0
     order = [
         status for status, before in zip(statuses[1:, 0], statuses[:-1, 0], strict=True) if status != before
@@ -411,3 +412,20 @@ def test_a_vehicle_that_was_fast_in_calm_flight_brakes_once_nobody_sees_it() -> 
     assert output.status.tolist() == [LEVEL, OK]
     braking = min(1.0 / BRAKING_S, BRAKING_MAX)
     assert output.pitch.tolist() == [pytest.approx(-np.arctan(braking / GRAVITY)), 0.0]  # nose up, against +x
+
+
+@pytest.mark.parametrize("seen", [(0.0, 0.0), (0.0, 0.3)], ids=["all measured", "another one lost"])
+def test_the_lift_that_a_vehicle_hovered_with_is_what_it_begins_to_fly_level_with(
+    seen: tuple[float, float],
+) -> None:
+    controller = Scripted(OK, OK)
+    guard = guarded(controller)
+    for k in range(300):
+        given = guard.update(state_at(k * TICK, seen), setpoint_at(k * TICK), None)
+    weight, thrust = GRAVITY / HOVER, float(given.thrust[0])
+    controller.status = (LEVEL, OK)
+    output = guard.update(state_at(3.0, (TICK, seen[1])), setpoint_at(3.0), None)
+    lift = weight * (thrust - HOVER) * np.exp(-TICK / BALANCE_S)
+    assert abs(lift) < LIFT_MAX
+    base = controller.update(state_at(3.0), setpoint_at(3.0), None).thrust[0]
+    assert weight * (output.thrust[0] - base) == pytest.approx(lift, abs=0.02)

@@ -1,47 +1,61 @@
 """Brake vehicles without measurements, on velocities dead-reckoned from their own commands.
 
-A level vehicle keeps its speed: at 1 m/s it has moved by 1 m after a second. The horizontal velocity V of an
-unmeasured vehicle, once all its commands have taken effect (q2q_control.failsafe.dead_reckoning), is braked:
+A level vehicle keeps its speed: at 1 m/s it has moved by 1 m after a second. The velocity V of an unmeasured
+vehicle, once all its commands have taken effect (q2q_control.failsafe.dead_reckoning), is braked:
 
-    a = -V / tau,  |a| <= a_max                   commanded instead of level attitude
+    a = -V / tau,  |a| <= a_max                   horizontal, commanded instead of level attitude
+    a_z = -V_z / tau + b,  |a_z| <= a_lift        T = (T_fallback + m a_z) / (cos phi cos theta)
 
-While the controller still flies such a vehicle on a predicted state, it gets the dead-reckoned position and
-velocity: a filter, which knows no commands, predicts straight on.
+A vehicle that lands is not kept from sinking: V_z counts upwards only. While the controller still flies an
+unmeasured vehicle on a predicted state, it gets the dead-reckoned position and velocity: a filter, which
+knows no commands, predicts straight on.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | tau | BRAKING_S | time constant of braking [s] |
 | a_max | BRAKING_MAX | largest deceleration [m/s^2] |
+| a_lift | LIFT_MAX | largest change of the lift [m/s^2] |
+| b | balance | lift at which the vehicle neither rose nor sank [m/s^2] (dead_reckoning) |
 """
 
 import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_control.failsafe.dead_reckoning import (
     AX,
     AY,
+    AZ,
+    BALANCE,
     LAG_S,
+    LIFT,
+    THRUST_LAG_S,
     UNKNOWN,
     VX,
     VY,
+    VZ,
     YAW,
     Reckoned,
     Sight,
     X,
     Y,
+    Z,
+    asked,
     measured_tracks,
     propagate,
 )
 from q2q_control.failsafe.ladder import is_blind
-from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmState, index_of
+from q2q_model.signals.values import Array, CommandStatus, Names, SwarmCommand, SwarmState, index_of
 from q2q_model.vehicle.constants import GRAVITY
 
 BRAKING_S = 0.5
 """Time constant of braking [s]: three lags."""
-BRAKING_MAX = 2.0
-"""Largest deceleration [m/s^2]: a tilt of 0.2 rad, which costs 2 % of the vertical thrust."""
+BRAKING_MAX = 3.5
+"""Largest deceleration [m/s^2]: a tilt of 0.35 rad, the largest that the controllers command."""
+LIFT_MAX = 3.0
+"""Largest change of the lift [m/s^2]: less than the thrust of a Crazyflie 2.0 leaves above its weight."""
 LONGEST_STEP = 0.1
 """Longest time between ticks for which the last tilt is integrated [s]."""
 
@@ -49,14 +63,16 @@ LONGEST_STEP = 0.1
 class DeadReckonedBraking:
     """Dead-reckoned positions and velocities of unmeasured vehicles."""
 
-    def __init__(self) -> None:
+    def __init__(self, hover_thrust: float) -> None:
+        """Brake vehicles of a `hover_thrust` [N]."""
+        self._hover_thrust = hover_thrust
         self.reset()
 
     def reset(self) -> None:
         """Forget all vehicles."""
         self._names: Names = ()
         self._track = np.zeros((0, len(UNKNOWN)))
-        self._given = np.zeros((0, 2))  # phi, theta of the last tick
+        self._given = np.zeros((0, 3))  # roll, pitch, lift of the last tick
         self._t = math.inf
 
     @property
@@ -70,10 +86,13 @@ class DeadReckonedBraking:
         rest = pos + time * coming
         return {name: Reckoned(*one) for name, *one in zip(self._names, pos, rest, strict=True)}
 
-    def record_measured(self, state: SwarmState, command: SwarmCommand) -> None:
-        """Record a tick in which every vehicle was measured, and its command."""
+    def record_measured(self, state: SwarmState, command: SwarmCommand, balance: Array) -> None:
+        """Record a tick in which every vehicle was measured, its command, and the balances (n,) of that."""
         self._names, self._track = state.names, measured_tracks(state)
-        self._given, self._t = _of(_tilts(command), command.names, state.names, 0.0), command.t
+        given = np.column_stack((asked(command, self._hover_thrust), balance))
+        given = _of(given, command.names, state.names, 0.0)
+        self._begin(given[:, : LIFT + 1], given[:, LIFT + 1], np.ones(len(given), dtype=np.bool_))
+        self._t = command.t
 
     def predicted(self, state: SwarmState) -> SwarmState:
         """Return the state with dead-reckoned positions and velocities where vehicles are not measured."""
@@ -82,13 +101,16 @@ class DeadReckonedBraking:
         if not rows.any():
             return state
         pos, vel = state.pos.copy(), state.vel.copy()
-        pos[rows, :2], vel[rows, :2] = track[rows, X : Y + 1], track[rows, VX : VY + 1]
+        pos[rows], vel[rows] = track[rows][:, (X, Y, Z)], track[rows][:, (VX, VY, VZ)]
         return replace(state, pos=pos, vel=vel)
 
-    def update(self, state: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
+    def update(self, state: SwarmState | None, command: SwarmCommand, balance: Array) -> SwarmCommand:
         """Return the command with unmeasured vehicles braking instead of flying level.
 
-        `state` None means that no vehicle was measured.
+        Args:
+            state: of the tick; None means that no vehicle was measured.
+            command: with fallbacks.
+            balance: of each vehicle when it was last measured [m/s^2], (n,).
         """
         names, sight = command.names, _sight(state, command.names)
         measured = sight.age <= 0.0
@@ -97,13 +119,29 @@ class DeadReckonedBraking:
         braking = ~measured & is_blind(command.status)
         if braking.any():
             roll, pitch = self._tilt()
+            thrust = self._thrust(command) / (np.cos(roll) * np.cos(pitch))
             command = replace(
                 command,
+                thrust=np.where(braking, thrust, command.thrust),
                 roll=np.where(braking, roll, command.roll),
                 pitch=np.where(braking, pitch, command.pitch),
             )
-        self._given, self._t = _tilts(command), command.t
+        self._begin(asked(command, self._hover_thrust), balance, measured)
+        self._t = command.t
         return command
+
+    def _begin(self, given: Array, balance: Array, measured: NDArray[np.bool_]) -> None:
+        """Take what is asked of the vehicles (n, 3); measured ones do it already, with their balance."""
+        self._given = given
+        self._track[measured, BALANCE] = balance[measured]
+        self._track[measured, AZ] = (given[:, LIFT] - balance)[measured]
+
+    def _thrust(self, command: SwarmCommand) -> Array:
+        """Return the thrust [N] that keeps vehicles level at their height, and lets those sink that land."""
+        rising = self._track[:, VZ] + THRUST_LAG_S * self._track[:, AZ]
+        rising = np.where(command.status == CommandStatus.LAND, np.maximum(rising, 0.0), rising)
+        lift = np.clip(self._track[:, BALANCE] - rising / BRAKING_S, -LIFT_MAX, LIFT_MAX)
+        return np.asarray(command.thrust + self._hover_thrust * lift / GRAVITY)
 
     def _propagated(self, names: Names, t: float) -> Array:
         """Return the tracks at time t [s], (n, 7)."""
@@ -125,11 +163,6 @@ class DeadReckonedBraking:
         ahead = np.cos(yaw) * acc[:, 0] + np.sin(yaw) * acc[:, 1]
         aside = -np.sin(yaw) * acc[:, 0] + np.cos(yaw) * acc[:, 1]
         return np.arctan(-aside / GRAVITY), np.arctan(ahead / GRAVITY)
-
-
-def _tilts(command: SwarmCommand) -> Array:
-    """Return phi and theta [rad], (n, 2)."""
-    return np.stack((command.roll, command.pitch), axis=1)
 
 
 def _sight(state: SwarmState | None, names: Names) -> Sight:

@@ -30,23 +30,23 @@ but an emergency.
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf, isfinite
+from math import exp, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.dead_reckoned_braking import DeadReckonedBraking
+from q2q_control.failsafe.dead_reckoned_braking import LONGEST_STEP, DeadReckonedBraking
+from q2q_control.failsafe.dead_reckoning import BALANCE_S, LIFT, asked
 from q2q_control.failsafe.descent_evasion import DescentEvasion, InFallback
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command, is_blind
+from q2q_control.failsafe.nominal_tick import SOUND, Given, Memory, note_nominal
 from q2q_control.inputs.controller import Controller
-from q2q_model.compiled import compiled
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
     Interference,
     Names,
-    Status,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
@@ -56,8 +56,6 @@ from q2q_model.signals.values import (
 
 RESTART = 1.0
 """Jump back of the clock that starts a new flight [s]: the mocap filter's clock_jump_s."""
-_SOUND = int(CommandStatus.SATURATED)
-"""Highest status of a command computed from a usable state."""
 
 
 def on_time(_: float) -> float:
@@ -88,13 +86,13 @@ class Guard:
         self._hover_thrust = hover_thrust
         self._lateness = lateness
         self._emergency = False
-        self._braking = DeadReckonedBraking()
+        self._braking = DeadReckonedBraking(hover_thrust)
         self._evasion = DescentEvasion()
         self._last: SwarmCommand | None = None
         self._nominal: SwarmState | None = None  # state of the last tick, if it was nominal
         self._clock_reset = ClockResetDetector()
         self._names: Names = ()
-        self._measured_at = np.zeros(0)
+        self._measured_at, self._balance = np.zeros(0), np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
 
     @property
@@ -134,7 +132,7 @@ class Guard:
             return command
         self._start_dead_reckoning()
         fallback = self._with_fallback(command, np.where(age >= 0.0, age, np.inf) + max(known, 0.0))
-        self._last = self._braking.update(state, fallback)
+        self._last = self._braking.update(state, fallback, self._balance)
         return self._last
 
     def without_tick(self, age: float) -> SwarmCommand | None:
@@ -146,12 +144,13 @@ class Guard:
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
         self._start_dead_reckoning()
-        return self._braking.update(None, descended(held, ages, self._down, self._params, self._hover_thrust))
+        descending = descended(held, ages, self._down, self._params, self._hover_thrust)
+        return self._braking.update(None, descending, self._balance)
 
     def _start_dead_reckoning(self) -> None:
         """Start dead reckoning from the last nominal tick."""
         if self._nominal is not None and self._last is not None:
-            self._braking.record_measured(self._nominal, self._last)
+            self._braking.record_measured(self._nominal, self._last, self._balance)
         self._nominal = None
 
     def _set_back(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
@@ -169,7 +168,7 @@ class Guard:
         self._nominal = None
         self._braking.reset()
         self._evasion.reset()
-        self._measured_at = np.zeros(0)
+        self._measured_at, self._balance = np.zeros(0), np.zeros(0)
         self._down = np.zeros(0, dtype=np.bool_)
 
     def _is_nominal(self, command: SwarmCommand, state: SwarmState, age: Array, known: float) -> bool:
@@ -182,9 +181,15 @@ class Guard:
         if state.names != self._names and (state.status == TrackStatus.LOST).any():
             return False
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-        bounds = known, self._params.degraded_s
-        memory = self._down, self._measured_at
-        return note_nominal((command.t, *bounds), age.copy(), values, command.status, memory)
+        times = command.t, known, self._params.degraded_s
+        given = Given(age.copy(), values, command.status)
+        memory = Memory(self._down, self._measured_at, self._balance)
+        return note_nominal(times, given, (self._hover_thrust, self._share(command.t)), memory)
+
+    def _share(self, t: float) -> float:
+        """Return the share of this tick's lift in the balance."""
+        elapsed = 0.0 if self._last is None else min(max(t - self._last.t, 0.0), LONGEST_STEP)
+        return 1.0 - exp(-elapsed / BALANCE_S)
 
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
         """Return the vehicles that fly blind, by the last command or, of another controller, by the state."""
@@ -198,11 +203,14 @@ class Guard:
         """Return the command after the fallback phases; `state_age` is the age in the state [s], (n,)."""
         self._match_names(command)
         command = self._with_finite_values(command)
-        sound = command.status <= _SOUND
+        sound = command.status <= SOUND
         self._measured_at = np.where(
             sound, np.fmax(self._measured_at, command.t - state_age), self._measured_at
         )
         ages = command.t - self._measured_at
+        lift = asked(command, self._hover_thrust)[:, LIFT]
+        learned = self._balance + self._share(command.t) * (lift - self._balance)
+        self._balance = np.where(sound & (ages < self._params.degraded_s), learned, self._balance)
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         predicted = sound & ~(ages < self._params.degraded_s)
         status = np.where(predicted, CommandStatus.DEGRADED, command.status).astype(np.uint8)
@@ -216,6 +224,7 @@ class Guard:
         rows = index_of(command.names, self._names)
         self._measured_at = np.append(self._measured_at, command.t)[rows]
         self._down = np.append(self._down, False)[rows]
+        self._balance = np.append(self._balance, 0.0)[rows]
         self._names = command.names
 
     def _with_finite_values(self, command: SwarmCommand) -> SwarmCommand:
@@ -230,38 +239,9 @@ class Guard:
         return SwarmCommand(command.t, command.names, thrust, roll, pitch, yaw_rate, status)
 
 
-@compiled
-def note_nominal(
-    times: tuple[float, float, float],
-    age: Array,
-    values: Array,
-    status: Status,
-    memory: tuple[NDArray[np.bool_], Array],
-) -> bool:
-    """Return whether a tick is nominal; if it is, write when each vehicle was measured.
-
-    Args:
-        times: Tick, time since the state's, and largest nominal age of a measurement [s].
-        age: Of each measurement in the state [s], (n,).
-        values: Of the command, all of which must be finite, (4 n,).
-        status: CommandStatus, (n,).
-        memory: Which motors are cut, (n,), and `b` of the module, (n,).
-    """
-    (t, known, most), (down, measured_at) = times, memory
-    for i in range(age.size):
-        if not (known <= age[i] + known < most) or status[i] > _SOUND or down[i]:
-            return False
-    for value in values:
-        if not isfinite(value):
-            return False
-    for i in range(age.size):
-        measured_at[i] = t - age[i] - max(known, 0.0)
-    return True
-
-
 def _again(last: SwarmCommand, t: float) -> SwarmCommand:
     """Return the last command, repeated at tick t [s] with status HOLD."""
-    held = np.where(last.status <= _SOUND, CommandStatus.HOLD, last.status).astype(np.uint8)
+    held = np.where(last.status <= SOUND, CommandStatus.HOLD, last.status).astype(np.uint8)
     return replace(last, t=t, status=held)
 
 

@@ -89,8 +89,8 @@ class Reacquisition:
         The other vehicle has no accepted sample and was last nearer to the sample than the vehicle it names.
         It is either absent and may have moved there, or its own sample is rejected as well: a swap in which
         a marker was also moved. Swaps end before a vehicle has coasted. A candidate that was ambiguous
-        remains so while any other vehicle is without an accepted sample. `tracks` are last positions [m] (n, 3) and their
-        times [s] (n,).
+        remains so while any other vehicle is without an accepted sample. `tracks` are last positions [m]
+        (n, 3) and their times [s] (n,).
         """
         last, when = tracks
         open_rows = unmatched.rejected | unmatched.absent

@@ -1,0 +1,67 @@
+"""Nominal tick of the guard, compiled: every vehicle is measured, commanded and on. Nearly every tick is.
+
+The balance of a vehicle (q2q_control.failsafe.dead_reckoning) is learned from the lift of its commands.
+"""
+
+from math import cos, isfinite
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array, CommandStatus, Status
+from q2q_model.vehicle.constants import GRAVITY
+
+SOUND = int(CommandStatus.SATURATED)
+"""Highest status of a command computed from a usable state."""
+
+
+class Given(NamedTuple):
+    """Tick as the guard gets it."""
+
+    age: Array
+    """Of each measurement in the state [s], (n,)."""
+    values: Array
+    """Thrust, roll, pitch and yaw rate of the command, which must be finite, (4 n,)."""
+    status: Status
+    """CommandStatus, (n,)."""
+
+
+class Memory(NamedTuple):
+    """What the guard keeps of each vehicle."""
+
+    down: NDArray[np.bool_]
+    """Motors cut, (n,)."""
+    measured_at: Array
+    """`b` of q2q_control.failsafe.guard [s], (n,)."""
+    balance: Array
+    """Mean lift (dead_reckoning) [m/s^2], (n,)."""
+
+
+@compiled
+def note_nominal(
+    times: tuple[float, float, float], given: Given, learning: tuple[float, float], memory: Memory
+) -> bool:
+    """Return whether a tick is nominal; if it is, write when each vehicle was measured, and its balance.
+
+    Args:
+        times: Tick, time since the state's, and largest nominal age of a measurement [s].
+        given: Ages and command.
+        learning: Hover thrust [N], and the share of this tick's lift in the balance.
+        memory: Of the guard.
+    """
+    (t, known, most), (age, values, status), (down, measured_at, balance) = times, given, memory
+    hover_thrust, share = learning
+    for i in range(age.size):
+        if not (known <= age[i] + known < most) or status[i] > SOUND or down[i]:
+            return False
+    for value in values:
+        if not isfinite(value):
+            return False
+    n = age.size
+    for i in range(n):
+        measured_at[i] = t - age[i] - max(known, 0.0)
+        upright = cos(values[n + i]) * cos(values[2 * n + i])
+        balance[i] += share * (GRAVITY * (values[i] * upright / hover_thrust - 1.0) - balance[i])
+    return True
