@@ -345,6 +345,27 @@ def test_recent_poses_of_vehicles_that_are_adopted_later_are_remembered() -> Non
     assert list(block.update(_frame(50, _truth(45)[0])).status) == [COASTING, COASTING]
 
 
+def test_samples_from_before_a_gap_do_not_speak_for_one_after_it() -> None:
+    """Lost, seen for 0.05 s, missing for 0.2 s: an outlier that it could have reached is not believed."""
+    block = _flown(50)
+    for tick in range(100, 105):
+        block.update(_frame(tick))
+    for tick in range(105, 125):
+        block.update(_frame(tick, np.full((2, 3), np.nan)))
+    far = _truth(125)[0] + [0.4, 0.0, 0.0]
+    assert list(block.update(_frame(125, far)).status) == [LOST, LOST]
+    states = [block.update(_frame(tick)) for tick in range(126, 133)]
+    assert list(states[-1].status) == [TRACKED, TRACKED]
+
+
+def test_attitudes_from_before_a_gap_do_not_speak_for_those_after_it() -> None:
+    down = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1))
+    block = _flown(50)
+    for tick in (*range(50, 55), *range(95, 100)):
+        state = block.update(_frame(tick, None, down))
+        np.testing.assert_array_equal(state.quat, identity_quat((2,)))
+
+
 def test_names_put_right_again_are_believed_as_soon_as_any_jump() -> None:
     """After a gap both are lost, and their names exchanged for 0.2 s."""
     block = _flown(50)

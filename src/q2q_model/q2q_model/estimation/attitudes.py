@@ -109,6 +109,11 @@ class AttitudeTracks:
         self._tracks.time[:] -= by
         self._tracks.rejected_since[:] -= by
 
+    def forget_rejected(self, t: float) -> None:
+        """Count the attitudes that are rejected as rejected since t [s]."""
+        since = self._tracks.rejected_since
+        since[np.isfinite(since)] = t
+
     @property
     def quat(self) -> Array:
         """Return the orientations x y z w, (n, 4); level for a vehicle never seen."""

@@ -17,7 +17,8 @@ This file is about frames:
   last samples as old as the first of these stamps. A stamp older by more than `clock_jump_s` means another
   flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
-  tracked again once its samples have stayed together for `reacquire_s`.
+  tracked again once its samples have stayed together for `reacquire_s`. Rejected ones from before a gap of
+  more than GAP_S do not count for that.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -30,7 +31,7 @@ from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport
 from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
-from q2q_model.estimation.reacquisition import SAME_INSTANT
+from q2q_model.estimation.reacquisition import GAP_S, SAME_INSTANT
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.estimation.usual_tick import (
     POSE_WIDTH,
@@ -184,6 +185,8 @@ class MocapFilter:
 
     def _step(self, frame: MocapFrame) -> SwarmState:
         poses, t = self._by_track(frame), frame.t
+        if self._last is not None and t - self._last.t > GAP_S:
+            self._attitudes.forget_rejected(t)
         pos, vel, ang_vel_body = np.empty((3, len(poses), 3))
         quat, age = np.empty((len(poses), 4)), np.zeros(len(poses))
         out = pos, vel, quat, ang_vel_body
@@ -290,10 +293,5 @@ def _track_params(params: MocapFilterParams) -> TrackParams:
 
 
 def _attitude_params(params: MocapFilterParams) -> AttitudeGateParams:
-    return AttitudeGateParams(
-        turn_max=params.turn_max,
-        turn_rate_max=params.turn_rate_max,
-        rate_filter_s=params.rate_filter_s,
-        reacquire_s=params.attitude_reacquire_s,
-        coast_s=params.coast_s,
-    )
+    turn = params.turn_max, params.turn_rate_max
+    return AttitudeGateParams(*turn, params.rate_filter_s, params.attitude_reacquire_s, params.coast_s)

@@ -1,9 +1,9 @@
 """Reacquisition after a true jump: rejected samples that stay together are accepted.
 
 Each track has at most one candidate, the place where its rejected samples gather. A rejected sample joins
-the candidate if the vehicle could have moved there, |r - r_last| <= jump_max + speed_max (t - t_last);
-otherwise it starts a new candidate. A candidate with CONFIRM_SAMPLES samples that has lasted for the required
-time becomes the track.
+the candidate if the vehicle could have moved there, |r - r_last| <= jump_max + speed_max (t - t_last), and
+t - t_last <= GAP_S; otherwise it starts a new candidate. A candidate with CONFIRM_SAMPLES samples that has
+lasted for the required time becomes the track.
 """
 
 from typing import NamedTuple
@@ -18,6 +18,8 @@ Table = NDArray[np.void]
 
 CONFIRM_SAMPLES = 3
 """Least number of samples of an accepted jump, whatever their rate."""
+GAP_S = 0.15
+"""Longest time between samples that stay together [s]: motion capture at 10 Hz still works."""
 SAME_INSTANT = 1e-9
 """Rounding of a time in float64 [s]."""
 CANDIDATE = np.dtype(
@@ -108,8 +110,10 @@ class Reacquisition:
     def _near(self, t: float, pos: Array) -> Mask:
         """Return which samples at pos [m] (n, 3) join the candidates of their rows, (n,)."""
         one = self._candidates
-        reach = self._limits.jump_max + self._limits.speed_max * (t - one["last_time"])
-        return np.asarray((one["samples"] > 0) & (np.linalg.norm(pos - one["last_pos"], axis=-1) <= reach))
+        since = t - one["last_time"]
+        reach = self._limits.jump_max + self._limits.speed_max * since
+        near = np.linalg.norm(pos - one["last_pos"], axis=-1) <= reach
+        return np.asarray((one["samples"] > 0) & (since <= GAP_S + SAME_INSTANT) & near)
 
     def velocity(self) -> Array:
         """Return the mean velocity of every candidate [m/s], (n, 3); zero for a single sample."""
