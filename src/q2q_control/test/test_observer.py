@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, Measurement
+from q2q_control.disturbance.observer import JUMP, DisturbanceObserver, Estimate, Measurement
 
 DT = 0.01
 """[s]"""
@@ -69,6 +69,18 @@ def test_a_gap_starts_anew_and_the_disturbance_stays_within_its_limit():
     again = observer.update(seen(9.0, 1.0, 0.0))
     assert again.pos[0, 2] == 1.0
     assert again.disturbance[0, 2] == 0.0
+
+
+def test_a_jump_of_the_position_restarts_the_estimate_and_is_no_disturbance():
+    """Of 0.4 m, as when a marker is displaced; up to JUMP, it is taken for a movement."""
+    for size, restarts in ((0.4, True), (1.001 * JUMP, True), (0.999 * JUMP, False)):
+        observer = DisturbanceObserver(12.0, 8.0, 10.0)
+        for k in range(200):
+            before = observer.update(seen(k * DT, 0.0, 0.5))  # a push of -0.5 m/s^2 keeps it where it is
+        after = observer.update(seen(200 * DT, size, 0.5))
+        assert (after.pos[0, 2] == size) == restarts
+        assert (after.disturbance[0, 2] == before.disturbance[0, 2]) == restarts
+        assert abs(before.disturbance[0, 2] + 0.5) < 1e-5
 
 
 def test_estimates_stay_with_their_names():

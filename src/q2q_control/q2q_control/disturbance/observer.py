@@ -13,6 +13,9 @@ Thrust enters as commanded, limits included, so there is no wind-up at a limit. 
 removes the steady-state error. The velocity uses the thrust and so lags less than one filtered from positions
 alone.
 
+A position further than JUMP from its estimate is that of a track that was lost or displaced, not the work of
+a disturbance: position and velocity restart at the measurement, the disturbance stays.
+
 | symbol | name | meaning [unit] |
 |---|---|---|
 | r v | pos vel | estimates [m], [m/s], world, (n, 3) |
@@ -31,6 +34,8 @@ from numpy.typing import NDArray
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, index_of
 
+JUMP = 0.1
+"""Largest error of an estimated position that a disturbance may have made [m]: 3 m/s^2 do in 0.26 s."""
 GAP_MAX = 0.1
 """Time between ticks [s] beyond which the estimate restarts at the measurement."""
 
@@ -45,7 +50,7 @@ class Measurement:
     pos: Array
     """[m], world, (n, 3)."""
     vel: Array
-    """[m/s], world, (n, 3); it only initialises a vehicle."""
+    """[m/s], world, (n, 3); used where an estimate starts."""
     acc: Array
     """By thrust and predicted downwash, mean since the last tick [m/s^2], world, (n, 3)."""
     fresh: NDArray[np.bool_]
@@ -150,9 +155,11 @@ def corrected(
     n, h = known.size, gain.step
     pos, vel, d = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
     for v in range(n):
+        jumped = known[v] and measured.fresh[v] and _has_jumped(old, measured, v, h)
         for axis in range(3):
-            if not known[v]:
-                pos[v, axis], vel[v, axis], d[v, axis] = measured.pos[v, axis], measured.vel[v, axis], 0.0
+            if jumped or not known[v]:
+                pos[v, axis], vel[v, axis] = measured.pos[v, axis], measured.vel[v, axis]
+                d[v, axis] = old.disturbance[v, axis] if jumped else 0.0
                 continue
             acc = measured.acc[v, axis] + old.disturbance[v, axis]
             ahead = old.pos[v, axis] + h * old.vel[v, axis] + 0.5 * h * h * acc
@@ -161,3 +168,12 @@ def corrected(
             vel[v, axis] = old.vel[v, axis] + h * acc + gain.vel * error
             d[v, axis] = min(max(old.disturbance[v, axis] + gain.disturbance * error, -most), most)
     return Estimate(pos, vel, d)
+
+
+@compiled
+def _has_jumped(old: Estimate, measured: MeasuredRows, v: int, step: float) -> bool:
+    """Return whether vehicle v is measured further than JUMP from where its velocity leads in a step [s]."""
+    squared = 0.0
+    for axis in range(3):
+        squared += (measured.pos[v, axis] - old.pos[v, axis] - step * old.vel[v, axis]) ** 2
+    return bool(squared > JUMP * JUMP)
