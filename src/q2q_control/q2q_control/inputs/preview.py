@@ -2,10 +2,11 @@
 
 The preview is a table sampled from the plan; without a plan, each setpoint is extrapolated at its velocity,
 which decays. A replanner moves setpoints off the plan: `shifted_preview` shifts the plan by a small
-difference, which decays in a second. A setpoint far off its plan, as one that is kept out of a zone the plan
-passes through, is extrapolated:
+difference, which decays in a second. A setpoint far off its plan, or on its way there, as one that is kept
+out of a zone the plan passes through, is extrapolated:
 
-    preview = w shifted + (1 - w) extrapolated,     w = exp(-(d / AWAY)^2),  d: setpoint to plan [m]
+    preview = w shifted + (1 - w) extrapolated,     w = exp(-(d^2 + (STEADY d')^2) / AWAY^2)
+    d, d': setpoint to plan [m], [m/s]
     extrapolated: a(s) = a exp(-s / STEADY), v and r its integrals
 """
 
@@ -22,8 +23,9 @@ FADE = 1.0
 """Time constant of a difference between setpoint and plan [s]: above the replanner's k_d / k_p = 0.6 s."""
 SAME = 1e-6
 """A setpoint as near as this to its plan [SI] has not been moved: tables are interpolated linearly."""
-AWAY = 0.1
-"""Distance from its plan beyond which a setpoint does not follow it [m]: eps of the paper's zone."""
+AWAY = 0.03
+"""Distance from its plan, now or within STEADY, beyond which a setpoint does not follow it [m]: less than a
+vehicle is off its setpoint in calm flight."""
 STEADY = 0.3
 """Time constant of a moved setpoint's acceleration [s]: half the replanner's k_d / k_p."""
 COAST = 0.5
@@ -83,7 +85,8 @@ def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, t
     shifted = plan[:, 1:].copy()
     shifted[..., :3] += (off[:, None, :3] + off[:, None, 3:6] * ahead) * fade
     shifted[..., 3:6] += off[:, None, 3:6] * fade
-    share = np.exp(-np.sum(off[:, :3] ** 2, axis=1) / AWAY**2)[:, None, None]
+    leaving = np.sum(off[:, :3] ** 2 + (STEADY * off[:, 3:6]) ** 2, axis=1)
+    share = np.exp(-leaving / AWAY**2)[:, None, None]
     shifted = share * shifted + (1.0 - share) * _extrapolated(here, ahead)
     if np.isfinite(far):
         return np.asarray(shifted)

@@ -26,6 +26,7 @@ from q2q_model.signals.values import Array, CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome, struck
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import TICK_S
 from q2q_sim.monitors.policies import Violation
 
@@ -35,7 +36,7 @@ FAST = 0.6
 """Speed from which braking is judged [m/s]."""
 SHARE = 0.25
 """Least share of the braking that the true speed asks for [-]."""
-DECEIVING = ("jump", "swap", "clock_jump", "late", "radio_loss")
+DECEIVING = ("jump", "swap", "clock_jump", "radio_loss")
 """Faults after which the dead-reckoned velocity may be wrong."""
 CALM_TICKS = 300
 """Ticks without a vehicle flown level before an evasion is judged: earlier shifts have ended."""
@@ -86,12 +87,15 @@ def hold(run: Run, ticks: RunTicks) -> StatedOutcome:
 def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
     """Return the vehicles that fly level without braking."""
     late = round(LAG_S / TICK_S)
-    vel = np.stack([one.vel[:, :2] for one in ticks.truth])[late:]  # once the commands have taken effect
+    vel = _true_vel(ticks)[late:]  # once the commands have taken effect
     speed = np.linalg.norm(vel, axis=2)
     acc = ticks.commanded_acc()[: len(vel)]
     level = is_blind(ticks.command_status)
     judged = level[: len(vel)] & level[late:] & (speed > FAST)
-    judged &= np.einsum("tnk,tnk->tn", _last_measured_vel(ticks)[: len(vel)], vel) > FAST * speed
+    last = _last_measured(ticks)[: len(vel)]
+    before = np.take_along_axis(_true_vel(ticks), last[..., None], axis=0)  # a push since then is unknown
+    judged &= np.einsum("tnk,tnk->tn", before, vel) > FAST * speed
+    judged &= ~_late(ticks, run.scenario.faults)[last]
     judged &= ~np.array(struck(ticks.names, run.scenario.faults, DECEIVING))
     due = np.minimum(speed / BRAKING_S, BRAKING_MAX) * np.maximum(speed, FAST)
     share = np.full(judged.shape, np.inf)
@@ -102,15 +106,24 @@ def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
     return StatedOutcome(bad, (least - SHARE) / SHARE)
 
 
-def _last_measured_vel(ticks: RunTicks) -> Array:
-    """Return the true horizontal velocity when each vehicle was last measured [m/s], (T, n, 2).
+def _true_vel(ticks: RunTicks) -> Array:
+    """Return the true horizontal velocities [m/s], (T, n, 2)."""
+    return np.stack([one.vel[:, :2] for one in ticks.truth])
 
-    A push of the air since then is unknown to dead reckoning.
-    """
-    vel = np.stack([one.vel[:, :2] for one in ticks.truth])
+
+def _last_measured(ticks: RunTicks) -> NDArray[np.intp]:
+    """Return the tick in which each vehicle was last measured, (T, n)."""
     measured = np.stack([one.age for one in ticks.states]) <= 0.0
-    last = np.maximum.accumulate(np.where(measured, np.arange(len(vel))[:, None], 0), axis=0)
-    return np.asarray(np.take_along_axis(vel, last[..., None], axis=0))
+    return np.maximum.accumulate(np.where(measured, np.arange(len(measured))[:, None], 0), axis=0)
+
+
+def _late(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
+    """Return the ticks whose frames come late, with the velocities of their stamps, (T,)."""
+    late = np.zeros(len(ticks.t), dtype=np.bool_)
+    for fault in faults:
+        if fault.kind == "late":
+            late |= (ticks.t >= fault.start - TICK_S) & (ticks.t <= fault.start + fault.duration + fault.size)
+    return late
 
 
 class _Encounter(NamedTuple):
