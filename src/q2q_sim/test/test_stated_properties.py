@@ -12,9 +12,10 @@ from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
-from q2q_sim.experiments.guided.stated_properties.replanner_properties import promise
+from q2q_sim.experiments.guided.stated_properties.replanner_properties import promise, stop
 from q2q_sim.experiments.guided.stated_properties.run_ticks import run_ticks
 from q2q_sim.faults.faults import Fault
+from q2q_sim.loop.assembly import safe_replanner_params
 
 BUGS = {bug.name: bug for bug in SEEDED_BUGS}
 PASS = 4.5
@@ -33,6 +34,11 @@ CASES: dict[str, tuple[str, str, tuple[Fault, ...]]] = {
     ),
     "reordered": ("flight 3,", "none", (Fault("reordered", 3.0, 0.3),)),
     "set back": ("flight 3,", "none", (Fault("clock_jump", 3.0, 1.0, (), -0.45),)),
+    "set back while one is lost": (
+        "flight 3,",
+        "none",
+        (Fault("clock_jump", 3.0, 1.0, (), -0.45), Fault("dropout", 2.9, 1.0, ("cf2",))),
+    ),
     "lost at the zone": ("flight 5,", "safe", (Fault("dropout", 3.5, 1.0, ("cf2",)),)),
     "off its path": ("flight 3,", "safe", (Fault("jump", 3.0, 1.0, ("cf1",), 0.4),)),
 }
@@ -63,6 +69,7 @@ def sound(case: str) -> AttackedFlight:
         ("never_ambiguous", "swapped with a lost one", "swap"),
         ("held_unreported", "reordered", "repeat"),
         ("clock_never_reset", "set back", "hold"),
+        ("ages_unshifted", "set back while one is lost", "told"),
         ("no_braking", "upper lost", "brake"),
         ("braking_reversed", "upper lost", "brake"),
         ("no_evasion", "upper lost", "evasion"),
@@ -89,3 +96,17 @@ def test_an_entry_into_the_zone_is_a_violation_unless_it_is_reported():
         found = promise(run, replace(ticks, setpoints=(entering, *ticks.setpoints[1:])))
         assert len(found.violations) == broken
         assert found.margin < 0.0
+
+
+@pytest.mark.parametrize(("speed", "broken"), [(0.1, False), (1.5, True)])
+def test_a_setpoint_from_which_a_stop_enters_the_zone_is_a_violation(speed: float, broken: bool) -> None:
+    """0.3 m from the zone: a stop from 1.5 m/s takes 0.56 m at 2 m/s^2, and more with bounded jerk."""
+    run = flown("off its path")
+    ticks = run_ticks(flown_pure(run).signals)
+    first, params = ticks.setpoints[0], safe_replanner_params(run.scenario)
+    pos, vel = np.zeros((2, 3)), np.zeros((2, 3))
+    pos[1, 0], vel[1, 0] = params.eps + 0.3, -speed
+    for status in (SetpointStatus.NOMINAL, SetpointStatus.PROMISE_BROKEN):
+        nearing = replace(first, pos=pos, vel=vel, acc=np.zeros((2, 3)), status=np.full(2, status, np.uint8))
+        found = stop(run, replace(ticks, setpoints=(nearing, *ticks.setpoints[1:])))
+        assert bool(found.violations) == (broken and status == SetpointStatus.NOMINAL)

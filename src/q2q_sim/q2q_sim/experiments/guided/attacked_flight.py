@@ -35,11 +35,13 @@ RECORD = "record"
 PROPERTIES: Mapping[str, Callable[[Run, RunTicks], StatedOutcome]] = {
     "lost": filter_properties.lost,
     "swap": filter_properties.swap,
+    "told": guard_properties.told,
     "repeat": guard_properties.repeat,
     "hold": guard_properties.hold,
     "brake": guard_properties.brake,
     "evasion": guard_properties.evasion,
     "promise": replanner_properties.promise,
+    "stop": replanner_properties.stop,
     "off_path": replanner_properties.off_path,
     "held_acc": replanner_properties.held_acc,
 }

@@ -2,6 +2,7 @@
 
 | property | statement |
 |---|---|
+| told | a command on a state of a vehicle older than `degraded_s` is not OK |
 | repeat | a command repeated at another tick is not OK, except where a newer state is the same |
 | hold | a vehicle has status HOLD for at most HOLD_S, once more for every clock that was set back |
 | brake | a vehicle flown level without measurements is decelerated, as far as its speed is known |
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.dead_reckoning import LAG_S
 from q2q_control.failsafe.descent_evasion import BENEATH, REACH
-from q2q_control.failsafe.ladder import is_blind
+from q2q_control.failsafe.ladder import FallbackParams, is_blind
 from q2q_control.pid.pid import PidParams
 from q2q_model.signals.values import Array, CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
@@ -30,6 +31,8 @@ from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import TICK_S
 from q2q_sim.monitors.policies import Violation
 
+UNTOLD_S = FallbackParams().degraded_s + TICK_S
+"""Largest age of a state on which a command may be OK [s]."""
 HOLD_S = PidParams().hold_time + 3.0 * TICK_S
 """Longest hold [s]: hold_time, and the ticks in which it begins and ends."""
 FAST = 0.6
@@ -50,6 +53,16 @@ LEANING = 2.5
 """Acceleration from which a command may be at its limit of tilt [m/s^2]."""
 
 Mask = NDArray[np.bool_]
+
+
+def told(_: Run, ticks: RunTicks) -> StatedOutcome:
+    """Return the vehicles whose command is OK though their state says that it is old."""
+    age = np.stack([one.age for one in ticks.states])
+    untold = np.where(ticks.command_status <= CommandStatus.SATURATED, age, 0.0)
+    k, row = np.unravel_index(int(untold.argmax()), untold.shape)
+    oldest = float(untold[k, row])
+    found = (Violation("told", ticks.names[row], float(ticks.t[k]), oldest, UNTOLD_S),)
+    return StatedOutcome(found if oldest > UNTOLD_S else (), (UNTOLD_S - oldest) / UNTOLD_S)
 
 
 def repeat(_: Run, ticks: RunTicks) -> StatedOutcome:

@@ -3,23 +3,33 @@
 | property | statement |
 |---|---|
 | promise | setpoints without PROMISE_BROKEN are out of each other's zone |
+| stop | they are also while their vehicles stop from there, within the bounds of the replanner |
 | off_path | a vehicle measured further from its setpoint than `tracking` is PROMISE_BROKEN |
 | held_acc | an acceleration is held for `hold`, then the vehicle brakes, unless a new one is chosen |
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
+from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint
+from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after
+from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.loop.assembly import TICK_S, safe_replanner_params
 from q2q_sim.monitors.policies import Violation
 
+STOPS_EVERY = 5
+"""Ticks between setpoints from which stops are judged."""
+STOP_S = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.3, 1.6, 2.0)
+"""Times after the beginning of a stop [s]: from 2.5 m/s it takes 1.4 s."""
+STOP_SLACK = 0.01
+"""The replanner goes on with an acceleration for up to `hold` before it stops [m]: 2 m/s^2 within 0.1 s."""
 SLACK = 1e-3
 """Rounding and snapping of setpoints [m]."""
 STILL = 1e-3
@@ -52,6 +62,34 @@ def _least(zone: Cylinder, setpoint: SwarmSetpoint, kept: NDArray[np.bool_]) -> 
     pos = setpoint.pos[kept]
     apart = zone.signed_distance(pos - pos[:, None])
     return float(np.where(np.eye(len(pos), dtype=np.bool_), np.inf, apart).min(initial=np.inf))
+
+
+def stop(run: Run, ticks: RunTicks) -> StatedOutcome:
+    """Return the deepest entry into the zone of two vehicles that stop from setpoints without a report."""
+    if run.options.replan != "safe":
+        return StatedOutcome()
+    params = safe_replanner_params(run.scenario)
+    zone = Cylinder(params.eps, params.d)
+    law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
+    least = _Nearest(np.inf, 0.0)
+    for one in ticks.setpoints[::STOPS_EVERY]:
+        for s in STOP_S:
+            there = replace(one, pos=_stopped(one, s, law))
+            distance = _least(zone, there, one.status != SetpointStatus.PROMISE_BROKEN)
+            least = min(least, _Nearest(distance, one.t))
+    bad = least.distance < -STOP_SLACK
+    found = (Violation("stop", "the replanner", least.t, least.distance, -STOP_SLACK),) if bad else ()
+    return StatedOutcome(found, (least.distance + STOP_SLACK) / params.eps)
+
+
+def _stopped(setpoint: SwarmSetpoint, s: float, law: BrakingLaw) -> Array:
+    """Return the positions s [s] after vehicles begin to stop at their setpoints [m], (n, 3)."""
+    n, none = len(setpoint.names), np.zeros_like(setpoint.pos)
+    here = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
+    motions = Motions(*here, np.zeros(n), np.zeros((n, 2)), none)
+    if law.jerk > 0.0:
+        return smooth_motion_after(motions, s, law)[0]
+    return motion_after(motions, s, law.brake)[0]
 
 
 def off_path(run: Run, ticks: RunTicks) -> StatedOutcome:
