@@ -26,9 +26,10 @@ from guarded_flights import (
     state_at,
 )
 
-from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S, LIFT_MAX
-from q2q_control.failsafe.dead_reckoning import BALANCE_S
+from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.dead_reckoning import BALANCE_S, LIFT_MAX
 from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.nominal_tick import Given, Memory, note_nominal
 from q2q_control.failsafe.tick_watch import TickWatch
 from q2q_model.signals.values import (
     SwarmCommand,
@@ -429,3 +430,13 @@ def test_the_lift_that_a_vehicle_hovered_with_is_what_it_begins_to_fly_level_wit
     assert abs(lift) < LIFT_MAX
     base = controller.update(state_at(3.0), setpoint_at(3.0), None).thrust[0]
     assert weight * (output.thrust[0] - base) == pytest.approx(lift, abs=0.02)
+
+
+@pytest.mark.parametrize(("share", "lift"), [(0.0, -LIFT_MAX), (0.9, -0.1 * GRAVITY), (2.0, LIFT_MAX)])
+def test_no_more_lift_is_learned_than_a_vehicle_may_be_given(share: float, lift: float) -> None:
+    """Motors that are off ask for -1 g."""
+    values = np.concatenate(([share * HOVER], np.zeros(3)))
+    memory = Memory(np.zeros(1, np.bool_), np.zeros(1), np.zeros(1))
+    given = Given(np.zeros(1), values, np.full(1, OK, np.uint8))
+    assert note_nominal((0.0, 0.0, 0.05), given, (HOVER, 1.0), memory)
+    assert memory.balance[0] == pytest.approx(lift)

@@ -31,6 +31,7 @@ from q2q_control.failsafe.dead_reckoning import (
     BALANCE,
     LAG_S,
     LIFT,
+    LIFT_MAX,
     THRUST_LAG_S,
     UNKNOWN,
     VX,
@@ -54,8 +55,6 @@ BRAKING_S = 0.5
 """Time constant of braking [s]: three lags."""
 BRAKING_MAX = 3.5
 """Largest deceleration [m/s^2]: a tilt of 0.35 rad, the largest that the controllers command."""
-LIFT_MAX = 3.0
-"""Largest change of the lift [m/s^2]: less than the thrust of a Crazyflie 2.0 leaves above its weight."""
 LONGEST_STEP = 0.1
 """Longest time between ticks for which the last tilt is integrated [s]."""
 
@@ -144,7 +143,7 @@ class DeadReckonedBraking:
         return np.asarray(command.thrust + self._hover_thrust * lift / GRAVITY)
 
     def _propagated(self, names: Names, t: float) -> Array:
-        """Return the tracks at time t [s], (n, 7)."""
+        """Return the tracks at time t [s], (n, 11)."""
         track = _of(self._track, self._names, names, UNKNOWN).copy()
         elapsed = min(max(t - self._t, 0.0), LONGEST_STEP)
         propagate(track, _of(self._given, self._names, names, 0.0), elapsed)

@@ -39,6 +39,9 @@ THRUST_LAG_S = 0.08
 """From a command to its thrust [s]: 26 ms of camera and radio, and the rotors (quadcopter)."""
 BALANCE_S = 0.5
 """Time in which the balance is learned and forgotten [s]: a vehicle at 0.5 m/s crosses a downwash in it."""
+LIFT_MAX = 3.0
+"""Largest lift that is learned or given to a vehicle without measurements [m/s^2]: less than the thrust of a
+Crazyflie 2.0 leaves above its weight, and little beside that of a vehicle on the ground."""
 
 X, Y, VX, VY, AX, AY, YAW, Z, VZ, AZ, BALANCE = range(11)
 ROLL, PITCH, LIFT = range(3)

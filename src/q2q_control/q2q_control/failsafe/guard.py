@@ -36,7 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.dead_reckoned_braking import LONGEST_STEP, DeadReckonedBraking
-from q2q_control.failsafe.dead_reckoning import BALANCE_S, LIFT, asked
+from q2q_control.failsafe.dead_reckoning import BALANCE_S, LIFT, LIFT_MAX, asked
 from q2q_control.failsafe.descent_evasion import DescentEvasion, InFallback
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command, is_blind
 from q2q_control.failsafe.nominal_tick import SOUND, Given, Memory, note_nominal
@@ -208,7 +208,7 @@ class Guard:
             sound, np.fmax(self._measured_at, command.t - state_age), self._measured_at
         )
         ages = command.t - self._measured_at
-        lift = asked(command, self._hover_thrust)[:, LIFT]
+        lift = np.clip(asked(command, self._hover_thrust)[:, LIFT], -LIFT_MAX, LIFT_MAX)
         learned = self._balance + self._share(command.t) * (lift - self._balance)
         self._balance = np.where(sound & (ages < self._params.degraded_s), learned, self._balance)
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency

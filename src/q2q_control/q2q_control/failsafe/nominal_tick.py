@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.failsafe.dead_reckoning import LIFT_MAX
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, CommandStatus, Status
 from q2q_model.vehicle.constants import GRAVITY
@@ -63,5 +64,6 @@ def note_nominal(
     for i in range(n):
         measured_at[i] = t - age[i] - max(known, 0.0)
         upright = cos(values[n + i]) * cos(values[2 * n + i])
-        balance[i] += share * (GRAVITY * (values[i] * upright / hover_thrust - 1.0) - balance[i])
+        lift = GRAVITY * (values[i] * upright / hover_thrust - 1.0)
+        balance[i] += share * (min(max(lift, -LIFT_MAX), LIFT_MAX) - balance[i])
     return True
