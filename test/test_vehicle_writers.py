@@ -54,9 +54,9 @@ def test_those_of_others_are_made_one_vehicle_a_tick(node: Node) -> None:
 
 def test_only_vehicles_that_somebody_reads_are_published(node: Node) -> None:
     writers = VehiclePublishers(node, TOPICS, RATE_HZ, ("cf1", "cf2"))
-    assert writers.read("cf1") == writers.read("stranger") == ()
+    assert writers.read("cf1", 0) == writers.read("stranger", 0) == ()
     node.made["cf2/speed"].readers = 1
-    assert writers.read("cf2") == (node.made["cf2/pose"], node.made["cf2/speed"])
+    assert writers.read("cf2", 0) == (node.made["cf2/pose"], node.made["cf2/speed"])
 
 
 def test_vehicles_are_due_at_most_so_often_and_none_at_a_rate_of_zero(node: Node) -> None:

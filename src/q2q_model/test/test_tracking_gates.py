@@ -53,9 +53,9 @@ def test_a_forgotten_rival_begins_again_and_only_refused_samples_count() -> None
     rivals.forget(ONE)
     place, at_once = np.array([[1.0, 0.0, 0.0]]), np.zeros(1)
     assert not rivals.offer(4.25, place, ONE, at_once)[0]
-    assert not rivals.offer(4.375, place, ~ONE, at_once)[0]
-    assert not rivals.offer(4.5, place, ONE, at_once)[0]
-    assert rivals.offer(4.625, place, ONE, at_once)[0]
+    assert not rivals.offer(4.3125, place, ~ONE, at_once)[0]
+    assert not rivals.offer(4.375, place, ONE, at_once)[0]
+    assert rivals.offer(4.4375, place, ONE, at_once)[0]
 
 
 @pytest.mark.parametrize(("place", "doubtful"), [(1.5, True), (1.4999, False), (0.75, False), (2.25, True)])
@@ -83,7 +83,7 @@ def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_another_that_is_refu
 def test_a_doubt_lasts_while_another_vehicle_is_missing_and_no_longer() -> None:
     rivals = Reacquisition(2, LIMITS)
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.full(2, 4.125)
-    near, far = np.array([[1.25, 0.0, 0.0], [9.0, 0.0, 0.0]]), np.array([[0.75, 0.0, 0.0], [np.nan] * 3])
+    near, far = np.array([[1.25, 0.0, 0.0], [9.0, 0.0, 0.0]]), np.array([[1.0, 0.0, 0.0], [np.nan] * 3])
     none, first, both = np.zeros(2, np.bool_), np.array([True, False]), np.ones(2, np.bool_)
     exchanged, vanished, returned = Unmatched(none, both), Unmatched(~first, first), Unmatched(none, first)
 
@@ -92,6 +92,7 @@ def test_a_doubt_lasts_while_another_vehicle_is_missing_and_no_longer() -> None:
 
     assert not doubtful(far, vanished)
     assert doubtful(near, exchanged)
+    rivals.offer(4.25, near, both, np.ones(2))
     assert doubtful(far, vanished)  # by what was seen before
     rivals.forget(first)
     assert not doubtful(far, vanished)
