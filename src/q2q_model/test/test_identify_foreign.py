@@ -1,6 +1,7 @@
 """Run identify on bags of an independent writer by a topic map, and on input that is wrong."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -63,17 +64,22 @@ def write_as_a_stranger(flight: Flight, path: Path) -> None:
                     writer.write_message(topic, schemas[kind], message, stamp_ns, stamp_ns)
 
 
+def identified(folder: Path, numbers: Sequence[int]) -> str:
+    """Return the JSON report on flights of Table 2, written as a stranger does and read by a topic map."""
+    (folder / "map.yaml").write_text(MAP)
+    bags = []
+    for number in numbers:
+        bags.append(str(folder / f"flight {number}.mcap"))  # a path with a space
+        write_as_a_stranger(read_flight(BAGS / f"table2_{number}"), Path(bags[-1]))
+    out = folder / "model.q2q"
+    words = [*bags, "--topics", str(folder / "map.yaml"), "--out", str(out), "--model-type", "jet"]
+    assert identify.main([*words, "--no-plots"]) == 0
+    return out.with_suffix(".json").read_text()
+
+
 @needs_bags
 def test_a_strangers_bags_give_gains_and_model_by_a_topic_map(tmp_path: Path):
-    (tmp_path / "map.yaml").write_text(MAP)
-    bags = []
-    for number in (1, 5):
-        bags.append(str(tmp_path / f"flight {number}.mcap"))  # a path with a space
-        write_as_a_stranger(read_flight(BAGS / f"table2_{number}"), Path(bags[-1]))
-    out = tmp_path / "model.q2q"
-    words = [*bags, "--topics", str(tmp_path / "map.yaml"), "--out", str(out), "--model-type", "jet"]
-    assert identify.main([*words, "--no-plots"]) == 0
-    report = json.loads(out.with_suffix(".json").read_text())
+    report = json.loads(identified(tmp_path, (1, 5)))
     assert report["outliers"]["found"] == 31  # of 32; one stands alone where the leader of ticks is unseen
     assert report["gains"]["source"] == "trajectories"
     for name, flown in (("k_p", 0.81073), ("k_d", 0.42952)):  # poses alone hardly tell them, and that is said
@@ -81,7 +87,13 @@ def test_a_strangers_bags_give_gains_and_model_by_a_topic_map(tmp_path: Path):
         assert low <= flown <= high
         assert report["gains"]["identifiable"][name] == (low > 0.0)
     assert any("gains are from trajectories" in remark for remark in report["remarks"])
-    assert report["model"]["heldout_r2"]["lower"] > 0.0  # 0.14 here, 0.50 in other bags; with commands 0.99
+
+
+@needs_bags
+def test_all_of_a_strangers_bags_give_a_model_that_predicts_what_it_has_not_seen(tmp_path: Path):
+    """Of two bags it may not: gains that poses hardly tell put pairs of these six between -0.9 and 0.6."""
+    report = json.loads(identified(tmp_path, range(1, 7)))
+    assert report["model"]["heldout_r2"]["lower"] > 0.3  # 0.43; with commands 0.99
 
 
 def write(path: Path, flight: Flight, ticks: int = 400) -> Path:

@@ -73,20 +73,24 @@ def stop(run: Run, ticks: RunTicks) -> StatedOutcome:
     law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
     least = _Nearest(np.inf, 0.0)
     for one in ticks.setpoints[::STOPS_EVERY]:
+        motions, kept = _stopping(one), one.status != SetpointStatus.PROMISE_BROKEN
         for s in STOP_S:
-            there = replace(one, pos=_stopped(one, s, law))
-            distance = _least(zone, there, one.status != SetpointStatus.PROMISE_BROKEN)
+            distance = _least(zone, replace(one, pos=_stopped(motions, s, law)), kept)
             least = min(least, _Nearest(distance, one.t))
     bad = least.distance < -STOP_SLACK
     found = (Violation("stop", "the replanner", least.t, least.distance, -STOP_SLACK),) if bad else ()
     return StatedOutcome(found, (least.distance + STOP_SLACK) / params.eps)
 
 
-def _stopped(setpoint: SwarmSetpoint, s: float, law: BrakingLaw) -> Array:
-    """Return the positions s [s] after vehicles begin to stop at their setpoints [m], (n, 3)."""
-    n, none = len(setpoint.names), np.zeros_like(setpoint.pos)
+def _stopping(setpoint: SwarmSetpoint) -> Motions:
+    """Return the motions of vehicles that begin to stop at their setpoints."""
+    n, no_jerk = len(setpoint.names), np.zeros_like(setpoint.pos)
     here = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
-    motions = Motions(*here, np.zeros(n), np.zeros((n, 2)), none)
+    return Motions(*here, hold=np.zeros(n), growth=np.zeros((n, 2)), jerk=no_jerk)
+
+
+def _stopped(motions: Motions, s: float, law: BrakingLaw) -> Array:
+    """Return the positions of motions after s [s], [m], (n, 3)."""
     if law.jerk > 0.0:
         return smooth_motion_after(motions, s, law)[0]
     return motion_after(motions, s, law.brake)[0]
