@@ -49,6 +49,19 @@ def test_every_signal_survives_the_bag(seed: int, kind: type[Signal], vehicles: 
     assert same_signal(found.signal, one)
 
 
+@pytest.mark.parametrize(("compress", "stored"), [(True, "zstd"), (False, "")])
+def test_a_bag_is_compressed_or_not_and_reads_the_same(tmp_path: Path, compress: bool, stored: str):
+    one = random_signal(MocapFrame, 3, PAIR, np.random.default_rng(0))
+    with BagWriter(tmp_path / "bag", compress=compress) as bag:
+        bag.write_signal("/mocap", 3 * STEP_NS, one)
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    assert [chunk.compression for chunk in summary.chunk_indexes] == [stored]
+    (found,) = BagReader(tmp_path / "bag").signals()
+    assert same_signal(found.signal, one)
+
+
 def test_an_independent_reader_reads_every_message_and_number(tmp_path: Path):
     written = write_bag(tmp_path / "bag", 120, {kind.__name__: kind for kind in KINDS})
     counts = dict.fromkeys(written, 0)

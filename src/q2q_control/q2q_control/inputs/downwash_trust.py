@@ -37,12 +37,13 @@ class DownwashTrust:
             self._valid = {}
             self._t = -np.inf if interference is None else interference.t
             return interference
-        share, names = np.ones(len(interference.names)), interference.names
-        stale = {names[row]: row for row in np.flatnonzero(interference.status == _STALE)}
-        for name, row in stale.items():
-            since = self._valid.setdefault(name, max(self._t, interference.t - FIRST))
-            share[row] = np.exp(-max(interference.t - since, 0.0) / self._fade_time)
-        for name in self._valid.keys() & set(names) - stale.keys():
+        rows = np.flatnonzero(interference.status == _STALE)
+        stale = [interference.names[row] for row in rows]
+        first = max(self._t, interference.t - FIRST)
+        since = np.array([self._valid.setdefault(name, first) for name in stale])
+        share = np.ones(len(interference.names))
+        share[rows] = np.exp(-np.maximum(interference.t - since, 0.0) / self._fade_time)
+        for name in (self._valid.keys() - stale) & set(interference.names):
             del self._valid[name]
         self._t = interference.t
         return Interference(

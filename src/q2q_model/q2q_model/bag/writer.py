@@ -51,8 +51,17 @@ class OfferedQos:
 class BagWriter:
     """Bag open for writing; a context manager."""
 
-    def __init__(self, path: Path | str, chunk_s: float = CHUNK_S, facts: FlightFacts | None = None) -> None:
+    def __init__(
+        self,
+        path: Path | str,
+        chunk_s: float = CHUNK_S,
+        facts: FlightFacts | None = None,
+        *,
+        compress: bool = True,
+    ) -> None:
         """Create the bag's folder `path`; closing writes `facts` to its metadata.
+
+        Without `compress`, chunks have no checksum either: for a bag that is read once and deleted.
 
         Raises BagError if the path exists, or the folder cannot be created.
         """
@@ -64,7 +73,8 @@ class BagWriter:
         self._closed = False
         self._types: dict[str, str] = {}
         self._writer = Writer(self.path, version=VERSION, storage_plugin=StoragePlugin.MCAP)
-        self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+        if compress:
+            self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         for name, value in (facts or FlightFacts()).known.items():
             self._writer.set_custom_data(name, value)
         try:
@@ -73,6 +83,9 @@ class BagWriter:
             raise BagError(f"cannot create the bag folder {self.path}: {refused.strerror}") from refused
         self._connections: dict[str, Connection] = {}
         self._name_as_rosbag2()
+        if compress:
+            storage = self._writer.storage
+            storage.compressor = partial(storage.compressor, options=_zstd_options())
 
     @property
     def topics(self) -> dict[str, str]:
@@ -173,7 +186,6 @@ class BagWriter:
         named = self.path / f"{self.path.name}_0.mcap"
         storage.path.rename(named)
         storage.path = named
-        storage.compressor = partial(storage.compressor, options=_zstd_options())
 
 
 def _zstd_options() -> dict[int, int]:

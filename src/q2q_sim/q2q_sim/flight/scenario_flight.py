@@ -54,6 +54,8 @@ class FlightRequest:
     """Fly one MPC node for each vehicle, which exchange predictions."""
     record: tuple[str, ...] = ()
     """Recorded topics; empty is all."""
+    temporary: bool = False
+    """Do not compress the bag: it is read once and deleted."""
     vehicle: str = ""
     """Vehicle in place of the scenario's; empty keeps that."""
     wake: str = ""
@@ -175,6 +177,7 @@ def _recorder(scenario: Scenario, request: FlightRequest, bag: Path) -> NodeSpec
     parameters: dict[str, ParameterValue] = {
         "bag": str(bag),
         "stamps": "receive" if request.live else "header",
+        "compression": "none" if request.temporary else "zstd",
         "topics": tuple(topic for topic in request.record if not (predictions and topic == PREDICTIONS)),
         "extra": (f"{PREDICTIONS}:{PREDICTION_TYPE}",) if predictions else (),
         "facts": facts_as_text(facts_of(scenario, request)),

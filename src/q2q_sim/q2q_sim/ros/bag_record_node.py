@@ -37,7 +37,7 @@ class RecordParams:
     topics: tuple[str, ...] = tunable((), "q2q topics to record; empty is all", read_only=True)
     extra: tuple[str, ...] = tunable((), "further topics, each as topic:package/msg/Type", read_only=True)
     stamps: str = tunable("receive", "clock of the bag times", choices=("receive", "header"), read_only=True)
-
+    compression: str = tunable("zstd", "compression of the bag", choices=("zstd", "none"), read_only=True)
     facts: tuple[str, ...] = tunable(
         (), "metadata of the flight, each as name=value, e.g. vehicle=crazyflie_2_1", read_only=True
     )
@@ -60,7 +60,8 @@ class Recorder:
         self.is_full = False
         """Whether the disk has taken no more."""
         self._by_header = params.stamps == "header"
-        self._writer = BagWriter(Path(params.bag), facts=facts_from_text(params.facts))
+        facts = facts_from_text(params.facts)
+        self._writer = BagWriter(Path(params.bag), facts=facts, compress=params.compression == "zstd")
         bus = bus_of(node)
         for topic, kind in (_signal_types(params.topics) | _extra(params.extra)).items():
             whole = node.resolve_topic_name(topic)

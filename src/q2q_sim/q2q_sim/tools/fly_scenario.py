@@ -69,6 +69,7 @@ def request_of(args: Namespace) -> FlightRequest:
         air_without=tuple(args.air_without),
         correct=args.correct,
         record=tuple(args.record) or (() if args.bag else MEASURED),
+        temporary=args.bag is None,
     )
 
 
