@@ -1,7 +1,7 @@
 """Message definitions without ROS: common types from rosbags, those of q2q_msgs from their .msg files."""
 
 import os
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -21,6 +21,7 @@ def jazzy_types() -> Typestore:
     return store
 
 
+@cache
 def definition_of(type_name: str) -> tuple[str, str]:
     """Return the ros2msg definition of a type and its hash (REP 2016).
 

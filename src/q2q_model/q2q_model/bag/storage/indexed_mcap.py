@@ -23,6 +23,8 @@ from mcap.stream_reader import get_chunk_data_stream
 
 NEWEST = 9
 """Newest supported version of metadata.yaml."""
+_LOADER = yaml.CSafeLoader if yaml.__with_libyaml__ else yaml.SafeLoader
+"""Loader of metadata.yaml: libyaml takes a tenth of the time."""
 MESSAGE = 0x05
 _RECORD = struct.Struct("<BQHIQQ")
 """Header of a message record."""
@@ -105,7 +107,8 @@ def _count_before(waiting: list[Logged], later: list[int]) -> int:
 
 def _named_files(bag: Path) -> list[Path]:
     """Return the files that a folder's metadata names."""
-    info = yaml.safe_load((bag / "metadata.yaml").read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
+    text = (bag / "metadata.yaml").read_text(encoding="utf-8")
+    info = yaml.load(text, _LOADER)["rosbag2_bagfile_information"]  # noqa: S506  a SafeLoader
     files = [bag / Path(name).name for name in info["relative_file_paths"]]
     plain = info["storage_identifier"] == "mcap" and not info.get("compression_mode")
     if not (plain and info["version"] <= NEWEST and files and all(file.is_file() for file in files)):

@@ -11,7 +11,7 @@ with the firmware of the recorded flights (0.59 N), which their scenarios name f
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 from q2q_sim.faults.faults import Fault, random_faults
 from q2q_sim.loop.assembly import Options
@@ -62,16 +62,16 @@ CUTS = (
 ROOMS = ("capture", "real", "rough")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Run:
-    """One run of a campaign."""
+    """One run of a campaign; its scenario is parsed once, so it has no slots."""
 
     seed: int
     document: Document
     """The scenario as a YAML document."""
     options: Options
 
-    @property
+    @cached_property
     def scenario(self) -> Scenario:
         """Return the scenario of the run."""
         return scenario_from_document(f"run {self.seed}", self.document)

@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from q2q_model.bag import BagReader, BagWriter
-from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_sim.experiments.campaign.campaign_flight import NS, circumstances_of, crash, flown_pure
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties import (
@@ -96,21 +96,25 @@ def _record(signals: Sequence[RecordedSignal]) -> Iterator[Violation]:
         with BagWriter(bag) as writer:
             for one in written:
                 writer.write_signal(one.topic, round(one.at * NS), one.signal)
-        read = [(one.topic, one.signal) for one in BagReader(bag).signals()]
+        read = BagReader(bag).rows(RECORDED)
     for topic in RECORDED:
-        mine = [one.signal for one in written if one.topic == topic]
-        back = [signal for name, signal in read if name == topic]
-        if not _same(mine, back):
+        mine = rows_of_signals([one.signal for one in written if one.topic == topic])
+        if not _same(mine, read[topic]):
             yield Violation(RECORD, topic, math.nan, math.nan, 0.0)
             return
 
 
-def _same(written: Sequence[Signal], read: Sequence[Signal]) -> bool:
-    """Return whether the messages of a topic have the same stamps, names and numbers."""
-    if [(one.t, one.names) for one in written] != [(one.t, one.names) for one in read]:
-        return False
-    numbers = [
-        [np.concatenate([getattr(one, column.attribute) for one in signals]) for signals in (written, read)]
-        for column in LAYOUTS[type(written[0])].columns
-    ]
-    return all(np.array_equal(mine, back, equal_nan=True) for mine, back in numbers)
+def _same(written: Sequence[SignalRows], read: Sequence[SignalRows]) -> bool:
+    """Return whether the messages of a topic have the same order, stamps, names and numbers."""
+    back = {rows.names: rows for rows in read}
+    return len(written) == len(read) and all(
+        mine.names in back and _same_rows(mine, back[mine.names]) for mine in written
+    )
+
+
+def _same_rows(mine: SignalRows, back: SignalRows) -> bool:
+    return (
+        np.array_equal(mine.t, back.t)
+        and np.array_equal(mine.place, back.place)
+        and all(np.array_equal(own, back.values[name], equal_nan=True) for name, own in mine.values.items())
+    )

@@ -98,6 +98,12 @@ def lately(evidence: Evidence, when: Mask, settle: float) -> Mask:
     return np.asarray(t - last < settle)
 
 
+def runs(mask: Mask) -> list[tuple[int, int]]:
+    """Return begin and end of each run of True in (T,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
 def _struck(evidence: Evidence, fault: Fault) -> Mask:
     if KINDS[fault.kind].whole or not fault.vehicles:
         return np.ones(len(evidence.names), dtype=np.bool_)

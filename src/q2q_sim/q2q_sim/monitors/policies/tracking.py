@@ -14,6 +14,7 @@ from q2q_sim.monitors.policies.blindness import (
     lately,
     misled,
     misplaced,
+    runs,
     sent_down_lately,
 )
 from q2q_sim.monitors.policies.evidence import Evidence
@@ -32,10 +33,13 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     down = sent_down_lately(evidence, limits.settle)
     off = _distance(evidence.true_pos - evidence.sent_pos, down)
     stopped = blind_lately(evidence, limits.settle) | evading_lately(evidence, limits.settle)
-    for k, row in np.argwhere(stopped & (off > limits.stray_room)):
-        since = int(np.flatnonzero(np.append(True, ~stopped[:k, row]))[-1])
-        off_by = evidence.true_pos[k, row] - evidence.sent_pos[since : k + 1, row]
-        off[k, row] = np.nanmin(_distance(off_by, down[k, row]))
+    for row in range(len(evidence.names)):
+        for begin, end in runs(stopped[:, row]):
+            late = begin + np.flatnonzero(off[begin:end, row] > limits.stray_room)
+            off_by = evidence.true_pos[late, None, row] - evidence.sent_pos[begin:end, row]  # (late, run, 3)
+            apart = _distance(off_by, down[late, None, row])
+            apart[late[:, None] < np.arange(begin, end)] = np.inf
+            off[late, row] = np.fmin.reduce(apart, axis=1)
     off = np.maximum(off - misplaced(evidence, circumstances.faults), 0.0)
     limit = limits.stray_room
     return worst("room", evidence, off - limit, (off, limit))
@@ -43,8 +47,9 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 
 def _distance(off_by: Array, down: Mask) -> Array:
     """Return distances [m], (...), of vectors (..., 3); below does not count where `down`."""
-    z = np.where(down, np.maximum(off_by[..., 2], 0.0), off_by[..., 2])
-    return np.asarray(np.linalg.norm(np.stack((off_by[..., 0], off_by[..., 1], z), axis=-1), axis=-1))
+    x, y, z = off_by[..., 0], off_by[..., 1], off_by[..., 2]
+    z = np.where(down, np.maximum(z, 0.0), z)
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
+from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.loop.assembly import TICK_S, filter_params
 from q2q_sim.monitors.policies import Limits, Violation
@@ -22,8 +22,8 @@ SETTLED_S = 1.0
 
 def lost(_: Run, ticks: RunTicks) -> StatedOutcome:
     """Return the lost vehicles that are said to move."""
-    speed = np.stack([np.linalg.norm(one.vel, axis=1) for one in ticks.states])
-    gone = np.stack([one.status for one in ticks.states]) == TrackStatus.LOST
+    speed = np.linalg.norm(over_ticks(ticks.states, "vel"), axis=2)
+    gone = over_ticks(ticks.states, "status") == TrackStatus.LOST
     moving = np.where(gone, speed, 0.0)
     k, row = np.unravel_index(int(moving.argmax()), moving.shape)
     if not moving[k, row] > 0.0:
@@ -60,9 +60,9 @@ def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
 
 def _errors(ticks: RunTicks) -> Array:
     """Return the errors of TRACKED states at their own stamps [m], (T, n); 0 for other states."""
-    true = np.stack([one.pos for one in ticks.truth])
+    true = over_ticks(ticks.truth, "pos")
     stamps = np.array([one.t for one in ticks.states])
     rows = np.clip(np.rint(stamps / TICK_S).astype(np.intp), 0, len(true) - 1)
-    away = np.linalg.norm(np.stack([one.pos for one in ticks.states]) - true[rows], axis=2)
-    tracked = np.stack([one.status for one in ticks.states]) == TrackStatus.TRACKED
+    away = np.linalg.norm(over_ticks(ticks.states, "pos") - true[rows], axis=2)
+    tracked = over_ticks(ticks.states, "status") == TrackStatus.TRACKED
     return np.where(tracked, away, 0.0)

@@ -25,11 +25,12 @@ from q2q_control.failsafe.ladder import FallbackParams, is_blind
 from q2q_control.pid.pid import PidParams
 from q2q_model.signals.values import Array, CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
+from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome, struck
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import TICK_S
 from q2q_sim.monitors.policies import Violation
+from q2q_sim.monitors.policies.blindness import runs
 
 UNTOLD_S = FallbackParams().degraded_s + TICK_S
 """Largest age of a state on which a command may be OK [s]."""
@@ -57,7 +58,7 @@ Mask = NDArray[np.bool_]
 
 def told(_: Run, ticks: RunTicks) -> StatedOutcome:
     """Return the vehicles whose command is OK though their state says that it is old."""
-    age = np.stack([one.age for one in ticks.states])
+    age = over_ticks(ticks.states, "age")
     untold = np.where(ticks.command_status <= CommandStatus.SATURATED, age, 0.0)
     k, row = np.unravel_index(int(untold.argmax()), untold.shape)
     oldest = float(untold[k, row])
@@ -67,10 +68,10 @@ def told(_: Run, ticks: RunTicks) -> StatedOutcome:
 
 def repeat(_: Run, ticks: RunTicks) -> StatedOutcome:
     """Return the repeated commands that are reported as computed ones."""
-    values = np.stack([np.stack((one.thrust, one.roll, one.pitch, one.yaw_rate)) for one in ticks.commands])
-    pos = np.stack([one.pos for one in ticks.states])
+    values = np.stack([over_ticks(ticks.commands, one) for one in ("thrust", "roll", "pitch", "yaw_rate")])
+    pos = over_ticks(ticks.states, "pos")
     alike = (pos[1:] == pos[:-1]).all(axis=2) & ticks.newer[1:, None]
-    same = (values[1:] == values[:-1]).all(axis=1) & (ticks.stamp[1:] != ticks.stamp[:-1])[:, None]
+    same = (values[:, 1:] == values[:, :-1]).all(axis=0) & (ticks.stamp[1:] != ticks.stamp[:-1])[:, None]
     same &= ~alike
     computed = ticks.command_status == CommandStatus.OK
     bad = same & computed[1:] & computed[:-1]
@@ -89,7 +90,7 @@ def hold(run: Run, ticks: RunTicks) -> StatedOutcome:
     limit = HOLD_S * (1 + set_back)
     found, longest = [], 0.0
     for row, name in enumerate(ticks.names):
-        for begin, end in _runs(ticks.command_status[:, row] == CommandStatus.HOLD):
+        for begin, end in runs(ticks.command_status[:, row] == CommandStatus.HOLD):
             held = len(np.unique(ticks.stamp[begin:end])) * TICK_S
             longest = max(longest, held)
             if held > limit:
@@ -100,13 +101,14 @@ def hold(run: Run, ticks: RunTicks) -> StatedOutcome:
 def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
     """Return the vehicles that fly level without braking."""
     late = round(LAG_S / TICK_S)
-    vel = _true_vel(ticks)[late:]  # once the commands have taken effect
+    true_vel = _true_vel(ticks)
+    vel = true_vel[late:]  # once the commands have taken effect
     speed = np.linalg.norm(vel, axis=2)
     acc = ticks.commanded_acc()[: len(vel)]
     level = is_blind(ticks.command_status)
     judged = level[: len(vel)] & level[late:] & (speed > FAST)
     last = _last_measured(ticks)[: len(vel)]
-    before = np.take_along_axis(_true_vel(ticks), last[..., None], axis=0)  # a push since then is unknown
+    before = np.take_along_axis(true_vel, last[..., None], axis=0)  # a push since then is unknown
     judged &= np.einsum("tnk,tnk->tn", before, vel) > FAST * speed
     judged &= ~_late(ticks, run.scenario.faults)[last]
     judged &= ~np.array(struck(ticks.names, run.scenario.faults, DECEIVING))
@@ -121,12 +123,12 @@ def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
 
 def _true_vel(ticks: RunTicks) -> Array:
     """Return the true horizontal velocities [m/s], (T, n, 2)."""
-    return np.stack([one.vel[:, :2] for one in ticks.truth])
+    return over_ticks(ticks.truth, "vel")[..., :2]
 
 
 def _last_measured(ticks: RunTicks) -> NDArray[np.intp]:
     """Return the tick in which each vehicle was last measured, (T, n)."""
-    measured = np.stack([one.age for one in ticks.states]) <= 0.0
+    measured = over_ticks(ticks.states, "age") <= 0.0
     return np.maximum.accumulate(np.where(measured, np.arange(len(measured))[:, None], 0), axis=0)
 
 
@@ -178,7 +180,7 @@ def _encounters(ticks: RunTicks) -> Iterator[_Encounter]:
     """Yield the vehicles steadily measured below one that begins to fly level."""
     level = is_blind(ticks.command_status)
     for j in range(len(ticks.names)):
-        for begin, end in _runs(level[:, j]):
+        for begin, end in runs(level[:, j]):
             if level[max(begin - CALM_TICKS, 0) : begin].any() or not 1 <= begin < end - 1:
                 continue
             pos = ticks.truth[begin].pos
@@ -201,9 +203,3 @@ def _alone(ticks: RunTicks, one: _Encounter, away: Array) -> bool:
     others = np.delete(pos, (one.i, one.j), axis=0)
     goal = pos[one.j] + REACH * away
     return bool((np.linalg.norm(others - goal, axis=1) > 2.0 * REACH).all())
-
-
-def _runs(mask: Mask) -> list[tuple[int, int]]:
-    """Return begin and end of each run of True in (T,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

@@ -8,7 +8,7 @@
 | held_acc | an acceleration is held for `hold`, then the vehicle brakes, unless a new one is chosen |
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after
 from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
+from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.loop.assembly import TICK_S, safe_replanner_params
 from q2q_sim.monitors.policies import Violation
@@ -35,6 +35,8 @@ SLACK = 1e-3
 STILL = 1e-3
 """Accelerations that count as none, and their distance from the limit [m/s^2]: limited ones may be equal."""
 
+Mask = NDArray[np.bool_]
+
 
 class _Nearest(NamedTuple):
     """Tick of least distance from the zone [m]."""
@@ -49,19 +51,25 @@ def promise(run: Run, ticks: RunTicks) -> StatedOutcome:
         return StatedOutcome()
     params = safe_replanner_params(run.scenario)
     zone = Cylinder(params.eps, params.d)
-    every, silent = _Nearest(np.inf, 0.0), _Nearest(np.inf, 0.0)
-    for one in ticks.setpoints:
-        kept = one.status != SetpointStatus.PROMISE_BROKEN
-        every = min(every, _Nearest(_least(zone, one, np.ones_like(kept)), one.t))
-        silent = min(silent, _Nearest(_least(zone, one, kept), one.t))
+    pos, kept = over_ticks(ticks.setpoints, "pos"), _kept(ticks.setpoints)
+    silent = _nearest(zone, ticks.setpoints, pos, kept)
+    every = _nearest(zone, ticks.setpoints, pos, np.ones_like(kept))
     bad = [Violation("promise", "the replanner", silent.t, silent.distance, 0.0)]
     return StatedOutcome(tuple(bad if silent.distance < 0.0 else ()), every.distance / params.eps)
 
 
-def _least(zone: Cylinder, setpoint: SwarmSetpoint, kept: NDArray[np.bool_]) -> float:
-    pos = setpoint.pos[kept]
-    apart = zone.signed_distance(pos - pos[:, None])
-    return float(np.where(np.eye(len(pos), dtype=np.bool_), np.inf, apart).min(initial=np.inf))
+def _kept(setpoints: Sequence[SwarmSetpoint]) -> Mask:
+    """Return which setpoints are without PROMISE_BROKEN, (T, n)."""
+    return np.asarray(over_ticks(setpoints, "status") != SetpointStatus.PROMISE_BROKEN)
+
+
+def _nearest(zone: Cylinder, setpoints: Sequence[SwarmSetpoint], pos: Array, kept: Mask) -> _Nearest:
+    """Return where two kept vehicles at `pos` (T, n, 3) are deepest in each other's zone."""
+    apart = zone.signed_distance(pos[:, None] - pos[:, :, None])  # (T, n, n)
+    pairs = kept[:, None] & kept[:, :, None] & ~np.eye(pos.shape[1], dtype=np.bool_)
+    least = np.where(pairs, apart, np.inf).min(axis=(1, 2))
+    k = int(least.argmin())
+    return _Nearest(float(least[k]), setpoints[k].t)
 
 
 def stop(run: Run, ticks: RunTicks) -> StatedOutcome:
@@ -71,22 +79,23 @@ def stop(run: Run, ticks: RunTicks) -> StatedOutcome:
     params = safe_replanner_params(run.scenario)
     zone = Cylinder(params.eps, params.d)
     law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
-    least = _Nearest(np.inf, 0.0)
-    for one in ticks.setpoints[::STOPS_EVERY]:
-        motions, kept = _stopping(one), one.status != SetpointStatus.PROMISE_BROKEN
-        for s in STOP_S:
-            distance = _least(zone, replace(one, pos=_stopped(motions, s, law)), kept)
-            least = min(least, _Nearest(distance, one.t))
+    judged = ticks.setpoints[::STOPS_EVERY]
+    motions, kept = _stopping(judged), _kept(judged)
+    least = min(
+        _nearest(zone, judged, _stopped(motions, s, law).reshape(*kept.shape, 3), kept) for s in STOP_S
+    )
     bad = least.distance < -STOP_SLACK
     found = (Violation("stop", "the replanner", least.t, least.distance, -STOP_SLACK),) if bad else ()
     return StatedOutcome(found, (least.distance + STOP_SLACK) / params.eps)
 
 
-def _stopping(setpoint: SwarmSetpoint) -> Motions:
-    """Return the motions of vehicles that begin to stop at their setpoints."""
-    n, no_jerk = len(setpoint.names), np.zeros_like(setpoint.pos)
-    here = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
-    return Motions(*here, hold=np.zeros(n), growth=np.zeros((n, 2)), jerk=no_jerk)
+def _stopping(setpoints: Sequence[SwarmSetpoint]) -> Motions:
+    """Return the motions of vehicles that begin to stop at their setpoints, tick by tick (T n)."""
+    pos, vel, acc = (
+        np.concatenate([getattr(one, name) for one in setpoints]) for name in ("pos", "vel", "acc")
+    )
+    n = len(pos)
+    return Motions(pos, vel, acc, hold=np.zeros(n), growth=np.zeros((n, 2)), jerk=np.zeros_like(pos))
 
 
 def _stopped(motions: Motions, s: float, law: BrakingLaw) -> Array:
@@ -102,12 +111,9 @@ def off_path(run: Run, ticks: RunTicks) -> StatedOutcome:
         return StatedOutcome()
     params = safe_replanner_params(run.scenario)
     limit = params.tracking + SLACK
-    measured = np.stack([one.age for one in ticks.states]) <= 0.0
-    away = np.stack(
-        [np.linalg.norm(s.pos - r.pos, axis=1) for s, r in zip(ticks.states, ticks.setpoints, strict=True)]
-    )
-    told = np.stack([one.status for one in ticks.setpoints]) == SetpointStatus.PROMISE_BROKEN
-    silent = np.where(measured & ticks.newer[:, None] & ~told, away, 0.0)
+    measured = over_ticks(ticks.states, "age") <= 0.0
+    away = np.linalg.norm(over_ticks(ticks.states, "pos") - over_ticks(ticks.setpoints, "pos"), axis=2)
+    silent = np.where(measured & ticks.newer[:, None] & _kept(ticks.setpoints), away, 0.0)
     k, row = np.unravel_index(int(silent.argmax()), silent.shape)
     if silent[k, row] <= limit:
         return StatedOutcome()
@@ -121,12 +127,12 @@ def held_acc(run: Run, ticks: RunTicks) -> StatedOutcome:
         return StatedOutcome()
     params = safe_replanner_params(run.scenario)
     ticks_held = round(params.hold / TICK_S)
-    acc = np.stack([one.acc for one in ticks.setpoints])
+    acc = over_ticks(ticks.setpoints, "acc")
     size = np.linalg.norm(acc, axis=2)
     free = (size > STILL) & (size < params.acc_max - STILL)
     in_order = np.abs(np.diff(ticks.stamp) - TICK_S) < 0.5 * TICK_S
     same = (acc[1:] == acc[:-1]).all(axis=2) & in_order[:, None] & free[1:]  # (T - 1, n)
-    moved = np.stack([one.status for one in ticks.setpoints])[1:] != SetpointStatus.NOMINAL
+    moved = over_ticks(ticks.setpoints, "status")[1:] != SetpointStatus.NOMINAL
     windows = np.lib.stride_tricks.sliding_window_view(same & moved, ticks_held, axis=0)
     held = np.asarray(windows.all(axis=2))
     return StatedOutcome(

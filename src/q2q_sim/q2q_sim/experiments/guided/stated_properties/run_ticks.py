@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +39,7 @@ class RunTicks:
     @property
     def command_status(self) -> Status:
         """Return the status of every command, (T, n)."""
-        return np.stack([one.status for one in self.commands])
+        return over_ticks(self.commands, "status").astype(np.uint8)
 
     @property
     def newer(self) -> NDArray[np.bool_]:
@@ -48,13 +49,18 @@ class RunTicks:
 
     def commanded_acc(self) -> Array:
         """Return the horizontal acceleration that the commanded tilts ask for, world [m/s^2], (T, n, 2)."""
-        roll = np.stack([one.roll for one in self.commands])
-        pitch = np.stack([one.pitch for one in self.commands])
-        yaw = yaw_from_quat(np.stack([one.quat for one in self.truth]))
+        roll, pitch = over_ticks(self.commands, "roll"), over_ticks(self.commands, "pitch")
+        yaw = yaw_from_quat(over_ticks(self.truth, "quat"))
         ahead, aside = GRAVITY * np.tan(pitch), -GRAVITY * np.tan(roll)
         return np.stack(
             (np.cos(yaw) * ahead - np.sin(yaw) * aside, np.sin(yaw) * ahead + np.cos(yaw) * aside), axis=-1
         )
+
+
+def over_ticks(signals: Sequence[Signal], attribute: str) -> Array:
+    """Return one attribute of T signals of the same names, (T, n) or (T, n, width)."""
+    rows = list(map(attrgetter(attribute), signals))
+    return np.concatenate(rows).reshape(len(rows), *rows[0].shape)
 
 
 def run_ticks(signals: Sequence[RecordedSignal]) -> RunTicks:
