@@ -21,6 +21,7 @@ from q2q_sim.air.unit_processes import WIDTH
 from q2q_sim.plant.block_step import COMMAND_WIDTH, DRIVE_WIDTH
 from q2q_sim.plant.past_states import ROOM_WIDTH, remember
 from q2q_sim.plant.quadcopter import STATE_WIDTH, advance
+from q2q_sim.plant.room_law import PushTable
 from q2q_sim.plant.swarm import Swarm, air_push
 
 CORES = len(os.sched_getaffinity(0))
@@ -97,10 +98,14 @@ def _counted(array: np.ndarray) -> np.ndarray:
 def _count(swarm: Swarm, commands: np.ndarray, drive: np.ndarray) -> float:
     """Return the operations of a drone-step."""
     law = swarm.air.room
-    table = law.table._replace(**{name: _counted(values) for name, values in law.table._asdict().items()})
+    gaps, radii, push, ends = law.table
+    gaps, radii = (one._replace(at=_counted(one.at)) for one in (gaps, radii))
+    near = law.near._replace(at=_counted(law.near.at), limits=_counted(law.near.limits))
     columns = {name: _counted(getattr(law, name)) for name in ("extremes", "places", "under")}
-    air = swarm.air._replace(ring=_counted(swarm.air.ring), room=law._replace(table=table, **columns))
+    law = law._replace(table=PushTable(gaps, radii, _counted(push), _counted(ends)), near=near, **columns)
+    air = swarm.air._replace(ring=_counted(swarm.air.ring), room=law)
     state, rotors = _counted(swarm.state), _counted(np.zeros(4))
+    air_push(state, air, swarm.body)  # lists who is near, as one step of many does
     Counted.made = 0
     air_push(state, air, swarm.body)
     for row, command, around in zip(state, _counted(commands[0]), _counted(drive), strict=True):

@@ -46,6 +46,10 @@ BORROWING: dict[str, object] = {"_nrt": False}
 """Options of loops that allocate no array: numba counts no references to the rows that they pass on, which
 are atomic operations and took half the time of the physics. It refuses a function that would need them."""
 
+HOT: dict[str, object] = {**BORROWING, "error_model": "numpy", "forceinline": True}
+"""Options of functions within such a loop that cost time: no call, which would copy every number and array of
+their named tuples, and no test of divisors."""
+
 KERNELS: list[Kernel] = []
 """Kernels of all modules imported so far."""
 

@@ -19,7 +19,7 @@ of the source now; a is HARDEST.
 import math
 from typing import NamedTuple
 
-from q2q_model.compiled import BORROWING, compiled
+from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.room_air import JetTerm
 from q2q_sim.plant.order_by_x import Rows
@@ -49,6 +49,15 @@ class Bound(NamedTuple):
     """[m/s]"""
 
 
+class Extremes(NamedTuple):
+    """Largest slope and speed of any vehicle since the air below it left."""
+
+    steepest: float
+    """[-]"""
+    fastest: float
+    """[m/s]"""
+
+
 class JetReach(NamedTuple):
     """Bound with the speed and slope of this step: max(near + spread h, widening h) + (drift + turn h) h."""
 
@@ -73,31 +82,29 @@ def bound_of(jet: JetTerm, ends: Array, lean: float) -> Bound:
     )
 
 
-@compiled(**BORROWING)
-def reach_of(bound: Bound, extremes: Array) -> JetReach:
+@compiled(**HOT)
+def reach_of(bound: Bound, past: Extremes) -> JetReach:
     """Return the bound at the extremes of the past."""
-    steepest = math.sqrt(max(extremes[SLOPE], extremes[SLOPE_BEFORE]))
-    fastest = math.sqrt(max(extremes[SPEED], extremes[SPEED_BEFORE]))
-    rise = 1.0 + fastest / bound.travel_speed
-    left = abs(1.0 - bound.carried) * fastest / bound.travel_speed
+    rise = 1.0 + past.fastest / bound.travel_speed
+    left = abs(1.0 - bound.carried) * past.fastest / bound.travel_speed
     return JetReach(
         near=bound.near,
         spread=rise * bound.spread,
         widening=rise * bound.widening,
-        drift=left + rise * (bound.slope * steepest + bound.lean),
+        drift=left + rise * (bound.slope * past.steepest + bound.lean),
         turn=0.5 * abs(bound.carried) * HARDEST / (bound.travel_speed * bound.travel_speed),
     )
 
 
-@compiled(**BORROWING)
+@compiled(**HOT)
 def reach(to: JetReach, gap: float) -> float:
     """Return the largest distance of a vehicle in a jet from its source [m]."""
     return max(to.near + to.spread * gap, to.widening * gap) + (to.drift + to.turn * gap) * gap
 
 
-@compiled(**BORROWING)
-def watch(state: Array, ring: Array, rows: Rows, extremes: Array) -> None:
-    """Raise the extremes to slopes and speeds of this step."""
+@compiled(**HOT)
+def watch(state: Array, ring: Array, rows: Rows, extremes: Array) -> Extremes:
+    """Raise the extremes to slopes and speeds of this step; return those of the past."""
     n, slots = state.shape[0], ring.shape[0]
     period = rows[n] // slots
     slot = rows[n] - period * slots
@@ -110,3 +117,5 @@ def watch(state: Array, ring: Array, rows: Rows, extremes: Array) -> None:
         vx, vy, vz = state[i, VX], state[i, VY], state[i, VZ]
         slope, speed = max(slope, sx * sx + sy * sy), max(speed, vx * vx + vy * vy + vz * vz)
     extremes[SLOPE], extremes[SPEED] = slope, speed
+    steepest = math.sqrt(max(slope, extremes[SLOPE_BEFORE]))
+    return Extremes(steepest, math.sqrt(max(speed, extremes[SPEED_BEFORE])))

@@ -49,7 +49,7 @@ def law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> N
         lowest, highest = min(lowest, state[i, Z]), max(highest, state[i, Z])
     if kind == NONE or n < 2:
         return
-    sort_by_x(state, rows)
+    sort_by_x(state[:, X], rows)
     bound = reach(kind, highest - lowest)
     for a in range(n):
         i = rows[a]

@@ -3,20 +3,22 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.compiled import BORROWING, compiled
+from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
-from q2q_sim.plant.quadcopter import X
 
 Rows = NDArray[np.int64]
 
 
-@compiled(**BORROWING)
-def sort_by_x(state: Array, rows: Rows) -> None:
-    """Sort the first n entries of rows (n + 1,) by the x of their states."""
-    for a in range(1, state.shape[0]):
+@compiled(**HOT)
+def sort_by_x(x: Array, rows: Rows) -> bool:
+    """Sort the first n entries of rows (n + 1,) by their x (n,) [m]; return whether the order has changed."""
+    changed = False
+    for a in range(1, x.shape[0]):
         row = rows[a]
         b = a - 1
-        while b >= 0 and state[rows[b], X] > state[row, X]:
+        while b >= 0 and x[rows[b]] > x[row]:
             rows[b + 1] = rows[b]
             b -= 1
+            changed = True
         rows[b + 1] = row
+    return changed

@@ -1,6 +1,21 @@
-"""Ring of past states of the vehicles, one slot a physics step, for downwash that arrives late; compiled."""
+"""Ring of past states of the vehicles, one slot a physics step, for downwash that arrives late; compiled.
 
-from q2q_model.compiled import BORROWING, compiled
+Between the step that writes a state and the one that reads it, many others leave the caches: `recall` asks
+memory for what the next step reads.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.base import BaseContext
+from numba.core.typing.templates import Signature
+from numba.extending import intrinsic, overload
+
+from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.plant.order_by_x import Rows
 from q2q_sim.plant.quadcopter import F1, F2, F3, F4, QW, QX, QY, QZ, VX, VY, X, Y, Z
@@ -14,9 +29,66 @@ SPEED_X, SPEED_Y, SLOPE_X, SLOPE_Y = 4, 5, 6, 7
 ROOM_WIDTH = 8
 STEEPEST = 0.6
 """Largest slope of a jet [-]: 31 degrees."""
+LINE = 64
+"""Bytes of a line of a cache: a source's columns in the air of a room."""
+
+Values = Sequence[ir.Value]
+Intrinsic = tuple[Signature, Callable[[BaseContext, ir.IRBuilder, Signature, Values], ir.Value]]
+"""Signature of a function in compiled code, and what writes it."""
 
 
-@compiled(**BORROWING)
+def empty_ring(shape: tuple[int, ...]) -> Array:
+    """Return a ring that begins with a line of the cache: half as many are read as without."""
+    size = 8 * math.prod(shape)
+    room = np.empty(size + LINE, dtype=np.uint8)
+    first = -room.ctypes.data % LINE
+    return room[first : first + size].view(np.float64).reshape(shape)
+
+
+def ask_for(ring: Array, slot: int, vehicle: int) -> None:
+    """Ask memory for a vehicle's columns ahead of their use: a compiled kernel does not wait for them."""
+
+
+@intrinsic  # type: ignore[untyped-decorator]  # numba has no types
+def _asked(_: BaseContext, ring: types.Array, slot: types.Integer, vehicle: types.Integer) -> Intrinsic:
+    return types.void(ring, slot, vehicle), _prefetch
+
+
+def _prefetch(context: BaseContext, builder: ir.IRBuilder, call: Signature, values: Values) -> ir.Value:
+    """Write LLVM's prefetch (to read, into all caches, of data)."""
+    array = context.make_array(call.args[0])(context, builder, values[0])
+    place = [values[1], values[2], context.get_constant(types.intp, 0)]
+    pointer = cgutils.get_item_pointer(context, builder, call.args[0], array, place)
+    pointer = builder.bitcast(pointer, ir.IntType(8).as_pointer())
+    number = ir.IntType(32)
+    kind = ir.FunctionType(ir.VoidType(), [pointer.type, number, number, number])
+    prefetch = builder.module.declare_intrinsic("llvm.prefetch", [pointer.type], kind)
+    builder.call(prefetch, [pointer, number(0), number(3), number(1)])
+    return context.get_dummy_value()
+
+
+@overload(ask_for, jit_options=HOT, strict=False)  # type: ignore[untyped-decorator]
+def _ask_for(*_: types.Type) -> Callable[[Array, int, int], None]:
+    return lambda ring, slot, vehicle: _asked(ring, slot, vehicle)  # noqa: PLW0108  numba compiles it
+
+
+@compiled(**HOT)
+def recall(ring: Array, now: int, vehicle: int, late: float, columns: Array) -> None:
+    """Write a vehicle's columns `late` steps ago (ROOM_WIDTH,), and ask for those that the next step needs.
+
+    `now` is the present's slot.
+    """
+    whole = int(late)
+    old = late - whole
+    new = 1.0 - old
+    a = now - whole if now >= whole else now - whole + ring.shape[0]
+    b = a - 1 if a > 0 else ring.shape[0] - 1
+    ask_for(ring, a + 1 if a + 1 < ring.shape[0] else 0, vehicle)
+    for k in range(ROOM_WIDTH):
+        columns[k] = new * ring[a, vehicle, k] + old * ring[b, vehicle, k]
+
+
+@compiled(**HOT)
 def remember(state: Array, ring: Array, rows: Rows, weight: float) -> None:
     """Count the step in rows[n] and write its states into slot rows[n] % slots; `weight` is m g [N]."""
     n, slots = state.shape[0], ring.shape[0]

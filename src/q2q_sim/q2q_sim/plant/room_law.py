@@ -5,13 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import JetTerm, RoomAir, ends_of_jet
 from q2q_sim.air.unit_processes import WIDTH, block_steps
-from q2q_sim.plant.jet_push import PushTable
 from q2q_sim.plant.jet_reach import EXTREMES_WIDTH, Bound, bound_of
+from q2q_sim.plant.near_pairs import NearPairs, no_pairs
 from q2q_sim.plant.order_by_x import Rows
+from q2q_sim.plant.past_states import ROOM_WIDTH
 from q2q_sim.plant.quadcopter import Body
 from q2q_sim.random_streams import stream
 
@@ -21,11 +23,41 @@ FARTHEST = 5.0
 """Largest value of a unit process that is searched [-]."""
 NO_JET = JetTerm(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros((2, 2)), 0.0, 1.0, 0.0, 0.0)
 
+MOST_BINS = 1000
+"""Bins of knots at most: knots closer than a thousandth of their range share some."""
+
 FALL, RADIUS, AWAY_X, AWAY_Y, PUSH, WEIGHT, STRENGTH, LEFT = 0, 1, 2, 3, 4, 5, 6, 7
 """Columns of a vehicle in a jet: dz and r g / dz [m], direction from the axis to it, P [m/s^2] of a source
 that carries its weight, blend of the roles times (g / dz)^2, that times T / (m g), and the share 1 - c of
 the jet that it leaves to those below."""
-UNDER_WIDTH = 8
+TAU, PAST = FALL, 8
+"""Column of the age of the air [s] until the fall is known, and first of the source's columns in past_states
+when its air left."""
+UNDER_WIDTH = PAST + ROOM_WIDTH
+AT_ONCE = 64
+"""Pairs whose pasts are read together: enough that waits for memory overlap, few enough for a first cache."""
+
+
+class Knots(NamedTuple):
+    """Rising places of the nodes along one axis of a table."""
+
+    at: Array
+    """[m], (k,)."""
+    cells: Rows
+    """Cell in the middle of each of the bins into which 0 to the last knot is divided evenly, (bins,)."""
+    per_m: float
+    """Bins over length [1/m]."""
+
+
+class PushTable(NamedTuple):
+    """Table of P."""
+
+    gaps: Knots
+    radii: Knots
+    push: Array
+    """[m/s^2], (a, b)."""
+    ends: Array
+    """Radius within which a vehicle is in the jet [m], (a - 1,)."""
 
 
 class RoomNumbers(NamedTuple):
@@ -78,12 +110,16 @@ class RoomLaw(NamedTuple):
     """Largest thrust of each rotor at the start [N], (n, 4); infinite without a vehicle term."""
     gains: Array
     """Gain of each vehicle on the mean downwash [-], (n,)."""
+    near: NearPairs
+    """List of the vehicles near each source."""
     places: Array
-    """Room for x, y, z [m] of the vehicles by rising x, (3, n)."""
+    """Room for x, y, z [m] of the vehicles, (3, n)."""
     under: Array
-    """Room for the vehicles in one jet, (n, UNDER_WIDTH)."""
+    """Room for pairs of a vehicle in a jet and its source, (n + AT_ONCE, UNDER_WIDTH)."""
     met: Rows
-    """Room for their rows, (n,)."""
+    """Room for the vehicles' rows, (n + AT_ONCE,)."""
+    source: Rows
+    """Room for the sources' rows, (n + AT_ONCE,)."""
 
 
 def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
@@ -92,16 +128,23 @@ def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
     ends = ends_of_jet(air.jet, air.absorption) if air.jet else np.zeros(1)
     lean = FARTHEST * air.meander.std if air.meander else 0.0
     return RoomLaw(
-        table=PushTable(*map(np.ascontiguousarray, (jet.gaps_m, jet.radii_m, jet.push_mps2, ends))),
+        table=PushTable(
+            gaps=knots_of(jet.gaps_m),
+            radii=knots_of(jet.radii_m),
+            push=np.ascontiguousarray(jet.push_mps2),
+            ends=np.ascontiguousarray(ends),
+        ),
         numbers=_numbers(air, body),
         bound=bound_of(jet, ends, lean),
         unit=np.zeros((block_steps(body.step), count, WIDTH)),
         extremes=np.zeros(EXTREMES_WIDTH),
         ceilings=ceilings(air, count, body.mass, seed),
         gains=gains(air, count, seed),
+        near=no_pairs(count),
         places=np.zeros((3, count)),
-        under=np.zeros((count, UNDER_WIDTH)),
-        met=np.zeros(count, dtype=np.int64),
+        under=np.zeros((count + AT_ONCE, UNDER_WIDTH)),
+        met=np.zeros(count + AT_ONCE, dtype=np.int64),
+        source=np.zeros(count + AT_ONCE, dtype=np.int64),
     )
 
 
@@ -154,3 +197,35 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
         pitch_lead=lag / body.gains.inertia[1],
         lever=lever,
     )
+
+
+def knots_of(at: Array) -> Knots:
+    """Return knots with bins as wide as the narrowest cell."""
+    bins = min(int(np.ceil(at[-1] / np.diff(at).min() - 1e-9)), MOST_BINS)
+    middles = (np.arange(bins) + 0.5) * at[-1] / bins
+    cells = np.clip(np.searchsorted(at, middles) - 1, 0, len(at) - 2)
+    return Knots(np.ascontiguousarray(at), cells.astype(np.int64), bins / float(at[-1]))
+
+
+@compiled(**HOT)
+def cell(knots: Knots, value: float) -> int:
+    """Return the last cell whose lower end is below `value`, searched from the cell of its bin."""
+    at, last = knots.at, knots.at.shape[0] - 2
+    k: int = knots.cells[min(int(value * knots.per_m), knots.cells.shape[0] - 1)]
+    while k > 0 and value <= at[k]:
+        k -= 1
+    while k < last and value > at[k + 1]:
+        k += 1
+    return k
+
+
+@compiled(**HOT)
+def table_push(table: PushTable, a: int, gap: float, radius: float) -> float:
+    """Return P [m/s^2] at a gap in the table's cell a."""
+    gaps, radii, push = table.gaps.at, table.radii.at, table.push
+    b = cell(table.radii, radius)
+    along = min(max((gap - gaps[a]) / (gaps[a + 1] - gaps[a]), 0.0), 1.0)
+    aside = max((radius - radii[b]) / (radii[b + 1] - radii[b]), 0.0)
+    near = (1.0 - aside) * push[a, b] + aside * push[a, b + 1]
+    far = (1.0 - aside) * push[a + 1, b] + aside * push[a + 1, b + 1]
+    return float((1.0 - along) * near + along * far)

@@ -14,14 +14,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.compiled import BORROWING, compiled
+from q2q_model.compiled import BORROWING, HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
-from q2q_sim.plant.past_states import remember
+from q2q_sim.plant.near_pairs import NearPairs
+from q2q_sim.plant.past_states import empty_ring, remember
 from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, state_at_rest
 from q2q_sim.plant.room_law import RoomLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_in, still_air
@@ -45,7 +46,13 @@ class RoomsSetup:
     """Seed of each room; empty for 0, 1, 2 and so on."""
 
 
-@compiled(**BORROWING)
+@compiled(**HOT)
+def near_in(near: NearPairs, r: int) -> NearPairs:
+    """Return the list of room r."""
+    return NearPairs(near.begin[r], near.end[r], near.found[r], near.rank[r], near.at[r], near.limits[r])
+
+
+@compiled(**HOT)
 def air_in(airs: Air, r: int) -> Air:
     """Return the air in room r of `stacked` airs."""
     kind, ring, rows, law = airs
@@ -57,9 +64,11 @@ def air_in(airs: Air, r: int) -> Air:
         law.extremes[r],
         law.ceilings[r],
         law.gains[r],
+        near_in(law.near, r),
         law.places[r],
         law.under[r],
         law.met[r],
+        law.source[r],
     )
     return Air(kind, ring[r], rows[r], room)
 
@@ -185,8 +194,11 @@ def stacked(airs: Sequence[Air]) -> Air:
         extremes=np.stack([one.extremes for one in laws]),
         ceilings=np.stack([one.ceilings for one in laws]),
         gains=np.stack([one.gains for one in laws]),
+        near=NearPairs(*map(np.stack, zip(*(one.near for one in laws), strict=True))),
         places=np.stack([one.places for one in laws]),
         under=np.stack([one.under for one in laws]),
         met=np.stack([one.met for one in laws]),
+        source=np.stack([one.source for one in laws]),
     )
-    return Air(first.kind, np.stack([air.ring for air in airs]), np.stack([air.rows for air in airs]), law)
+    ring = np.stack([air.ring for air in airs], out=empty_ring((len(airs), *first.ring.shape)))
+    return Air(first.kind, ring, np.stack([air.rows for air in airs]), law)

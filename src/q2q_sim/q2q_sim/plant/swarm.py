@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeParams, attitude_gains
-from q2q_model.compiled import BORROWING, compiled
+from q2q_model.compiled import BORROWING, HOT, compiled
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.find_air import FlownAir
@@ -27,7 +27,7 @@ from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.law_push import law_push
 from q2q_sim.plant.order_by_x import Rows
 from q2q_sim.plant.own_wake import OwnWake
-from q2q_sim.plant.past_states import LAW_WIDTH, ROOM_WIDTH, remember
+from q2q_sim.plant.past_states import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
 from q2q_sim.plant.quadcopter import (
     ETA,
     ETA_X,
@@ -74,7 +74,7 @@ class LawAir(NamedTuple):
     rows: Rows
 
 
-@compiled(**BORROWING)
+@compiled(**HOT)
 def air_push(state: Array, air: Air, body: Body) -> None:
     """Write push and torque of the air on every vehicle."""
     kind, ring, rows, room = air
@@ -131,7 +131,9 @@ def still_air(state: Array, air: FlownAir, body: Body, seed: int = 0) -> Air:
     elif isinstance(air, WakeLaw):
         kind, delay = int(air), max_delay(air)
     slots = math.ceil(delay / body.step) + 2
-    return Air(kind, np.tile(now, (slots, 1, 1)), order, room)
+    ring = empty_ring((slots, *now.shape))
+    ring[:] = now
+    return Air(kind, ring, order, room)
 
 
 class Swarm:
