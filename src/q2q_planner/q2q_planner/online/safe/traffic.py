@@ -8,6 +8,7 @@ that times A + hold; neither changes by more than `speed_max` allows; and it may
 brakes from `hold` after its message on, since any other choice was proven against us.
 """
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -34,8 +35,8 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import Motions, motion_after
 
 NO_PAIRS = Pairs(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))
-
-
+BOTH_WAYS = math.sqrt(2.0)
+"""Horizontal and vertical closing speed of a pair add up to at most this times its relative speed [-]."""
 _EMPTY = np.zeros((0, 3))
 
 
@@ -210,10 +211,10 @@ def _pairs(own: int, rows: TrafficRows, limits: _Limits) -> Pairs:
         none = np.zeros(0, np.intp)
         return Pairs(none, none)
     stopping, speed = _stopping_distances(rows, limits)
-    closing = 2.0 * speed + 2.0 * rows.growth[:, 1].max()
+    closing = BOTH_WAYS * 2.0 * speed + 2.0 * rows.growth[:, 1].max()
     approach = 2.0 * closing / limits.pole + 2.0 * limits.acc / limits.pole**2
-    widest = max(stopping.max(), rows.growth[:, 0].max() + approach)
-    reach = limits.eps + limits.margin + 2.0 * widest
+    apart = max(2.0 * stopping.max(), 2.0 * rows.growth[:, 0].max() + approach)
+    reach = limits.eps + limits.margin + apart
     sweep = SweepLimits(own, limits.eps, limits.d, reach, limits.pole, 2.0 * limits.acc)
     return broad_phase(rows.pos, rows.vel, StoppingSpace(stopping, rows.growth), sweep)
 
