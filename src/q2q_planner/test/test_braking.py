@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
+from q2q_planner.online.safe import traffic
 from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after, stays_out
 
 BRAKE = 3.0
@@ -137,3 +139,21 @@ def test_compiled_motions_are_those_of_numpy(seed: int) -> None:
             motion_after(motions, s, BRAKE), motion_by_numpy(motions, s, BRAKE), strict=True
         ):
             assert ours == pytest.approx(twin, rel=1e-12, abs=1e-12)  # sums in another order
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 10**9))
+def test_the_reach_of_the_sweep_leaves_out_no_pair(seed: int) -> None:
+    """Also of the fastest pairs that meet head on, of which one climbs."""
+    generator = np.random.default_rng(seed)
+    pos, vel = generator.uniform(-6.0, 6.0, (30, 3)), generator.normal(size=(30, 3))
+    vel[:10] = -2.0 * pos[:10] / np.linalg.norm(pos[:10], axis=1, keepdims=True)
+    growth = generator.uniform(0.0, 0.2, (30, 2))
+    limits = traffic.limits_of(SafeReplannerParams(eps=0.2, tracking=0.02))
+    rows = traffic.TrafficRows(pos, vel, growth)
+    found = traffic.pairs_of(30, rows, limits)
+    stopping, _ = traffic.stopping_distances(rows, limits)
+    sweep = SweepLimits(30, limits.eps, limits.d, 100.0, limits.pole, 2.0 * limits.acc)
+    every = broad_phase(pos, vel, StoppingSpace(stopping, growth), sweep)
+    assert found.i.tolist() == every.i.tolist()
+    assert found.j.tolist() == every.j.tolist()

@@ -90,7 +90,7 @@ _ALONE = TrafficTable(
 """Table without external vehicles."""
 
 
-class _Limits(NamedTuple):
+class TrafficLimits(NamedTuple):
     """What decides who may snap onto its reference, and who may meet whom."""
 
     follow: FollowBounds
@@ -106,10 +106,11 @@ class _Limits(NamedTuple):
     pole: float
 
 
-def _limits(params: SafeReplannerParams) -> _Limits:
+def limits_of(params: SafeReplannerParams) -> TrafficLimits:
+    """Return the limits of a replanner's parameters."""
     steady, ramps = params.jerk_max > 0.0, _longest_ramps(params)
     zone = params.eps, params.d, params.margin, params.approach
-    return _Limits(follow_bounds(params), steady, params.hold, ramps, params.acc_max, *zone)
+    return TrafficLimits(follow_bounds(params), steady, params.hold, ramps, params.acc_max, *zone)
 
 
 def traffic_at(
@@ -125,7 +126,7 @@ def traffic_at(
     """
     external, own = _external_rows(states, params), len(committed.names)
     swarm = TrafficRows(committed.pos, committed.vel, growth)
-    put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, _limits(params))
+    put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, limits_of(params))
     placed = CommittedMotion(
         committed.t,
         committed.names,
@@ -146,7 +147,7 @@ def _placed(
     reference: ReferenceRows,
     swarm: TrafficRows,
     external: TrafficRows,
-    limits: _Limits,
+    limits: TrafficLimits,
 ) -> tuple[Mask, Array, Array, Array, Rows, Rows]:
     """Return who is put onto its reference (own,), and the rows and pairs of the table."""
     own = rows.hold.size
@@ -158,11 +159,11 @@ def _placed(
         stays = stays & near
     put = near | stays
     _put(pos, vel, rows, reference, put)
-    pairs = _pairs(own, TrafficRows(pos, vel, growth), limits)
+    pairs = pairs_of(own, TrafficRows(pos, vel, growth), limits)
     if np.any(in_pairs(pairs, len(pos))[:own] & put & ~near):
         put = near
         _put(pos, vel, rows, reference, put)
-        pairs = _pairs(own, TrafficRows(pos, vel, growth), limits)
+        pairs = pairs_of(own, TrafficRows(pos, vel, growth), limits)
     return put, pos, vel, growth, pairs.i, pairs.j
 
 
@@ -204,13 +205,13 @@ def _external_rows(states: KnownStates, params: SafeReplannerParams) -> TrafficT
 
 
 @compiled
-def _pairs(own: int, rows: TrafficRows, limits: _Limits) -> Pairs:
+def pairs_of(own: int, rows: TrafficRows, limits: TrafficLimits) -> Pairs:
     """Return the pairs that can affect each other."""
     count = len(rows.pos)
     if count < 2:
         none = np.zeros(0, np.intp)
         return Pairs(none, none)
-    stopping, speed = _stopping_distances(rows, limits)
+    stopping, speed = stopping_distances(rows, limits)
     closing = BOTH_WAYS * 2.0 * speed + 2.0 * rows.growth[:, 1].max()
     approach = 2.0 * closing / limits.pole + 2.0 * limits.acc / limits.pole**2
     apart = max(2.0 * stopping.max(), 2.0 * rows.growth[:, 0].max() + approach)
@@ -225,7 +226,7 @@ def _longest_ramps(params: SafeReplannerParams) -> float:
 
 
 @compiled
-def _stopping_distances(rows: TrafficRows, limits: _Limits) -> tuple[Array, float]:
+def stopping_distances(rows: TrafficRows, limits: TrafficLimits) -> tuple[Array, float]:
     """Return the stopping distance of each row with growth [m], (rows,), and the largest speed [m/s]."""
     hold, most, vel = limits.hold + limits.ramps, limits.acc, rows.vel
     fast = np.empty(len(vel))
