@@ -4,7 +4,7 @@ Peak arithmetic is a product of two square matrices in BLAS, peak traffic a copy
 caches, each on all cores at once. The operations of a drone-step are counted by running the plain form of the
 kernels on numbers that count: `NUMBA_DISABLE_JIT=1 python benchmarks/roofline.py` prints additions,
 multiplications, divisions and roots of a drone-step in the air of a room; atan2, asin, exp and comparisons
-are not in it. Its bytes are the state read and written, command, drive, random numbers, and the slot of the
+are not in it. Its bytes are the state read and written, command, drive, a random number, and the slot of the
 past states: the traffic if nothing stayed in a cache, without what pairs read.
 """
 
@@ -17,7 +17,6 @@ from time import perf_counter
 
 import numpy as np
 
-from q2q_sim.air.unit_processes import WIDTH
 from q2q_sim.plant.block_step import COMMAND_WIDTH, DRIVE_WIDTH
 from q2q_sim.plant.past_states import ROOM_WIDTH, remember
 from q2q_sim.plant.quadcopter import STATE_WIDTH, advance
@@ -30,7 +29,7 @@ SIDE = 1500
 COPIED = 1 << 28
 """Bytes of an array that is copied: more than a core's share of any cache."""
 ROUNDS = 5
-BYTES = 8 * (2 * STATE_WIDTH + COMMAND_WIDTH + DRIVE_WIDTH + WIDTH + ROOM_WIDTH)
+BYTES = 8 * (2 * STATE_WIDTH + COMMAND_WIDTH + DRIVE_WIDTH + 1 + ROOM_WIDTH)
 """Of a drone-step."""
 
 

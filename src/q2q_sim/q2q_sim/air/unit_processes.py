@@ -21,8 +21,8 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.random_streams import stream
 
 RESIDUAL, WANDER_X, WANDER_Y = 0, 1, 2
-"""Columns of a block."""
-WIDTH = 3
+"""Kinds of processes in a block."""
+KINDS = 3
 BLOCK_S = 1.0
 """Length of a block [s]."""
 RECORDED_HZ = 100.0
@@ -112,8 +112,9 @@ class UnitProcesses:
             self._wander = OrnsteinUhlenbeck(rng, 2 * count, step, air.meander.time_s)
 
     def fill(self, block: Array) -> None:
-        """Write the next block (steps, n, WIDTH)."""
+        """Write the next block (KINDS, steps, n)."""
+        steps, count = block.shape[1:]
         if self._residual is not None:
-            block[..., RESIDUAL] = self._residual.block(len(block))
+            block[RESIDUAL] = self._residual.block(steps)
         if self._wander is not None:
-            block[..., WANDER_X:] = self._wander.block(len(block)).reshape(*block.shape[:2], 2)
+            block[WANDER_X:] = np.moveaxis(self._wander.block(steps).reshape(steps, count, 2), 2, 0)

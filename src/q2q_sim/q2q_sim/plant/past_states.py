@@ -93,8 +93,9 @@ def remember(state: Array, ring: Array, rows: Rows, weight: float) -> None:
     """Count the step in rows[n] and write its states into slot rows[n] % slots; `weight` is m g [N]."""
     n, slots = state.shape[0], ring.shape[0]
     rows[n] += 1
-    slot = rows[n] % slots
+    slot, following = rows[n] % slots, (rows[n] + 1) % slots
     for i in range(n):
+        ask_for(ring, following, i)
         ring[slot, i, X], ring[slot, i, Y], ring[slot, i, Z] = state[i, X], state[i, Y], state[i, Z]
         ring[slot, i, SHARE] = (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / weight
         if ring.shape[2] == ROOM_WIDTH:

@@ -9,7 +9,7 @@ from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import JetTerm, RoomAir, ends_of_jet
-from q2q_sim.air.unit_processes import WIDTH, block_steps
+from q2q_sim.air.unit_processes import KINDS, block_steps
 from q2q_sim.plant.jet_reach import EXTREMES_WIDTH, Bound, bound_of
 from q2q_sim.plant.near_pairs import NearPairs, no_pairs
 from q2q_sim.plant.order_by_x import Rows
@@ -103,7 +103,7 @@ class RoomLaw(NamedTuple):
     bound: Bound
     """Of the search for the vehicles in a jet."""
     unit: Array
-    """Block of the unit processes, (steps, n, WIDTH)."""
+    """Block of the unit processes, (KINDS, steps, n)."""
     extremes: Array
     """Largest slope and speed of the vehicles (q2q_sim.plant.jet_reach), (EXTREMES_WIDTH,)."""
     ceilings: Array
@@ -136,7 +136,7 @@ def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
         ),
         numbers=_numbers(air, body),
         bound=bound_of(jet, ends, lean),
-        unit=np.zeros((block_steps(body.step), count, WIDTH)),
+        unit=np.zeros((KINDS, block_steps(body.step), count)),
         extremes=np.zeros(EXTREMES_WIDTH),
         ceilings=ceilings(air, count, body.mass, seed),
         gains=gains(air, count, seed),

@@ -84,8 +84,8 @@ def beside_axis(room: RoomLaw, k: int, tick: int) -> Three:
     one, under, places, i, j = room.numbers, room.under, room.places, room.met[k], room.source[k]
     kept, slope_x, slope_y = one.carried * under[k, TAU], one.bend_x, one.bend_y
     if one.wander != 0.0:
-        slope_x += one.wander * room.unit[tick, j, WANDER_X]
-        slope_y += one.wander * room.unit[tick, j, WANDER_Y]
+        slope_x += one.wander * room.unit[WANDER_X, tick, j]
+        slope_y += one.wander * room.unit[WANDER_Y, tick, j]
     slope_x -= one.slope * under[k, PAST + SLOPE_X]
     slope_y -= one.slope * under[k, PAST + SLOPE_Y]
     dz = under[k, PAST + Z] - places[Z, i]
@@ -250,7 +250,7 @@ def add_jets(state: Array, ring: Array, rows: Rows, room: RoomLaw) -> None:
     for i in range(n):
         places[X, i], places[Y, i], places[Z, i] = state[i, X], state[i, Y], state[i, Z]
     found = room.near.found if update(room.near, places, rows, room.bound, past) else rows
-    now = Now(rows[n] % ring.shape[0], rows[n] % room.unit.shape[0])
+    now = Now(rows[n] % ring.shape[0], rows[n] % room.unit.shape[1])
     to = reach_of(room.bound, past)
     chosen = 0
     for a in range(n):
@@ -272,6 +272,6 @@ def room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float)
     clear(state, room.ceilings, one.fading * one.step * float(rows[n]))
     if n > 1 and room.bound.near > 0.0:
         add_jets(state, ring, rows, room)
-    tick = rows[n] % unit.shape[0]
+    tick = rows[n] % unit.shape[1]
     for i in range(n):
-        surround(state, i, unit[tick, i, RESIDUAL], one, mass)
+        surround(state, i, unit[RESIDUAL, tick, i], one, mass)

@@ -18,11 +18,11 @@ from q2q_model.compiled import BORROWING, HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.room_air import RoomAir
-from q2q_sim.air.unit_processes import UnitProcesses
+from q2q_sim.air.unit_processes import RESIDUAL, UnitProcesses
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.near_pairs import NearPairs
-from q2q_sim.plant.past_states import empty_ring, remember
+from q2q_sim.plant.past_states import ask_for, empty_ring, remember
 from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, state_at_rest
 from q2q_sim.plant.room_law import RoomLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_in, still_air
@@ -53,8 +53,8 @@ def near_in(near: NearPairs, r: int) -> NearPairs:
 
 
 @compiled(**HOT)
-def air_in(airs: Air, r: int) -> Air:
-    """Return the air in room r of `stacked` airs."""
+def air_in(airs: Air, r: int, work: int) -> Air:
+    """Return the air in room r of `stacked` airs, with the workspace of the room `work`."""
     kind, ring, rows, law = airs
     room = RoomLaw(
         law.table,
@@ -65,12 +65,22 @@ def air_in(airs: Air, r: int) -> Air:
         law.ceilings[r],
         law.gains[r],
         near_in(law.near, r),
-        law.places[r],
-        law.under[r],
-        law.met[r],
-        law.source[r],
+        law.places[work],
+        law.under[work],
+        law.met[work],
+        law.source[work],
     )
     return Air(kind, ring[r], rows[r], room)
+
+
+@compiled(**HOT)
+def ask_ahead(airs: Air, first: int, end: int) -> None:
+    """Ask memory for what rooms from `first` to `end` read at once: their present, and random numbers."""
+    n, slots, steps = airs.rows.shape[1] - 1, airs.ring.shape[1], airs.room.unit.shape[2]
+    for r in range(first, end):
+        ask_for(airs.room.unit[r], RESIDUAL, airs.rows[r, n] % steps)
+        for i in range(n):
+            ask_for(airs.ring[r], airs.rows[r, n] % slots, i)
 
 
 class RoomsInputs(NamedTuple):
@@ -100,9 +110,10 @@ def run_rooms(state: Array, inputs: RoomsInputs, share: Share, work: Work) -> No
     for first in range(share[0], share[1], together):
         end = min(first + together, share[1])
         low, high = first * n, end * n
+        ask_ahead(airs, first, end)
         for k in range(commands.shape[0]):
             for r in range(first, end):
-                air_push(state[r * n : (r + 1) * n], air_in(airs, r), body)
+                air_push(state[r * n : (r + 1) * n], air_in(airs, r, share[0]), body)
             advance_rows(state[low:high], commands[k, low:high], drive[low:high], body, work)
             for r in range(first, end):
                 remember(state[r * n : (r + 1) * n], airs.ring[r], airs.rows[r], weight)
@@ -174,8 +185,8 @@ class Rooms:
 
     def _prepare(self, share: Share) -> int:
         """Draw the next block of the unit processes where one begins; return the steps to its end."""
-        blocks = self.airs.room.unit  # (rooms, steps, n, WIDTH)
-        steps: int = blocks.shape[1]
+        blocks = self.airs.room.unit  # (rooms, KINDS, steps, n)
+        steps: int = blocks.shape[2]
         passed = int(self.airs.rows[share[0], -1]) % steps
         if passed == 0 and self._processes:
             for room in range(*share):

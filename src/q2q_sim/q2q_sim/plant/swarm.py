@@ -197,11 +197,12 @@ class Swarm:
             return 1
         if self._processes is None:
             return sys.maxsize
-        block = self.air.room.unit
-        if taken // len(block) != self._block:
-            self._block = taken // len(block)
+        block = self.air.room.unit  # (KINDS, steps, n)
+        steps: int = block.shape[1]
+        if taken // steps != self._block:
+            self._block = taken // steps
             self._processes.fill(block)
-        return len(block) - taken % len(block)
+        return steps - taken % steps
 
     def downwash(self) -> Array:
         """Return the push of the air on every vehicle now [m/s^2], world, (n, 3)."""
