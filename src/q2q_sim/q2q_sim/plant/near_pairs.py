@@ -19,8 +19,8 @@ from q2q_sim.plant.jet_reach import Bound, Extremes, JetReach, reach, reach_of
 from q2q_sim.plant.order_by_x import Rows, sort_by_x
 from q2q_sim.plant.quadcopter import X, Y, Z
 
-SLACK = 0.1
-"""Way that a vehicle may go before the list is made anew [m]: 50 steps at 1 m/s."""
+SLACK = 0.15
+"""Way that a vehicle may go before the list is made anew [m]: 75 steps at 1 m/s."""
 STEEPER, FASTER = 0.1, 0.5
 """Growth of the largest slope [-] and speed [m/s] before it is made anew."""
 NEIGHBOURS = 64
