@@ -5,17 +5,11 @@ memory for what the next step reads.
 """
 
 import math
-from collections.abc import Callable, Sequence
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.core.base import BaseContext
-from numba.core.typing.templates import Signature
-from numba.extending import intrinsic, overload
 
 from q2q_model.compiled import HOT, compiled
+from q2q_model.prefetch import ask_for
 from q2q_model.signals.values import Array
 from q2q_sim.plant.order_by_x import Rows
 from q2q_sim.plant.quadcopter import F1, F2, F3, F4, QW, QX, QY, QZ, VX, VY, X, Y, Z
@@ -32,10 +26,6 @@ STEEPEST = 0.6
 LINE = 64
 """Bytes of a line of a cache: a source's columns in the air of a room."""
 
-Values = Sequence[ir.Value]
-Intrinsic = tuple[Signature, Callable[[BaseContext, ir.IRBuilder, Signature, Values], ir.Value]]
-"""Signature of a function in compiled code, and what writes it."""
-
 
 def empty_ring(shape: tuple[int, ...]) -> Array:
     """Return a ring that begins with a line of the cache: half as many are read as without."""
@@ -43,33 +33,6 @@ def empty_ring(shape: tuple[int, ...]) -> Array:
     room = np.empty(size + LINE, dtype=np.uint8)
     first = -room.ctypes.data % LINE
     return room[first : first + size].view(np.float64).reshape(shape)
-
-
-def ask_for(ring: Array, slot: int, vehicle: int) -> None:
-    """Ask memory for a vehicle's columns ahead of their use: a compiled kernel does not wait for them."""
-
-
-@intrinsic  # type: ignore[untyped-decorator]  # numba has no types
-def _asked(_: BaseContext, ring: types.Array, slot: types.Integer, vehicle: types.Integer) -> Intrinsic:
-    return types.void(ring, slot, vehicle), _prefetch
-
-
-def _prefetch(context: BaseContext, builder: ir.IRBuilder, call: Signature, values: Values) -> ir.Value:
-    """Write LLVM's prefetch (to read, into all caches, of data)."""
-    array = context.make_array(call.args[0])(context, builder, values[0])
-    place = [values[1], values[2], context.get_constant(types.intp, 0)]
-    pointer = cgutils.get_item_pointer(context, builder, call.args[0], array, place)
-    pointer = builder.bitcast(pointer, ir.IntType(8).as_pointer())
-    number = ir.IntType(32)
-    kind = ir.FunctionType(ir.VoidType(), [pointer.type, number, number, number])
-    prefetch = builder.module.declare_intrinsic("llvm.prefetch", [pointer.type], kind)
-    builder.call(prefetch, [pointer, number(0), number(3), number(1)])
-    return context.get_dummy_value()
-
-
-@overload(ask_for, jit_options=HOT, strict=False)  # type: ignore[untyped-decorator]
-def _ask_for(*_: types.Type) -> Callable[[Array, int, int], None]:
-    return lambda ring, slot, vehicle: _asked(ring, slot, vehicle)  # noqa: PLW0108  numba compiles it
 
 
 @compiled(**HOT)

@@ -211,7 +211,8 @@ def knots_of(at: Array) -> Knots:
 def cell(knots: Knots, value: float) -> int:
     """Return the last cell whose lower end is below `value`, searched from the cell of its bin."""
     at, last = knots.at, knots.at.shape[0] - 2
-    k: int = knots.cells[min(int(value * knots.per_m), knots.cells.shape[0] - 1)]
+    ahead = value * knots.per_m if value > 0.0 else 0.0  # also of NaN, whose cell is any
+    k: int = knots.cells[min(int(ahead), knots.cells.shape[0] - 1)]
     while k > 0 and value <= at[k]:
         k -= 1
     while k < last and value > at[k + 1]:

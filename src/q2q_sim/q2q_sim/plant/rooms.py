@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import BORROWING, HOT, compiled
+from q2q_model.prefetch import ask_for
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.room_air import RoomAir
@@ -22,7 +23,7 @@ from q2q_sim.air.unit_processes import RESIDUAL, UnitProcesses
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.near_pairs import NearPairs
-from q2q_sim.plant.past_states import ask_for, empty_ring, remember
+from q2q_sim.plant.past_states import empty_ring, remember
 from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, state_at_rest
 from q2q_sim.plant.room_law import RoomLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_in, still_air
