@@ -405,6 +405,19 @@ def test_an_outlier_after_a_dropout_is_refused():
     assert list(block.update(_frame(71)).status) == [TRACKED, TRACKED]
 
 
+def test_a_sample_that_passes_only_because_of_a_gap_is_not_trusted_until_the_next_agrees() -> None:
+    off = np.array(
+        [[0.0, 0.0, 0.06], [0.0, 0.0, 0.0]]
+    )  # beyond jump_max (0.04 m), within the gate after 0.2 s
+    block = _flown(50)
+    for tick in range(50, 70):
+        block.update(_frame(tick, np.full((2, 3), np.nan)))
+    state = block.update(_frame(70, _truth(70)[0] + off))
+    assert list(state.age) == [0.0, 0.0]
+    assert list(state.status) == [COASTING, TRACKED]
+    assert list(block.update(_frame(71, _truth(71)[0] + off)).status) == [TRACKED, TRACKED]
+
+
 def test_rows_are_matched_by_name_whatever_their_order_and_company():
     block, twin = _flown(50), _flown(50)
     pos = _truth(50)[0]

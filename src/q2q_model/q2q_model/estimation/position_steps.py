@@ -1,13 +1,16 @@
 """Compiled steps of the position tracks: predict and gate, take samples, do both in a usual tick.
 
-A tick is nominal if every track is confirmed and the sample of its own name passes its gates and shows no
-thaw. A tick is usual if that holds for the samples that there are. The association of samples in other ticks
+A tick is nominal if every track is confirmed and the sample of its own name passes its gates without thaw or
+doubt. A tick is usual if that holds for the samples that there are. The association of samples in other ticks
 is q2q_model.estimation.positions.
 
 A pose that repeats bit for bit is taken as a sample while the vehicle is slow: it may be at rest. If the next
 one is further than THAW_STEP from the prediction, it was an old frame under new stamps: the track restarts
 there with the mean velocity since the pose first came (a thaw), else the step would count as a movement
 within one tick.
+
+After a gap the gates let samples pass that are further than jump_max from the prediction. Such a sample is
+doubtful: the track takes it, but is not trusted until a next one agrees.
 """
 
 import math
@@ -55,8 +58,10 @@ class Prediction(NamedTuple):
     """Poses that equal a recent one bit for bit, (n,)."""
     thawed: Mask
     """TrackColumns whose own sample shows that the repeated ones before it were old, (n,)."""
+    doubtful: Mask
+    """TrackColumns whose own sample passes further than jump_max from the prediction, (n,)."""
     nominal: bool
-    """Every track is confirmed, and its own sample passes the gates and shows no thaw."""
+    """Every track is confirmed, and its own sample passes the gates without thaw or doubt."""
 
 
 class Association(NamedTuple):
@@ -123,23 +128,31 @@ def look_ahead(
     samples, passed = screen(measured, repeated, gates)
     own, reach = passed & tracks.seen, np.minimum(gates.deviation, gates.reach)
     thawed = _thawed(samples, ahead.state, own & ~repeated, tracks)
-    nominal = bool((own & tracks.confirmed & ~thawed).all())
+    doubtful = own & _further(samples, ahead.state, params.jump_max)
+    nominal = bool((own & tracks.confirmed & ~thawed & ~doubtful).all())
     K = gain(ahead, noise_var)
     state, cov = ahead
-    return Prediction(elapsed, state, cov, K, samples, own, reach, gates.lost, repeated, thawed, nominal)
+    return Prediction(
+        elapsed, state, cov, K, samples, own, reach, gates.lost, repeated, thawed, doubtful, nominal
+    )
 
 
 @compiled
 def _thawed(samples: Array, ahead: Array, new: Mask, tracks: TrackColumns) -> Mask:
     """Return which `new` samples follow repeated ones and are further than THAW_STEP from `ahead`, (n,)."""
-    thawed = np.zeros(len(new), np.bool_)
-    for i in range(len(new)):
-        if new[i] and tracks.time[i] - tracks.since[i] > SAME_INSTANT:
-            squared = 0.0
-            for k in range(3):
-                squared += (samples[i, k] - ahead[i, 0, k]) ** 2
-            thawed[i] = squared > THAW_STEP * THAW_STEP
-    return thawed
+    return new & (tracks.time - tracks.since > SAME_INSTANT) & _further(samples, ahead, THAW_STEP)
+
+
+@compiled
+def _further(samples: Array, ahead: Array, distance: float) -> Mask:
+    """Return which samples are further than `distance` [m] from `ahead`, (n,)."""
+    further = np.zeros(len(samples), np.bool_)
+    for i in range(len(samples)):
+        squared = 0.0
+        for k in range(3):
+            squared += (samples[i, k] - ahead[i, 0, k]) ** 2
+        further[i] = squared > distance * distance
+    return further
 
 
 @compiled
@@ -213,7 +226,8 @@ def _only_gaps(at: Prediction, measured: Array, table: Table) -> bool:
     """Return whether all samples that there are pass, and are of confirmed tracks."""
     for i in range(len(at.own)):
         absent = math.isnan(measured[i, 0]) or math.isnan(measured[i, 1]) or math.isnan(measured[i, 2])
-        if not (absent or (at.own[i] and table["confirmed"][i] and not at.thawed[i])):
+        usual = at.own[i] and table["confirmed"][i] and not (at.thawed[i] or at.doubtful[i])
+        if not (absent or usual):
             return False
     return True
 

@@ -60,7 +60,7 @@ class TrackUpdate:
     restarted: Mask
     """TrackColumns restarted at a true jump or a thaw, (n,)."""
     trusted: Mask
-    """TrackColumns with an accepted sample that are confirmed, (n,)."""
+    """TrackColumns with an accepted sample that is not doubtful, and confirmed, (n,)."""
     nominal: bool
     """Every track is confirmed, and accepted the sample of its own name."""
 
@@ -137,7 +137,7 @@ class PositionTracks:
         assigned = self._associate(t, at)
         pos, vel = accept(t, at, assigned, self._noise_var, self._table)
         self._clock[PERIOD] = np.nan
-        trusted = (assigned.source >= 0) & self._tracks.confirmed
+        trusted = (assigned.source >= 0) & self._tracks.confirmed & (~at.doubtful | assigned.jumped)
         return TrackUpdate(pos, vel, assigned.source, assigned.jumped, trusted, nominal=False)
 
     def usual(self, outcome: int, measured: Array, pos: Array, vel: Array) -> TrackUpdate:
