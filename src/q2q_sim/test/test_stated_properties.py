@@ -1,5 +1,6 @@
 """Each stated property holds in the sound stack and is violated by the seeded bug that breaks it."""
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -12,6 +13,7 @@ from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+from q2q_sim.experiments.guided.stated_properties.filter_properties import swap
 from q2q_sim.experiments.guided.stated_properties.replanner_properties import promise, stop
 from q2q_sim.experiments.guided.stated_properties.run_ticks import run_ticks
 from q2q_sim.faults.faults import Fault
@@ -110,3 +112,16 @@ def test_a_setpoint_from_which_a_stop_enters_the_zone_is_a_violation(speed: floa
         nearing = replace(first, pos=pos, vel=vel, acc=np.zeros((2, 3)), status=np.full(2, status, np.uint8))
         found = stop(run, replace(ticks, setpoints=(nearing, *ticks.setpoints[1:])))
         assert bool(found.violations) == (broken and status == SetpointStatus.NOMINAL)
+
+
+@pytest.mark.parametrize(("missing", "judged"), [("cf2", False), ("cf1", True)])
+def test_a_swap_is_not_judged_while_one_marker_is_displaced_and_the_other_missing(
+    missing: str, judged: bool
+) -> None:
+    faults = (
+        Fault("swap", 4.4, 0.1, ("cf1", "cf2")),
+        Fault("jump", 4.4, 1.0, ("cf1",), 0.5),
+        Fault("dropout", 4.1, 0.8, (missing,)),
+    )
+    run = with_faults(flown("upper lost"), faults)
+    assert math.isfinite(swap(run, run_ticks(flown_pure(run).signals)).margin) == judged

@@ -4,6 +4,8 @@
 |---|---|
 | lost | a vehicle with status LOST has velocity zero |
 | swap | a label swap that ends before a vehicle has coasted moves no track: TRACKED states stay true |
+
+A swap is not judged while a marker of one of its vehicles is displaced and the other vehicle is missing.
 """
 
 import numpy as np
@@ -11,7 +13,8 @@ import numpy as np
 from q2q_model.signals.values import Array, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome, struck
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import TICK_S, filter_params
 from q2q_sim.monitors.policies import Limits, Violation
 from q2q_sim.monitors.policies.blindness import RECOVERY_S
@@ -45,7 +48,7 @@ def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
     off = _errors(ticks)
     found, margin = [], np.inf
     for fault in swaps:
-        if fault.start < SETTLED_S:
+        if fault.start < SETTLED_S or _ambiguous(fault, faults):
             continue
         now = (ticks.t >= fault.start) & (ticks.t <= fault.start + fault.duration + RECOVERY_S)
         for name in fault.vehicles:
@@ -56,6 +59,18 @@ def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
             if error[k] > allowed:
                 found.append(Violation("swap", name, float(ticks.t[k]), float(error[k]), allowed))
     return StatedOutcome(tuple(found), margin)
+
+
+def _ambiguous(swap: Fault, faults: tuple[Fault, ...]) -> bool:
+    """Return whether a marker of one vehicle of a swap is displaced while the other is missing.
+
+    The only sample of the two then has the name of the missing one, and is where that may have moved.
+    """
+    end = swap.start + swap.duration
+    now = tuple(one for one in faults if one.start <= end and one.start + one.duration >= swap.start)
+    displaced = struck(swap.vehicles, now, ("jump",))
+    missing = struck(swap.vehicles, now, ("dropout", "nan"))
+    return any(one and other for one, other in zip(displaced, reversed(missing), strict=True))
 
 
 def _errors(ticks: RunTicks) -> Array:
