@@ -406,9 +406,7 @@ def test_an_outlier_after_a_dropout_is_refused():
 
 
 def test_a_sample_that_passes_only_because_of_a_gap_is_not_trusted_until_the_next_agrees() -> None:
-    off = np.array(
-        [[0.0, 0.0, 0.06], [0.0, 0.0, 0.0]]
-    )  # beyond jump_max (0.04 m), within the gate after 0.2 s
+    off = np.array([[0.0, 0.0, 0.06], [0.0, 0.0, 0.0]])  # jump_max is 0.04 m, the gate wider after 0.2 s
     block = _flown(50)
     for tick in range(50, 70):
         block.update(_frame(tick, np.full((2, 3), np.nan)))
