@@ -36,8 +36,9 @@ class TickJoin(Generic[V]):
             self._give_up()
             return None
         del self._waiting[stamp_ns]
-        self._drop_older_than(stamp_ns)
-        return tuple(tick[name] for name in self._topics)
+        if self._waiting:
+            self._drop_older_than(stamp_ns)
+        return tuple(map(tick.__getitem__, self._topics))
 
     def reset(self) -> None:
         """Drop every incomplete tick."""
