@@ -173,14 +173,21 @@ def test_names_exchanged_for_less_than_a_vehicle_may_coast_move_no_track_however
     assert all((state.status == TRACKED).all() for state in states[1:])
 
 
-def _hovering_with_names_exchanged(exchanged: range) -> tuple[list[bool], list[SwarmState]]:
-    """Return for 60 ticks whether both hovering vehicles are believed where they are, and the states."""
+def _hovering_with_names_exchanged(
+    exchanged: range, outlier: int | None = None
+) -> tuple[list[bool], list[SwarmState]]:
+    """Return for 60 ticks whether both hovering vehicles are believed where they are, and the states.
+
+    In the tick `outlier`, the first of the exchanged samples is 1 m off.
+    """
     block, noise = MocapFilter(MocapFilterParams(), PAIR), np.random.default_rng(0)
     place = _truth(0)[0]
     states = []
     for tick in range(60):
         seen = place + noise.normal(0.0, 3e-4, (2, 3))
-        states.append(block.update(_frame(tick, seen[::-1] if tick in exchanged else seen)))
+        seen = seen[::-1].copy() if tick in exchanged else seen
+        seen[0, 0] += float(tick == outlier)
+        states.append(block.update(_frame(tick, seen)))
     return [bool(np.abs(state.pos - place).max() < 5e-3) for state in states], states
 
 
@@ -190,6 +197,13 @@ def test_names_exchanged_from_the_second_frame_on_move_no_track(until: int):
     assert all(right)
     assert all((state.status == COASTING).all() for state in states[:until])
     assert all((state.status == TRACKED).all() for state in states[until:])
+
+
+@pytest.mark.parametrize("outlier", [2, 4, 15])
+def test_an_outlier_among_names_exchanged_from_the_second_frame_on_moves_no_track(outlier: int):
+    right, states = _hovering_with_names_exchanged(range(1, 20), outlier)
+    assert all(right)
+    assert all((state.status == TRACKED).all() for state in states[20:])
 
 
 def test_names_exchanged_in_the_first_frame_alone_are_put_right_once_the_others_have_lasted():

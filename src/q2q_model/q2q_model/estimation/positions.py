@@ -169,13 +169,17 @@ class PositionTracks:
         return Association(np.where(jumped, rows, source), began, jumped | at.thawed)
 
     def _refutes_first(self, at: Prediction, present: Mask) -> Mask:
-        """Return the samples that show the unconfirmed first one of their tracks to be wrong, (n,)."""
+        """Return the samples that show the unconfirmed first one of their tracks to be wrong, (n,).
+
+        Not where rejected samples gather already: one more might be an outlier.
+        """
         tracks = self._tracks
         fails = present & tracks.seen & ~at.own & ~tracks.confirmed
         if not fails.any():
             return fails
         fits = np.linalg.norm(at.samples[:, None] - at.state[None, :, 0], axis=2) <= at.reach
-        return np.asarray(fails & ~(fits & fails).any(axis=1))
+        alone = self._reacquisition.candidates["samples"] == 0
+        return np.asarray(fails & alone & ~(fits & fails).any(axis=1))
 
     def _jumped(self, t: float, samples: Array, unmatched: Unmatched) -> Mask:
         """Return the tracks whose rejected samples are accepted, (n,)."""
