@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.estimation.attitudes import UNIT_TOLERANCE, AttitudeGateParams, AttitudeTracks
 from q2q_model.estimation.marker_swaps import swapped_sources
-from q2q_model.estimation.reacquisition import CONFIRM_SAMPLES, Reacquisition, Unmatched
+from q2q_model.estimation.reacquisition import CONFIRM_SAMPLES, LastSample, Reacquisition, Unmatched
 from q2q_model.flights.outliers import Mask, OutlierThresholds
 from q2q_model.signals.values import Array
 
@@ -16,6 +16,10 @@ LIMITS = OutlierThresholds(speed_max=2.0, jump_max=0.25)
 DT = 0.125
 ONE: Mask = np.ones(1, dtype=bool)
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
+
+
+def resting(pos: Array, time: Array) -> LastSample:
+    return LastSample(pos, np.zeros_like(pos), time)
 
 
 def offered(
@@ -66,8 +70,23 @@ def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_may_have_come(
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([4.0, 4.125])
     pos = np.array([[place, 0.0, 0.0], [np.nan] * 3])
     absent = Unmatched(absent=np.array([False, True]), rejected=np.array([True, False]))
-    output = Reacquisition(2, LIMITS).ambiguous(4.25, pos, (last, when), absent)
+    output = Reacquisition(2, LIMITS).ambiguous(4.25, pos, resting(last, when), absent)
     assert output.tolist() == [doubtful, False]
+
+
+@pytest.mark.parametrize(("speed", "doubtful"), [(-2.0, True), (0.0, False), (2.0, False)])
+def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_would_be_by_its_last_velocity(
+    speed: float, *, doubtful: bool
+) -> None:
+    """The other was last at x = 2, 1/2 s ago; the sample is at 0.75, nearer to its own vehicle at 0."""
+    last = LastSample(
+        pos=np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]),
+        vel=np.array([[0.0, 0.0, 0.0], [speed, 0.0, 0.0]]),
+        time=np.array([4.0, 3.75]),
+    )
+    pos = np.array([[0.75, 0.0, 0.0], [np.nan] * 3])
+    absent = Unmatched(absent=np.array([False, True]), rejected=np.array([True, False]))
+    assert Reacquisition(2, LIMITS).ambiguous(4.25, pos, last, absent).tolist() == [doubtful, False]
 
 
 @pytest.mark.parametrize(("place", "doubtful"), [(1.25, True), (0.75, False)])
@@ -77,7 +96,10 @@ def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_another_that_is_refu
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.full(2, 4.125)
     pos = np.array([[place, 0.0, 0.0], [9.0, 0.0, 0.0]])
     refused = Unmatched(absent=np.zeros(2, dtype=bool), rejected=np.ones(2, dtype=bool))
-    assert Reacquisition(2, LIMITS).ambiguous(4.25, pos, (last, when), refused).tolist() == [doubtful, False]
+    assert Reacquisition(2, LIMITS).ambiguous(4.25, pos, resting(last, when), refused).tolist() == [
+        doubtful,
+        False,
+    ]
 
 
 def test_a_doubt_lasts_while_another_vehicle_is_missing_and_no_longer() -> None:
@@ -88,7 +110,7 @@ def test_a_doubt_lasts_while_another_vehicle_is_missing_and_no_longer() -> None:
     exchanged, vanished, returned = Unmatched(none, both), Unmatched(~first, first), Unmatched(none, first)
 
     def doubtful(pos: Array, unmatched: Unmatched) -> bool:
-        return bool(rivals.ambiguous(4.25, pos, (last, when), unmatched)[0])
+        return bool(rivals.ambiguous(4.25, pos, resting(last, when), unmatched)[0])
 
     assert not doubtful(far, vanished)
     assert doubtful(near, exchanged)

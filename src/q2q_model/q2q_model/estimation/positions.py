@@ -33,7 +33,7 @@ from q2q_model.estimation.position_steps import (
     follow,
     look_ahead,
 )
-from q2q_model.estimation.reacquisition import Reacquisition, Unmatched
+from q2q_model.estimation.reacquisition import LastSample, Reacquisition, Unmatched
 from q2q_model.estimation.steady_gain import PERIOD
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, unseen
 from q2q_model.estimation.white_jerk import start
@@ -186,7 +186,7 @@ class PositionTracks:
         if not unmatched.rejected.any():
             return unmatched.rejected
         tracks, params = self._tracks, self._params
-        last = tracks.state[:, 0], tracks.time
+        last = LastSample(tracks.state[:, 0], tracks.state[:, 1], tracks.time)
         ambiguous = self._reacquisition.ambiguous(t, samples, last, unmatched)
         ambiguous &= ~tracks.confirmed | _may_borrow(tracks)
         longest = max(params.coast_s, params.reacquire_s)

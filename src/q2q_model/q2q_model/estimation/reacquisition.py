@@ -20,6 +20,8 @@ CONFIRM_SAMPLES = 3
 """Least number of samples of an accepted jump, whatever their rate."""
 GAP_S = 0.15
 """Longest time between samples that stay together [s]: motion capture at 10 Hz still works."""
+FLIES_ON_S = 1.0
+"""Time for which an absent vehicle goes on at its last velocity [s]: then it has braked."""
 SAME_INSTANT = 1e-9
 """Rounding of a time in float64 [s]."""
 CANDIDATE = np.dtype(
@@ -42,6 +44,17 @@ class Unmatched(NamedTuple):
     """Seen before, without a sample now, (n,)."""
     rejected: Mask
     """With a rejected sample, (n,)."""
+
+
+class LastSample(NamedTuple):
+    """State of each track at its last accepted sample."""
+
+    pos: Array
+    """[m], (n, 3)."""
+    vel: Array
+    """[m/s], (n, 3)."""
+    time: Array
+    """[s], (n,)."""
 
 
 class Reacquisition:
@@ -85,26 +98,27 @@ class Reacquisition:
         lasted = t - one["first_time"] >= patience - SAME_INSTANT
         return np.asarray(rejected & lasted & (one["samples"] >= CONFIRM_SAMPLES))
 
-    def ambiguous(self, t: float, pos: Array, tracks: tuple[Array, Array], unmatched: Unmatched) -> Mask:
+    def ambiguous(self, t: float, pos: Array, last: LastSample, unmatched: Unmatched) -> Mask:
         """Note and return which samples at pos [m] (n, 3) may be of another vehicle with a wrong name, (n,).
 
-        The other vehicle has no accepted sample and was last nearer to the sample than the vehicle it names.
-        It is either absent and may have moved there, or its own sample is rejected as well: a swap in which
+        The other vehicle has no accepted sample, and the sample is nearer to it than to the vehicle of its
+        name: to where each was last, or would be by its last velocity. It is either absent and may have moved there, or its own sample is rejected as well: a swap in which
         a marker was also moved. Swaps end before a vehicle has coasted. A candidate that was ambiguous
-        remains so while any other vehicle is without an accepted sample. `tracks` are last positions [m]
-        (n, 3) and their times [s] (n,).
+        remains so while any other vehicle is without an accepted sample.
         """
-        last, when = tracks
         open_rows = unmatched.rejected | unmatched.absent
         others = np.flatnonzero(open_rows)  # (m,)
-        away = np.linalg.norm(pos[:, None] - last[others], axis=2)  # (n, m): of i's sample to j's track
-        own = np.linalg.norm(pos - last, axis=1)[:, None]
-        reached = away <= self._limits.jump_max + self._limits.speed_max * (t - when[others])
-        suspect = unmatched.rejected[others] | reached
+        since = t - last.time
+        away = np.linalg.norm(pos[:, None] - last.pos, axis=2)  # (n, n): of i's sample to j's track
+        reached = away <= self._limits.jump_max + self._limits.speed_max * since
+        flown = last.pos + np.minimum(since, FLIES_ON_S)[:, None] * last.vel
+        away = np.minimum(away, np.linalg.norm(pos[:, None] - flown, axis=2))
+        suspect = (unmatched.rejected | reached)[:, others]
         noted = self._candidates["ambiguous"]
         noted &= open_rows.sum() > open_rows  # another one
         noted &= self._near(t, pos) | ~unmatched.rejected
-        noted |= unmatched.rejected & (suspect & (away < own)).any(axis=1)
+        nearer = away[:, others] < np.diag(away)[:, None]
+        noted |= unmatched.rejected & (suspect & nearer).any(axis=1)
         return noted.copy()
 
     def _near(self, t: float, pos: Array) -> Mask:

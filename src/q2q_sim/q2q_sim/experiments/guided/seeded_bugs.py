@@ -22,7 +22,7 @@ from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.marker_swaps import swapped_sources
 from q2q_model.estimation.mocap_filter import MocapFilterParams
 from q2q_model.estimation.positions import PositionTracks, Rows, TrackUpdate
-from q2q_model.estimation.reacquisition import Reacquisition, Unmatched
+from q2q_model.estimation.reacquisition import LastSample, Reacquisition, Unmatched
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.flights.outliers import Mask
 from q2q_model.signals.layout import Signal
@@ -78,9 +78,7 @@ def _long_coast(params: MocapFilterParams) -> TrackParams:
     return _track_params(replace(params, coast_s=10.0 * params.coast_s))
 
 
-def _never_ambiguous(
-    _: Reacquisition, __: float, pos: Array, ___: tuple[Array, Array], ____: Unmatched
-) -> Mask:
+def _never_ambiguous(_: Reacquisition, __: float, pos: Array, ___: LastSample, ____: Unmatched) -> Mask:
     return np.zeros(len(pos), np.bool_)
 
 
