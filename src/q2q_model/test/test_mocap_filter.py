@@ -89,7 +89,7 @@ def test_noise_of_vicon_gives_a_velocity_better_than_differences():
 
 
 BEYOND_GATE_M = 0.075
-"""Outliers that no gate lets pass after 50 ms: jump_max 0.04, 2 v tau of 0.03 at 0.3 m/s, and the deviation."""
+"""Outliers that no gate lets pass after 50 ms: jump_max 0.04, 2 v tau of 0.03 at 0.3 m/s, a deviation."""
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(BEYOND_GATE_M, 10.0), st.integers(1, 5))

@@ -102,9 +102,10 @@ class Reacquisition:
         """Note and return which samples at pos [m] (n, 3) may be of another vehicle with a wrong name, (n,).
 
         The other vehicle has no accepted sample, and the sample is nearer to it than to the vehicle of its
-        name: to where each was last, or would be by its last velocity. It is either absent and may have moved there, or its own sample is rejected as well: a swap in which
-        a marker was also moved. Swaps end before a vehicle has coasted. A candidate that was ambiguous
-        remains so while any other vehicle is without an accepted sample.
+        name: to where each was last, or would be by its last velocity. It is either absent and may have moved
+        there, or its own sample is rejected as well: a swap in which a marker was also moved. Swaps end
+        before a vehicle has coasted. A candidate that was ambiguous remains so while any other vehicle is
+        without an accepted sample.
         """
         open_rows = unmatched.rejected | unmatched.absent
         others = np.flatnonzero(open_rows)  # (m,)
