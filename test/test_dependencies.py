@@ -36,6 +36,7 @@ WITHOUT_KEY = {
     "cma",
     "dask",
     "foxglove",
+    "llvmlite",
     "mcap",
     "piqp",
     "pyarrow",

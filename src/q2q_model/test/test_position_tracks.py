@@ -56,8 +56,17 @@ def test_a_sample_is_taken_within_gate_and_reach(speed_max: float) -> None:
         place = PLACES[0] + (size + beyond) * np.array([0.48, 0.6, 0.64])
         verdict = deepcopy(made).update(20 * DT, np.stack([place, PLACES[1]]), NOBODY)
         assert verdict.accepted.tolist() == [taken, True]
-        assert verdict.trusted.tolist() == [taken, True]
+        assert verdict.trusted.tolist() == [False, True]
         assert verdict.source.tolist() == [0 if taken else -1, 1]
+
+
+def test_a_sample_that_is_taken_is_trusted_within_jump_max_or_once_the_next_one_agrees() -> None:
+    for beyond, trusted in ((-NEAR, True), (NEAR, False)):
+        made = flown(20, 2.0)
+        place = PLACES[0] + (0.25 + beyond) * np.array([0.48, 0.6, 0.64])
+        found = [made.update(k * DT, np.stack([place, PLACES[1]]), NOBODY) for k in (20, 21)]
+        assert [one.accepted.tolist() for one in found] == [[True, True]] * 2
+        assert [one.trusted.tolist() for one in found] == [[trusted, True], [True, True]]
 
 
 def test_a_sample_out_of_the_room_is_none() -> None:

@@ -10,7 +10,7 @@ This file is about frames:
 - A vehicle that is missing from the frame, or NaN, coasts (COASTING) for `coast_s`, then it is LOST: position
   held, velocity zero, attitude held. Age grows in both.
 - The first sample of a track is accepted but not trusted: COASTING at age 0, until a second one fits it.
-  So is one after a gap that is further than `jump_max` from its prediction.
+  So is one that passes the gates further than `jump_max` from its prediction, as it may after a gap.
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
   state with the older stamp, and ages grow with the next newer frame. Old stamps that increase for 0.1 s
