@@ -7,6 +7,7 @@ Remaining messages are decoded one by one.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ MOST_KINDS = 8
 
 Rows = NDArray[np.intp]
 Values = NDArray[np.float64 | np.uint8]
+Number = TypeVar("Number", bound=np.generic)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,13 +117,13 @@ def _stacked(names: Names, group: Sequence[tuple[int, Signal]]) -> SignalRows:
         names=names,
         t=np.array([signal.t for signal in signals]),
         values={
-            column.attribute: _joined([getattr(signal, column.attribute) for signal in signals])
+            column.attribute: joined([getattr(signal, column.attribute) for signal in signals])
             for column in LAYOUTS[type(signals[0])].columns
         },
         place=np.array([where for where, _ in group], dtype=np.intp),
     )
 
 
-def _joined(arrays: Sequence[Values]) -> Values:
+def joined(arrays: Sequence[NDArray[Number]]) -> NDArray[Number]:
     """Return arrays of one shape as one, as np.stack does in four times as long."""
     return np.concatenate(arrays).reshape(len(arrays), *arrays[0].shape)

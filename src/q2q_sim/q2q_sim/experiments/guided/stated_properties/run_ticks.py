@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.rows import joined
 from q2q_model.signals.values import (
     Array,
     Names,
@@ -59,8 +60,7 @@ class RunTicks:
 
 def over_ticks(signals: Sequence[Signal], attribute: str) -> Array:
     """Return one attribute of T signals of the same names, (T, n) or (T, n, width)."""
-    rows = list(map(attrgetter(attribute), signals))
-    return np.concatenate(rows).reshape(len(rows), *rows[0].shape)
+    return joined(list(map(attrgetter(attribute), signals)))
 
 
 def run_ticks(signals: Sequence[RecordedSignal]) -> RunTicks:
