@@ -84,8 +84,11 @@ def test_who_is_beneath_an_unseen_vehicle_makes_way_and_a_clock_set_back_moves_i
     assert after < before  # and on it goes
 
 
-def test_a_vehicle_makes_way_for_a_lost_one_of_another_controller_until_that_is_cut() -> None:
-    controller = Scripted(OK)
+@pytest.mark.parametrize("statuses", [(OK,), (OK, HOLD)], ids=["of another controller", "held"])
+def test_a_vehicle_makes_way_for_a_lost_one_as_soon_as_it_is_lost_until_that_is_cut(
+    statuses: tuple[int, ...],
+) -> None:
+    controller = Scripted(*statuses)
     guard = guarded(controller)
     place = np.array([[0.7, 0.0, 1.0], [1.0, 0.0, 1.5]])
 
@@ -93,13 +96,14 @@ def test_a_vehicle_makes_way_for_a_lost_one_of_another_controller_until_that_is_
         """Return by how much cf1 is moved in x [m]; cf2, above it, was measured `age` ago."""
         state = replace(state_at(t, (0.0, age)), pos=place)
         command = guard.update(state, replace(setpoint_at(t), pos=place), None)
-        assert command.names == ("cf1",)
+        assert command.names == NAMES[: len(statuses)]
         assert command.status[0] == OK
         return float(controller.given[-1].pos[0, 0]) - 0.7
 
     assert [moved(k * TICK, 0.0) for k in range(5)] == [0.0] * 5
     assert [moved(k * TICK, k * TICK - 0.04) for k in range(5, 39)] == [0.0] * 34  # it coasts
-    assert [moved(k * TICK, k * TICK - 0.04) for k in range(39, 200)][-1] < -0.25
+    assert [moved(k * TICK, k * TICK - 0.04) for k in range(41, 43)][-1] < 0.0
+    assert [moved(k * TICK, k * TICK - 0.04) for k in range(43, 200)][-1] < -0.25
     after_cut = PARAMS.cut_s + 0.1
     assert abs([moved(k * TICK, after_cut) for k in range(200, 700)][-1]) < 0.01
 

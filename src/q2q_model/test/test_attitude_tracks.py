@@ -124,6 +124,19 @@ def test_a_turn_to_upside_down_passes_up_to_a_right_angle_only(more: int) -> Non
 
 
 @BOTH
+def test_who_is_believed_upside_down_is_upright_again_at_the_first_such_attitude(more: int) -> None:
+    quat, _ = tumbling(0)
+    over = quat_multiply(quat_from_euler(np.pi, 0.0, 0.0), quat)
+    tracks = Seen(quat, more)
+    for t in (2.0, 2.0 + PARAMS.reacquire_s):
+        tracks.update(t, over)
+    np.testing.assert_allclose(np.abs((tracks.quat * over).sum(1)), 1.0, atol=1e-12)
+    assert tracks.update(2.5, quat) == 0
+    np.testing.assert_allclose(np.abs((tracks.quat * quat).sum(1)), 1.0, atol=1e-12)
+    assert not tracks.rate.any()
+
+
+@BOTH
 @pytest.mark.parametrize("length", [1.0 - 1.02 * UNIT_TOLERANCE, 1.0 + 1.02 * UNIT_TOLERANCE, 0.0, 3.0])
 def test_what_has_not_unit_length_is_absent(more: int, length: float) -> None:
     quat, rate = tumbling(4)

@@ -82,3 +82,11 @@ def test_frames_that_come_late_now_and_then_set_no_clock_back() -> None:
             state = block.update(frame(late, truth(late)))
             np.testing.assert_allclose(state.pos, truth(tick), atol=5e-3)
     assert block.report.clock_resets == 0
+
+
+def test_a_flipped_attitude_that_freezes_does_not_last() -> None:
+    block, over = flown(100), np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    for tick in range(100, 160):
+        now = min(tick, 110)  # then the last frame again under new stamps
+        state = block.update(MocapFrame(tick * TICK, PAIR, frame(now, truth(now)).pos, over))
+        np.testing.assert_allclose(state.quat[0], [0.0, 0.0, 0.0, 1.0], atol=1e-12)

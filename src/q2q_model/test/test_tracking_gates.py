@@ -62,11 +62,11 @@ def test_a_forgotten_rival_begins_again_and_only_refused_samples_count() -> None
     assert rivals.offer(4.4375, place, ONE, at_once)[0]
 
 
-@pytest.mark.parametrize(("place", "doubtful"), [(1.5, True), (1.4999, False), (0.75, False), (2.25, True)])
-def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_may_have_come(
+@pytest.mark.parametrize(("place", "doubtful"), [(1.25, True), (0.75, False), (2.25, True)])
+def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_an_absent_vehicle(
     place: float, *, doubtful: bool
 ) -> None:
-    """The other was last at x = 2, 1/8 s ago, so within 1/2 m; the sample's own vehicle at 0."""
+    """The other was last at x = 2, 1/8 s ago, the sample's own vehicle at 0."""
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([4.0, 4.125])
     pos = np.array([[place, 0.0, 0.0], [np.nan] * 3])
     absent = Unmatched(absent=np.array([False, True]), rejected=np.array([True, False]))

@@ -23,7 +23,7 @@ BUGS = {bug.name: bug for bug in SEEDED_BUGS}
 PASS = 4.5
 """Time at which cf2 passes above cf1 in Table 2's flights as campaigns cut them [s]."""
 CASES: dict[str, tuple[str, str, tuple[Fault, ...]]] = {
-    "upper lost": ("flight 3,", "none", (Fault("dropout", PASS - 0.6, 1.0, ("cf2",)),)),
+    "upper lost": ("flight 3,", "none", (Fault("dropout", PASS - 0.5, 1.0, ("cf2",)),)),
     "slow one lost": ("flight 5,", "none", (Fault("dropout", PASS - 1.35, 1.0, ("cf2",)),)),
     "swapped with a lost one": (
         "flight 5,",

@@ -1,10 +1,10 @@
 """Move vehicles aside that fly below a vehicle descending without measurements.
 
-A vehicle that flies level or lands blind (q2q_control.failsafe.ladder) drifts with the wind and sinks to the
-floor. The setpoints of measured vehicles that fly below it, and nearer than REACH to its dead-reckoned
-position p_j (q2q_control.failsafe.dead_reckoned_braking), are shifted along u, the one of eight directions
-that keeps the largest distance from all other vehicles, within ALIKE the one of the smallest shift until j
-has come to rest: away from j if it is at rest, across its path if it moves or climbs back:
+A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.ladder), drifts with the
+wind and sinks to the floor. The setpoints of measured vehicles that fly below it, and nearer than REACH to
+its dead-reckoned position p_j (q2q_control.failsafe.dead_reckoned_braking), are shifted along u, the one of
+eight directions that keeps the largest distance from all other vehicles, within ALIKE the one of the smallest
+shift until j has come to rest: away from j if it is at rest, across its path if it moves or climbs back:
 
     goal = max(0, REACH - (r - p_j) . u) u        r: setpoint, horizontal; u is fixed, see below
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
@@ -74,7 +74,7 @@ class InFallback(NamedTuple):
     """Vehicles in fallback phases."""
 
     blind: Names
-    """They fly level or land without measurements."""
+    """They are lost, fly level or land without measurements."""
     cut: Names
     """Their motors are off for good."""
 

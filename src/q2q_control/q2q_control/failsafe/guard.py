@@ -19,8 +19,8 @@ final.
 
 A vehicle without measurements is flown on its dead-reckoned state while the controller still flies it, and
 brakes once it flies level (q2q_control.failsafe.dead_reckoned_braking);
-measured vehicles below it move aside (q2q_control.failsafe.descent_evasion). So they do below a vehicle of
-another controller that the state reports as LOST: its controller takes the same fallback.
+measured vehicles below one that the state reports as LOST move aside (q2q_control.failsafe.descent_evasion),
+also if another controller flies it: that takes the same fallback.
 
 A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
@@ -192,12 +192,10 @@ class Guard:
         return 1.0 - exp(-elapsed / BALANCE_S)
 
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
-        """Return the vehicles that fly blind, by the last command or, of another controller, by the state."""
-        own = tuple(last.names[row] for row in np.flatnonzero(is_blind(last.status)))
-        if state.names == last.names:
-            return own
+        """Return the vehicles that fly blind, by the last command, or soon will, by the state."""
+        level = {last.names[row] for row in np.flatnonzero(is_blind(last.status))}
         lost = np.flatnonzero((state.status == TrackStatus.LOST) & (state.age < self._params.cut_s))
-        return own + tuple(state.names[row] for row in lost if state.names[row] not in last.names)
+        return tuple(sorted(level.union(state.names[row] for row in lost)))
 
     def _with_fallback(self, command: SwarmCommand, state_age: Array) -> SwarmCommand:
         """Return the command after the fallback phases; `state_age` is the age in the state [s], (n,)."""

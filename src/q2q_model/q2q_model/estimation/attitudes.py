@@ -5,7 +5,8 @@ turn_max + turn_rate_max tau, where tau stops growing at the first rejection. A 
 for `reacquire_s` is accepted. The first attitude of a track is accepted if its body z points up: a vehicle in
 flight is not upside down, a reflected rigid body may be, and a controller that believed it would stop the
 motors. For the same reason a turn by more than a right angle to upside down is rejected after any gap, also
-after one by a jump of the clock. q and -q are one attitude: the sign nearest the last is kept. The body rate
+after one by a jump of the clock, and a turn from upside down to upright is accepted at once. q and -q are one
+attitude: the sign nearest the last is kept. The body rate
 is the constant rate between successive attitudes behind a first-order low-pass filter, so it lags by half a
 sample and the filter's time constant T:
 
@@ -147,11 +148,11 @@ class AttitudeTracks:
         turn = quat_between(tracks.quat, quat)
         present = ~np.isnan(turn[:, 3])
         near = tracks.seen & self._plausible(t, turn) & ~_reflections(quat, turn)
-        first = ~tracks.seen & _is_upright(quat)
-        rejected = present & ~near & ~first
+        righted = ~(tracks.seen & _is_upright(tracks.quat)) & _is_upright(quat)
+        rejected = present & ~near & ~righted
         tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
         lasting = t - tracks.rejected_since >= params.reacquire_s - SAME_INSTANT
-        accepted = present & (near | first | lasting)
+        accepted = present & (near | righted | lasting)
         followed = near & (t - tracks.time <= params.coast_s + SAME_INSTANT)
         rate = self._rate(turn, np.where(followed, t - tracks.time, 1.0))
         tracks.ang_vel_body[:] = np.where(followed[:, None], rate, 0.0)

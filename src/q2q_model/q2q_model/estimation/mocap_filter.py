@@ -208,7 +208,8 @@ class MocapFilter:
     def _gapped(self, t: float, poses: Array, tracked: TrackUpdate, turned: bool) -> SwarmState:
         """Return the state of a tick that is not nominal; `turned` is whether attitudes have been taken."""
         if not turned:
-            quat = self._quat_of(tracked, poses[:, QUAT_AT:].copy())
+            old = repeated_poses(poses, self._recent)[0]
+            quat = self._quat_of(tracked, np.where(old[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
         self._count(poses[:, :QUAT_AT], tracked)
         age, status = self._age_and_status(t, tracked)

@@ -102,24 +102,21 @@ class Reacquisition:
         """Note and return which samples at pos [m] (n, 3) may be of another vehicle with a wrong name, (n,).
 
         The other vehicle has no accepted sample, and the sample is nearer to it than to the vehicle of its
-        name: to where each was last, or would be by its last velocity. It is either absent and may have moved
-        there, or its own sample is rejected as well: a swap in which a marker was also moved. Swaps end
-        before a vehicle has coasted. A candidate that was ambiguous remains so while any other vehicle is
-        without an accepted sample.
+        name: to where each was last, or would be by its last velocity. How far it could have moved there says
+        nothing: a marker may have moved, too. Swaps end before a vehicle has coasted. A candidate that was
+        ambiguous remains so while any other vehicle is without an accepted sample.
         """
         open_rows = unmatched.rejected | unmatched.absent
         others = np.flatnonzero(open_rows)  # (m,)
         since = t - last.time
         away = np.linalg.norm(pos[:, None] - last.pos, axis=2)  # (n, n): of i's sample to j's track
-        reached = away <= self._limits.jump_max + self._limits.speed_max * since
         flown = last.pos + np.minimum(since, FLIES_ON_S)[:, None] * last.vel
         away = np.minimum(away, np.linalg.norm(pos[:, None] - flown, axis=2))
-        suspect = (unmatched.rejected | reached)[:, others]
         noted = self._candidates["ambiguous"]
         noted &= open_rows.sum() > open_rows  # another one
         noted &= self._near(t, pos) | ~unmatched.rejected
         nearer = away[:, others] < np.diag(away)[:, None]
-        noted |= unmatched.rejected & (suspect & nearer).any(axis=1)
+        noted |= unmatched.rejected & nearer.any(axis=1)
         return noted.copy()
 
     def _near(self, t: float, pos: Array) -> Mask:

@@ -6,7 +6,7 @@
 | repeat | a command repeated at another tick is not OK, except where a newer state is the same |
 | hold | a vehicle has status HOLD for at most HOLD_S, once more for every clock that was set back |
 | brake | a vehicle flown level without measurements is decelerated, as far as its speed is known |
-| evasion | a measured vehicle below one that begins to fly level is accelerated, and not towards it |
+| evasion | a measured vehicle below one that is lost is accelerated, and not towards it |
 
 The last two are judged where the dead-reckoned velocity and position are known well enough to decide:
 commands in the lag, wind and a push aside change the velocity by less than half of FAST.
@@ -43,7 +43,7 @@ SHARE = 0.25
 DECEIVING = ("jump", "swap", "clock_jump", "radio_loss")
 """Faults after which the dead-reckoned velocity may be wrong."""
 CALM_TICKS = 300
-"""Ticks without a vehicle flown level before an evasion is judged: earlier shifts have ended."""
+"""Ticks in which a vehicle was not lost before its evasion is judged: earlier shifts have ended."""
 LEAST_ACC = 0.5
 """Smallest change of acceleration that is an evasion [m/s^2]: a quarter of PACE^2 (REACH - NEAR)."""
 NEAR, CLEAR = 0.35, 0.15
@@ -142,7 +142,7 @@ def _late(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
 
 
 class _Encounter(NamedTuple):
-    """Tick at which vehicle j begins to fly level, and vehicle i below it."""
+    """Tick before vehicle j is lost, and vehicle i below it."""
 
     tick: int
     i: int
@@ -150,7 +150,7 @@ class _Encounter(NamedTuple):
 
 
 def evasion(run: Run, ticks: RunTicks) -> StatedOutcome:
-    """Return the vehicles that do not evade one that begins to fly level above them (PID only)."""
+    """Return the vehicles that do not evade one that is lost above them (PID only)."""
     if run.options.controller != "pid":
         return StatedOutcome()
     acc, found = ticks.commanded_acc(), []
@@ -177,15 +177,17 @@ def _asked(ticks: RunTicks, one: _Encounter) -> Array:
 
 
 def _encounters(ticks: RunTicks) -> Iterator[_Encounter]:
-    """Yield the vehicles steadily measured below one that begins to fly level."""
-    level = is_blind(ticks.command_status)
+    """Yield the vehicles steadily measured below one that is lost."""
+    lost = over_ticks(ticks.states, "status") == TrackStatus.LOST
+    blind = lost | is_blind(ticks.command_status)
     for j in range(len(ticks.names)):
-        for begin, end in runs(level[:, j]):
-            if level[max(begin - CALM_TICKS, 0) : begin].any() or not 1 <= begin < end - 1:
+        for begin, end in runs(lost[:, j]):
+            before = begin - 1
+            if blind[max(begin - CALM_TICKS, 0) : begin].any() or not 1 <= before < end - 2:
                 continue
-            pos = ticks.truth[begin].pos
-            for i in np.flatnonzero(_steady(ticks, begin) & (pos[:, 2] < pos[j, 2] - 2.0 * BENEATH)):
-                yield _Encounter(begin, int(i), j)
+            pos = ticks.truth[before].pos
+            for i in np.flatnonzero(_steady(ticks, before) & (pos[:, 2] < pos[j, 2] - 2.0 * BENEATH)):
+                yield _Encounter(before, int(i), j)
 
 
 def _steady(ticks: RunTicks, tick: int) -> Mask:
