@@ -90,3 +90,16 @@ def test_a_flipped_attitude_that_freezes_does_not_last() -> None:
         now = min(tick, 110)  # then the last frame again under new stamps
         state = block.update(MocapFrame(tick * TICK, PAIR, frame(now, truth(now)).pos, over))
         np.testing.assert_allclose(state.quat[0], [0.0, 0.0, 0.0, 1.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("length", [2, 10, 30])
+def test_a_vehicle_seen_once_is_not_where_its_label_is_at_another_that_is_missing(length: int) -> None:
+    block, gone = flown(1), np.array([[0.0] * 3, [np.nan] * 3])
+    for tick in range(1, 100):
+        block.update(frame(tick, truth(0) + gone))
+    for tick in range(100, 100 + length):  # cf1 carries the label of cf2
+        state = block.update(frame(tick, truth(0)[::-1] + gone[::-1]))
+        np.testing.assert_allclose(state.pos[0], truth(0)[0], atol=5e-3)
+        assert state.status[1] != TRACKED
+    state = block.update(frame(100 + length, truth(0)))
+    assert state.status[0] == TRACKED

@@ -171,7 +171,8 @@ class PositionTracks:
     def _refutes_first(self, at: Prediction, present: Mask) -> Mask:
         """Return the samples that show the unconfirmed first one of their tracks to be wrong, (n,).
 
-        Not where rejected samples gather already: one more might be an outlier.
+        Not where rejected samples gather already, since one more might be an outlier, nor where they fit a
+        track without an own sample, whose they may be.
         """
         tracks = self._tracks
         fails = present & tracks.seen & ~at.own & ~tracks.confirmed
@@ -179,7 +180,8 @@ class PositionTracks:
             return fails
         fits = np.linalg.norm(at.samples[:, None] - at.state[None, :, 0], axis=2) <= at.reach
         alone = self._reacquisition.candidates["samples"] == 0
-        return np.asarray(fails & alone & ~(fits & fails).any(axis=1))
+        without = fails | (tracks.seen & ~present)
+        return np.asarray(fails & alone & ~(fits & without).any(axis=1))
 
     def _jumped(self, t: float, samples: Array, unmatched: Unmatched) -> Mask:
         """Return the tracks whose rejected samples are accepted, (n,)."""
