@@ -35,6 +35,7 @@ from q2q_model.signals.values import (
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
+    TrackStatus,
 )
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -419,6 +420,23 @@ def test_a_vehicle_that_was_fast_in_calm_flight_brakes_once_nobody_sees_it() -> 
     assert output.pitch.tolist() == [pytest.approx(-np.arctan(braking / GRAVITY)), 0.0]  # nose up, against +x
 
 
+@pytest.mark.parametrize("others_age", [0.0, 0.3])
+def test_a_sample_that_the_filter_does_not_trust_yet_is_no_measurement(others_age: float) -> None:
+    """An outlier just before a vehicle is lost: it brakes from the speed before, not from the outlier's."""
+    controller = Scripted(OK, OK)
+    guard = guarded(controller)
+    for k in range(7):
+        state = state_at(k * TICK, (max(k - 5, 0) * TICK, others_age))
+        state.vel[0] = [-1.0 if k >= 5 else 1.0, 0.0, 0.0]
+        if k == 5:
+            state.status[0] = TrackStatus.COASTING
+        guard.update(state, setpoint_at(k * TICK), None)
+    controller.status = (LEVEL, OK)
+    output = guard.update(state_at(7 * TICK, (2 * TICK, others_age)), setpoint_at(7 * TICK), None)
+    braking = min(1.0 / BRAKING_S, BRAKING_MAX)
+    assert output.pitch[0] == pytest.approx(-np.arctan(braking / GRAVITY))  # nose up, against +x
+
+
 @pytest.mark.parametrize("seen", [(0.0, 0.0), (0.0, 0.3)], ids=["all measured", "another one lost"])
 def test_the_lift_that_a_vehicle_hovered_with_is_what_it_begins_to_fly_level_with(
     seen: tuple[float, float],
@@ -441,6 +459,6 @@ def test_no_more_lift_is_learned_than_a_vehicle_may_be_given(share: float, lift:
     """Motors that are off ask for -1 g."""
     values = np.concatenate(([share * HOVER], np.zeros(3)))
     memory = Memory(np.zeros(1, np.bool_), np.zeros(1), np.zeros(1))
-    given = Given(np.zeros(1), values, np.full(1, OK, np.uint8))
+    given = Given(np.zeros(1), np.zeros(1, np.uint8), values, np.full(1, OK, np.uint8))
     assert note_nominal((0.0, 0.0, 0.05), given, (HOVER, 1.0), memory)
     assert memory.balance[0] == pytest.approx(lift)

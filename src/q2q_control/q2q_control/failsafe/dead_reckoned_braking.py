@@ -44,6 +44,7 @@ from q2q_control.failsafe.dead_reckoning import (
     Y,
     Z,
     asked,
+    is_measured,
     measured_tracks,
     propagate,
 )
@@ -96,7 +97,7 @@ class DeadReckonedBraking:
     def predicted(self, state: SwarmState) -> SwarmState:
         """Return the state with dead-reckoned positions and velocities where vehicles are not measured."""
         track = _of(self._propagated(self._names, state.t), self._names, state.names, UNKNOWN)
-        rows = (state.age > 0.0) & np.isfinite(track[:, X])
+        rows = ~is_measured(state) & np.isfinite(track[:, X])
         if not rows.any():
             return state
         pos, vel = state.pos.copy(), state.vel.copy()
@@ -112,7 +113,7 @@ class DeadReckonedBraking:
             balance: of each vehicle when it was last measured [m/s^2], (n,).
         """
         names, sight = command.names, _sight(state, command.names)
-        measured = sight.age <= 0.0
+        measured = sight.measured
         self._track = np.where(measured[:, None], sight.track, self._propagated(names, command.t))
         self._names = names
         braking = ~measured & is_blind(command.status)
@@ -165,11 +166,11 @@ class DeadReckonedBraking:
 
 
 def _sight(state: SwarmState | None, names: Names) -> Sight:
-    """Return what a state shows of the vehicles; an infinite age where a vehicle is not in it."""
+    """Return what a state shows of the vehicles."""
     if state is None:
-        return Sight(np.tile(UNKNOWN, (len(names), 1)), np.full(len(names), math.inf))
-    age = _of(state.age[:, None], state.names, names, math.inf)[:, 0]
-    return Sight(_of(measured_tracks(state), state.names, names, UNKNOWN), age)
+        return Sight(np.tile(UNKNOWN, (len(names), 1)), np.zeros(len(names), np.bool_))
+    measured = np.append(is_measured(state), False)[index_of(names, state.names)]
+    return Sight(_of(measured_tracks(state), state.names, names, UNKNOWN), measured)
 
 
 def _of(values: Array, known: Names, names: Names, missing: float | Array) -> Array:

@@ -27,22 +27,25 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.geometry.rotations import rotate, yaw_from_quat
-from q2q_model.signals.values import Array, SwarmCommand, SwarmState
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.signals.values import Array, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
-LAG_S = 0.15
-"""From a command to its tilt [s]: 26 ms of camera and radio, 2 zeta / w_n = 0.12 s (attitude_law)."""
-THRUST_LAG_S = 0.08
-"""From a command to its thrust [s]: 26 ms of camera and radio, and the rotors (quadcopter)."""
+THRUST_LAG_S = 0.026 + CRAZYFLIE_2_0.thrust_lag
+"""From a command to its thrust [s]: camera and radio (settings), and the rotors (quadcopter)."""
+LAG_S = THRUST_LAG_S + 0.12
+"""From a command to its tilt [s]: that of the torque, and 2 zeta / w_n (attitude_law)."""
 BALANCE_S = 0.5
 """Time in which the balance is learned and forgotten [s]: a vehicle at 0.5 m/s crosses a downwash in it."""
 LIFT_MAX = 3.0
 """Largest lift that is learned or given to a vehicle without measurements [m/s^2]: less than the thrust of a
 Crazyflie 2.0 leaves above its weight, and little beside that of a vehicle on the ground."""
 
+TRACKED = int(TrackStatus.TRACKED)
+"""Status of a measured vehicle."""
 X, Y, VX, VY, AX, AY, YAW, Z, VZ, AZ, BALANCE = range(11)
 ROLL, PITCH, LIFT = range(3)
 """Columns of what a command asks for [rad, rad, m/s^2]."""
@@ -62,12 +65,17 @@ class Reckoned(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """Measured tracks, and the age of each."""
+    """Tracks of a state, and which of them are measured."""
 
     track: Array
     """(n, 11)."""
-    age: Array
-    """[s], (n,); infinite where a vehicle is not in the state."""
+    measured: NDArray[np.bool_]
+    """(n,)."""
+
+
+def is_measured(state: SwarmState) -> NDArray[np.bool_]:
+    """Return which vehicles are measured, (n,): not by a sample that the filter does not trust yet."""
+    return np.asarray(state.status == TRACKED)
 
 
 def measured_tracks(state: SwarmState) -> Array:

@@ -47,6 +47,7 @@ from q2q_model.signals.values import (
     CommandStatus,
     Interference,
     Names,
+    Status,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
@@ -182,7 +183,8 @@ class Guard:
             return False
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
         times = command.t, known, self._params.degraded_s
-        given = Given(age.copy(), values, command.status)
+        track = state.status if state.names == command.names else _track(state, command.names)
+        given = Given(age.copy(), track.copy(), values, command.status)
         memory = Memory(self._down, self._measured_at, self._balance)
         return note_nominal(times, given, (self._hover_thrust, self._share(command.t)), memory)
 
@@ -246,3 +248,8 @@ def _again(last: SwarmCommand, t: float) -> SwarmCommand:
 def _ages(state: SwarmState, names: Names) -> Array:
     """Return the age of each vehicle's measurement [s], (n,); infinite if there is none."""
     return np.asarray(np.append(state.age, np.inf)[index_of(names, state.names)])
+
+
+def _track(state: SwarmState, names: Names) -> Status:
+    """Return the TrackStatus of each vehicle, (n,); LOST if there is none."""
+    return np.append(state.status, np.uint8(TrackStatus.LOST))[index_of(names, state.names)]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.dead_reckoning import LIFT_MAX
+from q2q_control.failsafe.dead_reckoning import LIFT_MAX, TRACKED
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, CommandStatus, Status
 from q2q_model.vehicle.constants import GRAVITY
@@ -23,6 +23,8 @@ class Given(NamedTuple):
 
     age: Array
     """Of each measurement in the state [s], (n,)."""
+    track: Status
+    """TrackStatus, (n,)."""
     values: Array
     """Thrust, roll, pitch and yaw rate of the command, which must be finite, (4 n,)."""
     status: Status
@@ -48,14 +50,17 @@ def note_nominal(
 
     Args:
         times: Tick, time since the state's, and largest nominal age of a measurement [s].
-        given: Ages and command.
+        given: Ages, tracks and command.
         learning: Hover thrust [N], and the share of this tick's lift in the balance.
         memory: Of the guard.
     """
-    (t, known, most), (age, values, status), (down, measured_at, balance) = times, given, memory
+    (t, known, most), (age, track, values, status) = times, given
+    down, measured_at, balance = memory
     hover_thrust, share = learning
     for i in range(age.size):
-        if not (known <= age[i] + known < most) or status[i] > SOUND or down[i]:
+        if not (known <= age[i] + known < most) or track[i] != TRACKED:
+            return False
+        if status[i] > SOUND or down[i]:
             return False
     for value in values:
         if not isfinite(value):
