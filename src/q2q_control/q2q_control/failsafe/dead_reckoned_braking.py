@@ -53,7 +53,7 @@ from q2q_model.signals.values import Array, CommandStatus, Names, SwarmCommand, 
 from q2q_model.vehicle.constants import GRAVITY
 
 BRAKING_S = 0.5
-"""Time constant of braking [s]: three lags."""
+"""Time constant of braking [s]: more than two lags."""
 BRAKING_MAX = 3.5
 """Largest deceleration [m/s^2]: a tilt of 0.35 rad, the largest that the controllers command."""
 LONGEST_STEP = 0.1
