@@ -107,16 +107,14 @@ class Reacquisition:
         ambiguous remains so while any other vehicle is without an accepted sample.
         """
         open_rows = unmatched.rejected | unmatched.absent
-        others = np.flatnonzero(open_rows)  # (m,)
-        since = t - last.time
-        away = np.linalg.norm(pos[:, None] - last.pos, axis=2)  # (n, n): of i's sample to j's track
-        flown = last.pos + np.minimum(since, FLIES_ON_S)[:, None] * last.vel
-        away = np.minimum(away, np.linalg.norm(pos[:, None] - flown, axis=2))
         noted = self._candidates["ambiguous"]
         noted &= open_rows.sum() > open_rows  # another one
         noted &= self._near(t, pos) | ~unmatched.rejected
-        nearer = away[:, others] < np.diag(away)[:, None]
-        noted |= unmatched.rejected & nearer.any(axis=1)
+        mine, others = np.flatnonzero(unmatched.rejected), np.flatnonzero(open_rows)  # (r,), (m,)
+        flown = last.pos + np.minimum(t - last.time, FLIES_ON_S)[:, None] * last.vel
+        away = np.minimum(*(_distances(pos[mine], place[others]) for place in (last.pos, flown)))
+        own = away[np.arange(mine.size), np.searchsorted(others, mine)]
+        noted[mine] |= (away < own[:, None]).any(axis=1)
         return noted.copy()
 
     def _near(self, t: float, pos: Array) -> Mask:
@@ -133,3 +131,8 @@ class Reacquisition:
         lasted = one["last_time"] - one["first_time"]
         moved = one["last_pos"] - one["first_pos"]
         return np.asarray(moved / np.where(lasted > 0.0, lasted, np.inf)[:, None])
+
+
+def _distances(one: Array, other: Array) -> Array:
+    """Return the distances of places (r, 3) to others (m, 3), (r, m) [m]."""
+    return np.asarray(np.linalg.norm(one[:, None] - other, axis=2))
