@@ -130,7 +130,7 @@ def test_where_who_is_not_seen_comes_to_rest_is_known(yaw: float, roll: float) -
         np.testing.assert_allclose(known.vel[0], [*vel, 0.0], atol=0.01)
         np.testing.assert_array_equal(known.pos[1], unseen.pos[1])  # its neighbour is seen
         made = block.update(unseen, level_at(t, CommandStatus.LEVEL), NONE)
-        rests.append(block.reckoned["cf1"].rest)
+        rests.append(block.reckoned(("cf1",))["cf1"].rest)
     assert np.linalg.norm(pos) > 0.4
     # a tilt of 0.3 rad takes the lag to end, and is counted as a velocity at once
     np.testing.assert_allclose(rests[0], pos, atol=0.05 if roll == 0.0 else 0.15)
@@ -152,7 +152,7 @@ def test_in_a_gap_between_ticks_a_tilt_is_taken_as_flown_for_a_tenth_of_a_second
         block, leaning = DeadReckonedBraking(HOVER), level_at(0.0, CommandStatus.OK, roll=0.2)
         block.record_measured(state_at(0.0, np.array([1.0, 0.0])), leaning, NONE)
         block.update(state_at(gap, np.zeros(2), age=gap), level_at(gap, CommandStatus.HOLD, roll=0.2), NONE)
-        return block.reckoned["cf1"].pos
+        return block.reckoned(("cf1",))["cf1"].pos
 
     assert reckoned(0.05)[0] == pytest.approx(0.05)
     np.testing.assert_array_equal(reckoned(0.1), reckoned(2.0))

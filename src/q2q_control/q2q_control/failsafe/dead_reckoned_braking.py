@@ -75,16 +75,16 @@ class DeadReckonedBraking:
         self._given = np.zeros((0, 3))  # roll, pitch, lift of the last tick
         self._t = math.inf
 
-    @property
-    def reckoned(self) -> dict[str, Reckoned]:
-        """Return the horizontal motion of each vehicle, measured or dead-reckoned."""
-        pos, coming = self._track[:, X : Y + 1], self._coming()
+    def reckoned(self, names: Names) -> dict[str, Reckoned]:
+        """Return the dead-reckoned horizontal motions of those of the named vehicles that are known."""
+        rows = [row for row in index_of(names, self._names) if row >= 0]
+        pos, coming = self._track[rows, X : Y + 1], self._coming()[rows]
         speed = np.linalg.norm(coming, axis=1, keepdims=True)
         # at BRAKING_MAX down to the speed from which it decays within BRAKING_S
         fast = np.maximum(speed - BRAKING_MAX * BRAKING_S, 0.0)
         time = LAG_S + BRAKING_S + 0.5 * fast**2 / BRAKING_MAX / np.maximum(speed, 1e-9)
         rest = pos + time * coming
-        return {name: Reckoned(*one) for name, *one in zip(self._names, pos, rest, strict=True)}
+        return {self._names[row]: Reckoned(*one) for row, *one in zip(rows, pos, rest, strict=True)}
 
     def record_measured(self, state: SwarmState, command: SwarmCommand, balance: Array) -> None:
         """Record a tick in which every vehicle was measured, its command, and the balances (n,) of that."""

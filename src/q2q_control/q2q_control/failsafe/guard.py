@@ -121,9 +121,9 @@ class Guard:
             last = self._set_back(last, setpoint.t)
         self._clock_reset.reset()
         if last is not None and (self._nominal is None or self._evasion.active):
-            cut = tuple(name for name, down in zip(self._names, self._down, strict=True) if down)
+            cut = tuple(self._names[row] for row in np.flatnonzero(self._down))
             absent = InFallback(self._blind(state, last), cut)
-            setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned)
+            setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
         flown = state if self._nominal is not None else self._braking.predicted(state)
         command = self._controller.update(flown, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
