@@ -17,7 +17,7 @@ import yaml
 from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun, fly
 from row import Row
 
-SIZES = (2, 10, 50, 100, 200)
+SIZES = (2, 10, 50, 100, 200, 400)
 LIVE_S = float(os.environ.get("Q2Q_SCALE_S", "20"))
 LOCKSTEP_S = 10.0
 RECORDED = ("mocap", "state", "command", "truth", "truth_interference")
@@ -70,7 +70,7 @@ def _flown(vehicles: int, duration: float, *, live: bool, stack: bool) -> tuple[
 
     def follow(share: float) -> None:
         if share >= SETTLED:
-            readings.append((perf_counter(), children_cpu()))
+            readings.append((perf_counter(), nodes_cpu()))
 
     with TemporaryDirectory() as place:
         scenario = Path(place) / f"pairs_{vehicles}.yaml"
@@ -83,18 +83,26 @@ def _flown(vehicles: int, duration: float, *, live: bool, stack: bool) -> tuple[
     return flown, (cpu_after - cpu_before) / (end - begin)
 
 
-def children_cpu() -> float:
-    """Return the CPU time of this process's running children [s], from /proc."""
-    tick = os.sysconf("SC_CLK_TCK")
-    total = 0
+def nodes_cpu() -> float:
+    """Return the CPU time of this process's running descendants [s], from /proc: nodes are grandchildren."""
+    parent, spent = {}, {}
     for stat in Path("/proc").glob("[0-9]*/stat"):
         try:
             fields = stat.read_text().rpartition(")")[2].split()
         except OSError:  # ended meanwhile
             continue
-        if int(fields[1]) == os.getpid():
-            total += int(fields[11]) + int(fields[12])
-    return total / tick
+        pid = int(stat.parent.name)
+        parent[pid], spent[pid] = int(fields[1]), int(fields[11]) + int(fields[12])
+    return sum(spent[pid] for pid in spent if _is_below(pid, parent)) / os.sysconf("SC_CLK_TCK")
+
+
+def _is_below(pid: int, parent: dict[int, int]) -> bool:
+    """Return whether a process is a child of this one, or of one that is."""
+    while pid in parent:
+        pid = parent[pid]
+        if pid == os.getpid():
+            return True
+    return False
 
 
 def stolen() -> float:
