@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.failsafe.dead_reckoning import Reckoned
+from q2q_control.failsafe.dead_reckoned_braking import Reckoned
 from q2q_control.failsafe.descent_evasion import BACK, BENEATH, PACE, REACH, DescentEvasion, InFallback
 from q2q_control.failsafe.ladder import is_blind
 from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState

@@ -27,11 +27,10 @@ from guarded_flights import (
 )
 
 from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S
-from q2q_control.failsafe.dead_reckoning import BALANCE_S, LIFT_MAX
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.nominal_tick import Given, Memory, note_nominal
 from q2q_control.failsafe.tick_watch import TickWatch
 from q2q_model.signals.values import (
+    Interference,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
@@ -411,7 +410,7 @@ def test_a_vehicle_that_was_fast_in_calm_flight_brakes_once_nobody_sees_it() -> 
     guard = guarded(controller)
     for k in range(5):
         state = state_at(k * TICK)
-        state.vel[0] = [min(k, 1), 0.0, 0.0]  # at rest in the first tick, which is not yet a calm one
+        state.vel[0] = [1.0, 0.0, 0.0]
         guard.update(state, setpoint_at(k * TICK), None)
     controller.status = (LEVEL, OK)
     output = guard.update(state_at(0.05, (TICK, 0.0)), setpoint_at(0.05), None)
@@ -438,27 +437,26 @@ def test_a_sample_that_the_filter_does_not_trust_yet_is_no_measurement(others_ag
 
 
 @pytest.mark.parametrize("seen", [(0.0, 0.0), (0.0, 0.3)], ids=["all measured", "another one lost"])
+@pytest.mark.parametrize("predicted", [0.0, -1.0])
 def test_the_lift_that_a_vehicle_hovered_with_is_what_it_begins_to_fly_level_with(
-    seen: tuple[float, float],
+    seen: tuple[float, float], predicted: float
 ) -> None:
-    controller = Scripted(OK, OK)
+    """It is measured at rest under a command of more than its weight."""
+
+    class Lifting(Scripted):
+        share = 1.1
+
+        def update(self, *given: object) -> SwarmCommand:
+            made = super().update(*given)
+            return replace(made, thrust=self.share * made.thrust)
+
+    controller = Lifting(OK, OK)
     guard = guarded(controller)
+    downwash = Interference(
+        0.0, NAMES, np.tile([0.0, 0.0, predicted], (2, 1)), np.zeros((2, 3)), np.zeros(2, np.uint8)
+    )
     for k in range(300):
-        given = guard.update(state_at(k * TICK, seen), setpoint_at(k * TICK), None)
-    weight, thrust = GRAVITY / HOVER, float(given.thrust[0])
-    controller.status = (LEVEL, OK)
-    output = guard.update(state_at(3.0, (TICK, seen[1])), setpoint_at(3.0), None)
-    lift = weight * (thrust - HOVER) * np.exp(-TICK / BALANCE_S)
-    assert abs(lift) < LIFT_MAX
-    base = controller.update(state_at(3.0), setpoint_at(3.0), None).thrust[0]
-    assert weight * (output.thrust[0] - base) == pytest.approx(lift, abs=0.02)
-
-
-@pytest.mark.parametrize(("share", "lift"), [(0.0, -LIFT_MAX), (0.9, -0.1 * GRAVITY), (2.0, LIFT_MAX)])
-def test_no_more_lift_is_learned_than_a_vehicle_may_be_given(share: float, lift: float) -> None:
-    """Motors that are off ask for -1 g."""
-    values = np.concatenate(([share * HOVER], np.zeros(3)))
-    memory = Memory(np.zeros(1, np.bool_), np.zeros(1), np.zeros(1))
-    given = Given(np.zeros(1), np.zeros(1, np.uint8), values, np.full(1, OK, np.uint8))
-    assert note_nominal((0.0, 0.0, 0.05), given, (HOVER, 1.0), memory)
-    assert memory.balance[0] == pytest.approx(lift)
+        guard.update(state_at(k * TICK, seen), setpoint_at(k * TICK), downwash)
+    controller.status, controller.share = (LEVEL, OK), 1.0
+    output = guard.update(state_at(3.0, (TICK, seen[1])), setpoint_at(3.0), downwash)
+    assert output.thrust[0] == pytest.approx(1.1 * HOVER, rel=1e-3)

@@ -39,13 +39,14 @@ def test_commands_take_the_time_that_is_reckoned_with(share: float, roll: float)
         vehicle=CRAZYFLIE_2_0, vicon=REAL.vicon, radio=radio, disturbance=DisturbanceParams(),
     )  # fmt: skip
     room, block = Room(scenario, seed=0), DeadReckonedBraking(HOVER)
-    balance = np.zeros(len(room.names))
-    block.record_measured(room.capture().truth, _asked(room, HOVER, 0.0), balance)
+    block.update(room.capture().truth, _asked(room, HOVER, 0.0))
     for _ in range(100):
         asked = _asked(room, share * HOVER / np.cos(roll), roll)
+        block.advance(None, None, asked.t)
+        block.update(None, asked)
         room.advance(asked)
-        block.update(None, asked, balance)
     truth = room.capture().truth
+    block.advance(None, None, truth.t)
     unseen = replace(truth, status=np.full(len(room.names), 1, dtype=np.uint8), vel=np.zeros_like(truth.vel))
     reckoned = block.predicted(unseen).vel
     step = GRAVITY * (abs(np.sin(roll)) + share - 1.0)

@@ -3,53 +3,59 @@
 A level vehicle keeps its speed: at 1 m/s it has moved by 1 m after a second. The velocity V of an unmeasured
 vehicle, once all its commands have taken effect (q2q_control.failsafe.dead_reckoning), is braked:
 
-    a = -V / tau,  |a| <= a_max                   horizontal, commanded instead of level attitude
-    a_z = -V_z / tau + b,  |a_z| <= a_lift        T = (T_fallback + m a_z) / (cos phi cos theta)
+    a = b - eta - V / tau                         horizontal, |a| <= a_max, instead of level attitude
+    a_z = b_z - eta_z - V_z / tau                 |a_z| <= b_max
+    T = (T_fallback + m a_z) / (cos phi cos theta)
 
 A vehicle that lands is not kept from sinking: V_z counts upwards only. While the controller still flies an
 unmeasured vehicle on a predicted state, it gets the dead-reckoned position and velocity: a filter, which
-knows no commands, predicts straight on.
+knows no commands, predicts straight on. A downwash that is predicted is so for a lost vehicle where it was
+last; without a prediction it is in b_z. Either fades as others move from above it (fading_downwash).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | tau | BRAKING_S | time constant of braking [s] |
-| a_max | BRAKING_MAX | largest deceleration [m/s^2] |
-| a_lift | LIFT_MAX | largest change of the lift [m/s^2] |
-| b | balance | lift at which the vehicle neither rose nor sank [m/s^2] (dead_reckoning) |
+| a_max | BRAKING_MAX | largest horizontal acceleration [m/s^2] |
+| b_max | BALANCE_MAX | largest change of the lift [m/s^2] (dead_reckoning) |
+| b | BALANCE | acceleration by commands that keeps the velocity, less -eta [m/s^2] (dead_reckoning) |
+| eta | push | predicted downwash [m/s^2] |
 """
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from q2q_control.disturbance.thrust_acceleration import Command
 from q2q_control.failsafe.dead_reckoning import (
-    AX,
-    AY,
-    AZ,
+    ACC,
     BALANCE,
+    BALANCE_MAX,
     LAG_S,
-    LIFT,
-    LIFT_MAX,
+    POS,
+    SEEN,
     THRUST_LAG_S,
+    TRACKED,
     UNKNOWN,
-    VX,
-    VY,
-    VZ,
+    VEL,
     YAW,
-    Reckoned,
     Sight,
-    X,
-    Y,
-    Z,
-    asked,
-    is_measured,
-    measured_tracks,
-    propagate,
+    reckon,
 )
+from q2q_control.failsafe.fading_downwash import FadingDownwash
 from q2q_control.failsafe.ladder import is_blind
-from q2q_model.signals.values import Array, CommandStatus, Names, SwarmCommand, SwarmState, index_of
+from q2q_model.signals.values import (
+    Array,
+    CommandStatus,
+    Interference,
+    Names,
+    Status,
+    SwarmCommand,
+    SwarmState,
+    TrackStatus,
+    index_of,
+)
 from q2q_model.vehicle.constants import GRAVITY
 
 BRAKING_S = 0.5
@@ -58,10 +64,20 @@ BRAKING_MAX = 3.5
 """Largest deceleration [m/s^2]: a tilt of 0.35 rad, the largest that the controllers command."""
 LONGEST_STEP = 0.1
 """Longest time between ticks for which the last tilt is integrated [s]."""
+LOST = np.uint8(TrackStatus.LOST)
+
+
+class Reckoned(NamedTuple):
+    """Horizontal motion of a vehicle without measurements."""
+
+    pos: Array
+    """Position now [m], (2,)."""
+    rest: Array
+    """Position at which it comes to rest by braking [m], (2,)."""
 
 
 class DeadReckonedBraking:
-    """Dead-reckoned positions and velocities of unmeasured vehicles."""
+    """Motions of all vehicles by their commands; those of unmeasured ones are braked."""
 
     def __init__(self, hover_thrust: float) -> None:
         """Brake vehicles of a `hover_thrust` [N]."""
@@ -72,13 +88,40 @@ class DeadReckonedBraking:
         """Forget all vehicles."""
         self._names: Names = ()
         self._track = np.zeros((0, len(UNKNOWN)))
-        self._given = np.zeros((0, 3))  # roll, pitch, lift of the last tick
+        self._asked = Command(np.zeros(0), np.zeros(0), np.zeros(0))
+        self._eta = self._push = np.zeros((0, 3))
+        self._fading = FadingDownwash()
+        self._others: dict[str, Array] = {}  # measured positions of vehicles that are not commanded
+        self._predicted = self._blind = False
         self._t = math.inf
+
+    def set_back(self, by: float) -> None:
+        """Shift the time of the last tick back by `by` [s]: the clock was."""
+        self._t -= by
+
+    def advance(self, state: SwarmState | None, interference: Interference | None, t: float) -> None:
+        """Advance all motions to the tick at t [s], and correct those of measured vehicles.
+
+        Args:
+            state: of the tick; None means that no vehicle was measured.
+            interference: predicted downwash; None if none is predicted.
+            t: time of the tick [s].
+        """
+        names = self._names
+        sight = _sight(state, names)
+        elapsed = min(max(t - self._t, 0.0), LONGEST_STEP)
+        self._t = t
+        unmeasured = reckon(self._track, self._asked, self._push, (elapsed, self._hover_thrust), sight)
+        if state is not None:
+            self._eta, self._predicted = _eta(interference, names), interference is not None
+        self._push = self._eta
+        if self._blind or unmeasured:
+            self._fade(state, sight.status)
 
     def reckoned(self, names: Names) -> dict[str, Reckoned]:
         """Return the dead-reckoned horizontal motions of those of the named vehicles that are known."""
         rows = [row for row in index_of(names, self._names) if row >= 0]
-        pos, coming = self._track[rows, X : Y + 1], self._coming()[rows]
+        pos, coming = self._track[rows, POS : POS + 2], self._coming()[rows, :2]
         speed = np.linalg.norm(coming, axis=1, keepdims=True)
         # at BRAKING_MAX down to the speed from which it decays within BRAKING_S
         fast = np.maximum(speed - BRAKING_MAX * BRAKING_S, 0.0)
@@ -86,37 +129,25 @@ class DeadReckonedBraking:
         rest = pos + time * coming
         return {self._names[row]: Reckoned(*one) for row, *one in zip(rows, pos, rest, strict=True)}
 
-    def record_measured(self, state: SwarmState, command: SwarmCommand, balance: Array) -> None:
-        """Record a tick in which every vehicle was measured, its command, and the balances (n,) of that."""
-        self._names, self._track = state.names, measured_tracks(state)
-        given = np.column_stack((asked(command, self._hover_thrust), balance))
-        given = _of(given, command.names, state.names, 0.0)
-        self._begin(given[:, : LIFT + 1], given[:, LIFT + 1], np.ones(len(given), dtype=np.bool_))
-        self._t = command.t
-
     def predicted(self, state: SwarmState) -> SwarmState:
         """Return the state with dead-reckoned positions and velocities where vehicles are not measured."""
-        track = _of(self._propagated(self._names, state.t), self._names, state.names, UNKNOWN)
-        rows = ~is_measured(state) & np.isfinite(track[:, X])
+        track = np.vstack((self._track, UNKNOWN))[index_of(state.names, self._names)]
+        rows = (state.status != TRACKED) & np.isfinite(track[:, POS])
         if not rows.any():
             return state
         pos, vel = state.pos.copy(), state.vel.copy()
-        pos[rows], vel[rows] = track[rows][:, (X, Y, Z)], track[rows][:, (VX, VY, VZ)]
+        pos[rows], vel[rows] = track[rows, POS : POS + 3], track[rows, VEL : VEL + 3]
         return replace(state, pos=pos, vel=vel)
 
-    def update(self, state: SwarmState | None, command: SwarmCommand, balance: Array) -> SwarmCommand:
-        """Return the command with unmeasured vehicles braking instead of flying level.
+    def update(self, state: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
+        """Return the command of the tick with unmeasured vehicles braking instead of flying level.
 
         Args:
-            state: of the tick; None means that no vehicle was measured.
+            state: of the tick, in which vehicles that were not commanded before begin; None if there is none.
             command: with fallbacks.
-            balance: of each vehicle when it was last measured [m/s^2], (n,).
         """
-        names, sight = command.names, _sight(state, command.names)
-        measured = sight.measured
-        self._track = np.where(measured[:, None], sight.track, self._propagated(names, command.t))
-        self._names = names
-        braking = ~measured & is_blind(command.status)
+        self._match(state, command.names)
+        braking = is_blind(command.status) & (self._track[:, SEEN] == 0.0)
         if braking.any():
             roll, pitch = self._tilt()
             thrust = self._thrust(command) / (np.cos(roll) * np.cos(pitch))
@@ -126,40 +157,73 @@ class DeadReckonedBraking:
                 roll=np.where(braking, roll, command.roll),
                 pitch=np.where(braking, pitch, command.pitch),
             )
-        self._begin(asked(command, self._hover_thrust), balance, measured)
-        self._t = command.t
+        self._record(command)
         return command
 
-    def _begin(self, given: Array, balance: Array, measured: NDArray[np.bool_]) -> None:
-        """Take what is asked of the vehicles (n, 3); measured ones do it already, with their balance."""
-        self._given = given
-        self._track[measured, BALANCE] = balance[measured]
-        self._track[measured, AZ] = (given[:, LIFT] - balance)[measured]
+    def record_nominal(self, state: SwarmState, command: SwarmCommand) -> None:
+        """Take the command of a tick in which every vehicle is measured."""
+        self._match(state, command.names)
+        self._record(command)
+
+    def _record(self, command: SwarmCommand) -> None:
+        self._asked = Command(command.thrust, command.roll, command.pitch)
+        self._t = command.t
+
+    def _match(self, state: SwarmState | None, names: Names) -> None:
+        """Match the tracks to `names`; new vehicles begin as the state shows them."""
+        if names == self._names:
+            return
+        rows = index_of(names, self._names)
+        self._track = np.vstack((self._track, UNKNOWN))[rows]
+        self._push, self._eta = (np.vstack((one, np.zeros(3)))[rows] for one in (self._push, self._eta))
+        self._names = names
+        new = np.flatnonzero(rows < 0)
+        hover = Command(np.full(new.size, self._hover_thrust), np.zeros(new.size), np.zeros(new.size))
+        begun, seen = self._track[new], _sight(state, tuple(names[row] for row in new))
+        reckon(begun, hover, self._push[new], (0.0, self._hover_thrust), seen)
+        self._track[new] = begun
+
+    def _fade(self, state: SwarmState | None, status: Status) -> None:
+        """Let the downwash of unmeasured vehicles fade; `status` is the TrackStatus, (n,)."""
+        blind = np.flatnonzero(self._track[:, SEEN] == 0.0)
+        self._push, self._blind = np.nan_to_num(self._eta, posinf=0.0, neginf=0.0), bool(blind.size)
+        names = self._names
+        if state is not None:
+            measured = zip(state.names, state.pos, state.status == TRACKED, strict=True)
+            self._others = {name: pos for name, pos, seen in measured if seen and name not in names}
+        pos = self._others | dict(zip(names, self._track[:, POS : POS + 3], strict=True))
+        followed = [names[row] for row in blind if self._predicted and status[row] != LOST]
+        shares = self._fading.shares([names[row] for row in blind], followed, pos)
+        for row in blind:
+            share = shares[names[row]]
+            if self._predicted:
+                self._push[row] *= share
+            else:
+                self._push[row, 2] = (1.0 - share) * self._track[row, BALANCE + 2]
+
+    def _balance(self) -> Array:
+        """Return the accelerations by commands that keep the velocities [m/s^2], world, (n, 3)."""
+        return self._track[:, BALANCE : BALANCE + 3] - self._push
+
+    def _coming(self) -> Array:
+        """Return the velocities once all commands have taken effect [m/s], (n, 3)."""
+        lag = np.array([LAG_S, LAG_S, THRUST_LAG_S])
+        return np.asarray(
+            self._track[:, VEL : VEL + 3] + lag * (self._track[:, ACC : ACC + 3] - self._balance())
+        )
 
     def _thrust(self, command: SwarmCommand) -> Array:
         """Return the thrust [N] that keeps vehicles level at their height, and lets those sink that land."""
-        rising = self._track[:, VZ] + THRUST_LAG_S * self._track[:, AZ]
+        rising = self._coming()[:, 2]
         rising = np.where(command.status == CommandStatus.LAND, np.maximum(rising, 0.0), rising)
-        lift = np.clip(self._track[:, BALANCE] - rising / BRAKING_S, -LIFT_MAX, LIFT_MAX)
+        lift = np.clip(self._balance()[:, 2] - rising / BRAKING_S, -BALANCE_MAX, BALANCE_MAX)
         return np.asarray(command.thrust + self._hover_thrust * lift / GRAVITY)
-
-    def _propagated(self, names: Names, t: float) -> Array:
-        """Return the tracks at time t [s], (n, 11)."""
-        track = _of(self._track, self._names, names, UNKNOWN).copy()
-        elapsed = min(max(t - self._t, 0.0), LONGEST_STEP)
-        propagate(track, _of(self._given, self._names, names, 0.0), elapsed)
-        return track
-
-    def _coming(self) -> Array:
-        """Return the velocity once all commands have taken effect [m/s], (n, 2)."""
-        return self._track[:, VX : VY + 1] + LAG_S * self._track[:, AX : AY + 1]
 
     def _tilt(self) -> tuple[Array, Array]:
         """Return roll and pitch [rad] that brake each vehicle, (n,) each."""
-        coming, yaw = self._coming(), self._track[:, YAW]
-        speed = np.linalg.norm(coming, axis=1)
-        gain = np.minimum(1.0 / BRAKING_S, BRAKING_MAX / np.maximum(speed, 1e-9))
-        acc = -gain[:, None] * coming
+        acc = (self._balance() - self._coming() / BRAKING_S)[:, :2]
+        acc *= np.minimum(1.0, BRAKING_MAX / np.maximum(np.linalg.norm(acc, axis=1), 1e-9))[:, None]
+        yaw = self._track[:, YAW]
         ahead = np.cos(yaw) * acc[:, 0] + np.sin(yaw) * acc[:, 1]
         aside = -np.sin(yaw) * acc[:, 0] + np.cos(yaw) * acc[:, 1]
         return np.arctan(-aside / GRAVITY), np.arctan(ahead / GRAVITY)
@@ -167,15 +231,22 @@ class DeadReckonedBraking:
 
 def _sight(state: SwarmState | None, names: Names) -> Sight:
     """Return what a state shows of the vehicles."""
+    if state is not None and state.names == names:
+        return Sight(state.pos, state.vel, state.quat, state.status)
     if state is None:
-        return Sight(np.tile(UNKNOWN, (len(names), 1)), np.zeros(len(names), np.bool_))
-    measured = np.append(is_measured(state), False)[index_of(names, state.names)]
-    return Sight(_of(measured_tracks(state), state.names, names, UNKNOWN), measured)
+        n = len(names)
+        return Sight(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4)), np.full(n, LOST))
+    rows = index_of(names, state.names)
+    none = np.zeros((1, 4))
+    pos, vel = (np.vstack((part, none[:, :3]))[rows] for part in (state.pos, state.vel))
+    quat = np.vstack((state.quat, none))[rows]
+    return Sight(pos, vel, quat, np.append(state.status, LOST)[rows])
 
 
-def _of(values: Array, known: Names, names: Names, missing: float | Array) -> Array:
-    """Return the rows of `names`, (n, m); `missing` where a name is unknown."""
-    if names == known:
-        return values
-    absent = np.broadcast_to(missing, (1, values.shape[1]))
-    return np.asarray(np.concatenate([values, absent])[index_of(names, known)])
+def _eta(interference: Interference | None, names: Names) -> Array:
+    """Return the predicted downwash of the vehicles [m/s^2], (n, 3); 0 without a prediction."""
+    if interference is None:
+        return np.zeros((len(names), 3))
+    if interference.names == names:
+        return interference.acc
+    return np.vstack((interference.acc, np.zeros(3)))[index_of(names, interference.names)]

@@ -1,125 +1,123 @@
-"""Motion of vehicles without measurements, integrated from their own commands.
+"""Motion of vehicles by their own commands, and the balance: what else moves them.
 
-    a'   = (g u(phi, theta, psi) - a) / L         u: horizontal part of the body's z axis
-    a_z' = (l - b - a_z) / L_T                    l = g (T cos phi cos theta / T_h - 1)
-    b'   = -b / B                                 b_0: mean of l over about B before the last measurement
-    v'   = a,  p' = v                             a_0: of the last measured attitude
-    V    = v + L a,  V_z = v_z + L_T a_z          velocity once all commands have taken effect
+    a' = (u - a) / L                  u: acceleration that the command asks for; L_T in place of L vertically
+    v' = a + eta - b,  p' = v         eta: predicted downwash, 0 without a prediction
+    V  = v + L (a + eta - b)          velocity once all commands have taken effect
 
-The balance b is what a downwash or a weak battery asked for; the vehicle may leave the downwash, so it is
-forgotten. Wind is not modelled: its drift remains. Columns of a track, (n, 11): X, Y, VX, VY, AX, AY, YAW, Z,
-VZ, AZ, BALANCE.
+While a vehicle is measured, p is its position, and a Luenberger observer with two poles at -w corrects v and
+b by its velocity. A weak battery, a wind, the tilt that a weak rotor costs, and a downwash that is not
+predicted appear in b; an acceleration that the controller wants does not. Without measurements the motion is
+integrated, with the balance of the last one.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| p | X, Y, Z | position, world [m] |
-| v | VX, VY, VZ | velocity, world [m/s] |
-| a | AX, AY, AZ | acceleration, world [m/s^2] |
-| phi theta psi | roll pitch yaw | commanded roll and pitch, last measured yaw [rad] |
-| l | lift | commanded vertical acceleration [m/s^2] |
-| b | BALANCE | lift at which a vehicle neither rises nor sinks [m/s^2] |
-| T_h | hover_thrust | thrust of the weight [N] |
+| p | POS | position, world [m] |
+| v | VEL | velocity, world [m/s] |
+| a | ACC | acceleration by commands, world [m/s^2] |
+| b | BALANCE | acceleration by commands at which the velocity is steady, less -eta [m/s^2] |
+| psi | YAW | last measured yaw [rad] |
 | L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust [s] |
-| B | BALANCE_S | time in which the balance is learned, and forgotten [s] |
+| w | OBSERVER | bandwidth of the observer [rad/s] |
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from q2q_control.disturbance.thrust_acceleration import Command
 from q2q_model.compiled import compiled
-from q2q_model.geometry.rotations import rotate, yaw_from_quat
-from q2q_model.signals.values import Array, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.signals.values import Array, Status, TrackStatus
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
 THRUST_LAG_S = 0.026 + CRAZYFLIE_2_0.thrust_lag
 """From a command to its thrust [s]: camera and radio (settings), and the rotors (quadcopter)."""
 LAG_S = THRUST_LAG_S + 0.12
 """From a command to its tilt [s]: that of the torque, and 2 zeta / w_n (attitude_law)."""
-BALANCE_S = 0.5
-"""Time in which the balance is learned and forgotten [s]: a vehicle at 0.5 m/s crosses a downwash in it."""
-LIFT_MAX = 3.0
-"""Largest lift that is learned or given to a vehicle without measurements [m/s^2]: less than the thrust of a
-Crazyflie 2.0 leaves above its weight, and little beside that of a vehicle on the ground."""
+OBSERVER = 3.0, 8.0
+"""Bandwidth of the balance, horizontal and vertical [rad/s]: 1 / L, 1 / L_T or less."""
+BALANCE_MAX = 3.0
+"""Largest balance on an axis, and largest lift of a vehicle without measurements [m/s^2]: less than the
+thrust of a Crazyflie 2.0 leaves above its weight, and little beside that of a vehicle on the ground."""
 
 TRACKED = int(TrackStatus.TRACKED)
 """Status of a measured vehicle."""
-X, Y, VX, VY, AX, AY, YAW, Z, VZ, AZ, BALANCE = range(11)
-ROLL, PITCH, LIFT = range(3)
-"""Columns of what a command asks for [rad, rad, m/s^2]."""
-UP = np.array([0.0, 0.0, 1.0])
-LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
-UNKNOWN = np.array([np.nan, np.nan, 0.0, 0.0, 0.0, 0.0, 0.0, np.nan, 0.0, 0.0, 0.0])
+POS, VEL, ACC, BALANCE, YAW, SEEN = 0, 3, 6, 9, 12, 13
+"""Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
+WIDTH = 14
+UNKNOWN = np.array([math.nan] * 3 + [0.0] * (WIDTH - 3))
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
 
-class Reckoned(NamedTuple):
-    """Horizontal motion of a vehicle without measurements."""
+class Sight(NamedTuple):
+    """What a state shows of the vehicles."""
 
     pos: Array
-    """Position now [m], (2,)."""
-    rest: Array
-    """Position at which it comes to rest by braking [m], (2,)."""
-
-
-class Sight(NamedTuple):
-    """Tracks of a state, and which of them are measured."""
-
-    track: Array
-    """(n, 11)."""
-    measured: NDArray[np.bool_]
-    """(n,)."""
-
-
-def is_measured(state: SwarmState) -> NDArray[np.bool_]:
-    """Return which vehicles are measured, (n,): not by a sample that the filter does not trust yet."""
-    return np.asarray(state.status == TRACKED)
-
-
-def measured_tracks(state: SwarmState) -> Array:
-    """Return the tracks of a state, (n, 11); AZ and BALANCE are those of a hover."""
-    size = np.square(state.quat).sum(axis=1, keepdims=True)
-    known = np.isfinite(size) & (size > 0.0)  # any message may come: no attitude is level
-    acc = GRAVITY * rotate(np.where(known, state.quat, LEVEL), UP)[:, :2]
-    yaw = yaw_from_quat(state.quat)[:, None]
-    hover = np.zeros((len(acc), 2))
-    heights = state.pos[:, 2:], state.vel[:, 2:]
-    return np.concatenate((state.pos[:, :2], state.vel[:, :2], acc, yaw, *heights, hover), axis=1)
-
-
-def asked(command: SwarmCommand, hover_thrust: float) -> Array:
-    """Return roll, pitch [rad] and lift [m/s^2] of a command, (n, 3)."""
-    upright = np.cos(command.roll) * np.cos(command.pitch)
-    lift = GRAVITY * (command.thrust * upright / hover_thrust - 1.0)
-    return np.stack((command.roll, command.pitch, lift), axis=1)
+    """[m], world, (n, 3)."""
+    vel: Array
+    """[m/s], world, (n, 3)."""
+    quat: Array
+    """xyzw, (n, 4)."""
+    status: Status
+    """TrackStatus, (n,)."""
 
 
 @compiled
-def propagate(track: Array, given: Array, elapsed: float) -> None:
-    """Propagate tracks (n, 11) in place by `elapsed` [s] under roll, pitch and lift (n, 3)."""
-    decay = math.exp(-elapsed / LAG_S)
+def reckon(track: Array, asked: Command, push: Array, times: tuple[float, float], sight: Sight) -> int:
+    """Advance tracks (n, WIDTH) in place to a tick; return how many vehicles are not measured.
+
+    Args:
+        track: Of the last tick.
+        asked: In effect since then.
+        push: Predicted downwash [m/s^2], world, (n, 3); what is not finite counts as none.
+        times: Time since the last tick [s], and thrust of the weight [N].
+        sight: At the tick.
+    """
+    (elapsed, hover_thrust), unmeasured = times, 0
     for i in range(track.shape[0]):
-        one, roll, pitch = track[i], given[i, ROLL], given[i, PITCH]
-        ahead, aside = GRAVITY * math.sin(pitch) * math.cos(roll), -GRAVITY * math.sin(roll)
-        cos, sin = math.cos(one[YAW]), math.sin(one[YAW])
-        for k in range(2):
-            aimed = cos * ahead - sin * aside if k == 0 else sin * ahead + cos * aside
-            lacking = one[AX + k] - aimed
-            before = one[VX + k]
-            one[VX + k] += aimed * elapsed + lacking * LAG_S * (1.0 - decay)
-            one[AX + k] = aimed + lacking * decay
-            one[X + k] += 0.5 * elapsed * (before + one[VX + k])
-        _propagate_height(one, given[i, LIFT], elapsed)
+        one, command = track[i], (asked.thrust[i] / hover_thrust, asked.roll[i], asked.pitch[i])
+        _propagate(one, command, push[i], elapsed)
+        if sight.status[i] == TRACKED:
+            _correct(one, sight.pos[i], sight.vel[i], elapsed)
+            one[YAW] = _yaw(sight.quat[i])
+        one[SEEN] = 1.0 if sight.status[i] == TRACKED else 0.0
+        unmeasured += sight.status[i] != TRACKED
+    return unmeasured
 
 
 @compiled
-def _propagate_height(one: Array, lift: float, elapsed: float) -> None:
-    """Propagate the height of a track (11,) by `elapsed` [s]."""
-    aimed, decay = lift - one[BALANCE], math.exp(-elapsed / THRUST_LAG_S)
-    lacking, before = one[AZ] - aimed, one[VZ]
-    one[VZ] += aimed * elapsed + lacking * THRUST_LAG_S * (1.0 - decay)
-    one[AZ] = aimed + lacking * decay
-    one[Z] += 0.5 * elapsed * (before + one[VZ])
-    one[BALANCE] *= math.exp(-elapsed / BALANCE_S)
+def _propagate(one: Array, command: tuple[float, float, float], push: Array, elapsed: float) -> None:
+    """Propagate a track (WIDTH,) by `elapsed` [s] under a share of the hover thrust, roll and pitch."""
+    share, roll, pitch = command
+    ahead, aside = GRAVITY * share * math.sin(pitch) * math.cos(roll), -GRAVITY * share * math.sin(roll)
+    cos, sin = math.cos(one[YAW]), math.sin(one[YAW])
+    lift = GRAVITY * (share * math.cos(roll) * math.cos(pitch) - 1.0)
+    for k, aimed in enumerate((cos * ahead - sin * aside, sin * ahead + cos * aside, lift)):
+        lag = THRUST_LAG_S if k == 2 else LAG_S
+        decay, lacking, before = math.exp(-elapsed / lag), one[ACC + k] - aimed, one[VEL + k]
+        pushed = push[k] if abs(push[k]) < math.inf else 0.0
+        one[VEL + k] += (aimed + pushed - one[BALANCE + k]) * elapsed + lacking * lag * (1.0 - decay)
+        one[ACC + k] = aimed + lacking * decay
+        one[POS + k] += 0.5 * elapsed * (before + one[VEL + k])
+
+
+@compiled
+def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
+    """Correct a track (WIDTH,) by a measurement `elapsed` [s] after the last one; begin it if it was lost."""
+    for k in range(3):
+        error = vel[k] - one[VEL + k]
+        one[POS + k] = pos[k]
+        if one[SEEN] == 0.0 or not abs(error) < math.inf:
+            one[VEL + k] = vel[k]
+        elif elapsed > 0.0:
+            fast = math.exp(-(OBSERVER[1] if k == 2 else OBSERVER[0]) * elapsed)
+            one[VEL + k] += (1.0 - fast * fast) * error
+            balance = one[BALANCE + k] - (1.0 - fast) ** 2 / elapsed * error
+            one[BALANCE + k] = min(max(balance, -BALANCE_MAX), BALANCE_MAX)
+
+
+@compiled
+def _yaw(quat: Array) -> float:
+    """Return the yaw of a quaternion [rad], xyzw, (4,)."""
+    x, y, z, w = quat
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.dead_reckoning import Reckoned
+from q2q_control.failsafe.dead_reckoned_braking import Reckoned
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
 REACH = 0.6

@@ -30,13 +30,12 @@ but an emergency.
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import exp, inf
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.dead_reckoned_braking import LONGEST_STEP, DeadReckonedBraking
-from q2q_control.failsafe.dead_reckoning import BALANCE_S, LIFT, LIFT_MAX, asked
+from q2q_control.failsafe.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.descent_evasion import DescentEvasion, InFallback
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command, is_blind
 from q2q_control.failsafe.nominal_tick import SOUND, Given, Memory, note_nominal
@@ -93,7 +92,7 @@ class Guard:
         self._nominal: SwarmState | None = None  # state of the last tick, if it was nominal
         self._clock_reset = ClockResetDetector()
         self._names: Names = ()
-        self._measured_at, self._balance = np.zeros(0), np.zeros(0)
+        self._measured_at = np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
 
     @property
@@ -124,16 +123,18 @@ class Guard:
             cut = tuple(self._names[row] for row in np.flatnonzero(self._down))
             absent = InFallback(self._blind(state, last), cut)
             setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
-        flown = state if self._nominal is not None else self._braking.predicted(state)
+        self._braking.advance(state, interference, setpoint.t)
+        flown = self._braking.predicted(state) if (state.status != TrackStatus.TRACKED).any() else state
         command = self._controller.update(flown, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
         age = state.age if state.names == command.names else _ages(state, command.names)
         if self._is_nominal(command, state, age, known):
+            self._braking.record_nominal(state, command)
             self._last, self._nominal = command, state
             return command
-        self._start_dead_reckoning()
+        self._nominal = None
         fallback = self._with_fallback(command, np.where(age >= 0.0, age, np.inf) + max(known, 0.0))
-        self._last = self._braking.update(state, fallback, self._balance)
+        self._last = self._braking.update(state, fallback)
         return self._last
 
     def without_tick(self, age: float) -> SwarmCommand | None:
@@ -144,15 +145,10 @@ class Guard:
         ages = last.t - self._measured_at + age
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
-        self._start_dead_reckoning()
-        descending = descended(held, ages, self._down, self._params, self._hover_thrust)
-        return self._braking.update(None, descending, self._balance)
-
-    def _start_dead_reckoning(self) -> None:
-        """Start dead reckoning from the last nominal tick."""
-        if self._nominal is not None and self._last is not None:
-            self._braking.record_measured(self._nominal, self._last, self._balance)
         self._nominal = None
+        descending = descended(held, ages, self._down, self._params, self._hover_thrust)
+        self._braking.advance(None, None, held.t)
+        return self._braking.update(None, descending)
 
     def _set_back(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
         """Shift stored stamps to the new clock, or reset; return the last command with its new stamp."""
@@ -160,7 +156,9 @@ class Guard:
             self.reset()
             return None
         self._controller.reset()
-        self._measured_at = self._measured_at - (last.t - self._clock_reset.first)
+        by = last.t - self._clock_reset.first
+        self._braking.set_back(by)
+        self._measured_at = self._measured_at - by
         self._last = replace(last, t=t)
         return self._last
 
@@ -169,7 +167,7 @@ class Guard:
         self._nominal = None
         self._braking.reset()
         self._evasion.reset()
-        self._measured_at, self._balance = np.zeros(0), np.zeros(0)
+        self._measured_at = np.zeros(0)
         self._down = np.zeros(0, dtype=np.bool_)
 
     def _is_nominal(self, command: SwarmCommand, state: SwarmState, age: Array, known: float) -> bool:
@@ -185,13 +183,7 @@ class Guard:
         times = command.t, known, self._params.degraded_s
         track = state.status if state.names == command.names else _track(state, command.names)
         given = Given(age.copy(), track.copy(), values, command.status)
-        memory = Memory(self._down, self._measured_at, self._balance)
-        return note_nominal(times, given, (self._hover_thrust, self._share(command.t)), memory)
-
-    def _share(self, t: float) -> float:
-        """Return the share of this tick's lift in the balance."""
-        elapsed = 0.0 if self._last is None else min(max(t - self._last.t, 0.0), LONGEST_STEP)
-        return 1.0 - exp(-elapsed / BALANCE_S)
+        return note_nominal(times, given, Memory(self._down, self._measured_at))
 
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
         """Return the vehicles that fly blind, by the last command, or soon will, by the state."""
@@ -208,9 +200,6 @@ class Guard:
             sound, np.fmax(self._measured_at, command.t - state_age), self._measured_at
         )
         ages = command.t - self._measured_at
-        lift = np.clip(asked(command, self._hover_thrust)[:, LIFT], -LIFT_MAX, LIFT_MAX)
-        learned = self._balance + self._share(command.t) * (lift - self._balance)
-        self._balance = np.where(sound & (ages < self._params.degraded_s), learned, self._balance)
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         predicted = sound & ~(ages < self._params.degraded_s)
         status = np.where(predicted, CommandStatus.DEGRADED, command.status).astype(np.uint8)
@@ -224,7 +213,6 @@ class Guard:
         rows = index_of(command.names, self._names)
         self._measured_at = np.append(self._measured_at, command.t)[rows]
         self._down = np.append(self._down, False)[rows]
-        self._balance = np.append(self._balance, 0.0)[rows]
         self._names = command.names
 
     def _with_finite_values(self, command: SwarmCommand) -> SwarmCommand:

@@ -1,18 +1,14 @@
-"""Nominal tick of the guard, compiled: every vehicle is measured, commanded and on. Nearly every tick is.
+"""Nominal tick of the guard, compiled: every vehicle is measured, commanded and on. Nearly every tick is."""
 
-The balance of a vehicle (q2q_control.failsafe.dead_reckoning) is learned from the lift of its commands.
-"""
-
-from math import cos, isfinite
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.dead_reckoning import LIFT_MAX, TRACKED
+from q2q_control.failsafe.dead_reckoning import TRACKED
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, CommandStatus, Status
-from q2q_model.vehicle.constants import GRAVITY
 
 SOUND = int(CommandStatus.SATURATED)
 """Highest status of a command computed from a usable state."""
@@ -38,25 +34,19 @@ class Memory(NamedTuple):
     """Motors cut, (n,)."""
     measured_at: Array
     """`b` of q2q_control.failsafe.guard [s], (n,)."""
-    balance: Array
-    """Mean lift (dead_reckoning) [m/s^2], (n,)."""
 
 
 @compiled
-def note_nominal(
-    times: tuple[float, float, float], given: Given, learning: tuple[float, float], memory: Memory
-) -> bool:
-    """Return whether a tick is nominal; if it is, write when each vehicle was measured, and its balance.
+def note_nominal(times: tuple[float, float, float], given: Given, memory: Memory) -> bool:
+    """Return whether a tick is nominal; if it is, write when each vehicle was measured.
 
     Args:
         times: Tick, time since the state's, and largest nominal age of a measurement [s].
         given: Ages, tracks and command.
-        learning: Hover thrust [N], and the share of this tick's lift in the balance.
         memory: Of the guard.
     """
     (t, known, most), (age, track, values, status) = times, given
-    down, measured_at, balance = memory
-    hover_thrust, share = learning
+    down, measured_at = memory
     for i in range(age.size):
         if not (known <= age[i] + known < most) or track[i] != TRACKED:
             return False
@@ -65,10 +55,6 @@ def note_nominal(
     for value in values:
         if not isfinite(value):
             return False
-    n = age.size
-    for i in range(n):
+    for i in range(age.size):
         measured_at[i] = t - age[i] - max(known, 0.0)
-        upright = cos(values[n + i]) * cos(values[2 * n + i])
-        lift = GRAVITY * (values[i] * upright / hover_thrust - 1.0)
-        balance[i] += share * (min(max(lift, -LIFT_MAX), LIFT_MAX) - balance[i])
     return True

@@ -114,7 +114,7 @@ def _ages_unshifted(self: Guard, last: SwarmCommand, t: float) -> SwarmCommand:
 
 
 def _no_braking(
-    _: DeadReckonedBraking, __: SwarmState | None, command: SwarmCommand, ___: Array
+    _: DeadReckonedBraking, __: SwarmState | None, command: SwarmCommand
 ) -> SwarmCommand:
     return command
 
