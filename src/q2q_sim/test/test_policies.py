@@ -12,13 +12,14 @@ from q2q_model.bag import BagWriter
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.values import (
     CommandStatus,
+    Interference,
     MocapFrame,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
     TrackStatus,
 )
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.commands import policies as tool
 from q2q_sim.experiments.campaign import campaign_flight
 from q2q_sim.experiments.campaign.random_run import GAINS, drawn
@@ -297,3 +298,24 @@ def test_who_is_on_the_floor_though_sent_above_it_has_fallen_unless_it_lands_bli
     assert "floor" in broken(fall)
     assert "floor" not in broken(lambda one: low(fall(one)))
     assert "floor" not in broken(lambda one: lands(fall(one)))
+
+
+def test_who_is_pushed_down_by_more_than_it_can_hold_is_not_judged_for_it() -> None:
+    """The largest thrust, less what faults take, holds a downwash up to a known one: more or less."""
+    vehicle = SCENARIO.vehicle
+    fall = only("truth", changed(SwarmState, 3.0, 3.1, pos=lambda pos: pos * [1.0, 1.0, 0.0]))
+
+    def pushed(by: float) -> Change:
+        downwash = changed(Interference, 2.0, 3.05, acc=lambda acc: np.full_like(acc, [0.0, 0.0, -by]))
+        return lambda one: only("truth_interference", downwash)(fall(one))
+
+    sag = Fault("battery_sag", 0.0, 1.0, (), 0.1)
+    weak = Fault("weak_rotor", 2.0, 2.0, (), 0.2)
+    gone = Fault("weak_rotor", 1.0, 0.5, (), 0.2)
+    for faults, left in (((), 1.0), ((sag,), 0.9), ((sag, weak), 0.9 * 0.95), ((gone,), 1.0)):
+        around = replace(AROUND, faults=faults)
+        held = left * vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
+        assert {"floor"} <= broken(pushed(held - 0.01), around)
+        assert not {"floor", "room", "zone", "return"} & broken(pushed(held + 0.01), around)
+    named = replace(AROUND, faults=(replace(sag, vehicles=("cf2", "cf3")),))
+    assert "floor" in broken(pushed(0.95 * vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY), named)

@@ -54,16 +54,19 @@ class Attack:
     """First run with a violation, if any."""
     policies: frozenset[str]
     """Policies that it violates."""
+    overpowered: int = 0
+    """Runs in which no command carried some vehicle."""
 
 
 def attack(seed: int, length: int, judge: Judge, air: str = "") -> Attack:
     """Return the outcome of an attack of at most `length` runs."""
-    runs = 0
+    runs = weak = 0
     for attempt in attempts(seed, length, judge, air):
         runs += 1
+        weak += attempt.flight.overpowered
         if attempt.flight.violations:
-            return Attack(runs, attempt.run, attempt.flight.policies)
-    return Attack(runs, None, frozenset())
+            return Attack(runs, attempt.run, attempt.flight.policies, weak)
+    return Attack(runs, None, frozenset(), weak)
 
 
 def attempts(seed: int, length: int, judge: Judge, air: str = "") -> Iterator[AttackRun]:

@@ -27,6 +27,8 @@ class AttackRecord:
     seconds: float
     air: str = ""
     """Air named for the campaign; empty for that of the scenario."""
+    overpowered: int = 0
+    """Runs in which no command carried some vehicle: not judged by all policies."""
 
 
 def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> AttackRecord:
@@ -44,7 +46,8 @@ def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> Attack
         path = kept / f"case_{seed}.yaml"
         write_case(case_of(small, policies), path)
         case = str(path)
-    return AttackRecord(seed, length, found.runs, policies, case, perf_counter() - began, air)
+    seconds = perf_counter() - began
+    return AttackRecord(seed, length, found.runs, policies, case, seconds, air, found.overpowered)
 
 
 def died(seed: int, _: BaseException) -> AttackRecord:

@@ -29,6 +29,7 @@ from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, run
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import RecordedSignal, Violation
 from q2q_sim.monitors.policies.margins import margins
+from q2q_sim.monitors.policies.overpowered import overpowered
 
 RECORD = "record"
 """Name of the recorder's property."""
@@ -59,6 +60,8 @@ class AttackedFlight:
     violations: tuple[Violation, ...]
     margins: Mapping[str, float] = field(default_factory=dict)
     """Margins of the policies and properties that have one, within WORST of 0 [-]."""
+    overpowered: bool = False
+    """Whether no command carried some vehicle at some time."""
 
     @property
     def policies(self) -> frozenset[str]:
@@ -74,13 +77,18 @@ def fly_attacked(run: Run) -> AttackedFlight:
     ticks = run_ticks(flown.signals)
     stated = {name: judged(run, ticks) for name, judged in PROPERTIES.items()}
     found = [one for outcome in stated.values() for one in outcome.violations]
-    known = dict(margins(flown.evidence, circumstances_of(run)))
+    circumstances = circumstances_of(run)
+    known = dict(margins(flown.evidence, circumstances))
     known |= {name: outcome.margin for name, outcome in stated.items()}
     try:
         found += _record(flown.signals)
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         found.append(crash(error))
-    return AttackedFlight((*flown.violations, *found), {name: bounded(one) for name, one in known.items()})
+    return AttackedFlight(
+        violations=(*flown.violations, *found),
+        margins={name: bounded(one) for name, one in known.items()},
+        overpowered=bool(overpowered(flown.evidence, circumstances).any()),
+    )
 
 
 def bounded(margin: float) -> float:

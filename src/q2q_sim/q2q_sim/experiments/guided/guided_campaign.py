@@ -63,6 +63,7 @@ def summary(attacks: Sequence[AttackRecord], scores: Sequence[BugScore]) -> dict
     return {
         "runs": sum(one.runs for one in attacks),
         "violations": sum(bool(one.policies) for one in attacks),
+        "overpowered": sum(one.overpowered for one in attacks),
         "seeded_bugs": len(scores),
         "seeded_found": sum(one.guided > 0 for one in scores),
         "blind_found": sum(one.blind > 0 for one in scores),
@@ -89,6 +90,10 @@ def show(total: dict[str, object]) -> None:
             f"{total['seeded_bugs']}, blind {total['blind_found']}"
         )
     print(f"violations: {total['violations']} in {total['runs']} runs")
+    if total["overpowered"]:
+        print(
+            f"in {total['overpowered']} of them no command could carry a vehicle, which was not judged then"
+        )
     cases = total["cases"]
     for case in cases if isinstance(cases, list) else ():
         print(f"case: {case}")

@@ -113,9 +113,7 @@ def _ages_unshifted(self: Guard, last: SwarmCommand, t: float) -> SwarmCommand:
     return self._last
 
 
-def _no_braking(
-    _: DeadReckonedBraking, __: SwarmState | None, command: SwarmCommand
-) -> SwarmCommand:
+def _no_braking(_: DeadReckonedBraking, __: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
     return command
 
 

@@ -15,7 +15,10 @@
 | action | a vehicle not observed for 60 ms is flown by a fallback | frames, commands |
 | silence | live: no 60 ms without a new command | commands |
 | belief | a state with status tracked is accurate to `belief`, unless a sensor has a steady error | states |
-| return | `settle` after the last fault, and a push beyond the thrust, all are within `back` | truth |
+| return | `settle` after the last fault all are within `back` | truth |
+
+A vehicle that no command carries (overpowered) is not judged by zone, room, floor and return until `settle`
+after it. Its commands have status SATURATED.
 """
 
 from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_of

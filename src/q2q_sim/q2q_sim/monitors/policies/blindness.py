@@ -67,7 +67,7 @@ def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
             shift = jumps if fault.kind == "clock_jump" else 0.0
             end = fault.start + fault.duration
             times = (evidence.t > fault.start - shift - EARLY_S) & (evidence.t <= end + shift + after)
-            mask |= times[:, None] & _struck(evidence, fault)
+            mask |= times[:, None] & struck(evidence, fault)
     return mask
 
 
@@ -104,7 +104,8 @@ def runs(mask: Mask) -> list[tuple[int, int]]:
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def _struck(evidence: Evidence, fault: Fault) -> Mask:
+def struck(evidence: Evidence, fault: Fault) -> Mask:
+    """Return which vehicles a fault strikes, (n,)."""
     if KINDS[fault.kind].whole or not fault.vehicles:
         return np.ones(len(evidence.names), dtype=np.bool_)
     return np.isin(evidence.names, fault.vehicles)

@@ -8,6 +8,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, misled
 from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.overpowered import overpowered_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
 
 
@@ -36,8 +37,8 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
 def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the ordered pairs in the zone though their setpoints clear it by `stray`.
 
-    Vehicles flown blind drift, vehicles below them evade, and vehicles with displaced markers follow them:
-    their pairs are exempt until `settle` later.
+    Vehicles flown blind drift, vehicles below them evade, vehicles with displaced markers follow them, and
+    vehicles that no command carries sink: their pairs are exempt until `settle` later.
     """
     found = []
     for (one, other), inside in clearances(evidence, circumstances):
@@ -53,7 +54,7 @@ def clearances(evidence: Evidence, circumstances: Circumstances) -> Iterator[tup
     """Yield each ordered pair and its distance from the zone [m], (T,); NaN at ticks that are not judged."""
     settle = circumstances.limits.settle
     lost = blind_lately(evidence, settle) | evading_lately(evidence, settle)
-    lost |= misled(evidence, circumstances.faults, settle)
+    lost |= misled(evidence, circumstances.faults, settle) | overpowered_lately(evidence, circumstances)
     for i, j in _pairs(evidence):
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))

@@ -3,7 +3,6 @@
 import numpy as np
 
 from q2q_model.signals.values import Array, CommandStatus, TrackStatus
-from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.blindness import (
     RECOVERY_S,
@@ -11,13 +10,13 @@ from q2q_sim.monitors.policies.blindness import (
     blind,
     blind_lately,
     evading_lately,
-    lately,
     misled,
     misplaced,
     runs,
     sent_down_lately,
 )
 from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.overpowered import overpowered_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst
 
 
@@ -27,7 +26,8 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower is
     allowed then, and for `settle` after it while it climbs again. A blind vehicle stops, and one that evades
     it is held back, while their setpoints go on: until `settle` after it, the setpoints since count. A
-    displaced marker displaces the vehicle: the allowed distance grows by as much.
+    displaced marker displaces the vehicle: the allowed distance grows by as much. A vehicle that no command
+    carries sinks: it is not judged until `settle` after it.
     """
     limits = circumstances.limits
     down = sent_down_lately(evidence, limits.settle)
@@ -42,7 +42,8 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
             off[late, row] = np.fmin.reduce(apart, axis=1)
     off = np.maximum(off - misplaced(evidence, circumstances.faults), 0.0)
     limit = limits.stray_room
-    return worst("room", evidence, off - limit, (off, limit))
+    excess = np.where(overpowered_lately(evidence, circumstances), np.nan, off - limit)
+    return worst("room", evidence, excess, (off, limit))
 
 
 def _distance(off_by: Array, down: Mask) -> Array:
@@ -65,24 +66,15 @@ def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles not back on their path `settle` after the last fault.
 
-    No controller returns a vehicle that is pushed down by more than its thrust holds: it has `settle` then.
+    No command carries a vehicle that is overpowered: it has `settle` then.
     """
     limits = circumstances.limits
-    pushed = lately(evidence, overpowered(evidence, circumstances.vehicle), limits.settle)
+    pushed = overpowered_lately(evidence, circumstances)
     calm = evidence.t > last_fault_end(evidence, circumstances.faults) + limits.settle
     cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
     off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
     excess = np.where(calm[:, None] & ~cut & ~pushed, off - limits.back, np.nan)
     return worst("return", evidence, excess, (off, limits.back))
-
-
-def overpowered(evidence: Evidence, vehicle: Vehicle) -> Mask:
-    """Return which vehicles the true downwash pushes down by more than their largest command holds, (T, n).
-
-    m (g - eta_z) > U1_max. Where the downwash is unknown, none.
-    """
-    needed = vehicle.mass * (GRAVITY - evidence.true_downwash[..., 2])
-    return np.asarray(needed > vehicle.rpyt_thrust_max)
 
 
 def last_fault_end(evidence: Evidence, faults: tuple[Fault, ...]) -> float:

@@ -1,0 +1,45 @@
+"""Vehicles that no command carries: pushed down by more than the largest one holds.
+
+    m (g - eta_z) > k U1_max          k: share of the thrust that battery and rotors still give
+
+Battery sags and weak rotors are known only where faults are injected. A rotor that gives less costs its share
+of the four. Where the downwash is unknown, no vehicle counts.
+"""
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.faults.faults import Fault
+from q2q_sim.monitors.policies.blindness import Mask, lately, struck
+from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.violations import Circumstances
+
+ROTORS = 4
+
+
+def overpowered(evidence: Evidence, circumstances: Circumstances) -> Mask:
+    """Return which vehicles no command carries at each tick, (T, n)."""
+    vehicle = circumstances.vehicle
+    needed = vehicle.mass * (GRAVITY - evidence.true_downwash[..., 2])
+    return np.asarray(needed > thrust_left(evidence, circumstances.faults) * vehicle.rpyt_thrust_max)
+
+
+def overpowered_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
+    """Return which vehicles no command carries, or carried less than `settle` [s] before, (T, n)."""
+    return lately(evidence, overpowered(evidence, circumstances), circumstances.limits.settle)
+
+
+def thrust_left(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
+    """Return the share of the thrust that battery sags and weak rotors leave, from 0 to 1, (T, n)."""
+    left: Array = np.ones((len(evidence.t), len(evidence.names)))
+    for fault in faults:
+        since = evidence.t[:, None] - fault.start
+        if fault.kind == "battery_sag":
+            lost = fault.size * np.clip(since / max(fault.duration, 1e-9), 0.0, 1.0)
+        elif fault.kind == "weak_rotor":
+            lost = fault.size / ROTORS * ((since >= 0.0) & (since < fault.duration))
+        else:
+            continue
+        left *= 1.0 - lost * struck(evidence, fault)
+    return left
