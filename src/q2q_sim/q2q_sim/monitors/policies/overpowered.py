@@ -34,12 +34,15 @@ def thrust_left(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
     """Return the share of the thrust that battery sags and weak rotors leave, from 0 to 1, (T, n)."""
     left: Array = np.ones((len(evidence.t), len(evidence.names)))
     for fault in faults:
-        since = evidence.t[:, None] - fault.start
-        if fault.kind == "battery_sag":
-            lost = fault.size * np.clip(since / max(fault.duration, 1e-9), 0.0, 1.0)
-        elif fault.kind == "weak_rotor":
-            lost = fault.size / ROTORS * ((since >= 0.0) & (since < fault.duration))
-        else:
-            continue
-        left *= 1.0 - lost * struck(evidence, fault)
+        left *= 1.0 - _lost(fault, evidence.t[:, None]) * struck(evidence, fault)
     return left
+
+
+def _lost(fault: Fault, t: Array) -> Array:
+    """Return the share of the thrust that a fault takes at times [s], (T, 1)."""
+    since = t - fault.start
+    if fault.kind == "battery_sag":
+        return np.asarray(fault.size * np.clip(since / max(fault.duration, 1e-9), 0.0, 1.0))
+    if fault.kind == "weak_rotor":
+        return np.asarray(fault.size / ROTORS * ((since >= 0.0) & (since < fault.duration)))
+    return np.zeros_like(t)
