@@ -1,24 +1,30 @@
-"""Run the benchmarks: `scripts/bench [AREA...] [--json FILE] [--plots FOLDER]`.
+"""Run the benchmarks: `scripts/bench [AREA...] [--json FILE] [--plots FOLDER] [--beside CHECKOUT]`.
 
 Each area is a module of this folder with `run() -> list[Row]`; its references are measured in the same run.
-`--plots` runs the area growth and draws it.
+Several areas run one after the other, each in a process of its own; one that fails loses its own rows only.
+`--plots` runs the area growth and draws it. `--beside` runs each area there, too, and shows both values.
 """
 
 import json
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import asdict
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 
+from area_process import AreaError, Bench
+from beside import bench_of, beside, has_area, table_beside
 from q2q_model.commands.command_line import CommandLine
 from row import Row
 
 HERE = Path(__file__).parent
-NOT_AREAS = ("bench", "neural_trajectory", "roofline", "row", "tick_profile")
+NOT_AREAS = ("area_process", "bench", "beside", "neural_trajectory", "roofline", "row", "tick_profile")
 DRAWN = "growth"
 """Area whose `run` takes a folder for its figures."""
+EXAMPLE = """  scripts/bench simulation
+  scripts/bench --json after.json --beside ../q2q_before"""
 
 
 def areas() -> list[str]:
@@ -27,26 +33,86 @@ def areas() -> list[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the chosen areas; return the exit status."""
-    made = CommandLine("bench", __doc__, "  scripts/bench simulation")
+    """Run the chosen areas; return the exit status, 1 if one failed."""
+    args = _parser().parse_args(arguments)
+    if refused := _refusal(args):
+        print(f"bench: {refused}", file=sys.stderr)
+        return 2
+    chosen = args.area or ([] if args.plots else areas())
+    if args.plots and DRAWN not in chosen:
+        chosen.append(DRAWN)
+    if len(chosen) == 1 and not args.beside:
+        _write(_run(chosen[0], args.plots), args.json)
+        return 0
+    return _run_apart(chosen, args)
+
+
+def _parser() -> CommandLine:
+    made = CommandLine("bench", __doc__, EXAMPLE)
     made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
     made.add_argument("--json", type=Path, help="write the rows to this file")
     made.add_argument("--plots", type=Path, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there")
-    args = made.parse_args(arguments)
+    made.add_argument(
+        "--beside",
+        type=Path,
+        metavar="CHECKOUT",
+        help="another checkout of q2q, whose scripts/bench runs each area after ours",
+    )
+    return made
+
+
+def _refusal(args: Namespace) -> str | None:
+    """Return why the arguments cannot be carried out."""
     for area in args.area:
         if area not in areas():
             near = get_close_matches(area, areas(), n=1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(areas())}"
-            print(f"bench: no area {area!r}; {hint}", file=sys.stderr)
-            return 2
-    chosen = args.area or ([] if args.plots else areas())
-    if args.plots and DRAWN not in chosen:
-        chosen.append(DRAWN)
-    rows = [row for area in chosen for row in _run(area, args.plots if area == DRAWN else None)]
-    if args.json:
-        args.json.parent.mkdir(parents=True, exist_ok=True)
-        args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
-    return 0
+            return f"no area {area!r}; {hint}"
+    if args.beside and not (args.beside / "scripts" / "bench").is_file():
+        return f"no scripts/bench in {args.beside}: --beside takes the folder of a checkout of q2q"
+    return None
+
+
+def _run_apart(chosen: Sequence[str], args: Namespace) -> int:
+    """Run areas in processes of their own, and beside them those of another checkout; keep what there is."""
+    rows: list[Row] = []
+    failed = []
+    for area in chosen:
+        plots = ("--plots", str(args.plots)) if args.plots and area == DRAWN else ()
+        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), silent=args.beside is not None)
+        if args.beside:
+            print(f"bench: {area} ...", file=sys.stderr)
+        try:
+            rows += _beside(area, ours.rows(area), args.beside) if args.beside else ours.rows(area)
+        except AreaError as error:
+            print(f"bench: {error}", file=sys.stderr)
+            failed.append(area)
+        _write(rows, args.json)
+    if failed:
+        print(f"bench: without the rows of {', '.join(failed)}, which failed", file=sys.stderr)
+    return int(bool(failed))
+
+
+def _beside(area: str, ours: list[Row], checkout: Path) -> list[Row]:
+    """Run the area in another checkout; print both values of each row and return the rows."""
+    from rich.console import Console
+
+    theirs: list[Row] = []
+    if has_area(checkout, area):
+        print(f"bench: {area} in {checkout} ...", file=sys.stderr)
+        try:
+            theirs = bench_of(checkout).rows(area)
+        except AreaError as error:
+            print(f"bench: in {checkout}: {error}", file=sys.stderr)
+    both = beside(ours, theirs)
+    Console().print(table_beside(area, both))
+    return both
+
+
+def _write(rows: Sequence[Row], file: Path | None) -> None:
+    if file:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
 
 
 def _run(area: str, plots: Path | None) -> list[Row]:

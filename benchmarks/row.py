@@ -8,9 +8,12 @@ class Row:
     """Figure of a benchmark."""
 
     name: str
+    """A name that starts with a space belongs to the last one before it that does not."""
     value: float
     unit: str
     reference: str | None = None
     """What it is measured against."""
     ratio: float | None = None
     """Reference over ours in the same run: above 1 we are better."""
+    there: float | None = None
+    """Value of the same row in the checkout of `--beside`; None if it has no such row."""

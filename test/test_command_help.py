@@ -82,6 +82,7 @@ REFUSALS = (
     ),
     ("q2q_control.commands.export_app --model nosuch --out x", 1, "measured_law"),
     ("bench smulation", 2, "did you mean simulation?"),
+    ("bench --beside none", 2, "no scripts/bench in none"),
 )
 SCRIPTS = ("bench", "campaign", "check", "demo", "docs", "fly", "licence", "paper", "setup", "site")
 

@@ -1,0 +1,76 @@
+"""Run of an area in a process of its own, so that a failure, or what it leaves behind, reaches no other area.
+
+The process is `bench.py AREA --json FILE` of this checkout, or `scripts/bench AREA --json FILE` of another.
+"""
+
+import json
+import subprocess
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import IO
+
+from row import Row
+
+COLUMNS = tuple(field.name for field in fields(Row))
+
+
+class AreaError(Exception):
+    """Area without rows, in one sentence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """Benchmarks of a checkout."""
+
+    command: Sequence[str]
+    """Area and `--json FILE` follow."""
+    environment: Mapping[str, str] | None = None
+    """None is that of this process."""
+    silent: bool = False
+    """Show neither its tables nor its errors, of which the last line is in the AreaError."""
+
+    def rows(self, area: str) -> list[Row]:
+        """Run an area; return its rows. Raises AreaError."""
+        with TemporaryDirectory() as folder:
+            file, log = Path(folder) / "rows.json", Path(folder) / "log"
+            with log.open("wb") as said:
+                command = [*self.command, area, "--json", str(file)]
+                status = _ended(command, self.environment, said if self.silent else None)
+            if status:
+                raise AreaError(f"{area} failed with status {status}{_last_line(log)}")
+            return read_rows(file)
+
+
+def _ended(command: Sequence[str], environment: Mapping[str, str] | None, hidden: IO[bytes] | None) -> int:
+    """Return the exit status of a command that dies with this process; its words are shown or hidden."""
+    from q2q_sim.processes.warm_start import die_with_parent
+
+    with subprocess.Popen(
+        command,
+        env=environment,
+        stdout=subprocess.DEVNULL if hidden else None,
+        stderr=hidden,
+        preexec_fn=die_with_parent,  # noqa: PLW1509 (no threads here)
+    ) as process:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:  # the terminal has told the area, too
+            process.wait()
+            raise
+
+
+def read_rows(file: Path) -> list[Row]:
+    """Return the rows of a `--json` file, of any version. Raises AreaError."""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+        return [Row(**{name: one[name] for name in COLUMNS if name in one}) for one in found]
+    except (OSError, ValueError, TypeError) as error:
+        raise AreaError(f"{file.name} cannot be read: {error}") from error
+
+
+def _last_line(log: Path) -> str:
+    lines = log.read_text(errors="replace").split("\n")
+    said = [line.strip() for line in lines if line.strip()]
+    return f": {said[-1]}" if said else ""

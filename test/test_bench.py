@@ -1,0 +1,126 @@
+"""Benchmarks as a whole, nothing measured: areas fail alone, and another checkout's rows are beside ours."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+import bench
+from area_process import AreaError, read_rows
+from beside import beside, environment_outside
+from row import Row
+
+Capture = pytest.CaptureFixture[str]
+Rows = dict[str, list[tuple[str, float]]]
+"""Names and values of each area."""
+Found = tuple[str, float, float | None]
+"""Name of a row, its value here and there."""
+PROGRAM = """import json, sys
+area, _, file = sys.argv[1:]
+rows = {rows}.get(area)
+if rows is None:
+    sys.exit("Traceback\\nValueError: no luck with " + area)
+open(file, "w").write(json.dumps([dict(name=name, value=value, unit="s") for name, value in rows]))
+"""
+
+
+def checkout(root: Path, rows: Rows, *failing: str) -> Path:
+    """Make a stand-in for a checkout of q2q, whose areas give these rows at once, or fail."""
+    for folder in ("benchmarks", "scripts"):
+        (root / folder).mkdir(parents=True)
+    for area in (*rows, *failing):
+        (root / "benchmarks" / f"{area}.py").touch()
+    program = root / "benchmarks" / "bench.py"
+    program.write_text(PROGRAM.format(rows=rows))
+    script = root / "scripts" / "bench"
+    script.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{program}" "$@"\n')
+    script.chmod(0o755)
+    return root
+
+
+def run(
+    here: Path, patch: pytest.MonkeyPatch, *words: str
+) -> tuple[int, list[tuple[str, float, float | None]]]:
+    """Run the benchmarks of a checkout; return the exit status, and name and values of each row."""
+    patch.setattr(bench, "HERE", here / "benchmarks")
+    file = here / "out" / "rows.json"
+    status = bench.main([*words, "--json", str(file)])
+    return status, [(one["name"], one["value"], one["there"]) for one in json.loads(file.read_text())]
+
+
+def test_an_area_that_fails_loses_its_own_rows_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
+):
+    here = checkout(tmp_path, {"air": [("a", 1.0)], "sea": [("b", 2.0)]}, "land")
+    assert run(here, monkeypatch) == (1, [("a", 1.0, None), ("b", 2.0, None)])
+    assert "without the rows of land" in capfd.readouterr().err
+
+
+def test_areas_that_all_succeed_end_with_0(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    here = checkout(tmp_path, {"air": [("a", 1.0)], "sea": [("b", 2.0)]})
+    assert run(here, monkeypatch) == (0, [("a", 1.0, None), ("b", 2.0, None)])
+
+
+def test_both_values_are_in_the_table_and_the_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
+):
+    here = checkout(tmp_path / "here", {"air": [("tick", 2.0), ("new", 3.0)], "sea": [("b", 7.0)]})
+    there = checkout(tmp_path / "there", {"air": [("old", 4.0), ("tick", 8.0)]})
+    status, rows = run(here, monkeypatch, "--beside", str(there))
+    assert status == 0
+    assert rows == [("tick", 2.0, 8.0), ("new", 3.0, None), ("b", 7.0, None)]
+    (line,) = [one for one in capfd.readouterr().out.splitlines() if "tick" in one]
+    assert [cell.strip() for cell in line.split("│")[1:-1]] == ["tick", "2", "8", "s", "0.25"]
+
+
+def test_an_area_that_fails_there_is_told_in_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
+):
+    here = checkout(tmp_path / "here", {"air": [("a", 1.0)]})
+    there = checkout(tmp_path / "there", {}, "air")
+    assert run(here, monkeypatch, "air", "--beside", str(there)) == (0, [("a", 1.0, None)])
+    told = [line for line in capfd.readouterr().err.splitlines() if "failed" in line]
+    assert told == [f"bench: in {there}: air failed with status 1: ValueError: no luck with air"]
+
+
+def test_an_area_that_fails_here_is_not_run_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
+):
+    here = checkout(tmp_path / "here", {"sea": [("b", 1.0)]}, "air")
+    there = checkout(tmp_path / "there", {"air": [("a", 2.0)], "sea": [("b", 3.0)]})
+    assert run(here, monkeypatch, "--beside", str(there)) == (1, [("b", 1.0, 3.0)])
+    assert f"air in {there}" not in capfd.readouterr().err
+
+
+def test_equal_names_are_matched_below_their_headings_and_in_order():
+    ours = [Row(name, value, "s") for name, value in (("ten", 1), ("  cost", 2), ("its", 3), ("its", 4))]
+    names = (("two", 10), ("  cost", 20), ("ten", 30), ("  cost", 40), ("its", 50))
+    theirs = [Row(name, value, "s") for name, value in names]
+    assert [row.there for row in beside(ours, theirs)] == [30, 40, 50, None]
+
+
+def test_another_checkout_sees_no_path_of_ours():
+    root = Path("/home/q2q")
+    seen = environment_outside(
+        root,
+        {
+            "PATH": "/home/q2q/.venv/bin:/usr/bin:/home/q2q_before/bin",
+            "VIRTUAL_ENV": "/home/q2q/.venv",
+            "Q2Q_DATA": "/home/q2q/../data",
+            "LANG": "C",
+            "EMPTY": "",
+        },
+    )
+    kept = {"PATH": "/usr/bin:/home/q2q_before/bin", "Q2Q_DATA": "/home/q2q/../data", "LANG": "C"}
+    assert seen == kept | {"EMPTY": ""}
+
+
+def test_rows_of_other_versions_are_read(tmp_path: Path):
+    file = tmp_path / "rows.json"
+    file.write_text('[{"name": "a", "value": 1.5, "unit": "s", "colour": "red"}]')
+    assert read_rows(file) == [Row("a", 1.5, "s")]
+    for broken in ('[{"name": "a"}]', "{", "[1]"):
+        file.write_text(broken)
+        with pytest.raises(AreaError, match="cannot be read"):
+            read_rows(file)
