@@ -16,7 +16,7 @@ from pathlib import Path
 
 from area_process import AreaError, Bench
 from beside import bench_of, beside, has_area, table_beside
-from q2q_model.commands.command_line import CommandLine
+from q2q_model.commands.command_line import CommandLine, output_file, output_folder
 from row import Row
 
 HERE = Path(__file__).parent
@@ -50,8 +50,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> CommandLine:
     made = CommandLine("bench", __doc__, EXAMPLE)
     made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
-    made.add_argument("--json", type=Path, help="write the rows to this file")
-    made.add_argument("--plots", type=Path, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there")
+    made.add_argument("--json", type=output_file, metavar="FILE", help="write the rows to this file")
+    made.add_argument(
+        "--plots", type=output_folder, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there"
+    )
     made.add_argument(
         "--beside",
         type=Path,
