@@ -81,9 +81,7 @@ def _run_apart(chosen: Sequence[str], args: Namespace) -> int:
     failed = []
     for area in chosen:
         plots = ("--plots", str(args.plots)) if args.plots and area == DRAWN else ()
-        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), silent=args.beside is not None)
-        if args.beside:
-            print(f"bench: {area} ...", file=sys.stderr)
+        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), tables=not args.beside)
         try:
             rows += _beside(area, ours.rows(area), args.beside) if args.beside else ours.rows(area)
         except AreaError as error:

@@ -31,7 +31,7 @@ def has_area(checkout: Path, area: str) -> bool:
 def bench_of(checkout: Path) -> Bench:
     """Return the benchmarks of another checkout."""
     script = checkout.resolve() / "scripts" / "bench"
-    return Bench((str(script),), environment_outside(ROOT, os.environ), silent=True)
+    return Bench((str(script),), environment_outside(ROOT, os.environ), tables=False, notes=False)
 
 
 def environment_outside(root: Path, environment: Mapping[str, str]) -> dict[str, str]:
