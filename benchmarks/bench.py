@@ -41,10 +41,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = args.area or ([] if args.plots else areas())
     if args.plots and DRAWN not in chosen:
         chosen.append(DRAWN)
-    if len(chosen) == 1 and not args.beside:
+    try:
+        if len(chosen) > 1 or args.beside:
+            return _run_apart(chosen, args)
         _write(_run(chosen[0], args.plots), args.json)
-        return 0
-    return _run_apart(chosen, args)
+    except KeyboardInterrupt:
+        print("bench: interrupted", file=sys.stderr)
+        return 130
+    return 0
 
 
 def _parser() -> CommandLine:
