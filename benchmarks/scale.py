@@ -44,7 +44,7 @@ def _live(vehicles: int, *, stack: bool) -> list[Row]:
     return [
         Row(f"{name}: latency p50", p50, "ms", "tick of 10 ms", 10.0 / p50),
         Row(f"{name}: latency p99", p99, "ms", "tick of 10 ms", 10.0 / p99),
-        Row(f"{name}: missed of {timing.ticks}", timing.missed_ticks, "ticks"),
+        Row(f"{name}: missed ticks", timing.missed_ticks, f"of {timing.ticks}"),
         Row(f"{name}: CPU", cores, "cores"),
         Row(f"{name}: taken by the host", taken, "s of CPU"),
     ]
