@@ -26,7 +26,7 @@ from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
 from q2q_sim.flight.resident import ResidentNodes
 from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
-from q2q_sim.monitors.policies import POLICIES, Evidence, Violation, evidence_of
+from q2q_sim.monitors.policies import POLICIES, Evidence, Violation, evidence_in_lockstep
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import scenario_from_document
 from q2q_sim.tools.judge_bags import evidence_in
@@ -222,7 +222,7 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
         with pytest.raises(ValueError, match="parameter seed: allowed is 0 or more"):
             flown("third", -1)
         again = flown("fourth", run.seed)
-    pure = evidence_of(campaign_flight.at_own_stamps(campaign_flight.flown_pure(short).signals))
+    pure = evidence_in_lockstep(campaign_flight.flown_pure(short).topics)
     assert twin(first, pure) == twin(again, pure) == ()
     assert [one.policy for one in twin(second, pure)] == [TWIN]
 

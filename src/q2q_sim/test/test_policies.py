@@ -26,7 +26,14 @@ from q2q_sim.experiments.campaign.random_run import GAINS, drawn
 from q2q_sim.faults.faults import Fault
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.policies import POLICIES, Circumstances, RecordedSignal, evidence_of, judge
+from q2q_sim.monitors.policies import (
+    POLICIES,
+    Circumstances,
+    RecordedSignal,
+    evidence_in_lockstep,
+    evidence_of,
+    judge,
+)
 from q2q_sim.scenarios import library
 from q2q_sim.sensors.vicon import ViconParams
 
@@ -251,8 +258,8 @@ def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_s
     run = replace(drawn(15), document={**drawn(15).document, **stock})
     flown = campaign_flight.flown_pure(run)
     assert flown.violations == ()
-    blind = [one for one in flown.signals if one.topic != "truth_interference"]
-    unaware = evidence_of(campaign_flight.at_own_stamps(blind))
+    blind = {topic: found for topic, found in flown.topics.items() if topic != "truth_interference"}
+    unaware = evidence_in_lockstep(blind)
     assert {one.policy for one in judge(unaware, campaign_flight.circumstances_of(run))} == {"return"}
     light = {**run.document, "vehicle": "crazyflie_2_1"}  # 27 g with the same motors
     assert campaign_flight.flown_pure(replace(run, document=light)).violations == ()

@@ -89,7 +89,7 @@ def test_a_bug_violates_the_property_that_the_sound_stack_keeps(bug: str, case: 
 
 def test_an_entry_into_the_zone_is_a_violation_unless_it_is_reported():
     run = flown("off its path")
-    ticks = run_ticks(flown_pure(run).signals)
+    ticks = run_ticks(flown_pure(run).topics)
     first = ticks.setpoints[0]
     inside = first.pos.copy()
     inside[1] = inside[0] + [0.1, 0.0, 0.0]
@@ -104,7 +104,7 @@ def test_an_entry_into_the_zone_is_a_violation_unless_it_is_reported():
 def test_a_setpoint_from_which_a_stop_enters_the_zone_is_a_violation(speed: float, broken: bool) -> None:
     """0.3 m from the zone: a stop from 1.5 m/s takes 0.56 m at 2 m/s^2, and more with bounded jerk."""
     run = flown("off its path")
-    ticks = run_ticks(flown_pure(run).signals)
+    ticks = run_ticks(flown_pure(run).topics)
     first, params = ticks.setpoints[0], safe_replanner_params(run.scenario)
     pos, vel = np.zeros((2, 3)), np.zeros((2, 3))
     pos[1, 0], vel[1, 0] = params.eps + 0.3, -speed
@@ -124,4 +124,4 @@ def test_a_swap_is_not_judged_while_one_marker_is_displaced_and_the_other_missin
         Fault("dropout", 4.1, 0.8, (missing,)),
     )
     run = with_faults(flown("upper lost"), faults)
-    assert math.isfinite(swap(run, run_ticks(flown_pure(run).signals)).margin) == judged
+    assert math.isfinite(swap(run, run_ticks(flown_pure(run).topics)).margin) == judged

@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.signals.layout import Signal
 from q2q_sim.experiments.campaign import campaign_flight
 from q2q_sim.experiments.campaign.random_run import drawn
 from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.loop import closed_loop
-from q2q_sim.monitors.policies import RecordedSignal, Violation
+from q2q_sim.monitors.policies import Violation
 from q2q_sim.scenarios import library
 
 TILTED = Violation("tilt", "cf1", 1.0, 0.5, 0.36)
@@ -17,14 +18,12 @@ TILTED = Violation("tilt", "cf1", 1.0, 0.5, 0.36)
 
 def test_a_violation_is_told_and_marked(tmp_path: Path):
     scenario = replace(library.load("table6"), duration=2.0)
-    signals: list[RecordedSignal] = []
+    topics: dict[str, list[Signal]] = {}
     options = closed_loop.FlightOptions(
-        on_signal=lambda topic, stamp_ns, signal: signals.append(
-            RecordedSignal(topic, stamp_ns / 1e9, signal)
-        )
+        on_signal=lambda topic, _, signal: topics.setdefault(topic, []).append(signal)
     )
     closed_loop.fly(scenario, options)
-    write_replay(tmp_path / "7.html", scenario, signals, [TILTED])
+    write_replay(tmp_path / "7.html", scenario, topics, [TILTED])
     page = (tmp_path / "7.html").read_text()
     assert '"name":"seed 7"' in page
     assert str(TILTED) in page
@@ -32,13 +31,13 @@ def test_a_violation_is_told_and_marked(tmp_path: Path):
 
 
 def test_a_run_that_crashed_at_once_has_no_replay(tmp_path: Path):
-    write_replay(tmp_path / "7.html", library.load("table6"), [], [replace(TILTED, t=float("nan"))])
+    write_replay(tmp_path / "7.html", library.load("table6"), {}, [replace(TILTED, t=float("nan"))])
     assert not (tmp_path / "7.html").exists()
 
 
 def test_a_campaign_keeps_the_replay_of_a_violation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     run = drawn(3)
-    flight = campaign_flight.JudgedFlight(campaign_flight.flown_pure(run).signals, (TILTED,))
+    flight = campaign_flight.JudgedFlight(campaign_flight.flown_pure(run).topics, (TILTED,))
     monkeypatch.setattr(campaign_flight, "flown_pure", lambda _: flight)
     campaign_flight.fly_and_judge(3, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {"3", "3.html", "3.yaml", "3.options.yaml"}

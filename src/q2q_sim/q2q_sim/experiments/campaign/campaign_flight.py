@@ -1,6 +1,6 @@
 """One run of a campaign by closed_loop, checked against the policies; a violation keeps bag and replay."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
@@ -11,14 +11,20 @@ import yaml
 from q2q_model.bag import BagWriter
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.stamps import time_from_stamp
 from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.loop.assembly import MODES
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
 from q2q_sim.loop.scenario_facts import scenario_facts
-from q2q_sim.monitors.policies import Circumstances, Evidence, RecordedSignal, Violation, evidence_of, judge
+from q2q_sim.monitors.policies import (
+    Circumstances,
+    Evidence,
+    RecordedSignal,
+    Violation,
+    evidence_in_lockstep,
+    judge,
+)
 
 NS = 1_000_000_000
 JUDGED = ("truth", "truth_interference", "mocap", "state", "reference_safe", "command")
@@ -29,10 +35,18 @@ JUDGED = ("truth", "truth_interference", "mocap", "state", "reference_safe", "co
 class JudgedFlight:
     """Measurements and violations of a run's flight."""
 
-    signals: tuple[RecordedSignal, ...]
+    topics: Mapping[str, Sequence[Signal]]
+    """Signals of every tick, by topic: JUDGED."""
     violations: tuple[Violation, ...]
     evidence: Evidence | None = None
     """None where the flight ended with an error."""
+
+    @property
+    def signals(self) -> tuple[RecordedSignal, ...]:
+        """Return the signals, tick by tick, each recorded at the true time of its tick."""
+        ticks = zip(*(self.topics[topic] for topic in JUDGED), strict=True)
+        timed = ((ticked[0].t, zip(JUDGED, ticked, strict=True)) for ticked in ticks)
+        return tuple(RecordedSignal(topic, at, one) for at, ticked in timed for topic, one in ticked)
 
 
 def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
@@ -42,7 +56,7 @@ def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
     flown = flown_pure(run)
     if flown.violations:
         keep(run, flown.signals, kept)
-        write_replay(kept / f"{seed}.html", run.scenario, flown.signals, flown.violations)
+        write_replay(kept / f"{seed}.html", run.scenario, flown.topics, flown.violations)
     return RunOutcome(
         seed,
         through_nodes=False,
@@ -54,20 +68,20 @@ def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
 
 def flown_pure(run: Run) -> JudgedFlight:
     """Return the run's flight by closed_loop; an error counts as a violation."""
-    signals: list[RecordedSignal] = []
+    topics: dict[str, list[Signal]] = {topic: [] for topic in JUDGED}
     evidence = None
     try:
         for tick, answer in answered_ticks(run.scenario, flight_options(run)):
-            at, state, given = time_from_stamp(tick.stamp_ns), answer.state, answer.given
             seen: tuple[Signal, ...] = (tick.truth, tick.truth_interference, tick.frame)
-            heard = (*seen, state, given, answer.command)
-            signals += [RecordedSignal(topic, at, one) for topic, one in zip(JUDGED, heard, strict=True)]
-        evidence = evidence_of(at_own_stamps(signals))
+            heard = (*seen, answer.state, answer.given, answer.command)
+            for signals, one in zip(topics.values(), heard, strict=True):
+                signals.append(one)
+        evidence = evidence_in_lockstep(topics)
         violations = judge(evidence, circumstances_of(run))
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         violations = (crash(error),)
         evidence = None
-    return JudgedFlight(tuple(signals), violations, evidence)
+    return JudgedFlight(topics, violations, evidence)
 
 
 def flight_options(run: Run) -> FlightOptions:
@@ -86,14 +100,6 @@ def circumstances_of(run: Run) -> Circumstances:
     """Return what a run's flight is judged by."""
     scenario = run.scenario
     return Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
-
-
-def at_own_stamps(signals: Sequence[RecordedSignal]) -> list[RecordedSignal]:
-    """Return the recorded messages as in a bag in lockstep: bag time is the stamp."""
-    return [
-        one if one.at == one.signal.t else RecordedSignal(one.topic, one.signal.t, one.signal)
-        for one in signals
-    ]
 
 
 def crash(error: Exception) -> Violation:

@@ -12,9 +12,9 @@ from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.scenarios.choices import ENGINES
 
-RECYCLE = 200
-"""Runs after which a process is replaced, which bounds memory leaks. By new pools: with max_tasks_per_child a
-pool may deadlock, https://github.com/python/cpython/issues/115634."""
+RECYCLE = 2000
+"""Runs after which a process is replaced, which bounds memory leaks; a start takes as long as 15 runs. By new
+pools: with max_tasks_per_child a pool may deadlock, https://github.com/python/cpython/issues/115634."""
 
 Result = TypeVar("Result")
 Work = Callable[[int], Result]

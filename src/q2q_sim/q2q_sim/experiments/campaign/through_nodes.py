@@ -15,7 +15,6 @@ import numpy as np
 from q2q_model.bag import BagError
 from q2q_sim.experiments.campaign.campaign_flight import (
     JUDGED,
-    at_own_stamps,
     crash,
     flown_pure,
     keep,
@@ -27,7 +26,7 @@ from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
 from q2q_sim.flight.resident import ResidentNodes
 from q2q_sim.flight.scenario_flight import FlightRequest, fly, load_scenario, node_specs
 from q2q_sim.flight.unfinished_bag import why_unfinished
-from q2q_sim.monitors.policies import Circumstances, Evidence, Violation, evidence_of, judge
+from q2q_sim.monitors.policies import Circumstances, Evidence, Violation, evidence_in_lockstep, judge
 from q2q_sim.tools.judge_bags import evidence_in
 
 TWIN_M = 1e-9
@@ -91,7 +90,7 @@ class NodeFlights:
             return (crash(error),)
         scenario = run.scenario
         found = judge(evidence, Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
-        return (*found, *twin(evidence, evidence_of(at_own_stamps(flown_pure(run).signals))))
+        return (*found, *twin(evidence, evidence_in_lockstep(flown_pure(run).topics)))
 
     def _through(self, request: FlightRequest, bag: Path) -> None:
         folder = self._folder / "nodes"

@@ -1,6 +1,6 @@
 """Replay page of a run that violated a policy."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,18 +8,18 @@ import numpy as np
 
 from q2q_model.flights.flight import flight_from_signals
 from q2q_model.signals.layout import Signal
-from q2q_sim.monitors.policies import RecordedSignal, Violation
+from q2q_sim.monitors.policies import Violation
 from q2q_sim.replay_page import ReplayEvent, replay_html, replay_run
 from q2q_sim.scenarios.scenario import Scenario
 
 
 def write_replay(
-    file: Path, scenario: Scenario, signals: Sequence[RecordedSignal], violations: Sequence[Violation]
+    file: Path,
+    scenario: Scenario,
+    topics: Mapping[str, Sequence[Signal]],
+    violations: Sequence[Violation],
 ) -> None:
     """Write the replay of a run with its violations marked; nothing if it ended before it can be replayed."""
-    topics: dict[str, list[Signal]] = {}
-    for one in signals:
-        topics.setdefault(one.topic, []).append(one.signal)
     try:
         flight = flight_from_signals(file.stem, topics).flight
         run = replay_run(flight, scenario.vehicle, f"seed {file.stem}")

@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from q2q_model.bag import BagReader, BagWriter
+from q2q_model.signals.layout import Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_sim.experiments.campaign.campaign_flight import NS, circumstances_of, crash, flown_pure
 from q2q_sim.experiments.campaign.random_run import Run
@@ -27,7 +28,7 @@ from q2q_sim.experiments.guided.stated_properties import (
 )
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, run_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
-from q2q_sim.monitors.policies import RecordedSignal, Violation
+from q2q_sim.monitors.policies import Violation
 from q2q_sim.monitors.policies.margins import margins
 from q2q_sim.monitors.policies.overpowered import overpowered
 
@@ -74,14 +75,14 @@ def fly_attacked(run: Run) -> AttackedFlight:
     flown = flown_pure(run)
     if flown.evidence is None:
         return AttackedFlight(flown.violations)
-    ticks = run_ticks(flown.signals)
+    ticks = run_ticks(flown.topics)
     stated = {name: judged(run, ticks) for name, judged in PROPERTIES.items()}
     found = [one for outcome in stated.values() for one in outcome.violations]
     circumstances = circumstances_of(run)
     known = dict(margins(flown.evidence, circumstances))
     known |= {name: outcome.margin for name, outcome in stated.items()}
     try:
-        found += _record(flown.signals)
+        found += _record(flown.topics)
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         found.append(crash(error))
     return AttackedFlight(
@@ -96,18 +97,18 @@ def bounded(margin: float) -> float:
     return min(max(margin, -WORST), WORST)
 
 
-def _record(signals: Sequence[RecordedSignal]) -> Iterator[Violation]:
+def _record(topics: Mapping[str, Sequence[Signal]]) -> Iterator[Violation]:
     """Yield a violation if the bag of the recorded topics, read back, has other messages."""
-    written = sorted((one for one in signals if one.topic in RECORDED), key=lambda one: one.at)
+    written = {topic: topics[topic] for topic in RECORDED}
     with TemporaryDirectory() as folder:
         bag = Path(folder) / "bag"
         with BagWriter(bag) as writer:
-            for one in written:
-                writer.write_signal(one.topic, round(one.at * NS), one.signal)
+            for truth, *told in zip(topics["truth"], *written.values(), strict=True):
+                for topic, one in zip(RECORDED, told, strict=True):
+                    writer.write_signal(topic, round(truth.t * NS), one)
         read = BagReader(bag).rows(RECORDED)
     for topic in RECORDED:
-        mine = rows_of_signals([one.signal for one in written if one.topic == topic])
-        if not _same(mine, read[topic]):
+        if not _same(rows_of_signals(written[topic]), read[topic]):
             yield Violation(RECORD, topic, math.nan, math.nan, 0.0)
             return
 

@@ -21,7 +21,7 @@ A vehicle that no command carries (overpowered) is not judged by zone, room, flo
 after it. Its commands have status SATURATED.
 """
 
-from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_of
+from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_in_lockstep, evidence_of
 from q2q_sim.monitors.policies.judgement import POLICIES, judge
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
@@ -32,6 +32,7 @@ __all__ = [
     "Limits",
     "RecordedSignal",
     "Violation",
+    "evidence_in_lockstep",
     "evidence_of",
     "judge",
 ]

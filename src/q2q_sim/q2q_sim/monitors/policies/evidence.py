@@ -4,7 +4,7 @@ Rows are ticks, with the stamps of `truth` if recorded, else of the first topic 
 signal belongs to the tick with its stamp; of several, the last counts. Missing values are NaN.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import NamedTuple
@@ -84,17 +84,33 @@ def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
     Raises:
         ValueError: no message names vehicles and ticks.
     """
-    by_topic: dict[str, list[RecordedSignal]] = {}
+    signals: dict[str, list[Signal]] = {}
+    commanded_at = []
     for one in recorded:
-        by_topic.setdefault(one.topic, []).append(one)
-    signals = {topic: [one.signal for one in found] for topic, found in by_topic.items()}
+        signals.setdefault(one.topic, []).append(one.signal)
+        if one.topic == "command":
+            commanded_at.append(one.at)
+    return _evidence(signals, np.array(commanded_at))
+
+
+def evidence_in_lockstep(signals: Mapping[str, Sequence[Signal]]) -> Evidence:
+    """Return the evidence from a flight's signals by topic, recorded at their own stamps.
+
+    Raises:
+        ValueError: no signal names vehicles and ticks.
+    """
+    return _evidence(signals, _stamps(signals.get("command", [])))
+
+
+def _evidence(signals: Mapping[str, Sequence[Signal]], commanded_at: Array) -> Evidence:
+    """Return the evidence from signals by topic and the times of recording of the commands [s], (K,)."""
     naming = next((signals[topic] for topic in NAMING if signals.get(topic)), None)
     if naming is None:
         raise ValueError(f"no ticks: a flight needs one of {', '.join(NAMING)}")
     names = tuple(dict.fromkeys(name for signal in naming for name in signal.names))
-    grid = _Grid(np.unique([signal.t for signal in naming]), names)
+    grid = _Grid(np.unique(_stamps(naming)), names)
     states, commands = _Table(grid, signals.get("state", [])), _Table(grid, signals.get("command", []))
-    timed_commands = by_topic.get("command", [])
+    command_stamps = _stamps(signals.get("command", []))
     true_pos = _Table(grid, signals.get("truth", [])).column("pos", 3)
     sent = _Table(grid, signals.get("reference_safe") or signals.get("reference", []))
     return Evidence(
@@ -110,11 +126,15 @@ def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
         roll=commands.column("roll", 1),
         pitch=commands.column("pitch", 1),
         command_status=commands.column("status", 1),
-        commanded_at=np.array([one.at for one in timed_commands]),
-        live=any(abs(one.at - one.signal.t) > SAME_TICK for one in timed_commands),
+        commanded_at=commanded_at,
+        live=bool((np.abs(commanded_at - command_stamps) > SAME_TICK).any()),
         not_finite=tuple(filter(None, (_first_not_finite(topic, found) for topic, found in signals.items()))),
         true_downwash=_Table(grid, signals.get("truth_interference", [])).column("acc", 3),
     )
+
+
+def _stamps(signals: Sequence[Signal]) -> Array:
+    return np.array([one.t for one in signals], dtype=np.float64)
 
 
 def _seen(grid: "_Grid", frames: Sequence[Signal], true_pos: Array) -> NDArray[np.bool_]:
@@ -174,7 +194,7 @@ class _Table:
 
 def _last_of_rows(t: Array, signals: Sequence[Signal]) -> dict[int, int]:
     """Return the row of each signal that is the last of its row."""
-    stamps = np.array([signal.t for signal in signals])
+    stamps = _stamps(signals)
     rows = np.clip(np.searchsorted(t, stamps - SAME_TICK), 0, len(t) - 1)
     mine = np.abs(t[rows] - stamps) <= SAME_TICK
     last = dict(zip(rows[mine].tolist(), np.flatnonzero(mine).tolist(), strict=True))

@@ -1,6 +1,6 @@
 """Signals of a run as arrays, one row a tick in the order in which they were made, whatever their stamps."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
@@ -19,7 +19,6 @@ from q2q_model.signals.values import (
     SwarmState,
 )
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.monitors.policies import RecordedSignal
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,19 +62,16 @@ def over_ticks(signals: Sequence[Signal], attribute: str) -> Array:
     return joined(list(map(attrgetter(attribute), signals)))
 
 
-def run_ticks(signals: Sequence[RecordedSignal]) -> RunTicks:
-    """Return the ticks of a run from its signals, as `closed_loop` makes them: one of each a tick."""
-    by_topic: dict[str, list[Signal]] = {}
-    for one in signals:
-        by_topic.setdefault(one.topic, []).append(one.signal)
-    truth = tuple(one for one in by_topic["truth"] if isinstance(one, SwarmState))
-    commands = tuple(one for one in by_topic["command"] if isinstance(one, SwarmCommand))
+def run_ticks(topics: Mapping[str, Sequence[Signal]]) -> RunTicks:
+    """Return the ticks of a run from its signals by topic, as `closed_loop` makes them: one each a tick."""
+    truth = tuple(one for one in topics["truth"] if isinstance(one, SwarmState))
+    commands = tuple(one for one in topics["command"] if isinstance(one, SwarmCommand))
     return RunTicks(
         t=np.array([one.t for one in truth]),
         stamp=np.array([one.t for one in commands]),
         names=truth[0].names,
         truth=truth,
-        states=tuple(one for one in by_topic["state"] if isinstance(one, SwarmState)),
-        setpoints=tuple(one for one in by_topic["reference_safe"] if isinstance(one, SwarmSetpoint)),
+        states=tuple(one for one in topics["state"] if isinstance(one, SwarmState)),
+        setpoints=tuple(one for one in topics["reference_safe"] if isinstance(one, SwarmSetpoint)),
         commands=commands,
     )
