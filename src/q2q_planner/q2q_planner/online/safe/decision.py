@@ -41,12 +41,23 @@ def decided(
 ) -> tuple[CommittedMotion, Decision]:
     """Return the motion that the swarm commits to, and what else is decided."""
     bounds = _Bounds(params.hold, params.acc_max, params.speed_max, params.jerk_max > 0.0)
-    acc, hold, on_reference, pushed, jerk = _committed(committed.rows, wanted, choice, params.hold)
+    (acc, hold, on_reference, pushed, jerk), (now, outside) = _decided(
+        committed.rows, wanted, choice, pairs, bounds
+    )
     motion = CommittedMotion(
         committed.t, committed.names, committed.pos, committed.vel, acc, hold, on_reference, pushed, jerk
     )
-    now, outside = _decision(motion.rows, pairs, bounds)
     return motion, Decision(now, outside)
+
+
+@compiled
+def _decided(
+    rows: MotionRows, wanted: WantedMotion, choice: Choices, pairs: Pairs, bounds: _Bounds
+) -> tuple[tuple[Array, Array, Mask, Mask, Array], tuple[Array, Mask]]:
+    """Return the fields of the committed motion that change, and those of the decision."""
+    acc, hold, on_reference, pushed, jerk = _committed(rows, wanted, choice, bounds.hold)
+    motion = MotionRows(rows.pos, rows.vel, acc, hold, on_reference, pushed, jerk)
+    return (acc, hold, on_reference, pushed, jerk), _decision(motion, pairs, bounds)
 
 
 @compiled

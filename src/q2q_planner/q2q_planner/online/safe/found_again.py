@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names
 from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask
 from q2q_planner.online.safe.last_known_states import KnownStates
@@ -33,11 +34,17 @@ class LostVehicles:
     def found(self, known: KnownStates) -> Mask:
         """Return the vehicles that were lost and are measured now, (n,)."""
         before = self._lost if known.names == self._names else np.zeros(len(known.names), np.bool_)
-        fresh = known.age <= FRESH_S
-        # never measured is not lost: a vehicle begins on its reference
-        now = (known.age > BLIND_S) & np.isfinite(known.age)
-        self._names, self._lost = known.names, now | (before & ~fresh)
-        return np.asarray(before & fresh)
+        self._names, self._lost = known.names, np.empty_like(before)
+        return _found(known.age, before, self._lost)
+
+
+@compiled
+def _found(age: Array, before: Mask, lost: Mask) -> Mask:
+    """Return who was lost before and is measured now, (n,); write who is lost now, (n,)."""
+    fresh = age <= FRESH_S
+    # never measured is not lost: a vehicle begins on its reference
+    lost[:] = (age > BLIND_S) & np.isfinite(age) | before & ~fresh
+    return before & fresh
 
 
 def restarted(

@@ -58,7 +58,7 @@ class LastKnownStates:
         """Store a state; rows with NaN, or not newer than the stored one, are ignored."""
         self._expect(state.names)
         told = _Rows(np.array(state.pos), np.array(state.vel), state.t - state.age)
-        self._rows = _newest(self._rows, told, index_of(state.names, self._names))
+        _take_newest(self._rows, told, index_of(state.names, self._names))
 
     def external(self, swarm: Names, t: float, forget: float) -> KnownStates:
         """Return the states of all vehicles outside the swarm that are younger than `forget` [s]."""
@@ -99,17 +99,16 @@ class LastKnownStates:
 
 
 @compiled
-def _newest(known: _Rows, told: _Rows, rows: Rows) -> _Rows:
-    """Return known states updated by finite ones that are newer; `rows` are their rows there, (m,)."""
-    pos, vel, stamp = known.pos.copy(), known.vel.copy(), known.stamp.copy()
+def _take_newest(known: _Rows, told: _Rows, rows: Rows) -> None:
+    """Update known states by finite ones that are newer; `rows` are their rows there, (m,)."""
     for row in range(rows.size):
         there = rows[row]
         finite = np.isfinite(told.stamp[row])
         for axis in range(3):
             finite &= np.isfinite(told.pos[row, axis]) and np.isfinite(told.vel[row, axis])
-        if finite and told.stamp[row] > stamp[there]:
-            pos[there], vel[there], stamp[there] = told.pos[row], told.vel[row], told.stamp[row]
-    return _Rows(pos, vel, stamp)
+        if finite and told.stamp[row] > known.stamp[there]:
+            known.pos[there], known.vel[there] = told.pos[row], told.vel[row]
+            known.stamp[there] = told.stamp[row]
 
 
 @lru_cache(maxsize=KNOWN_NAMES)

@@ -38,10 +38,25 @@ and the least push along the zone's normal that keeps the pair's approach stoppa
 
 import numpy as np
 
+from q2q_model.compiled import compiled
 from q2q_model.signals.repeated_stamp import is_repeated
-from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState, index_of
+from q2q_model.signals.values import (
+    Array,
+    Names,
+    SetpointStatus,
+    Status,
+    SwarmSetpoint,
+    SwarmState,
+    index_of,
+)
 from q2q_planner.online.safe.candidate_motions import PairedTraffic
-from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, propagated, reference_rows
+from q2q_planner.online.safe.committed_motion import (
+    CommittedMotion,
+    Mask,
+    distance,
+    propagated,
+    reference_rows,
+)
 from q2q_planner.online.safe.decision import decided
 from q2q_planner.online.safe.found_again import LostVehicles, restarted
 from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
@@ -55,6 +70,7 @@ from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
 TURN = 0.01
 """Time for which the same vehicle of a pair yields first [s]: one tick."""
+_SHIFTED, _PROMISE_BROKEN = int(SetpointStatus.SHIFTED), int(SetpointStatus.PROMISE_BROKEN)
 
 
 class SafeReplanner:
@@ -144,11 +160,9 @@ def _choice(
 
 def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:
     """Return the setpoint of the tick; the reference object itself if no vehicle deviates from it."""
-    if committed.on_reference.all() and not broken.any():
+    status = setpoint.status.copy()
+    if not _marked(status, committed.pos, np.array(setpoint.pos), committed.on_reference, broken):
         return setpoint
-    moved = np.sqrt(((committed.pos - setpoint.pos) ** 2).sum(-1)) > SHIFT_TOLERANCE
-    status = np.where(moved, np.uint8(SetpointStatus.SHIFTED), setpoint.status)
-    status = np.where(broken, np.uint8(SetpointStatus.PROMISE_BROKEN), status).astype(np.uint8)
     return SwarmSetpoint(
         setpoint.t,
         setpoint.names,
@@ -159,3 +173,16 @@ def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, a
         setpoint.yaw_rate,
         status,
     )
+
+
+@compiled
+def _marked(status: Status, pos: Array, reference: Array, on_reference: Mask, broken: Mask) -> bool:
+    """Mark in `status`, (n,), who is shifted and who broke the promise; return whether any deviates."""
+    deviates = False
+    for row in range(status.size):
+        deviates |= broken[row] or not on_reference[row]
+        if broken[row]:
+            status[row] = _PROMISE_BROKEN
+        elif distance(pos, reference, row) > SHIFT_TOLERANCE:
+            status[row] = _SHIFTED
+    return deviates
