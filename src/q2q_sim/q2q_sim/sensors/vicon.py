@@ -11,8 +11,8 @@ Effects on a frame, applied in this order, each from its own random stream:
 | stale | the frame before the burst repeated under new stamps, all vehicles | STALE |
 | dropout, missing | vehicle absent from the frame for 0.1-0.3 s, or for seconds | DROPOUT |
 
-Rates and sizes are those that Crazyswarm users report (docs and issue trackers); VICON's static noise is
-0.15 mm. `injected` lists the effects on the last frame, for tests only. The camera's latency is not modelled
+The first frame says which vehicle is which: no swap begins in it. Rates and sizes are those that Crazyswarm
+users report (docs and issue trackers); VICON's static noise is 0.15 mm. `injected` lists the effects on the last frame, for tests only. The camera's latency is not modelled
 here: a controller knows only stamps, so late frames and late commands are equivalent, and the room adds both
 delays to the radio's (q2q_sim.loop.room).
 """
@@ -152,7 +152,7 @@ class Vicon:
         for row in np.flatnonzero(begins):
             away = np.linalg.norm(true_pos - true_pos[row], axis=1)
             away[row] = np.inf
-            self._partner[row] = np.argmin(away)
+            self._partner[row] = row if self._last is None else np.argmin(away)
         rows = np.arange(len(pos))
         for row in np.flatnonzero(swaps):
             rows[[row, self._partner[row]]] = rows[[self._partner[row], row]]
