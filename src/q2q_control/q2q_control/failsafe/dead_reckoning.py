@@ -4,10 +4,10 @@
     v' = a + eta - b,  p' = v         eta: predicted downwash, 0 without a prediction
     V  = v + L (a + eta - b)          velocity once all commands have taken effect
 
-While a vehicle is measured, p is its position, and a Luenberger observer with two poles at -w corrects v and
-b by its velocity. A weak battery, a wind, the tilt that a weak rotor costs, and a downwash that is not
-predicted appear in b; an acceleration that the controller wants does not. Without measurements the motion is
-integrated, with the balance of the last one.
+While a vehicle is measured, p and v are its position and velocity, and a Luenberger observer with two poles
+at -w, whose velocity is o, learns b. A weak battery, a wind, the tilt that a weak rotor costs, and a downwash
+that is not predicted appear in b; an acceleration that the controller wants does not. Without measurements
+the motion is integrated, with the balance of the last one.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -15,6 +15,7 @@ integrated, with the balance of the last one.
 | v | VEL | velocity, world [m/s] |
 | a | ACC | acceleration by commands, world [m/s^2] |
 | b | BALANCE | acceleration by commands at which the velocity is steady, less -eta [m/s^2] |
+| o | OBSERVED | velocity of the observer [m/s] |
 | psi | YAW | last measured yaw [rad] |
 | L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust [s] |
 | w | OBSERVER | bandwidth of the observer [rad/s] |
@@ -34,17 +35,17 @@ THRUST_LAG_S = 0.026 + CRAZYFLIE_2_0.thrust_lag
 """From a command to its thrust [s]: camera and radio (settings), and the rotors (quadcopter)."""
 LAG_S = THRUST_LAG_S + 0.12
 """From a command to its tilt [s]: that of the torque, and 2 zeta / w_n (attitude_law)."""
-OBSERVER = 3.0, 8.0
-"""Bandwidth of the balance, horizontal and vertical [rad/s]: 1 / L, 1 / L_T or less."""
+OBSERVER = 2.0, 8.0
+"""Bandwidth of the balance, horizontal and vertical [rad/s]: below 1 / L and 1 / L_T; a gust is none."""
 BALANCE_MAX = 3.0
 """Largest balance on an axis, and largest lift of a vehicle without measurements [m/s^2]: less than the
 thrust of a Crazyflie 2.0 leaves above its weight, and little beside that of a vehicle on the ground."""
 
 TRACKED = int(TrackStatus.TRACKED)
 """Status of a measured vehicle."""
-POS, VEL, ACC, BALANCE, YAW, SEEN = 0, 3, 6, 9, 12, 13
+POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED = 0, 3, 6, 9, 12, 13, 14
 """Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
-WIDTH = 14
+WIDTH = 17
 UNKNOWN = np.array([math.nan] * 3 + [0.0] * (WIDTH - 3))
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
@@ -96,7 +97,9 @@ def _propagate(one: Array, command: tuple[float, float, float], push: Array, ela
         lag = THRUST_LAG_S if k == 2 else LAG_S
         decay, lacking, before = math.exp(-elapsed / lag), one[ACC + k] - aimed, one[VEL + k]
         pushed = push[k] if abs(push[k]) < math.inf else 0.0
-        one[VEL + k] += (aimed + pushed - one[BALANCE + k]) * elapsed + lacking * lag * (1.0 - decay)
+        gained = (aimed + pushed - one[BALANCE + k]) * elapsed + lacking * lag * (1.0 - decay)
+        one[VEL + k] += gained
+        one[OBSERVED + k] += gained
         one[ACC + k] = aimed + lacking * decay
         one[POS + k] += 0.5 * elapsed * (before + one[VEL + k])
 
@@ -105,13 +108,13 @@ def _propagate(one: Array, command: tuple[float, float, float], push: Array, ela
 def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
     """Correct a track (WIDTH,) by a measurement `elapsed` [s] after the last one; begin it if it was lost."""
     for k in range(3):
-        error = vel[k] - one[VEL + k]
-        one[POS + k] = pos[k]
+        error = vel[k] - one[OBSERVED + k]
+        one[POS + k], one[VEL + k] = pos[k], vel[k]
         if one[SEEN] == 0.0 or not abs(error) < math.inf:
-            one[VEL + k] = vel[k]
+            one[OBSERVED + k] = vel[k]
         elif elapsed > 0.0:
             fast = math.exp(-(OBSERVER[1] if k == 2 else OBSERVER[0]) * elapsed)
-            one[VEL + k] += (1.0 - fast * fast) * error
+            one[OBSERVED + k] += (1.0 - fast * fast) * error
             balance = one[BALANCE + k] - (1.0 - fast) ** 2 / elapsed * error
             one[BALANCE + k] = min(max(balance, -BALANCE_MAX), BALANCE_MAX)
 
