@@ -182,7 +182,7 @@ def test_what_was_balanced_is_balanced_without_measurements(push: np.ndarray, of
     """A steady push, and a vehicle that leans when it is told to be level."""
     plant = Flown(np.zeros(3), 0.4, push, offset)
     frame = np.array([[np.cos(0.4), np.sin(0.4), 0.0], [-np.sin(0.4), np.cos(0.4), 0.0], [0.0, 0.0, 1.0]])
-    trim = np.array([0.0, GRAVITY * np.sin(offset), 0.0])
+    trim = np.array([0.0, (GRAVITY - push[2]) * np.sin(offset), 0.0])  # of the thrust that it flies at
     found = flown(plant, (trim - frame @ push)[None], (600, 100))
     unbalanced = np.linalg.norm(push + trim)  # [m/s], in a second
     assert np.linalg.norm(found[-1, 3:6]) < 0.03 + 0.03 * unbalanced
