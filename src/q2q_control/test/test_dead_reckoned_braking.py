@@ -177,7 +177,7 @@ WINDS = {"none": np.zeros(3), "wind": np.array([0.5, -0.3, 0.0]), "downwash": np
 
 
 @pytest.mark.parametrize("push", WINDS.values(), ids=WINDS)
-@pytest.mark.parametrize("offset", [0.0, 0.08], ids=["true", "trimmed"])
+@pytest.mark.parametrize("offset", [0.0, 0.05], ids=["true", "trimmed"])
 def test_what_was_balanced_is_balanced_without_measurements(push: np.ndarray, offset: float) -> None:
     """A steady push, and a vehicle that leans when it is told to be level."""
     plant = Flown(np.zeros(3), 0.4, push, offset)
