@@ -28,33 +28,21 @@ class Bench:
     """Area and `--json FILE` follow."""
     environment: Mapping[str, str] | None = None
     """None is that of this process."""
-<<<<<<< HEAD
     tables: bool = True
     """Show its tables."""
     notes: bool = True
     """Show what else it says; if not, the last line of that is in an AreaError."""
-=======
-    silent: bool = False
-    """Show neither its tables nor its errors, of which the last line is in the AreaError."""
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
 
     def rows(self, area: str) -> list[Row]:
         """Run an area; return its rows. Raises AreaError."""
         with TemporaryDirectory() as folder:
             file, log = Path(folder) / "rows.json", Path(folder) / "log"
-<<<<<<< HEAD
             with log.open("wb") as notes:
                 status = self._ended([area, "--json", str(file)], None if self.notes else notes)
-=======
-            with log.open("wb") as said:
-                command = [*self.command, area, "--json", str(file)]
-                status = _ended(command, self.environment, said if self.silent else None)
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
             if status:
                 raise AreaError(f"{area} failed with status {status}{_last_line(log)}")
             return read_rows(file)
 
-<<<<<<< HEAD
     def _ended(self, words: Sequence[str], notes: IO[bytes] | None) -> int:
         """Return the exit status of the command with these words, in a process that dies with this one."""
         from q2q_sim.processes.warm_start import die_with_parent
@@ -71,25 +59,6 @@ class Bench:
             except KeyboardInterrupt:  # the terminal has told the area, too
                 process.wait()
                 raise
-=======
-
-def _ended(command: Sequence[str], environment: Mapping[str, str] | None, hidden: IO[bytes] | None) -> int:
-    """Return the exit status of a command that dies with this process; its words are shown or hidden."""
-    from q2q_sim.processes.warm_start import die_with_parent
-
-    with subprocess.Popen(
-        command,
-        env=environment,
-        stdout=subprocess.DEVNULL if hidden else None,
-        stderr=hidden,
-        preexec_fn=die_with_parent,  # noqa: PLW1509 (no threads here)
-    ) as process:
-        try:
-            return process.wait()
-        except KeyboardInterrupt:  # the terminal has told the area, too
-            process.wait()
-            raise
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
 
 
 def read_rows(file: Path) -> list[Row]:

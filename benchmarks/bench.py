@@ -16,11 +16,7 @@ from pathlib import Path
 
 from area_process import AreaError, Bench
 from beside import bench_of, beside, has_area, table_beside
-<<<<<<< HEAD
 from q2q_model.commands.command_line import CommandLine, output_file, output_folder
-=======
-from q2q_model.commands.command_line import CommandLine
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
 from row import Row
 
 HERE = Path(__file__).parent
@@ -45,7 +41,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = args.area or ([] if args.plots else areas())
     if args.plots and DRAWN not in chosen:
         chosen.append(DRAWN)
-<<<<<<< HEAD
     try:
         if len(chosen) > 1 or args.beside:
             return _run_apart(chosen, args)
@@ -54,26 +49,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("bench: interrupted", file=sys.stderr)
         return 130
     return 0
-=======
-    if len(chosen) == 1 and not args.beside:
-        _write(_run(chosen[0], args.plots), args.json)
-        return 0
-    return _run_apart(chosen, args)
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
 
 
 def _parser() -> CommandLine:
     made = CommandLine("bench", __doc__, EXAMPLE)
     made.add_argument("area", nargs="*", help=f"areas to run (default: all of {', '.join(areas())})")
-<<<<<<< HEAD
     made.add_argument("--json", type=output_file, metavar="FILE", help="write the rows to this file")
     made.add_argument(
         "--plots", type=output_folder, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there"
     )
-=======
-    made.add_argument("--json", type=Path, help="write the rows to this file")
-    made.add_argument("--plots", type=Path, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there")
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
     made.add_argument(
         "--beside",
         type=Path,
@@ -101,13 +85,7 @@ def _run_apart(chosen: Sequence[str], args: Namespace) -> int:
     failed = []
     for area in chosen:
         plots = ("--plots", str(args.plots)) if args.plots and area == DRAWN else ()
-<<<<<<< HEAD
         ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), tables=not args.beside)
-=======
-        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), silent=args.beside is not None)
-        if args.beside:
-            print(f"bench: {area} ...", file=sys.stderr)
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
         try:
             rows += _beside(area, ours.rows(area), args.beside) if args.beside else ours.rows(area)
         except AreaError as error:

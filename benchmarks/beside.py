@@ -31,11 +31,7 @@ def has_area(checkout: Path, area: str) -> bool:
 def bench_of(checkout: Path) -> Bench:
     """Return the benchmarks of another checkout."""
     script = checkout.resolve() / "scripts" / "bench"
-<<<<<<< HEAD
     return Bench((str(script),), environment_outside(ROOT, os.environ), tables=False, notes=False)
-=======
-    return Bench((str(script),), environment_outside(ROOT, os.environ), silent=True)
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
 
 
 def environment_outside(root: Path, environment: Mapping[str, str]) -> dict[str, str]:

@@ -38,11 +38,8 @@ NEURAL_TIME = 60.0
 ROOMS = (10, 50, 100, 200)
 WANTED = {200: 20.0}
 """Processor time in which a room's joint plan is wanted [s]."""
-<<<<<<< HEAD
 LONGEST = 60.0
 """Processor time after which a joint plan is given up [s]."""
-=======
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
 TICKS = {10: 400, 100: 400, 500: 100}
 """Vehicles, and how many ticks are timed in the middle of the crossing."""
 GRID, JITTER = 0.8, 0.1
@@ -182,13 +179,7 @@ def _joint(count: int) -> list[Row]:
     wanted = WANTED.get(count)
     within = (f"within {wanted:g} s", wanted / taken) if wanted else (None, None)
     if found is None:
-<<<<<<< HEAD
         return [Row(f"{name}, NOT found", taken, "s", *within)]
-=======
-        return [Row(f"{name}, NOT found", taken, "s")]
-    wanted = WANTED.get(count)
-    within = (f"within {wanted:g} s", wanted / taken) if wanted else (None, None)
->>>>>>> 4a6d5c5 (Run benchmark areas apart, and those of another checkout beside them)
     return [
         Row(f"{name}, certified", taken, "s", *within),
         Row("  snap cost over the infimum", found.cost / found.infimum, ""),
