@@ -12,6 +12,7 @@ from q2q_control.failsafe.dead_reckoning import (
     BALANCE_MAX,
     LAG_S,
     THRUST_LAG_S,
+    VEL,
     WIDTH,
     Sight,
     reckon,
@@ -208,8 +209,20 @@ def test_no_more_is_balanced_than_a_vehicle_may_be_given(share: float) -> None:
     for _ in range(300):
         asked = Command(np.full(1, share * HOVER), np.zeros(1), np.zeros(1))
         reckon(track, asked, np.zeros((1, 3)), (TICK, HOVER), sight)
-    assert track[0, BALANCE + 2] == np.sign(share - 1.0) * BALANCE_MAX
+    assert track[0, BALANCE + 2] == np.sign(share - 1.0) * BALANCE_MAX[1]
     np.testing.assert_array_equal(track[0, BALANCE : BALANCE + 2], 0.0)
+
+
+@pytest.mark.parametrize("speed", [3.0, 1e300, np.inf, np.nan])
+def test_a_velocity_that_jumps_is_no_balance(speed: float) -> None:
+    """A track that restarts, or a state that means nothing, for 0.1 s."""
+    track, level = np.zeros((1, WIDTH)), Command(np.full(1, HOVER), np.zeros(1), np.zeros(1))
+    for k in range(100):
+        vel = np.full((1, 3), speed if 50 <= k < 60 else 0.0)
+        sight = Sight(np.zeros((1, 3)), vel, LEVEL, np.zeros(1, np.uint8))
+        reckon(track, level, np.zeros((1, 3)), (TICK, HOVER), sight)
+    np.testing.assert_array_equal(track[0, VEL : VEL + 3], 0.0)
+    np.testing.assert_array_equal(track[0, BALANCE : BALANCE + 3], 0.0)
 
 
 def test_the_largest_deceleration_asks_for_no_more_tilt_than_the_controllers() -> None:

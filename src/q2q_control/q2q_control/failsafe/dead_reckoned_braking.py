@@ -216,7 +216,8 @@ class DeadReckonedBraking:
         """Return the thrust [N] that keeps vehicles level at their height, and lets those sink that land."""
         rising = self._coming()[:, 2]
         rising = np.where(command.status == CommandStatus.LAND, np.maximum(rising, 0.0), rising)
-        lift = np.clip(self._balance()[:, 2] - rising / BRAKING_S, -BALANCE_MAX, BALANCE_MAX)
+        most = BALANCE_MAX[1]
+        lift = np.clip(self._balance()[:, 2] - rising / BRAKING_S, -most, most)
         return np.asarray(command.thrust + self._hover_thrust * lift / GRAVITY)
 
     def _tilt(self) -> tuple[Array, Array]:

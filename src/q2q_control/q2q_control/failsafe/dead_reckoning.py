@@ -37,9 +37,12 @@ LAG_S = THRUST_LAG_S + 0.12
 """From a command to its tilt [s]: that of the torque, and 2 zeta / w_n (attitude_law)."""
 OBSERVER = 2.0, 8.0
 """Bandwidth of the balance, horizontal and vertical [rad/s]: below 1 / L and 1 / L_T; a gust is none."""
-BALANCE_MAX = 3.0
-"""Largest balance on an axis, and largest lift of a vehicle without measurements [m/s^2]: less than the
-thrust of a Crazyflie 2.0 leaves above its weight, and little beside that of a vehicle on the ground."""
+BALANCE_MAX = 1.5, 3.0
+"""Largest balance on an axis, horizontal and vertical, and largest lift of a vehicle without measurements
+[m/s^2]: a tilt of 0.15 rad; less than the thrust of a Crazyflie 2.0 leaves above its weight. A vehicle on the
+ground balances whatever it is told."""
+RESTART = 2.0
+"""Error of the observed velocity that no disturbance makes: its track restarted [m/s]."""
 
 TRACKED = int(TrackStatus.TRACKED)
 """Status of a measured vehicle."""
@@ -94,7 +97,7 @@ def _propagate(one: Array, command: tuple[float, float, float], push: Array, ela
     cos, sin = math.cos(one[YAW]), math.sin(one[YAW])
     lift = GRAVITY * (share * math.cos(roll) * math.cos(pitch) - 1.0)
     for k, aimed in enumerate((cos * ahead - sin * aside, sin * ahead + cos * aside, lift)):
-        lag = THRUST_LAG_S if k == 2 else LAG_S
+        lag = (LAG_S, THRUST_LAG_S)[k // 2]
         decay, lacking, before = math.exp(-elapsed / lag), one[ACC + k] - aimed, one[VEL + k]
         pushed = push[k] if abs(push[k]) < math.inf else 0.0
         gained = (aimed + pushed - one[BALANCE + k]) * elapsed + lacking * lag * (1.0 - decay)
@@ -110,13 +113,14 @@ def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
     for k in range(3):
         error = vel[k] - one[OBSERVED + k]
         one[POS + k], one[VEL + k] = pos[k], vel[k]
-        if one[SEEN] == 0.0 or not abs(error) < math.inf:
+        if one[SEEN] == 0.0 or not abs(error) < RESTART:
             one[OBSERVED + k] = vel[k]
         elif elapsed > 0.0:
-            fast = math.exp(-(OBSERVER[1] if k == 2 else OBSERVER[0]) * elapsed)
+            bandwidth, most = OBSERVER[k // 2], BALANCE_MAX[k // 2]
+            fast = math.exp(-bandwidth * elapsed)
             one[OBSERVED + k] += (1.0 - fast * fast) * error
             balance = one[BALANCE + k] - (1.0 - fast) ** 2 / elapsed * error
-            one[BALANCE + k] = min(max(balance, -BALANCE_MAX), BALANCE_MAX)
+            one[BALANCE + k] = min(max(balance, -most), most)
 
 
 @compiled
