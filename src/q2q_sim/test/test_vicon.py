@@ -159,7 +159,8 @@ def test_no_swap_begins_in_the_first_frame_which_says_which_vehicle_is_which() -
     always = ViconParams(swap_rate=10.0, swap_max=0.1)
     begun = [_watch(always, 3, seed=seed)[1] for seed in range(300)]
     assert not any((flags[0] & Injected.SWAP).any() for flags in begun)
-    assert sum(bool((flags[1] & Injected.SWAP).any()) for flags in begun) > 30  # 1 - exp(-0.1) of each vehicle
+    later = sum(bool((flags[1] & Injected.SWAP).any()) for flags in begun)
+    assert later > 30  # of 300, each of four vehicles by 1 - exp(-0.1)
 
 
 def test_one_vehicle_alone_cannot_be_swapped() -> None:

@@ -12,9 +12,9 @@ Effects on a frame, applied in this order, each from its own random stream:
 | dropout, missing | vehicle absent from the frame for 0.1-0.3 s, or for seconds | DROPOUT |
 
 The first frame says which vehicle is which: no swap begins in it. Rates and sizes are those that Crazyswarm
-users report (docs and issue trackers); VICON's static noise is 0.15 mm. `injected` lists the effects on the last frame, for tests only. The camera's latency is not modelled
-here: a controller knows only stamps, so late frames and late commands are equivalent, and the room adds both
-delays to the radio's (q2q_sim.loop.room).
+users report (docs and issue trackers); VICON's static noise is 0.15 mm. `injected` lists the effects on the
+last frame, for tests only. The camera's latency is not modelled here: a controller knows only stamps, so late
+frames and late commands are equivalent, and the room adds both delays to the radio's (q2q_sim.loop.room).
 """
 
 import math
