@@ -43,7 +43,7 @@ from q2q_control.failsafe.dead_reckoning import (
     Sight,
     reckon,
 )
-from q2q_control.failsafe.fading_downwash import FadingDownwash
+from q2q_control.failsafe.fading_downwash import FadingDownwash, Places
 from q2q_control.failsafe.ladder import is_blind
 from q2q_model.signals.values import (
     Array,
@@ -91,7 +91,7 @@ class DeadReckonedBraking:
         self._asked = Command(np.zeros(0), np.zeros(0), np.zeros(0))
         self._eta = self._push = np.zeros((0, 3))
         self._fading = FadingDownwash()
-        self._others: dict[str, Array] = {}  # measured positions of vehicles that are not commanded
+        self._others = Places((), np.zeros((0, 3)))  # of vehicles that are not commanded
         self._predicted = self._blind = False
         self._t = math.inf
 
@@ -187,19 +187,16 @@ class DeadReckonedBraking:
         """Let the downwash of unmeasured vehicles fade; `status` is the TrackStatus, (n,)."""
         blind = np.flatnonzero(self._track[:, SEEN] == 0.0)
         self._push, self._blind = np.nan_to_num(self._eta, posinf=0.0, neginf=0.0), bool(blind.size)
-        names = self._names
         if state is not None:
-            measured = zip(state.names, state.pos, state.status == TRACKED, strict=True)
-            self._others = {name: pos for name, pos, seen in measured if seen and name not in names}
-        pos = self._others | dict(zip(names, self._track[:, POS : POS + 3], strict=True))
-        followed = [names[row] for row in blind if self._predicted and status[row] != LOST]
-        shares = self._fading.shares([names[row] for row in blind], followed, pos)
-        for row in blind:
-            share = shares[names[row]]
-            if self._predicted:
-                self._push[row] *= share
-            else:
-                self._push[row, 2] = (1.0 - share) * self._track[row, BALANCE + 2]
+            self._others = _measured_others(state, self._names)
+        names, pos = self._names + self._others.names, self._track[:, POS : POS + 3]
+        places = Places(names, np.vstack((pos, self._others.pos)))
+        followed = (status[blind] != LOST) & self._predicted
+        left = self._fading.shares(blind, followed, places)
+        if self._predicted:
+            self._push[blind] *= left[:, None]
+        else:
+            self._push[blind, 2] = (1.0 - left) * self._track[blind, BALANCE + 2]
 
     def _balance(self) -> Array:
         """Return the accelerations by commands that keep the velocities [m/s^2], world, (n, 3)."""
@@ -242,6 +239,14 @@ def _sight(state: SwarmState | None, names: Names) -> Sight:
     pos, vel = (np.vstack((part, none[:, :3]))[rows] for part in (state.pos, state.vel))
     quat = np.vstack((state.quat, none))[rows]
     return Sight(pos, vel, quat, np.append(state.status, LOST)[rows])
+
+
+def _measured_others(state: SwarmState, names: Names) -> Places:
+    """Return where a state shows vehicles that are not among `names`."""
+    if state.names == names:
+        return Places((), np.zeros((0, 3)))
+    rows = np.flatnonzero((index_of(state.names, names) < 0) & (state.status == TRACKED))
+    return Places(tuple(state.names[row] for row in rows), state.pos[rows])
 
 
 def _eta(interference: Interference | None, names: Names) -> Array:

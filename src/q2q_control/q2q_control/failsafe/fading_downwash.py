@@ -13,16 +13,29 @@ be lifted any longer, as one that rises hits those above. Who comes above later 
 | W | WIDTH | width of a downwash [m] |
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Names, index_of
+
+Rows = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 
 WIDTH = 0.076
 """Offset that leaves 1/e of a downwash [m]: sqrt(2) of the 54 mm of the measured jet (q2q_model.downwash)."""
 REACH = 0.3
 """Horizontal distance within which a vehicle above counts [m]: four widths."""
+
+
+class Places(NamedTuple):
+    """Where the vehicles are."""
+
+    names: Names
+    pos: Array
+    """[m], world, (n, 3)."""
 
 
 class FadingDownwash:
@@ -35,36 +48,36 @@ class FadingDownwash:
         """Forget all offsets."""
         self._above: dict[str, dict[str, Array]] = {}
 
-    def shares(
-        self, blind: Collection[str], known: Collection[str], pos: Mapping[str, Array]
-    ) -> dict[str, float]:
-        """Return what is left of the downwash of the `blind` vehicles, from 0 to 1 by name.
+    def shares(self, blind: Rows, known: Mask, places: Places) -> Array:
+        """Return what is left of the downwash of vehicles without measurements, from 0 to 1, (m,).
 
         Args:
-            blind: vehicles without measurements.
-            known: those of them whose downwash is predicted where they are.
-            pos: dead-reckoned and measured positions [m], world, (3,) by name.
+            blind: their rows in `places`, (m,).
+            known: those of them whose downwash is predicted where they are, (m,).
+            places: dead-reckoned and measured positions.
         """
         above = {}
-        for name in blind:
-            now = _above(name, pos)
-            above[name] = now if name in known else self._above.get(name, now)
+        for row, is_known in zip(blind, known, strict=True):
+            now = _above(row, places)
+            above[places.names[row]] = now if is_known else self._above.get(places.names[row], now)
         self._above = above
-        return {name: _share(offsets, name, pos) for name, offsets in above.items()}
+        return np.array(
+            [_share(offsets, row, places) for row, offsets in zip(blind, above.values(), strict=True)]
+        )
 
 
-def _above(name: str, pos: Mapping[str, Array]) -> dict[str, Array]:
+def _above(row: int, places: Places) -> dict[str, Array]:
     """Return the horizontal offsets of those that may push a vehicle down [m], (2,) by name."""
-    apart = {other: at - pos[name] for other, at in pos.items()}
-    return {other: d[:2] for other, d in apart.items() if d[2] > 0.0 and np.hypot(d[0], d[1]) < REACH}
+    apart = places.pos - places.pos[row]
+    near = (np.hypot(apart[:, 0], apart[:, 1]) < REACH) & (apart[:, 2] > 0.0)
+    return {places.names[other]: apart[other, :2] for other in np.flatnonzero(near)}
 
 
-def _share(offsets: Mapping[str, Array], name: str, pos: Mapping[str, Array]) -> float:
+def _share(offsets: Mapping[str, Array], row: int, places: Places) -> float:
     """Return what is left of the downwash on a vehicle, from 0 to 1."""
     if not offsets:
         return 1.0
-    moved = [
-        np.linalg.norm(pos[other][:2] - pos[name][:2] - offset) if other in pos else np.inf
-        for other, offset in offsets.items()
-    ]
-    return float(np.exp(-np.square(np.array(moved) / WIDTH)).mean())
+    others = index_of(tuple(offsets), places.names)
+    now = np.vstack((places.pos, np.full(3, np.inf)))[others, :2] - places.pos[row, :2]
+    moved = np.linalg.norm(now - np.array(list(offsets.values())), axis=1)
+    return float(np.exp(-np.square(moved / WIDTH)).mean())
