@@ -144,6 +144,7 @@ def flown(plant: Flown, wanted: np.ndarray, steps: tuple[int, int]) -> np.ndarra
         seen = k < steps[0]
         state = state_at(k * TICK, plant.vel[:2], plant.yaw, age=0.0 if seen else k * TICK)
         state.pos[0], state.vel[0] = (plant.pos, plant.vel) if seen else (0.0, 0.0)
+        state.pos[1] = [5.0, 5.0, 0.0]  # nobody is above
         block.advance(state, None, state.t)
         if not seen:
             known = block.predicted(state)

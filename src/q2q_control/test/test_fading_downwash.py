@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_control.failsafe.fading_downwash import REACH, WIDTH, FadingDownwash, Places
+from q2q_control.failsafe.fading_downwash import FADE_S, REACH, WIDTH, FadingDownwash, Places
 
 LOW = np.array([0])
 """Row of the vehicle without measurements."""
@@ -14,11 +14,11 @@ def places(at: dict[str, tuple[float, float, float]], shift: tuple[float, ...] =
     return Places(tuple(at), np.array(list(at.values())) + shift)
 
 
-def left(fading: FadingDownwash, at: Places, known: bool = False) -> float:
-    return float(fading.shares(LOW, np.array([known]), at)[0])
+def left(fading: FadingDownwash, at: Places, known: bool = False, t: float = 0.0) -> float:
+    return float(fading.shares(LOW, np.array([known]), at, t)[0])
 
 
-def test_it_fades_as_those_above_move_and_not_by_time_or_by_a_common_motion() -> None:
+def test_it_fades_as_those_above_move_and_not_by_a_common_motion() -> None:
     fading, shift = FadingDownwash(), (3.0, -1.0, 0.2)
     assert left(fading, places(BEGUN)) == 1.0
     for _ in range(100):
@@ -28,6 +28,15 @@ def test_it_fades_as_those_above_move_and_not_by_time_or_by_a_common_motion() ->
     moved = BEGUN | {"high": (0.05, WIDTH, 1.5)}
     assert left(fading, places(moved)) == pytest.approx(np.exp(-1.0))
     assert left(fading, places(BEGUN)) == 1.0  # back again
+
+
+def test_it_fades_with_the_time_since_it_was_known_where_somebody_is_above() -> None:
+    fading = FadingDownwash()
+    assert left(fading, places(BEGUN), known=True, t=1.0) == 1.0
+    assert left(fading, places(BEGUN), t=1.0 + FADE_S) == pytest.approx(np.exp(-1.0))
+    assert left(fading, places(BEGUN), known=True, t=3.0) == 1.0
+    alone, below = FadingDownwash(), {"low": BEGUN["low"], "below": BEGUN["below"]}
+    assert left(alone, places(below), t=1.0) == left(alone, places(below), t=9.0) == 1.0
 
 
 def test_of_two_above_the_one_that_stays_keeps_its_half() -> None:
@@ -48,7 +57,7 @@ def test_a_prediction_that_follows_the_vehicle_does_not_fade_and_begins_anew_whe
 def test_who_is_measured_again_begins_anew_and_nobody_above_leaves_all() -> None:
     fading, nobody = FadingDownwash(), np.zeros(0, dtype=np.intp)
     left(fading, places(BEGUN))
-    assert fading.shares(nobody, np.zeros(0, np.bool_), places(BEGUN)).size == 0
+    assert fading.shares(nobody, np.zeros(0, np.bool_), places(BEGUN), 0.0).size == 0
     assert left(fading, places(BEGUN | {"high": (0.2, 0.0, 1.5)})) == 1.0
     alone = {"low": BEGUN["low"], "below": BEGUN["below"]}
     assert left(FadingDownwash(), places(alone)) == 1.0

@@ -10,7 +10,8 @@ vehicle, once all its commands have taken effect (q2q_control.failsafe.dead_reck
 A vehicle that lands is not kept from sinking: V_z counts upwards only. While the controller still flies an
 unmeasured vehicle on a predicted state, it gets the dead-reckoned position and velocity: a filter, which
 knows no commands, predicts straight on. A downwash that is predicted is so for a lost vehicle where it was
-last; without a prediction it is in b_z. Either fades as others move from above it (fading_downwash).
+last; without a prediction it is in b_z. Either fades with time, and as others move from above it
+(fading_downwash).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -192,7 +193,7 @@ class DeadReckonedBraking:
         names, pos = self._names + self._others.names, self._track[:, POS : POS + 3]
         places = Places(names, np.vstack((pos, self._others.pos)))
         followed = (status[blind] != LOST) & self._predicted
-        left = self._fading.shares(blind, followed, places)
+        left = self._fading.shares(blind, followed, places, self._t)
         if self._predicted:
             self._push[blind] *= left[:, None]
         else:

@@ -3,7 +3,7 @@
 Others above vehicle i were at offsets d_ij, horizontally, when its downwash was last known: predicted at its
 place, or without a prediction part of its measured balance. What is left of it, as those move:
 
-    share_i = mean_j exp(-|d_ij - d_ij(0)|^2 / W^2)       1 if nobody was above
+    share_i = mean_j exp(-|d_ij - d_ij(0)|^2 / W^2) exp(-t / B)       1 if nobody was above
 
 A downwash is narrow, and an offset is dead-reckoned to a few centimetres: a vehicle that leaves it must not
 be lifted any longer, as one that rises hits those above. Who comes above later is not known to push.
@@ -11,6 +11,8 @@ be lifted any longer, as one that rises hits those above. Who comes above later 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | W | WIDTH | width of a downwash [m] |
+| t | - | time since the downwash was last known [s] |
+| B | FADE_S | time in which it is forgotten [s] |
 """
 
 from collections.abc import Mapping
@@ -26,6 +28,8 @@ Mask = NDArray[np.bool_]
 
 WIDTH = 0.076
 """Offset that leaves 1/e of a downwash [m]: sqrt(2) of the 54 mm of the measured jet (q2q_model.downwash)."""
+FADE_S = 0.5
+"""Time in which a downwash is forgotten [s]: a vehicle lifted out of it unnoticed rises to those above."""
 REACH = 0.3
 """Horizontal distance within which a vehicle above counts [m]: four widths."""
 
@@ -38,6 +42,15 @@ class Places(NamedTuple):
     """[m], world, (n, 3)."""
 
 
+class _Above(NamedTuple):
+    """Those above a vehicle when its downwash was last known."""
+
+    t: float
+    """[s]"""
+    offsets: dict[str, Array]
+    """Horizontal [m], (2,) by name."""
+
+
 class FadingDownwash:
     """Offsets of those above vehicles without measurements, when their downwash was last known."""
 
@@ -46,24 +59,26 @@ class FadingDownwash:
 
     def reset(self) -> None:
         """Forget all offsets."""
-        self._above: dict[str, dict[str, Array]] = {}
+        self._above: dict[str, _Above] = {}
 
-    def shares(self, blind: Rows, known: Mask, places: Places) -> Array:
+    def shares(self, blind: Rows, known: Mask, places: Places, t: float) -> Array:
         """Return what is left of the downwash of vehicles without measurements, from 0 to 1, (m,).
 
         Args:
             blind: their rows in `places`, (m,).
             known: those of them whose downwash is predicted where they are, (m,).
             places: dead-reckoned and measured positions.
+            t: time of the tick [s].
         """
         above = {}
         for row, is_known in zip(blind, known, strict=True):
-            now = _above(row, places)
+            now = _Above(t, _above(row, places))
             above[places.names[row]] = now if is_known else self._above.get(places.names[row], now)
         self._above = above
-        return np.array(
-            [_share(offsets, row, places) for row, offsets in zip(blind, above.values(), strict=True)]
-        )
+        ages = [max(t - one.t, 0.0) for one in above.values()]
+        offsets = [_share(one.offsets, row, places) for row, one in zip(blind, above.values(), strict=True)]
+        faded = [bool(one.offsets) for one in above.values()]
+        return np.asarray(np.array(offsets) * np.exp(-np.array(ages) * np.array(faded) / FADE_S))
 
 
 def _above(row: int, places: Places) -> dict[str, Array]:
