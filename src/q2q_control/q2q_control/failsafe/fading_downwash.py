@@ -15,7 +15,6 @@ be lifted any longer, as one that rises hits those above. Who comes above later 
 | B | FADE_S | time in which it is forgotten [s] |
 """
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -75,10 +74,7 @@ class FadingDownwash:
             now = _Above(t, _above(row, places))
             above[places.names[row]] = now if is_known else self._above.get(places.names[row], now)
         self._above = above
-        ages = [max(t - one.t, 0.0) for one in above.values()]
-        offsets = [_share(one.offsets, row, places) for row, one in zip(blind, above.values(), strict=True)]
-        faded = [bool(one.offsets) for one in above.values()]
-        return np.asarray(np.array(offsets) * np.exp(-np.array(ages) * np.array(faded) / FADE_S))
+        return np.array([_share(one, row, places, t) for row, one in zip(blind, above.values(), strict=True)])
 
 
 def _above(row: int, places: Places) -> dict[str, Array]:
@@ -88,11 +84,11 @@ def _above(row: int, places: Places) -> dict[str, Array]:
     return {places.names[other]: apart[other, :2] for other in np.flatnonzero(near)}
 
 
-def _share(offsets: Mapping[str, Array], row: int, places: Places) -> float:
-    """Return what is left of the downwash on a vehicle, from 0 to 1."""
-    if not offsets:
+def _share(above: _Above, row: int, places: Places, t: float) -> float:
+    """Return what is left of the downwash on a vehicle at t [s], from 0 to 1."""
+    if not above.offsets:
         return 1.0
-    others = index_of(tuple(offsets), places.names)
+    others = index_of(tuple(above.offsets), places.names)
     now = np.vstack((places.pos, np.full(3, np.inf)))[others, :2] - places.pos[row, :2]
-    moved = np.linalg.norm(now - np.array(list(offsets.values())), axis=1)
-    return float(np.exp(-np.square(moved / WIDTH)).mean())
+    moved = np.linalg.norm(now - np.array(list(above.offsets.values())), axis=1)
+    return float(np.exp(-np.square(moved / WIDTH)).mean() * np.exp(-max(t - above.t, 0.0) / FADE_S))
