@@ -26,6 +26,7 @@ from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
+from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.node.rehearsal import rehearse
 from q2q_model.signals.layout import Signal
@@ -39,6 +40,8 @@ from q2q_sim.loop.assembly import Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly, fly_blocks
 from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.room import Room
+from q2q_sim.monitors.exposure import exposure
+from q2q_sim.monitors.proximity import any_in_zone, closest_approaches
 from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
@@ -68,6 +71,7 @@ def flights() -> None:
         flown(alone, controller, replan)
         signals = flown(faulty, controller, replan)
     drawn(signals)
+    measured(signals)
     controlled_explicitly(signals)
     flown(replace(library.load("table6"), duration=25.0), "mpc", "none")
     flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
@@ -114,6 +118,14 @@ def distributed(scenario: Scenario) -> None:
     blocks = blocks_of(scenario, Options("aware", "mpc"), model)
     controller = DistributedMpc(scenario, Options("aware", "mpc"), model, blocks.plan)
     fly_blocks(scenario, replace(blocks, controller=controller), options)
+
+
+def measured(signals: RecordedSignal) -> None:
+    """Measure how near the vehicles came to each other."""
+    pos = np.stack([tick["truth"].pos for tick in signals])
+    closest_approaches(pos)
+    any_in_zone(pos, Cylinder())
+    exposure(pos, 0.01)
 
 
 def drawn(signals: RecordedSignal) -> None:

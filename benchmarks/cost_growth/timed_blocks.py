@@ -12,11 +12,11 @@
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cost_growth.scene import Scene, Tick
+from cost_growth.scene import BEFORE, Scene, Tick
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.pid.pid import Pid
@@ -26,7 +26,14 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.signals.cdr import SignalReader, encode
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.stamps import stamp_from_time
-from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import (
+    Interference,
+    Names,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+)
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams, push_force
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
@@ -81,7 +88,7 @@ class _Given:
 
 def timed_blocks(scene: Scene) -> list[TimedBlock]:
     """Return new blocks for a scene."""
-    made = [_filter, _interference, _trajectory, _potential_field, _safe, _pid, _guard]
+    made = [_filter, _interference, _trajectory, _potential_field, _safe, _pid, _guard, _blind_guard]
     made += [_mpc] if len(scene.scenario.names) <= MOST_MPC else []
     return [*(one(scene) for one in [*made, _simulator]), *_message(scene)]
 
@@ -175,6 +182,31 @@ def _guard(scene: Scene) -> TimedBlock:
         return block, guarded
 
     return _by_pairs("guard", scene, make)
+
+
+def _blind_guard(scene: Scene) -> TimedBlock:
+    """Return the guard of a room whose cameras have stopped: it flies every vehicle by dead reckoning."""
+
+    def make(_: Names) -> Made:
+        first = scene.ticks[BEFORE - 1]
+        given = _Given(first.command)
+        block = Guard(given, FallbackParams(), scene.scenario.vehicle.hover_thrust)
+
+        def guarded(tick: Tick) -> object:
+            if block.newest < first.state.t:
+                block.update(first.of(tick.state.names).state, tick.planned, tick.downwash)
+            given.command = tick.command
+            return block.update(_unseen(tick.state, first.state.t), tick.planned, tick.downwash)
+
+        return block, guarded
+
+    return _by_pairs("guard, nobody measured", scene, make)
+
+
+def _unseen(state: SwarmState, last: float) -> SwarmState:
+    """Return a state whose vehicles were all measured at `last` [s] for the last time."""
+    lost = np.full(len(state.names), TrackStatus.LOST, dtype=np.uint8)
+    return replace(state, status=lost, age=np.full(len(state.names), state.t - last))
 
 
 def _mpc(scene: Scene) -> TimedBlock:

@@ -61,3 +61,29 @@ def test_who_is_measured_again_begins_anew_and_nobody_above_leaves_all() -> None
     assert left(fading, places(BEGUN | {"high": (0.2, 0.0, 1.5)})) == 1.0
     alone = {"low": BEGUN["low"], "below": BEGUN["below"]}
     assert left(FadingDownwash(), places(alone)) == 1.0
+
+
+def test_a_clock_that_is_set_back_moves_the_time_since_it_was_known() -> None:
+    fading = FadingDownwash()
+    left(fading, places(BEGUN), known=True, t=1.0)
+    fading.set_back(0.4)
+    assert left(fading, places(BEGUN), t=0.6 + FADE_S) == pytest.approx(np.exp(-1.0))
+
+
+def test_vehicles_that_come_and_go_leave_the_others_as_they_were() -> None:
+    fading, moved = FadingDownwash(), BEGUN | {"high": (0.05, WIDTH, 1.5)}
+    left(fading, places(BEGUN))
+    fewer = {name: moved[name] for name in ("low", "below", "high")} | {"new": (0.0, 0.0, 2.0)}
+    assert left(fading, places(fewer)) == pytest.approx(np.exp(-1.0))
+    assert left(fading, places({name: moved[name] for name in ("low", "far")})) == 0.0  # "high" has left
+
+
+def test_many_fade_as_each_would_alone() -> None:
+    rng = np.random.default_rng(3)
+    names, every = tuple(f"cf{k}" for k in range(12)), np.arange(12)
+    together, alone = FadingDownwash(), [FadingDownwash() for _ in names]
+    for tick in range(6):
+        at = Places(names, rng.uniform(0.0, 0.5, (12, 3)))
+        known, t = rng.random(12) < 0.3, 0.1 * tick
+        apart = [one.shares(every[[k]], known[[k]], at, t)[0] for k, one in enumerate(alone)]
+        np.testing.assert_allclose(together.shares(every, known, at, t), apart, rtol=1e-12)

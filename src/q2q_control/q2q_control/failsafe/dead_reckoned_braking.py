@@ -97,8 +97,9 @@ class DeadReckonedBraking:
         self._t = math.inf
 
     def set_back(self, by: float) -> None:
-        """Shift the time of the last tick back by `by` [s]: the clock was."""
+        """Shift stored times back by `by` [s]: the clock was."""
         self._t -= by
+        self._fading.set_back(by)
 
     def advance(self, state: SwarmState | None, interference: Interference | None, t: float) -> None:
         """Advance all motions to the tick at t [s], and correct those of measured vehicles.

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.dead_reckoned_braking import Reckoned
+from q2q_control.failsafe.stacking import stacked
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
 REACH = 0.6
@@ -113,16 +114,12 @@ class DescentEvasion:
         blind = fallback.blind
         if not blind and not self._shifts:
             return setpoint
-        pos = state.pos.copy()
-        rest = pos[:, :2].copy()
-        for row, name in enumerate(state.names):
-            if name in blind and name in known:
-                pos[row, :2], rest[row] = known[name]
+        pos, rest = _places(state, {name: known[name] for name in blind if name in known})
         evaded = {name for shift in self._shifts.values() for name in shift.directions}
         back = evaded & set(_away(setpoint, state)) - set(fallback.cut) - set(blind)
         self._end((set(blind) | back) & set(state.names))
         self._turn(back & set(state.names), state)
-        self._ask(np.isin(state.names, blind), state.names, pos, rest)
+        self._ask(index_of(state.names, blind) >= 0, state.names, pos, rest)
         moved = self._moved(
             self._climbing(back, setpoint, state), dict(zip(state.names, pos[:, :2], strict=True)), dt
         )
@@ -157,11 +154,11 @@ class DescentEvasion:
 
     def _ask(self, gone: NDArray[np.bool_], names: Names, pos: Array, rest: Array) -> None:
         """Assign a direction to every new pair of evading vehicle and one that is `gone`, (n,)."""
-        for j in np.flatnonzero(gone & np.isfinite(pos).all(axis=1)):
-            for i in np.flatnonzero(~gone & _is_beneath(pos, pos[j])):
-                shift = self._shifts.setdefault(names[i], _Shift())
-                if names[j] not in shift.directions:
-                    shift.directions[names[j]] = _evasion_direction(pos[:, :2], int(i), int(j), rest[j])
+        below, above = stacked(pos, np.flatnonzero(~gone), REACH, BENEATH)
+        for i, j in zip(below[gone[above]].tolist(), above[gone[above]].tolist(), strict=True):
+            shift = self._shifts.setdefault(names[i], _Shift())
+            if names[j] not in shift.directions:
+                shift.directions[names[j]] = _evasion_direction(pos[:, :2], i, j, rest[j])
 
     def _moved(self, setpoint: SwarmSetpoint, reckoned: Mapping[str, Array], dt: float) -> SwarmSetpoint:
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
@@ -182,18 +179,21 @@ class DescentEvasion:
         return replace(setpoint, pos=pos, vel=vel, acc=acc)
 
 
+def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Array]:
+    """Return the positions [m], (n, 3), dead-reckoned where known, and those of rest, (n, 2)."""
+    rows = index_of(tuple(known), state.names)
+    pos, reckoned = state.pos.copy(), np.array([*known.values()]).reshape(-1, 2, 2)[rows >= 0]
+    rest = pos[:, :2].copy()
+    pos[rows[rows >= 0], :2], rest[rows[rows >= 0]] = reckoned[:, 0], reckoned[:, 1]
+    return pos, rest
+
+
 def _away(setpoint: SwarmSetpoint, state: SwarmState) -> Names:
     """Return the vehicles further than BACK from the heights of their setpoints."""
     rows = index_of(setpoint.names, state.names)
     height = np.append(state.pos[:, 2], np.nan)[rows]
     off = np.abs(height - setpoint.pos[:, 2]) > BACK
     return tuple(setpoint.names[row] for row in np.flatnonzero(off))
-
-
-def _is_beneath(pos: Array, other: Array) -> NDArray[np.bool_]:
-    """Return which vehicles are below a position and nearer than REACH, (n,)."""
-    near = np.linalg.norm(pos[:, :2] - other[:2], axis=1) < REACH
-    return np.asarray(near & (pos[:, 2] < other[2] - BENEATH))
 
 
 def _evasion_direction(xy: Array, i: int, j: int, rest: Array) -> Array:

@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.failsafe.stacking import Rows, stacked
 from q2q_model.signals.values import Array, Names, index_of
 
-Rows = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 WIDTH = 0.076
@@ -42,12 +42,22 @@ class Places(NamedTuple):
 
 
 class _Above(NamedTuple):
-    """Those above a vehicle when its downwash was last known."""
+    """Those above vehicles when their downwash was last known, by rows of the places, (p,) each."""
 
-    t: float
-    """[s]"""
-    offsets: dict[str, Array]
-    """Horizontal [m], (2,) by name."""
+    below: Rows
+    above: Rows
+    """-1: it has left the swarm since then."""
+    offset: Array
+    """Horizontal [m], (p, 2)."""
+
+    def of(self, chosen: Mask) -> "_Above":
+        """Return the chosen pairs (p,)."""
+        return _Above(self.below[chosen], self.above[chosen], self.offset[chosen])
+
+    def joined(self, other: "_Above") -> "_Above":
+        """Return these pairs and others."""
+        below, above = np.append(self.below, other.below), np.append(self.above, other.above)
+        return _Above(below, above, np.vstack((self.offset, other.offset)))
 
 
 class FadingDownwash:
@@ -58,7 +68,13 @@ class FadingDownwash:
 
     def reset(self) -> None:
         """Forget all offsets."""
-        self._above: dict[str, _Above] = {}
+        self._names: Names = ()
+        self._known_at = np.zeros(0)  # [s]; NaN: a measured vehicle
+        self._above = _above(np.zeros((0, 3)), np.zeros(0, np.intp))
+
+    def set_back(self, by: float) -> None:
+        """Shift stored times back by `by` [s]: the clock was."""
+        self._known_at = self._known_at - by
 
     def shares(self, blind: Rows, known: Mask, places: Places, t: float) -> Array:
         """Return what is left of the downwash of vehicles without measurements, from 0 to 1, (m,).
@@ -69,26 +85,37 @@ class FadingDownwash:
             places: dead-reckoned and measured positions.
             t: time of the tick [s].
         """
-        above = {}
-        for row, is_known in zip(blind, known, strict=True):
-            now = _Above(t, _above(row, places))
-            above[places.names[row]] = now if is_known else self._above.get(places.names[row], now)
-        self._above = above
-        return np.array([_share(one, row, places, t) for row, one in zip(blind, above.values(), strict=True)])
+        self._match(places.names)
+        begun = known | np.isnan(self._known_at[blind])
+        known_at = np.full(len(places.names), np.nan)
+        known_at[blind] = np.where(begun, t, self._known_at[blind])
+        kept = np.zeros(len(places.names), np.bool_)
+        kept[blind] = ~begun
+        kept_pairs = self._above.of(kept[self._above.below])
+        self._above, self._known_at = kept_pairs.joined(_above(places.pos, blind[begun])), known_at
+        return _left(self._above, places.pos, t - known_at)[blind]
+
+    def _match(self, names: Names) -> None:
+        """Match the stored rows to `names`."""
+        if names == self._names:
+            return
+        rows = np.append(index_of(self._names, names), -1)
+        below, above, offset = self._above
+        moved = _Above(rows[below], rows[above], offset)
+        self._above = moved.of(moved.below >= 0)
+        self._known_at = np.append(self._known_at, np.nan)[index_of(names, self._names)]
+        self._names = names
 
 
-def _above(row: int, places: Places) -> dict[str, Array]:
-    """Return the horizontal offsets of those that may push a vehicle down [m], (2,) by name."""
-    apart = places.pos - places.pos[row]
-    near = (np.hypot(apart[:, 0], apart[:, 1]) < REACH) & (apart[:, 2] > 0.0)
-    return {places.names[other]: apart[other, :2] for other in np.flatnonzero(near)}
+def _above(pos: Array, below: Rows) -> _Above:
+    """Return those that may push some vehicles down."""
+    pairs = stacked(pos, below, REACH, 0.0)
+    return _Above(pairs.below, pairs.above, pos[pairs.above, :2] - pos[pairs.below, :2])
 
 
-def _share(above: _Above, row: int, places: Places, t: float) -> float:
-    """Return what is left of the downwash on a vehicle at t [s], from 0 to 1."""
-    if not above.offsets:
-        return 1.0
-    others = index_of(tuple(above.offsets), places.names)
-    now = np.vstack((places.pos, np.full(3, np.inf)))[others, :2] - places.pos[row, :2]
-    moved = np.linalg.norm(now - np.array(list(above.offsets.values())), axis=1)
-    return float(np.exp(-np.square(moved / WIDTH)).mean() * np.exp(-max(t - above.t, 0.0) / FADE_S))
+def _left(known: _Above, pos: Array, age: Array) -> Array:
+    """Return what is left of the downwash on each vehicle, `age` [s] after it was known, (n,)."""
+    now = np.vstack((pos, np.full(3, np.inf)))[known.above, :2] - pos[known.below, :2]
+    share = np.exp(-np.square(np.linalg.norm(now - known.offset, axis=1) / WIDTH))
+    total, count = (np.bincount(known.below, one, age.size) for one in (share, np.ones(share.size)))
+    return np.where(count > 0.0, total / np.maximum(count, 1.0) * np.exp(-np.maximum(age, 0.0) / FADE_S), 1.0)

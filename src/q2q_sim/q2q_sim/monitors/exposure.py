@@ -11,11 +11,9 @@ Neither counts the first SETTLE seconds. Between the two, errors of a passage de
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array
-
-Mask = NDArray[np.bool_]
+from q2q_sim.monitors.proximity import Mask, under_another
 
 SETTLE = 3.0
 """Initial transient that is not measured [s]."""
@@ -40,22 +38,19 @@ def exposure(pos: Array, tick: float) -> Exposure:
     """Return the exposure of vehicles at positions (T, n, 3) [m], every `tick` [s]; none in a single tick."""
     if len(pos) < 2:
         return Exposure(np.zeros(pos.shape[:2], dtype=np.bool_), np.zeros(pos.shape[:2], dtype=np.bool_))
-    judged = (np.arange(len(pos)) >= round(SETTLE / tick))[:, None]
+    judged, now = (np.arange(len(pos)) >= round(SETTLE / tick))[:, None], under_another(pos, ASIDE, BELOW)
     return Exposure(
-        judged & exposed(pos, round(AFTER / tick)), judged & ~exposed(pos, round(FORGOTTEN / tick))
+        judged & _recently(now, round(AFTER / tick)), judged & ~_recently(now, round(FORGOTTEN / tick))
     )
 
 
 def exposed(pos: Array, after: int) -> Mask:
     """Return which vehicles are under another or were up to `after` ticks before, (T, n)."""
-    ticks, n, _ = pos.shape
-    now = np.zeros((ticks, n), dtype=np.bool_)
-    x, y, z = np.ascontiguousarray(np.moveaxis(pos, 2, 0))
-    for i in range(n):
-        dx, dy, dz = (axis - axis[:, i : i + 1] for axis in (x, y, z))  # (T, n)
-        near = (dz > 0.0) & (dz < BELOW) & (np.abs(dx) < ASIDE) & (np.abs(dy) < ASIDE)
-        near[near] = np.hypot(dx[near], dy[near]) < ASIDE
-        now[:, i] = near.any(axis=1)
-    count = np.arange(ticks)[:, None]
-    last = np.maximum.accumulate(np.where(now, count, -ticks - after), axis=0)
+    return _recently(under_another(pos, ASIDE, BELOW), after)
+
+
+def _recently(now: Mask, after: int) -> Mask:
+    """Return what is so, or was up to `after` ticks before, (T, n)."""
+    count = np.arange(len(now))[:, None]
+    last = np.maximum.accumulate(np.where(now, count, -len(now) - after), axis=0)
     return np.asarray(count - last <= after)

@@ -16,10 +16,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.geometry.zone import Cylinder, Zone
+from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.monitors.exposure import Exposure, exposure
+from q2q_sim.monitors.proximity import any_in_zone, closest_approaches
+
+PAPER_ZONE = Cylinder()
+"""I(0.1, 1.1)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +52,11 @@ class FlightMetrics:
     zone_time_s: float
 
 
-def measure(flight: Flight, vehicle: Vehicle, zone: Zone | None = None) -> FlightMetrics:
-    """Return the metrics of a flight of `vehicle`s; the zone defaults to the paper's I(0.1, 1.1)."""
+def measure(flight: Flight, vehicle: Vehicle, zone: Cylinder = PAPER_ZONE) -> FlightMetrics:
+    """Return the metrics of a flight of `vehicle`s; the zone defaults to the paper's."""
     pos = best_position(flight)
     dt = tick_of(flight)
-    separation, zone_time = _closeness(pos, dt, zone or Cylinder())
+    separation, zone_time = _closeness(pos, dt, zone)
     weight, when = vehicle.hover_thrust, exposure(pos, dt)
     rows = {
         name: _vehicle(
@@ -111,14 +115,9 @@ def _worst(error: Array) -> float:
     return float(np.abs(known).max()) if len(known) else float("nan")
 
 
-def _closeness(pos: Array, dt: float, zone: Zone) -> tuple[float, float]:
+def _closeness(pos: Array, dt: float, zone: Cylinder) -> tuple[float, float]:
     """Return the least distance [m] and the time with any pair in the zone [s]."""
     ticks, n, _ = pos.shape
     if n < 2 or ticks == 0:
         return float("nan"), float("nan")
-    nearest, inside = np.inf, np.zeros(ticks, dtype=np.bool_)
-    for i in range(n - 1):
-        rel = pos[:, i + 1 :] - pos[:, i : i + 1]  # (T, n - 1 - i, 3)
-        nearest = np.fmin(nearest, np.nanmin(np.linalg.norm(rel, axis=-1)))
-        inside |= (zone.signed_distance(rel) < 0.0).any(axis=1)
-    return float(nearest), float(inside.sum() * dt)
+    return float(closest_approaches(pos).distance.min()), float(any_in_zone(pos, zone).sum() * dt)

@@ -13,6 +13,7 @@ from q2q_control.explicit.distillation import DistillationParams, distil
 from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, solve_situations
+from q2q_control.failsafe.stacking import stacked
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.neighbours import HeardPath, accelerations_along, positions_at
@@ -23,6 +24,7 @@ from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.source_strength import SourceTerms, strengths
 from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
 from q2q_model.files.find_model import find_model
+from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.identification.gains.impulse_response import impulse_response
 from q2q_model.node.rehearsal import rehearse
@@ -33,6 +35,7 @@ from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
+from q2q_sim.monitors.proximity import any_in_zone, closest_approaches, under_another
 from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
@@ -47,7 +50,7 @@ CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
 
 def calls() -> tuple[Sequence[Call], Sequence[Call]]:
     """Return the functions that call every kernel, in two lists of about equal time."""
-    flights = (_estimators, _room, _in_a_rooms_air, _replanned, _many, _firmware)
+    flights = (_estimators, _room, _in_a_rooms_air, _replanned, _many, _firmware, _nearness)
     solvers = (_mpc, _explicit, _identification)
     return flights, solvers
 
@@ -101,6 +104,14 @@ def _firmware() -> None:
     scenario = library.load("table6")
     room = Room(scenario, seed=0)
     room.fly(fleet_in(room, scenario, CrtpRoomParams()).fly)
+
+
+def _nearness() -> None:
+    pair = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
+    stacked(pair, np.arange(2), 0.3, 0.0)
+    closest_approaches(pair[None])
+    any_in_zone(pair[None], Cylinder())
+    under_another(pair[None], 0.15, 1.5)
 
 
 def _mpc() -> None:

@@ -48,7 +48,7 @@ def evading_lately(evidence: Evidence, settle: float) -> Mask:
     """
     pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
     evading = np.zeros(gone.shape, dtype=np.bool_)
-    for j in range(len(evidence.names)):
+    for j in np.flatnonzero(gone.any(axis=0)):
         above = pos[:, j] - np.moveaxis(pos, 1, 0)  # (n, T, 3)
         near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
         evading |= near.T & gone[:, j, None]

@@ -10,6 +10,7 @@ from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, mi
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.overpowered import overpowered_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
+from q2q_sim.monitors.proximity import closest_approaches
 
 
 class _Worst(NamedTuple):
@@ -23,15 +24,16 @@ class _Worst(NamedTuple):
 def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the pairs closer than allowed."""
     limit = circumstances.limits.separation
-    found = []
-    for i, j in _pairs(evidence):
-        distance = np.linalg.norm(_between(evidence.true_pos, i, j), axis=1)  # (T,)
-        nearest = _lowest(distance)
-        if nearest is not None and distance[nearest] < limit:
-            found.append(
-                _violation("separation", evidence, (i, j), _Worst(nearest, float(distance[nearest]), limit))
-            )
-    return found
+    nearest = closest_approaches(evidence.true_pos)
+    return [
+        _violation(
+            "separation",
+            evidence,
+            (i, j),
+            _Worst(int(nearest.tick[i, j]), float(nearest.distance[i, j]), limit),
+        )
+        for i, j in np.argwhere(nearest.distance < limit).tolist()
+    ]
 
 
 def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:

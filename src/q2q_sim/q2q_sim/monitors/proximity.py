@@ -1,0 +1,88 @@
+"""How near the vehicles of a flight come to each other, over all ticks and pairs.
+
+Positions are (T, n, 3) [m], world; a vehicle whose position is unknown (NaN) is near nobody.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.compiled import compiled
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array
+
+Mask = NDArray[np.bool_]
+
+
+class Approaches(NamedTuple):
+    """Closest approach of each pair i < j, (n, n) each."""
+
+    distance: Array
+    """[m]; infinite for other pairs, and those that are never known."""
+    tick: NDArray[np.intp]
+    """First tick of that distance."""
+
+
+def closest_approaches(pos: Array) -> Approaches:
+    """Return how near every pair comes, and when."""
+    return Approaches(*closest(np.ascontiguousarray(pos)))
+
+
+def any_in_zone(pos: Array, zone: Cylinder) -> Mask:
+    """Return the ticks at which any pair is in the zone, (T,)."""
+    return np.asarray(has_pair_within(np.ascontiguousarray(pos), zone.eps, zone.d))
+
+
+def under_another(pos: Array, aside: float, below: float) -> Mask:
+    """Return which vehicles are nearer than `aside` and up to `below` [m] below another, (T, n)."""
+    return np.asarray(has_other_above(np.ascontiguousarray(pos), aside, below))
+
+
+@compiled
+def closest(pos: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Return the fields of `Approaches`."""
+    n = pos.shape[1]
+    least, when = np.full((n, n), math.inf), np.zeros((n, n), dtype=np.intp)
+    for k in range(pos.shape[0]):
+        for i in range(n):
+            x, y, z = pos[k, i]
+            for j in range(i + 1, n):
+                dx, dy, dz = pos[k, j, 0] - x, pos[k, j, 1] - y, pos[k, j, 2] - z
+                square = dx * dx + dy * dy + dz * dz
+                if square < least[i, j]:
+                    least[i, j], when[i, j] = square, k
+    return np.sqrt(least), when
+
+
+@compiled
+def has_pair_within(pos: Array, eps: float, d: float) -> Mask:
+    """Return the ticks at which a pair is nearer than eps [m] horizontally and d vertically, (T,)."""
+    found = np.zeros(pos.shape[0], dtype=np.bool_)
+    for k in range(pos.shape[0]):
+        for i in range(pos.shape[1]):
+            for j in range(i):
+                dx, dy, dz = (
+                    pos[k, j, 0] - pos[k, i, 0],
+                    pos[k, j, 1] - pos[k, i, 1],
+                    pos[k, j, 2] - pos[k, i, 2],
+                )
+                found[k] |= dx * dx + dy * dy < eps * eps and abs(dz) < d
+    return found
+
+
+@compiled
+def has_other_above(pos: Array, aside: float, below: float) -> Mask:
+    """Return which vehicles have another above them, (T, n); arguments as of `under_another`."""
+    found = np.zeros(pos.shape[:2], dtype=np.bool_)
+    for k in range(pos.shape[0]):
+        for i in range(pos.shape[1]):
+            for j in range(pos.shape[1]):
+                dx, dy, dz = (
+                    pos[k, j, 0] - pos[k, i, 0],
+                    pos[k, j, 1] - pos[k, i, 1],
+                    pos[k, j, 2] - pos[k, i, 2],
+                )
+                found[k, i] |= 0.0 < dz < below and dx * dx + dy * dy < aside * aside
+    return found
