@@ -89,13 +89,20 @@ def test_in_lockstep_an_unanswered_frame_is_published_again_and_the_tick_is_miss
 
 
 def test_live_the_timer_advances_the_room_with_the_command_that_arrived() -> None:
-    flown = flight(Wall(), replace(PARAMS, pace="live"))
-    flown.start()
+    wall = Wall()
+    flown = flight(wall, replace(PARAMS, pace="live"), duration=0.03)
+    assert flown.on_timer() == flown.start() == flown.start() == NOTHING
+    wall.now = 0.007
+    assert flown.on_timer().clock_ns == 0  # with a whole period for the first command
     assert flown.receive(encode(command(0.3), 0)) == NOTHING
     assert flown.on_timer().clock_ns == TICK_NS
     assert flown.health.missed == 0
     assert flown.on_timer().clock_ns == 2 * TICK_NS
     assert flown.health.missed == 1
+    wall.now = 0.037
+    timing = flown.on_timer().timing
+    assert timing is not None
+    assert timing.real_time_factor == pytest.approx(1.0)  # from the first tick on
 
 
 def test_a_command_that_is_not_finite_is_refused_and_the_flight_goes_on() -> None:
@@ -114,5 +121,6 @@ def test_with_crtp_the_timer_advances_the_vehicles_by_their_own_firmware() -> No
     room = Room(SCENARIO, seed=1)
     flown = RoomFlight(room, PARAMS, 1.0, Wall(), lambda drive: moved.append(drive.shape))
     flown.start()
+    assert flown.on_timer().clock_ns == 0
     assert flown.on_timer().clock_ns == TICK_NS
     assert moved == [(len(SCENARIO.names), 7)]

@@ -85,13 +85,14 @@ class RoomFlight:
         self._reader = SignalReader(SwarmCommand)
         self._command: SwarmCommand | None = None
         self._tick: Tick | None = None
+        self._started = False
         self.clock = FlightClock()
         self.health = Health()
 
     @property
     def is_flying(self) -> bool:
         """Return whether the flight has started and is not over."""
-        return self._tick is not None
+        return self._started
 
     @property
     def period_s(self) -> float:
@@ -99,11 +100,14 @@ class RoomFlight:
         return STALL_CHECK_S if self._lockstep else TICK_S
 
     def start(self) -> Output:
-        """Return the first tick; nothing if already flying."""
+        """Return the first tick in lockstep; live, the next timer event does, to give it a whole period.
+
+        Nothing if already flying.
+        """
         if self.is_flying:
             return NOTHING
-        self.clock.start(self._wall_clock())
-        return self._next_tick()
+        self._started = True
+        return self._first_tick() if self._lockstep else NOTHING
 
     def receive(self, data: bytes) -> Output:
         """Take a serialised command; return the next tick if it was complete and the pace is lockstep."""
@@ -119,7 +123,7 @@ class RoomFlight:
             command = self._gate.offer(stamp_ns, offered)
         except ValueError as refusal:
             return self._refused(refusal)
-        if command is None or not self.is_flying or self._command is not None:
+        if command is None or self._tick is None or self._command is not None:
             return NOTHING
         self.clock.command_in(self._wall_clock())
         self._resend.answered()
@@ -129,7 +133,7 @@ class RoomFlight:
     def on_timer(self) -> Output:
         """Return the next tick; in lockstep, only once the tick is given up, else its frame if it is due."""
         if self._tick is None:
-            return NOTHING
+            return self._first_tick() if self._started else NOTHING
         now = self._wall_clock()
         if not self._lockstep or self._resend.has_expired(now):
             return self._advance()
@@ -149,7 +153,7 @@ class RoomFlight:
         flown = self._room.tick * TICK_S
         if flown < self._duration:
             return self._next_tick(refused.refusal)
-        self._tick = None
+        self._tick, self._started = None, False
         return Output(timing=self.clock.timing(self._wall_clock(), flown), refusal=refused.refusal)
 
     def _fly_command(self) -> Output:
@@ -166,6 +170,10 @@ class RoomFlight:
     def _refused(self, refusal: ValueError) -> Output:
         self.health.refuse(f"command: {refusal}")
         return Output(refusal=str(refusal))
+
+    def _first_tick(self) -> Output:
+        self.clock.start(self._wall_clock())
+        return self._next_tick()
 
     def _next_tick(self, refusal: str = "") -> Output:
         self._tick = tick = self._room.capture()
