@@ -20,6 +20,14 @@ UNREACHABLE = {
     "PIP_NO_CACHE_DIR": "1",
 }
 
+WITHOUT_BYTECODE = """
+import sys
+from pathlib import Path
+import q2q_control.ros.pid_node, q2q_sim.ros.stack, q2q_sim.tools.fly_scenario
+specs = {name: getattr(module, "__spec__", None) for name, module in sys.modules.items()}
+print(*(name for name, spec in specs.items() if spec and spec.cached and not Path(spec.cached).exists()))
+"""
+
 
 def error_line(stderr: str) -> str:
     """Return the one error line of a set-up that failed."""
@@ -163,3 +171,15 @@ def test_a_second_run_does_nothing_and_says_nothing():
     done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert newest(ROOT / ".venv/q2q") == before
+
+
+def test_set_up_has_written_the_bytecode_of_what_nodes_import() -> None:
+    """Also where PYTHONDONTWRITEBYTECODE is set: each start would compile a thousand modules."""
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", WITHOUT_BYTECODE],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    assert done.stdout.split() == []

@@ -15,6 +15,15 @@ ros_environment() {
   export AMENT_PREFIX_PATH=$VENV CMAKE_PREFIX_PATH=$VENV ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
 }
 
+workspace_environment() {
+  ros_environment
+  set +u
+  # colcon's script calls Python unquoted: the real interpreter's path has no space where the checkout's has.
+  COLCON_PYTHON_EXECUTABLE=$(readlink -f "$VENV/bin/python")
+  . "$ROOT/install/local_setup.bash"
+  export NUMBA_CACHE_DIR=$ROOT/build/numba
+}
+
 colcon_build() (
   ros_environment
   export PATH=$VENV/bin:$PATH

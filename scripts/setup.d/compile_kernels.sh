@@ -12,12 +12,8 @@ kernels_hash() {
 kernels_are_compiled() { fresh kernels "$(kernels_hash)" && [ -d "$ROOT/build/numba" ]; }
 
 compile_kernels() (
-  ros_environment
-  set +u
-  # colcon's script calls Python unquoted: the real interpreter's path has no space where the checkout's has.
-  COLCON_PYTHON_EXECUTABLE=$(readlink -f "$VENV/bin/python")
-  . "$ROOT/install/local_setup.bash"
-  NUMBA_CACHE_DIR=$ROOT/build/numba exec "$VENV/bin/python" -m q2q_sim.tools.compile_kernels
+  workspace_environment
+  exec "$VENV/bin/python" -m q2q_sim.tools.compile_kernels
 )
 
 # A failure is no reason to refuse a shell: nodes compile what they lack when they start.
