@@ -41,7 +41,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly, fly_blocks
 from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.exposure import exposure
-from q2q_sim.monitors.proximity import any_in_zone, closest_approaches
+from q2q_sim.monitors.proximity import any_in_zone, closest_approaches, in_zone_once, near_sample
 from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
@@ -125,6 +125,8 @@ def measured(signals: RecordedSignal) -> None:
     pos = np.stack([tick["truth"].pos for tick in signals])
     closest_approaches(pos)
     any_in_zone(pos, Cylinder())
+    in_zone_once(pos, Cylinder())
+    near_sample(pos, pos, 0.1)
     exposure(pos, 0.01)
 
 

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from q2q_model.geometry.zone import Cylinder
-from q2q_sim.monitors.proximity import any_in_zone, closest_approaches, under_another
+from q2q_sim.monitors.proximity import (
+    any_in_zone,
+    closest_approaches,
+    in_zone_once,
+    near_sample,
+    under_another,
+)
 
 ZONE = Cylinder(0.3, 0.5)
 
@@ -41,6 +47,19 @@ def test_ticks_in_the_zone_are_those_of_its_signed_distance(pos: np.ndarray) -> 
     inside = [ZONE.signed_distance(pos[:, j] - pos[:, i]) < 0.0 for i, j in combinations(range(5), 2)]
     assert 0 < np.any(inside, axis=0).sum() < len(pos)
     np.testing.assert_array_equal(any_in_zone(pos, ZONE), np.any(inside, axis=0))
+    few = pos[:12]
+    once = [(ZONE.signed_distance(few[:, j] - few[:, i]) < 0.0).any() for i, j in combinations(range(5), 2)]
+    assert 0 < sum(once) < len(once)
+    assert in_zone_once(few, ZONE) == [
+        pair for pair, is_so in zip(combinations(range(5), 2), once, strict=True) if is_so
+    ]
+
+
+def test_a_vehicle_is_near_any_sample_of_its_tick(pos: np.ndarray) -> None:
+    samples = np.roll(pos, 7, axis=0)[:, :3]
+    apart = np.linalg.norm(pos[:, :, None] - samples[:, None], axis=3)  # (T, vehicle, sample)
+    assert 0 < (apart < 0.3).any(axis=2).sum() < 1000
+    np.testing.assert_array_equal(near_sample(pos, samples, 0.3), (apart < 0.3).any(axis=2))
 
 
 def test_under_another_is_below_it_and_beside_it_by_less_than_the_bounds(pos: np.ndarray) -> None:

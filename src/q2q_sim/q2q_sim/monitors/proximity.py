@@ -40,6 +40,17 @@ def under_another(pos: Array, aside: float, below: float) -> Mask:
     return np.asarray(has_other_above(np.ascontiguousarray(pos), aside, below))
 
 
+def in_zone_once(pos: Array, zone: Cylinder) -> list[tuple[int, int]]:
+    """Return the pairs i < j that are in the zone at any tick."""
+    i, j = np.nonzero(is_within_once(np.ascontiguousarray(pos), zone.eps, zone.d))
+    return list(zip(i.tolist(), j.tolist(), strict=True))
+
+
+def near_sample(pos: Array, samples: Array, reach: float) -> Mask:
+    """Return which vehicles are nearer than `reach` [m] to any sample of their tick (T, m, 3), (T, n)."""
+    return np.asarray(has_near_sample(np.ascontiguousarray(pos), np.ascontiguousarray(samples), reach))
+
+
 @compiled
 def closest(pos: Array) -> tuple[Array, NDArray[np.intp]]:
     """Return the fields of `Approaches`."""
@@ -85,4 +96,31 @@ def has_other_above(pos: Array, aside: float, below: float) -> Mask:
                     pos[k, j, 2] - pos[k, i, 2],
                 )
                 found[k, i] |= 0.0 < dz < below and dx * dx + dy * dy < aside * aside
+    return found
+
+
+@compiled
+def is_within_once(pos: Array, eps: float, d: float) -> Mask:
+    """Return which pairs i < j are nearer than eps [m] horizontally and d vertically at any tick, (n, n)."""
+    n = pos.shape[1]
+    found = np.zeros((n, n), dtype=np.bool_)
+    for k in range(pos.shape[0]):
+        for i in range(n):
+            x, y, z = pos[k, i]
+            for j in range(i + 1, n):
+                dx, dy, dz = pos[k, j, 0] - x, pos[k, j, 1] - y, pos[k, j, 2] - z
+                found[i, j] |= dx * dx + dy * dy < eps * eps and abs(dz) < d
+    return found
+
+
+@compiled
+def has_near_sample(pos: Array, samples: Array, reach: float) -> Mask:
+    """Return which vehicles are near a sample, (T, n); arguments as of `near_sample`."""
+    found = np.zeros(pos.shape[:2], dtype=np.bool_)
+    for k in range(pos.shape[0]):
+        for i in range(pos.shape[1]):
+            x, y, z = pos[k, i]
+            for j in range(samples.shape[1]):
+                dx, dy, dz = samples[k, j, 0] - x, samples[k, j, 1] - y, samples[k, j, 2] - z
+                found[k, i] |= dx * dx + dy * dy + dz * dz < reach * reach
     return found

@@ -35,7 +35,13 @@ from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
-from q2q_sim.monitors.proximity import any_in_zone, closest_approaches, under_another
+from q2q_sim.monitors.proximity import (
+    any_in_zone,
+    closest_approaches,
+    in_zone_once,
+    near_sample,
+    under_another,
+)
 from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
@@ -112,6 +118,8 @@ def _nearness() -> None:
     closest_approaches(pair[None])
     any_in_zone(pair[None], Cylinder())
     under_another(pair[None], 0.15, 1.5)
+    in_zone_once(pair[None], Cylinder())
+    near_sample(pair[None], pair[None], 0.1)
 
 
 def _mpc() -> None:

@@ -1,6 +1,6 @@
 """Policies on pairs: separation, and no unplanned entry into the interference zone."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,7 @@ from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, mi
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.overpowered import overpowered_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
-from q2q_sim.monitors.proximity import closest_approaches
+from q2q_sim.monitors.proximity import closest_approaches, in_zone_once
 
 
 class _Worst(NamedTuple):
@@ -43,7 +43,8 @@ def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     vehicles that no command carries sink: their pairs are exempt until `settle` later.
     """
     found = []
-    for (one, other), inside in clearances(evidence, circumstances):
+    entered = in_zone_once(evidence.true_pos, circumstances.zone)
+    for (one, other), inside in clearances(evidence, circumstances, entered):
         deepest = _lowest(inside)
         if deepest is not None and inside[deepest] < 0.0:
             found.append(
@@ -52,22 +53,22 @@ def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     return found
 
 
-def clearances(evidence: Evidence, circumstances: Circumstances) -> Iterator[tuple[tuple[int, int], Array]]:
-    """Yield each ordered pair and its distance from the zone [m], (T,); NaN at ticks that are not judged."""
+def clearances(
+    evidence: Evidence, circumstances: Circumstances, pairs: Sequence[tuple[int, int]]
+) -> Iterator[tuple[tuple[int, int], Array]]:
+    """Yield each ordered pair and its distance from the zone [m], (T,); NaN at ticks that are not judged.
+
+    Each of `pairs` is yielded in both orders.
+    """
     settle = circumstances.limits.settle
     lost = blind_lately(evidence, settle) | evading_lately(evidence, settle)
     lost |= misled(evidence, circumstances.faults, settle) | overpowered_lately(evidence, circumstances)
-    for i, j in _pairs(evidence):
+    for i, j in pairs:
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))
             meant = circumstances.zone.signed_distance(_between(evidence.sent_pos, one, other))
             sighted = ~(lost[:, one] | lost[:, other])
             yield (one, other), np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
-
-
-def _pairs(evidence: Evidence) -> list[tuple[int, int]]:
-    n = len(evidence.names)
-    return [(i, j) for i in range(n) for j in range(i + 1, n)]
 
 
 def _between(pos: Array, i: int, j: int) -> Array:

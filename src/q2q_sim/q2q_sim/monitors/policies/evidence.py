@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names, index_of
+from q2q_sim.monitors.proximity import near_sample
 
 Rows = NDArray[np.intp]
 
@@ -145,8 +146,7 @@ def _seen(grid: "_Grid", frames: Sequence[Signal], true_pos: Array) -> NDArray[n
     seen = np.zeros(true_pos.shape[:2], dtype=np.bool_)
     while (table := _Table(grid, frames)).last:
         samples = table.column("pos", 3)
-        apart = np.linalg.norm(samples[:, None] - true_pos[:, :, None], axis=3)  # (T, vehicle, sample)
-        seen |= np.isfinite(samples).all(axis=2) | (apart < SIGHT_M).any(axis=2)
+        seen |= np.isfinite(samples).all(axis=2) | near_sample(true_pos, samples, SIGHT_M)
         frames = [frame for k, frame in enumerate(frames) if k not in table.last]
     return seen
 

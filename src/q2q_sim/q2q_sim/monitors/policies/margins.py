@@ -15,6 +15,7 @@ leaves the room before it ends, and the pure loop has no wall time.
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -43,7 +44,8 @@ def margins(evidence: Evidence, circumstances: Circumstances) -> Mapping[str, fl
     found = {name: _below(POLICIES[name](evidence, strict), _limit(limits, name)) for name in MOST}
     nearest = min((one.value for one in POLICIES["separation"](evidence, strict)), default=np.inf)
     found["separation"] = nearest / limits.separation - 1.0
-    known = [inside[np.isfinite(inside)] for _, inside in clearances(evidence, circumstances)]
+    pairs = list(combinations(range(len(evidence.names)), 2))
+    known = [inside[np.isfinite(inside)] for _, inside in clearances(evidence, circumstances, pairs)]
     found["zone"] = min((float(one.min()) for one in known if len(one)), default=np.inf) / limits.stray
     return found
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.geometry.zone import Cylinder, Zone
+from q2q_model.geometry.zone import Cylinder
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 from q2q_sim.faults.faults import Fault
@@ -48,7 +48,7 @@ class Circumstances:
     """Circumstances of a flight that the evidence does not contain."""
 
     vehicle: Vehicle = CRAZYFLIE_2_0
-    zone: Zone = field(default_factory=Cylinder)
+    zone: Cylinder = field(default_factory=Cylinder)
     faults: tuple[Fault, ...] = ()
     """Injected faults, if known."""
     limits: Limits = field(default_factory=Limits)
