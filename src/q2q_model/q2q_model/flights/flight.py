@@ -4,7 +4,7 @@ T ticks, n vehicles; NaN where nothing was recorded. Frames and units are those 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -94,6 +94,17 @@ class JoinedFlight:
 
     flight: Flight
     repairs: tuple[str, ...]
+
+
+def of_vehicle(flight: Flight, name: str) -> Flight:
+    """Return the flight of one vehicle, in views of the arrays.
+
+    Raises:
+        ValueError: the vehicle is not in the flight.
+    """
+    row = flight.names.index(name)
+    made = {field: getattr(flight, field)[:, row : row + 1] for field in _WIDTHS}
+    return replace(flight, names=(name,), **made)
 
 
 def flight_from_signals(name: str, signals: Mapping[str, Sequence[Signal]]) -> JoinedFlight:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from q2q_model import palette
-from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight import Flight, of_vehicle
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.metrics import best_position
 from q2q_sim.report.panels import legend_above, panels
@@ -209,5 +209,5 @@ def _with(curves: Sequence[PlotCurve], name: str) -> list[PlotCurve]:
 
 
 def _of(flight: Flight, name: str, values: Callable[[Flight], Array]) -> Array:
-    column: Array = values(flight)[:, flight.names.index(name)]
+    column: Array = values(of_vehicle(flight, name))[:, 0]
     return column
