@@ -12,9 +12,11 @@ from q2q_control.failsafe.dead_reckoning import (
     BALANCE_MAX,
     LAG_S,
     THRUST_LAG_S,
+    TILT_SQUARE,
     VEL,
     WIDTH,
     Sight,
+    _tilted,
     reckon,
 )
 from q2q_control.pid.pid import PidParams
@@ -114,10 +116,11 @@ def test_a_vehicle_that_was_never_seen_stays_level() -> None:
 
 
 class Flown:
-    """The plant: a body's z axis and a thrust that follow commands with first-order lags, and a push."""
+    """The plant: a body's z axis that follows commands as a second order, a thrust as a first, and a push."""
 
     def __init__(self, vel: np.ndarray, yaw: float, push: np.ndarray, offset: float = 0.0) -> None:
         self.pos, self.vel, self.up, self.lift = np.zeros(3), vel.copy(), UP.copy(), 0.0
+        self.turning = np.zeros(2)
         self.yaw, self.push, self.offset = yaw, push, offset
 
     def tick(self, command: SwarmCommand) -> None:
@@ -125,10 +128,11 @@ class Flown:
         roll, pitch = command.roll[0] + self.offset, command.pitch[0]
         asked = rotate(quat_from_euler(roll, pitch, self.yaw), UP)
         for _ in range(10):
-            self.up[:2] += 0.1 * TICK / LAG_S * (asked[:2] - self.up[:2])
+            self.turning += 0.1 * TICK * TILT_SQUARE * (asked[:2] - self.up[:2] - LAG_S * self.turning)
+            self.up[:2] += 0.1 * TICK * self.turning
             lift = GRAVITY * (command.thrust[0] * asked[2] / HOVER - 1.0)
             self.lift += 0.1 * TICK / THRUST_LAG_S * (lift - self.lift)
-            acc = np.array([*(GRAVITY * command.thrust[0] / HOVER * self.up[:2]), self.lift])
+            acc = np.array([*((GRAVITY + self.lift) * self.up[:2]), self.lift])
             self.vel += 0.1 * TICK * (acc + self.push)
             self.pos += 0.1 * TICK * self.vel
 
@@ -269,3 +273,19 @@ def test_who_lands_is_kept_from_rising_but_not_from_sinking() -> None:
     free = -0.06 * GRAVITY  # of 0.94 of the hover thrust
     assert landed(1.2) < 0.0
     assert landed(0.0) == pytest.approx(free * (1.0 - THRUST_LAG_S), rel=0.05)
+
+
+def test_a_tilt_follows_by_its_equations_of_any_step() -> None:
+    """Their solution over 0.3 s, in one step and in thirty, against steps of 10 us."""
+    left, jerk, gained = 2.0, -5.0, 0.0
+    for _ in range(30_000):
+        jerk += 1e-5 * TILT_SQUARE * (-left - LAG_S * jerk)
+        gained += 1e-5 * left
+        left += 1e-5 * jerk
+    one = _tilted(2.0, -5.0, 0.3)
+    np.testing.assert_allclose(one, (left, jerk, gained), atol=1e-3)  # the step, times the largest rate
+    left, jerk, gained = 2.0, -5.0, 0.0
+    for _ in range(30):
+        left, jerk, more = _tilted(left, jerk, 0.01)
+        gained += more
+    np.testing.assert_allclose((left, jerk, gained), one, rtol=1e-9)

@@ -33,10 +33,12 @@ from q2q_control.failsafe.dead_reckoning import (
     ACC,
     BALANCE,
     BALANCE_MAX,
+    JERK,
     LAG_S,
     POS,
     SEEN,
     THRUST_LAG_S,
+    TILT_SQUARE,
     TRACKED,
     UNKNOWN,
     VEL,
@@ -207,9 +209,9 @@ class DeadReckonedBraking:
     def _coming(self) -> Array:
         """Return the velocities once all commands have taken effect [m/s], (n, 3)."""
         lag = np.array([LAG_S, LAG_S, THRUST_LAG_S])
-        return np.asarray(
-            self._track[:, VEL : VEL + 3] + lag * (self._track[:, ACC : ACC + 3] - self._balance())
-        )
+        coming = self._track[:, VEL : VEL + 3] + lag * (self._track[:, ACC : ACC + 3] - self._balance())
+        coming[:, :2] += self._track[:, JERK : JERK + 2] / TILT_SQUARE
+        return np.asarray(coming)
 
     def _thrust(self, command: SwarmCommand) -> Array:
         """Return the thrust [N] that keeps vehicles level at their height, and lets those sink that land."""

@@ -1,8 +1,13 @@
 """Motion of vehicles by their own commands, and the balance: what else moves them.
 
-    a' = (u - a) / L                  u: acceleration that the command asks for; L_T in place of L vertically
+    a' = j,  j' = W^2 (u - a - L j)   u: acceleration that the command asks for; vertically a' = (u - a) / L_T
     v' = a + eta - b,  p' = v         eta: predicted downwash, 0 without a prediction
-    V  = v + L (a + eta - b)          velocity once all commands have taken effect
+    V  = v + L (a + eta - b) + j/W^2  velocity once all commands have taken effect; vertically with L_T, no j
+
+A tilt follows its command through camera and radio (d), the rotors (T) and the attitude loop (w_n, zeta,
+attitude_law). Its second-order lag has the mean and the variance of their impulse response:
+
+    L = d + T + 2 zeta / w_n          S^2 = T^2 + (2 zeta / w_n)^2 - 2 / w_n^2          W^2 = 2 / (L^2 - S^2)
 
 While a vehicle is measured, p and v are its position and velocity, and a Luenberger observer with two poles
 at -w, whose velocity is o, learns b. A weak battery, a wind, the tilt that a weak rotor costs, and a downwash
@@ -14,10 +19,12 @@ the motion is integrated, with the balance of the last one.
 | p | POS | position, world [m] |
 | v | VEL | velocity, world [m/s] |
 | a | ACC | acceleration by commands, world [m/s^2] |
+| j | JERK | its horizontal rate of change, world [m/s^3] |
 | b | BALANCE | acceleration by commands at which the velocity is steady, less -eta [m/s^2] |
 | o | OBSERVED | velocity of the observer [m/s] |
 | psi | YAW | last measured yaw [rad] |
-| L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust [s] |
+| L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust, mean [s] |
+| W | TILT | natural frequency of a tilt behind its command [rad/s] |
 | w | OBSERVER | bandwidth of the observer [rad/s] |
 """
 
@@ -26,6 +33,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_control.disturbance.thrust_acceleration import Command
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Status, TrackStatus
@@ -33,8 +41,12 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
 THRUST_LAG_S = 0.026 + CRAZYFLIE_2_0.thrust_lag
 """From a command to its thrust [s]: camera and radio (settings), and the rotors (quadcopter)."""
-LAG_S = THRUST_LAG_S + 0.12
-"""From a command to its tilt [s]: that of the torque, and 2 zeta / w_n (attitude_law)."""
+_LOOP = AttitudeParams()
+_LOOP_S = 2.0 * _LOOP.damping / _LOOP.frequency
+LAG_S = THRUST_LAG_S + _LOOP_S
+"""From a command to its tilt [s]: that of the torque, and the attitude loop's."""
+TILT_SQUARE = 2.0 / (LAG_S**2 - CRAZYFLIE_2_0.thrust_lag**2 - _LOOP_S**2 + 2.0 / _LOOP.frequency**2)
+"""W^2 [1/s^2]."""
 OBSERVER = 2.0, 8.0
 """Bandwidth of the balance, horizontal and vertical [rad/s]: below 1 / L and 1 / L_T; a gust is none."""
 BALANCE_MAX = 1.5, 3.0
@@ -46,9 +58,9 @@ RESTART = 2.0
 
 TRACKED = int(TrackStatus.TRACKED)
 """Status of a measured vehicle."""
-POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED = 0, 3, 6, 9, 12, 13, 14
+POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK = 0, 3, 6, 9, 12, 13, 14, 17
 """Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
-WIDTH = 17
+WIDTH = 19
 UNKNOWN = np.array([math.nan] * 3 + [0.0] * (WIDTH - 3))
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
@@ -97,14 +109,30 @@ def _propagate(one: Array, command: tuple[float, float, float], push: Array, ela
     cos, sin = math.cos(one[YAW]), math.sin(one[YAW])
     lift = GRAVITY * (share * math.cos(roll) * math.cos(pitch) - 1.0)
     for k, aimed in enumerate((cos * ahead - sin * aside, sin * ahead + cos * aside, lift)):
-        lag = (LAG_S, THRUST_LAG_S)[k // 2]
-        decay, lacking, before = math.exp(-elapsed / lag), one[ACC + k] - aimed, one[VEL + k]
+        lacking, before = one[ACC + k] - aimed, one[VEL + k]
+        if k < 2:
+            left, one[JERK + k], made = _tilted(lacking, one[JERK + k], elapsed)
+        else:
+            left = lacking * math.exp(-elapsed / THRUST_LAG_S)
+            made = THRUST_LAG_S * (lacking - left)
         pushed = push[k] if abs(push[k]) < math.inf else 0.0
-        gained = (aimed + pushed - one[BALANCE + k]) * elapsed + lacking * lag * (1.0 - decay)
+        gained = (aimed + pushed - one[BALANCE + k]) * elapsed + made
         one[VEL + k] += gained
         one[OBSERVED + k] += gained
-        one[ACC + k] = aimed + lacking * decay
+        one[ACC + k] = aimed + left
         one[POS + k] += 0.5 * elapsed * (before + one[VEL + k])
+
+
+@compiled
+def _tilted(lacking: float, jerk: float, elapsed: float) -> tuple[float, float, float]:
+    """Return a - u and j after `elapsed` [s], and the integral of a - u, for a constant u."""
+    decay = 0.5 * LAG_S * TILT_SQUARE
+    turn = math.sqrt(TILT_SQUARE - decay * decay)
+    fading = math.exp(-decay * elapsed)
+    cos, sin = fading * math.cos(turn * elapsed), fading * math.sin(turn * elapsed) / turn
+    left = lacking * (cos + decay * sin) + jerk * sin
+    after = jerk * (cos - decay * sin) - TILT_SQUARE * lacking * sin
+    return left, after, LAG_S * (lacking - left) + (jerk - after) / TILT_SQUARE
 
 
 @compiled
