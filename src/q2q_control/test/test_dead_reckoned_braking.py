@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_control.disturbance.thrust_acceleration import Command
-from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S, DeadReckonedBraking
+from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S, SINK_MAX, DeadReckonedBraking
 from q2q_control.failsafe.dead_reckoning import (
     BALANCE,
     BALANCE_MAX,
@@ -255,11 +255,11 @@ def test_who_rises_or_sinks_when_it_is_lost_comes_to_rest(vel: float) -> None:
     assert abs(found[-1][2]) < abs(vel) * (0.5 + 0.15)
 
 
-def test_who_lands_is_kept_from_rising_but_not_from_sinking() -> None:
-    def landed(vel: float) -> float:
-        """Return the vertical velocity after a second of landing [m/s]."""
+def test_who_lands_is_kept_from_rising_and_from_sinking_fast() -> None:
+    def landed(vel: float, seconds: float) -> float:
+        """Return the vertical velocity after a time of landing [m/s]."""
         block, thrust = DeadReckonedBraking(HOVER), 0.0
-        for k in range(101):
+        for k in range(round(seconds / TICK) + 1):
             seen = k == 0
             state = state_at(k * TICK, np.zeros(2), age=k * TICK)
             state.vel[0, 2] = vel if seen else 0.0
@@ -271,8 +271,10 @@ def test_who_lands_is_kept_from_rising_but_not_from_sinking() -> None:
         return vel
 
     free = -0.06 * GRAVITY  # of 0.94 of the hover thrust
-    assert landed(1.2) < 0.0
-    assert landed(0.0) == pytest.approx(free * (1.0 - THRUST_LAG_S), rel=0.05)
+    assert landed(1.2, 1.0) < 0.0
+    assert landed(0.0, 1.0) == pytest.approx(free * (1.0 - THRUST_LAG_S), rel=0.05)
+    for vel in (0.0, -2.0):  # exp(-4 s / 0.5 s) of what is beyond, and free fall from the height of 2 m
+        assert landed(vel, 4.0) == pytest.approx(free * BRAKING_S - SINK_MAX, rel=0.03)
 
 
 def test_a_tilt_follows_by_its_equations_of_any_step() -> None:

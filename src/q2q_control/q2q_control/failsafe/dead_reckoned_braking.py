@@ -7,8 +7,9 @@ vehicle, once all its commands have taken effect (q2q_control.failsafe.dead_reck
     a_z = b_z - eta_z - V_z / tau                 |a_z| <= b_max
     T = (T_fallback + m a_z) / (cos phi cos theta)
 
-A vehicle that lands is not kept from sinking: V_z counts upwards only. While the controller still flies an
-unmeasured vehicle on a predicted state, it gets the dead-reckoned position and velocity: a filter, which
+A vehicle that lands is kept from rising and from sinking fast: V_z counts where it is above 0 or below
+-v_max, and v_max + (1 - land_share) g tau is the fastest, 1.1 m/s (ladder). While the controller still flies
+an unmeasured vehicle on a predicted state, it gets the dead-reckoned position and velocity: a filter, which
 knows no commands, predicts straight on. A downwash that is predicted is so for a lost vehicle where it was
 last; without a prediction it is in b_z. Either fades with time, and as others move from above it
 (fading_downwash).
@@ -17,6 +18,7 @@ last; without a prediction it is in b_z. Either fades with time, and as others m
 |---|---|---|
 | tau | BRAKING_S | time constant of braking [s] |
 | a_max | BRAKING_MAX | largest horizontal acceleration [m/s^2] |
+| v_max | SINK_MAX | velocity of sinking from which it is braked [m/s] |
 | b_max | BALANCE_MAX | largest change of the lift [m/s^2] (dead_reckoning) |
 | b | BALANCE | acceleration by commands that keeps the velocity, less -eta [m/s^2] (dead_reckoning) |
 | eta | push | predicted downwash [m/s^2] |
@@ -65,6 +67,8 @@ BRAKING_S = 0.5
 """Time constant of braking [s]: more than two lags."""
 BRAKING_MAX = 3.5
 """Largest deceleration [m/s^2]: a tilt of 0.35 rad, the largest that the controllers command."""
+SINK_MAX = 0.8
+"""Velocity of sinking from which a landing vehicle brakes [m/s]: it touches down at 1.1 m/s."""
 LONGEST_STEP = 0.1
 """Longest time between ticks for which the last tilt is integrated [s]."""
 LOST = np.uint8(TrackStatus.LOST)
@@ -216,7 +220,8 @@ class DeadReckonedBraking:
     def _thrust(self, command: SwarmCommand) -> Array:
         """Return the thrust [N] that keeps vehicles level at their height, and lets those sink that land."""
         rising = self._coming()[:, 2]
-        rising = np.where(command.status == CommandStatus.LAND, np.maximum(rising, 0.0), rising)
+        landing = np.maximum(rising, 0.0) + np.minimum(rising + SINK_MAX, 0.0)
+        rising = np.where(command.status == CommandStatus.LAND, landing, rising)
         most = BALANCE_MAX[1]
         lift = np.clip(self._balance()[:, 2] - rising / BRAKING_S, -most, most)
         return np.asarray(command.thrust + self._hover_thrust * lift / GRAVITY)
