@@ -21,7 +21,7 @@ from q2q_control.failsafe.dead_reckoning import (
 )
 from q2q_control.pid.pid import PidParams
 from q2q_model.geometry.rotations import quat_from_euler, rotate
-from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 
 NAMES = ("cf1", "cf2")
@@ -275,6 +275,28 @@ def test_who_lands_is_kept_from_rising_and_from_sinking_fast() -> None:
     assert landed(0.0, 1.0) == pytest.approx(free * (1.0 - THRUST_LAG_S), rel=0.05)
     for vel in (0.0, -2.0):  # exp(-4 s / 0.5 s) of what is beyond, and free fall from the height of 2 m
         assert landed(vel, 4.0) == pytest.approx(free * BRAKING_S - SINK_MAX, rel=0.03)
+
+
+def test_a_downwash_fades_alike_after_the_clock_was_set_back() -> None:
+    """The lower vehicle is lost under a predicted downwash."""
+
+    def lift(set_back: float) -> float:
+        """Return the thrust [N] half a second after the loss."""
+        block = DeadReckonedBraking(HOVER)
+        push = np.array([[0.0, 0.0, -2.0], [0.0, 0.0, 0.0]])
+        eta = Interference(0.0, NAMES, push, np.zeros((2, 3)), np.zeros(2, np.uint8))
+        for k in range(61):
+            t = 5.0 + k * TICK - (set_back if k > 10 else 0.0)
+            if k == 11:
+                block.set_back(set_back)
+            state = state_at(t, np.zeros(2), age=max(k - 9, 0) * TICK)
+            state.pos[1] = [0.0, 0.0, 0.5]
+            block.advance(state, replace(eta, t=t), t)
+            command = block.update(state, level_at(t, CommandStatus.LEVEL if k > 9 else CommandStatus.OK))
+        return float(command.thrust[0])
+
+    assert lift(0.49) == pytest.approx(lift(0.0), rel=1e-9)
+    assert HOVER < lift(0.0) < HOVER * (1.0 + 2.0 / GRAVITY)
 
 
 def test_a_tilt_follows_by_its_equations_of_any_step() -> None:
