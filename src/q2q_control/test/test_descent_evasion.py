@@ -264,3 +264,29 @@ def test_who_is_back_at_its_height_drives_nobody_ahead_on_its_way() -> None:
         output = way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2), {})
         assert np.hypot(*output.pos[1, :2]) < REACH + 0.01
     np.testing.assert_allclose(output.pos, sent, atol=1e-3)
+
+
+def test_who_is_found_again_is_evaded_while_a_replanned_setpoint_climbs_with_it() -> None:
+    """Its setpoint begins where it is found, sinking, turns at rest for a moment, and stops at its height."""
+    sent, way = np.array([UPPER, (0.0, 0.0, 1.0)]), DescentEvasion()
+    pos = sent.copy()
+    for k in range(300):
+        pos[0, 2] = 1.5 - 0.003 * k
+        way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
+    speed, shift, height = -0.9, [], []
+    for k in range(300, 900):
+        left = UPPER[2] - pos[0, 2]
+        acc = 3.0 if k < 360 else -1.5 if speed > 0.0 and left < speed**2 / 3.0 else 0.0
+        speed = max(speed + acc * TICK, -0.9 if k < 360 else 0.0)
+        pos[0, 2] += speed * TICK
+        vel, change = np.array([[0.0, 0.0, speed], [0.0] * 3]), np.array([[0.0, 0.0, acc], [0.0] * 3])
+        replanned = replace(setpoint_of(k * TICK, pos, vel), acc=change)
+        replanned.pos[1] = sent[1]
+        output = way.update(replanned, state_of(pos), flown(2), {})
+        np.testing.assert_array_equal(output.pos[0], pos[0])  # it flies its new motion
+        shift.append(float(np.hypot(*output.pos[1, :2])))
+        height.append(pos[0, 2])
+    low = np.array(height) < UPPER[2] - BACK
+    assert low.sum() > 100
+    assert np.array(shift)[low].min() > 0.95 * REACH
+    assert shift[-1] < 0.01

@@ -10,12 +10,16 @@ shift until j has come to rest: away from j if it is at rest, across its path if
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
-or measured again and within BACK of its setpoint's height: it climbs where it is, and moves there then.
+or measured again, within BACK of its setpoint's height, and that is steady: it climbs where it is, and moves
+there then. A replanner begins at a vehicle that it finds again, and the setpoint climbs with that: steady is
+
+    |r_z'| + |r_z''| B < v_b
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | s | shift | horizontal shift of a setpoint [m], (2,) |
 | u | direction | horizontal unit vector, (2,) |
+| v_b, B | STEADY, STEADY_S | velocity [m/s] and time [s] of a steady height |
 | w | PACE | bandwidth of the critically damped shift [rad/s] |
 """
 
@@ -36,6 +40,10 @@ BENEATH = 0.1
 """Least height difference at which a vehicle counts as below another [m]: eps of the paper's zone."""
 BACK = 0.3
 """Height difference from its setpoint within which a vehicle measured again is back [m]."""
+STEADY = 0.5
+"""Vertical velocity of a setpoint at its height [m/s]: as it stops within STEADY_S, half of BACK is left."""
+STEADY_S = 0.5
+"""Time in which its acceleration counts [s]: a setpoint that turns from sinking to climbing is not there."""
 PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
@@ -116,9 +124,11 @@ class DescentEvasion:
             return setpoint
         pos, rest = _places(state, {name: known[name] for name in blind if name in known})
         evaded = {name for shift in self._shifts.values() for name in shift.directions}
-        back = evaded & set(_away(setpoint, state)) - set(fallback.cut) - set(blind)
-        self._end((set(blind) | back) & set(state.names))
-        self._turn(back & set(state.names), state)
+        seen = evaded - set(fallback.cut) - set(blind)
+        back = seen & set(_away(setpoint, state))
+        returning = (back | seen & set(_climbing_setpoints(setpoint))) & set(state.names)
+        self._end(set(blind) & set(state.names) | returning)
+        self._turn(returning, state)
         self._ask(index_of(state.names, blind) >= 0, state.names, pos, rest)
         moved = self._moved(
             self._climbing(back, setpoint, state), dict(zip(state.names, pos[:, :2], strict=True)), dt
@@ -194,6 +204,12 @@ def _away(setpoint: SwarmSetpoint, state: SwarmState) -> Names:
     height = np.append(state.pos[:, 2], np.nan)[rows]
     off = np.abs(height - setpoint.pos[:, 2]) > BACK
     return tuple(setpoint.names[row] for row in np.flatnonzero(off))
+
+
+def _climbing_setpoints(setpoint: SwarmSetpoint) -> Names:
+    """Return the vehicles whose setpoints climb or sink."""
+    fast = np.abs(setpoint.vel[:, 2]) + STEADY_S * np.abs(setpoint.acc[:, 2]) >= STEADY
+    return tuple(setpoint.names[row] for row in np.flatnonzero(fast))
 
 
 def _evasion_direction(xy: Array, i: int, j: int, rest: Array) -> Array:

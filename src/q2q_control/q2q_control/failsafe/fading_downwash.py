@@ -76,10 +76,6 @@ class FadingDownwash:
         """Shift stored times back by `by` [s]: the clock was."""
         self._known_at = self._known_at - by
 
-    def set_back(self, by: float) -> None:
-        """Shift the times back by `by` [s]: the clock was."""
-        self._above = {name: one._replace(t=one.t - by) for name, one in self._above.items()}
-
     def shares(self, blind: Rows, known: Mask, places: Places, t: float) -> Array:
         """Return what is left of the downwash of vehicles without measurements, from 0 to 1, (m,).
 
