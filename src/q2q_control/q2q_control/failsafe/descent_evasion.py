@@ -126,7 +126,7 @@ class DescentEvasion:
         evaded = {name for shift in self._shifts.values() for name in shift.directions}
         seen = evaded - set(fallback.cut) - set(blind)
         back = seen & set(_away(setpoint, state))
-        returning = (back | seen & set(_climbing_setpoints(setpoint))) & set(state.names)
+        returning = (back | seen & set(_moving_vertically(setpoint))) & set(state.names)
         self._end(set(blind) & set(state.names) | returning)
         self._turn(returning, state)
         self._ask(index_of(state.names, blind) >= 0, state.names, pos, rest)
@@ -206,8 +206,8 @@ def _away(setpoint: SwarmSetpoint, state: SwarmState) -> Names:
     return tuple(setpoint.names[row] for row in np.flatnonzero(off))
 
 
-def _climbing_setpoints(setpoint: SwarmSetpoint) -> Names:
-    """Return the vehicles whose setpoints climb or sink."""
+def _moving_vertically(setpoint: SwarmSetpoint) -> Names:
+    """Return the vehicles whose setpoints climb or sink, or soon will."""
     fast = np.abs(setpoint.vel[:, 2]) + STEADY_S * np.abs(setpoint.acc[:, 2]) >= STEADY
     return tuple(setpoint.names[row] for row in np.flatnonzero(fast))
 
