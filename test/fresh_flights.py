@@ -1,11 +1,13 @@
 """Fly what users fly in one process; print which kernels it compiled and which it never called: for a test.
 
 Closed loop with every controller and replanner, of a single vehicle and of two through every fault of the
-room, the passage of table6 with its active bounds, flights with correction, one of distributed MPCs, the
-explicit law, the view's scenes, the vehicles' own firmware, and an identification.
+room, also with blocks that get messages as those of nodes do, the passage of table6 with its active bounds,
+flights with correction, one of distributed MPCs, the explicit law, the view's scenes, the vehicles' own
+firmware, and an identification.
 """
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 
@@ -29,7 +31,9 @@ from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.node.rehearsal import rehearse
+from q2q_model.signals.cdr import SignalReader, encode
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import TEXTBOOK_065
@@ -51,6 +55,7 @@ from q2q_sim.tools.compile_kernels import import_kernels
 from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
 
 SHORT_ROOM = library.load(str(ROOT / "test" / "scenarios" / "short_room.yaml"))
+BLOCKS = ("mocap_filter", "predictor", "replanner", "controller")
 RecordedSignal = list[dict[str, Signal]]
 
 
@@ -70,6 +75,7 @@ def flights() -> None:
     for controller, replan in product(CONTROLLERS, REPLANNERS):
         flown(alone, controller, replan)
         signals = flown(faulty, controller, replan)
+        through_messages(faulty, controller, replan)
     drawn(signals)
     measured(signals)
     controlled_explicitly(signals)
@@ -110,6 +116,30 @@ def flown(scenario: Scenario, controller: str, replan: str) -> RecordedSignal:
     known = find_model(scenario.model).interaction
     fly(scenario, FlightOptions(controller=controller, replan=replan, model=known, on_signal=hear))
     return signals
+
+
+def through_messages(scenario: Scenario, controller: str, replan: str) -> None:
+    """Fly blocks whose signals come as messages."""
+    known, options = find_model(scenario.model).interaction, FlightOptions(controller=controller)
+    blocks = blocks_of(scenario, Options("aware", controller, replan), known)
+    fed = {name: FedByMessages(getattr(blocks, name).update) for name in BLOCKS}
+    fly_blocks(scenario, replace(blocks, **fed), options)
+
+
+class FedByMessages:
+    """Block that gets its signals as a node does: from the bytes of messages."""
+
+    def __init__(self, update: Callable[..., Signal]) -> None:
+        self._update = update
+
+    def update(self, *signals: Signal | None) -> Signal:
+        """Update the block."""
+        return self._update(*(None if one is None else received(one) for one in signals))
+
+
+def received(signal: Signal) -> Signal:
+    """Return a signal as a node gets it."""
+    return SignalReader(type(signal)).received(encode(signal, stamp_from_time(signal.t)))
 
 
 def distributed(scenario: Scenario) -> None:

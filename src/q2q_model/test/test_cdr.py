@@ -9,7 +9,14 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from q2q_model.signals.cdr import BadMessageError, decode, encode, encode_stamp, header_stamp_ns
+from q2q_model.signals.cdr import (
+    BadMessageError,
+    SignalReader,
+    decode,
+    encode,
+    encode_stamp,
+    header_stamp_ns,
+)
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.values import MocapFrame, SwarmImu, SwarmState
 
@@ -83,6 +90,18 @@ def test_damaged_bytes_are_refused_and_never_anything_else(data: st.DataObject) 
     except BadMessageError:
         return
     assert len(cut) >= len(whole) - 1
+
+
+@pytest.mark.parametrize("kind", SIGNALS)
+def test_what_a_node_receives_is_the_same_and_writable(kind: type[Signal]) -> None:
+    signal, reader = made(kind, ("cf1", "cf2"), 10**9), SignalReader(kind)
+    for _ in range(2):  # the second one by the offsets of the first
+        received = reader.received(encode(signal, 10**9))
+        assert (received.t, received.names) == (1.0, signal.names)
+        for column in LAYOUTS[kind].columns:
+            values = getattr(received, column.attribute)
+            np.testing.assert_array_equal(values, getattr(signal, column.attribute))
+            assert values.flags.writeable
 
 
 def test_every_cut_of_a_message_is_refused() -> None:

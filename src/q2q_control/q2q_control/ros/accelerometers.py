@@ -23,7 +23,7 @@ def receive_accelerometers(node: Node, take: Callable[[SwarmImu], None]) -> None
             take(imu)
 
     def receive(data: bytes) -> None:
-        take(reader.read(data))
+        take(reader.received(data))
 
     bus = bus_of(node)
     if bus.carries(IMU):

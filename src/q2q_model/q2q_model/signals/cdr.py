@@ -121,7 +121,15 @@ class SignalReader(Generic[S]):
         self._kind: type = signal
         self._map: _Map | None = None
 
-    def read(self, data: bytes) -> S:
+    def received(self, data: bytes) -> S:
+        """Return the signal in a message that a node got, with arrays of its own.
+
+        They are writable, as those without ROS are: kernels are compiled for these, and would be compiled
+        again for read-only ones, in flight.
+        """
+        return self.read(bytearray(data))
+
+    def read(self, data: bytes | bytearray) -> S:
         """Return the signal in a serialized message; raise as `decode` does."""
         if data[:2] != ENCAPSULATION[:2]:
             raise BadMessageError(f"encoding {data[:2].hex()}; allowed is plain CDR, little endian (0001)")
@@ -136,7 +144,7 @@ class SignalReader(Generic[S]):
         return self._signal(t, known.names, *arrays)
 
 
-def _refuse(data: bytes, known: _Map) -> None:
+def _refuse(data: bytes | bytearray, known: _Map) -> None:
     """Raise for the first array that is truncated or does not match the names."""
     for block in known.blocks:
         count = _COUNT.unpack_from(data, block.lead_at)[0] if block.lead_at + 4 <= len(data) else block.count
@@ -147,12 +155,12 @@ def _refuse(data: bytes, known: _Map) -> None:
             raise BadMessageError(f"message of {len(data)} bytes is truncated in {block.field}")
 
 
-def _map_of(signal: type, data: bytes) -> _Map:
+def _map_of(signal: type, data: bytes | bytearray) -> _Map:
     try:
         names, at = _read_names(data)
     except struct.error as cut:
         raise BadMessageError(f"message of {len(data)} bytes is truncated: {cut}") from cut
-    head = data[NAMES_AT:at]
+    head = bytes(data[NAMES_AT:at])
     blocks = []
     for column in LAYOUTS[signal].columns:
         blocks.append(_block(column, at, len(names)))
@@ -238,7 +246,7 @@ def _array_lead(phase: int, count: int, itemsize: int) -> bytes:
     return made + bytes(-(phase + len(made)) % itemsize if count else 0)
 
 
-def _read_names(data: bytes) -> tuple[Names, int]:
+def _read_names(data: bytes | bytearray) -> tuple[Names, int]:
     """Return the names and the offset of the arrays."""
     (length,) = struct.unpack_from("<I", data, NAMES_AT)
     count_at = _aligned(NAMES_AT + 4 + length, 4)

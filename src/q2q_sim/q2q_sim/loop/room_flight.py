@@ -112,7 +112,7 @@ class RoomFlight:
     def receive(self, data: bytes) -> Output:
         """Take a serialised command; return the next tick if it was complete and the pace is lockstep."""
         try:
-            stamp_ns, command = header_stamp_ns(data), self._reader.read(data)
+            stamp_ns, command = header_stamp_ns(data), self._reader.received(data)
         except ValueError as refusal:
             return self._refused(refusal)
         return self.take(stamp_ns, command)

@@ -23,7 +23,7 @@ def listener(topic: str, signal: type[S], take: Take[S], health: Health) -> Call
 
     def receive(data: bytes) -> None:
         try:
-            take(header_stamp_ns(data), reader.read(data))
+            take(header_stamp_ns(data), reader.received(data))
         except ValueError as refusal:
             health.refuse(f"{topic}: {refusal}")
 
