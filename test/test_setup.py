@@ -59,6 +59,21 @@ def test_an_unknown_argument_is_named(checkout: Checkout):
     assert "unknown argument '--fast'" in error_line(done.stderr)
 
 
+def test_a_checkout_of_another_user_is_left_alone(checkout: Checkout):
+    kept = checkout.root / ".venv" / "kept"
+    kept.parent.mkdir()
+    kept.touch()
+    without_rights = (
+        "setpriv --bounding-set=-dac_override --inh-caps=-dac_override" if os.geteuid() == 0 else ""
+    )
+    done = checkout.shell(
+        f"chmod 555 . && {without_rights} scripts/setup; status=$?; chmod 755 .; exit $status"
+    )
+    assert done.returncode == 1
+    assert f"{checkout.root} cannot be written by" in error_line(done.stderr)
+    assert kept.exists()
+
+
 @pytest.mark.parametrize(("hidden", "language"), [(("cc",), "C"), (("c++",), "C++")])
 def test_a_missing_compiler_gives_one_line_and_no_venv(checkout: Checkout, hidden: tuple[str], language: str):
     checkout.hide(*hidden)

@@ -19,7 +19,7 @@ compile_kernels() (
 # A failure is no reason to refuse a shell: nodes compile what they lack when they start.
 ensure_kernels() {
   kernels_are_compiled && return
-  report "machine code of the kernels, in build/numba (first time: a minute or two)"
+  report "machine code of the kernels, in build/numba (first time: several minutes)"
   mkdir -p "$ROOT/build/numba"
   if in_log compile_kernels; then
     stamp kernels "$(kernels_hash)"
