@@ -1,5 +1,6 @@
 """Any value may be asked for any parameter: it is taken or refused with a reason, and the node flies on."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
@@ -181,6 +182,20 @@ def test_parameters_of_others_neither_configure_a_block_nor_are_refused_by_it() 
     (answer,) = node.set_parameters([Given("k_p_z", value=7.0)])
     assert answer.successful
     assert taken == [replace(params, k_p_z=7.0)]
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (5, "parameter k_p_z = 5: a value of another type is expected, such as 5.0"),
+        ("high", "parameter k_p_z = 'high': a value of another type is expected, such as "),
+    ],
+)
+def test_a_value_of_the_wrong_type_is_refused_with_an_example(value: object, message: str) -> None:
+    node = Node("wrong_type", parameter_overrides=[Given("k_p_z", value=value)])
+    MADE.append(node)
+    with pytest.raises(ValueError, match=re.escape(message)):
+        declare(node, PidParams())
 
 
 @pytest.mark.parametrize("name", NODES)

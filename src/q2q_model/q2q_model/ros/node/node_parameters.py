@@ -10,7 +10,7 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
-from rclpy.exceptions import InvalidParameterValueException
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -79,7 +79,16 @@ def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str, *
     except InvalidParameterValueException as refusal:
         given = str(refusal).partition(" Reason")[0]
         raise ValueError(f"parameter {prefix}{entry.name}: allowed is {spec.allowed}; {given}") from refusal
+    except InvalidParameterTypeException as refusal:
+        raise ValueError(_wrong_type(node, prefix + entry.name, default)) from refusal
     return default if value is None else _plain(value)
+
+
+def _wrong_type(node: Node, name: str, default: Any) -> str:  # noqa: ANN401
+    given = node._parameter_overrides[name]  # noqa: SLF001  (rclpy has no accessor)
+    whole = isinstance(default, float) and given.type_ is Parameter.Type.INTEGER
+    example = f"{given.value}.0" if whole else list(default) if isinstance(default, tuple) else repr(default)
+    return f"parameter {name} = {given.value!r}: a value of another type is expected, such as {example}"
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401
