@@ -1,5 +1,6 @@
 """A wrong word is answered with the nearest right one, and help shows an example."""
 
+import os
 import warnings
 from pathlib import Path
 
@@ -64,6 +65,28 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(
         made().parse_args([word.format(folder=tmp_path, file=file) for word in words])
     assert ended.value.code == 2
     assert capsys.readouterr().err == f"tool: {answer.format(folder=tmp_path, file=file)}; see --help\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "there"), [(["--out", "{folder}/a/b"], "{folder}"), (["--json", "{file}"], "{file}")]
+)
+def test_a_place_without_permission_is_refused_before_the_work(
+    words: list[str],
+    there: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+):
+    file = tmp_path / "notes.txt"
+    file.touch()
+    place = there.format(folder=tmp_path, file=file)
+    monkeypatch.setattr(
+        os, "access", lambda path, mode: mode == os.W_OK and str(path) != place
+    )  # also for root
+    with pytest.raises(SystemExit) as ended:
+        made().parse_args([word.format(folder=tmp_path, file=file) for word in words])
+    assert ended.value.code == 2
+    assert f"{place} cannot be written (permission denied); give another place" in capsys.readouterr().err
 
 
 def test_a_place_that_does_not_exist_yet_is_taken(tmp_path: Path):

@@ -1,8 +1,10 @@
 """The command line of `fly` asks for the flight that its words name."""
 
+from pathlib import Path
+
 import pytest
 
-from q2q_sim.commands.fly import parser
+from q2q_sim.commands.fly import main, parser
 from q2q_sim.tools.fly_scenario import request_of
 
 
@@ -23,3 +25,10 @@ def test_nodes_share_a_process_in_lockstep_and_have_their_own_live_unless_told_o
     asked = request_of(parser().parse_args(["table6", *words]))
     assert asked.stack is together
     assert asked.live is ("--live" in words)
+
+
+def test_a_bag_that_exists_is_refused_before_the_nodes_start(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    assert main(["table6", "--bag", str(tmp_path)]) == 1
+    assert capsys.readouterr().err == f"fly: bag {tmp_path} exists: choose another folder or delete it\n"

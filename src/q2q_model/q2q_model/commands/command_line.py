@@ -6,6 +6,7 @@ Parsing and checking need the standard library only, so help and errors appear w
 """
 
 import argparse
+import os
 import re
 import sys
 import warnings
@@ -143,6 +144,9 @@ def _below_folders(path: Path) -> Path:
     above = next((one for one in path.parents if one.is_file()), None)
     if above is not None:
         raise argparse.ArgumentTypeError(f"{above} is a file; it cannot hold {path.relative_to(above)}")
+    there = next(one for one in (path, *path.parents) if one.exists())
+    if not os.access(there, os.W_OK):
+        raise argparse.ArgumentTypeError(f"{there} cannot be written (permission denied); give another place")
     return path
 
 

@@ -4,9 +4,8 @@ import argparse
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
-from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, output_folder, run_command
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.air.air_names import check_air
@@ -37,6 +36,8 @@ def _prepare(args: Namespace) -> Work:
             raise ValueError(f"--wake {args.wake} and --air {args.air}: give one of them")
     if args.model:
         check_model(args.model)
+    if args.bag and args.bag.exists():
+        raise ValueError(f"bag {args.bag} exists: choose another folder or delete it")
     if not args.list:
         from q2q_sim.processes.warm_start import begin
 
@@ -138,7 +139,7 @@ def _add_physics(made: CommandLine) -> None:
 
 
 def _add_output(made: CommandLine) -> None:
-    made.add_argument("--bag", type=Path, help="folder for the bag (default: not kept)")
+    made.add_argument("--bag", type=output_folder, help="folder for the bag (default: not kept)")
     made.add_argument(
         "--record",
         nargs="+",
