@@ -108,9 +108,10 @@ def key_numbers(ignoring: FlightMetrics, aware: FlightMetrics) -> list[KeyNumber
     if not worst:
         return []
     name = max(worst, key=lambda one: worst[one])
-    pushed, left = worst[name], aware.vehicles[name].worst_m
+    without, left = worst[name], aware.vehicles[name].worst_m
+    words = f"largest height error of {name} under another vehicle, ignoring the downwash"
     return [
-        KeyNumber(centimetres(pushed), f"{name} is pushed down, ignoring the downwash", palette.FLIGHTS[0]),
+        KeyNumber(centimetres(without), words, palette.FLIGHTS[0]),
         KeyNumber(centimetres(left), "with q2q", palette.FLIGHTS[1]),
     ]
 
