@@ -22,10 +22,19 @@ QUOTED = re.compile(
 )
 
 
-def flown(path: Path, mode: Mode) -> VehicleMetrics:
+OTHERS: tuple[tuple[str, Mode, str, str], ...] = (
+    (r"never under `cf1` \(error (\d+) mm\)", "ignoring", "pid", "safe"),
+    (r"in the zone, with an error of (\d+) mm", "ignoring", "pid", "paper"),
+    (r"constant offsets: the error is (\d+) mm", "aware", "mpc", "none"),
+)
+"""Quoted error, mode, controller and replanner of further flights."""
+
+
+def flown(path: Path, mode: Mode, controller: str = "pid", replan: str = "none") -> VehicleMetrics:
     """Return the metrics of cf2."""
     scenario = library.load(str(path))
-    options = FlightOptions(mode, model=find_model(scenario.model).interaction, air=find_air(scenario.air))
+    model, air = find_model(scenario.model).interaction, find_air(scenario.air)
+    options = FlightOptions(mode, controller, replan, model=model, air=air)
     return measure(fly(scenario, options), CRAZYFLIE_2_0).vehicles["cf2"]
 
 
@@ -39,3 +48,25 @@ def test_the_errors_of_the_tutorials_first_two_flights_are_those_quoted(tmp_path
     assert 1000.0 * ignoring.z_rmse_m == pytest.approx(rms_mm, abs=0.5)  # quoted to the last digit
     assert 100.0 * ignoring.worst_m == pytest.approx(sunk_cm, abs=0.5)
     assert 1000.0 * flown(path, "aware").z_rmse_m == pytest.approx(aware_mm, abs=0.5)
+
+
+@pytest.mark.parametrize(("quoted", "mode", "controller", "replan"), OTHERS)
+def test_the_errors_of_its_replanners_and_mpc_are_those_quoted(
+    quoted: str, mode: Mode, controller: str, replan: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(next(one.text for one in blocks(TUTORIAL) if one.action == "write"))
+    found = re.search(quoted, TUTORIAL.read_text(encoding="utf-8"))
+    assert found is not None
+    error = flown(path, mode, controller, replan).z_rmse_m
+    assert 1000.0 * error == pytest.approx(float(found[1]), abs=0.5)
+
+
+def test_the_error_with_its_faults_is_that_quoted(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    parts = [one.text for one in blocks(TUTORIAL) if one.file == "out/mine.yaml"]
+    assert len(parts) == 3
+    path.write_text("".join(parts))
+    found = re.search(r"with both changes \(the error is (\d+) mm\)", TUTORIAL.read_text(encoding="utf-8"))
+    assert found is not None
+    assert 1000.0 * flown(path, "aware").z_rmse_m == pytest.approx(float(found[1]), abs=0.5)
