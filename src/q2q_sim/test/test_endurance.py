@@ -27,6 +27,11 @@ def test_the_slope_of_a_line_is_found_after_the_warm_up() -> None:
     assert growth(MEMORY, T, 100.0 - 30.0 * T / HOUR).verdict == "falls"
 
 
+def test_what_never_changes_grows_by_exactly_nothing() -> None:
+    found = growth(WatchedQuantity("handles", "", 1.0), T, np.full(len(T), 20.0))
+    assert (found.mean, found.per_hour, found.low, found.high) == (20.0, 0.0, 0.0, 0.0)
+
+
 def test_the_interval_holds_the_slope_in_95_of_100_draws() -> None:
     draw = np.random.default_rng(5)
     inside = 0

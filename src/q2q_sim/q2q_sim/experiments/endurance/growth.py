@@ -68,8 +68,9 @@ def growth(kind: WatchedQuantity, t: Array, values: Array) -> Growth:
         np.array([part.mean() for part in np.array_split(one, BLOCKS)]) for one in (t / HOUR, values)
     )
     away = hours - hours.mean()
-    slope = float(away @ means / (away @ away))
-    rest = means - means.mean() - slope * away
+    rest = means - means.mean()  # exactly zero for a constant
+    slope = float(away @ rest / (away @ away))
+    rest -= slope * away
     error = float(np.sqrt(rest @ rest / (BLOCKS - 2) / (away @ away)))
     half = float(stdtrit(BLOCKS - 2, 0.975)) * error
     mean = float(values.mean())
