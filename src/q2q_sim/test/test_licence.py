@@ -10,7 +10,12 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, flown, licence
-from q2q_sim.experiments.licence.licence_reports import junit_xml, licence_json, report_text
+from q2q_sim.experiments.licence.licence_reports import (
+    junit_xml,
+    licence_json,
+    report_text,
+    write_licence_page,
+)
 from q2q_sim.experiments.licence.licence_room import LicenceParams
 from q2q_sim.experiments.licence.program.program_turns import Turns, always
 from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
@@ -118,6 +123,8 @@ def test_a_program_that_ends_in_the_air_fails_with_time_and_reason(tmp_path: Pat
     assert failure is not None
     assert failure.get("message") == first.sentence
     assert licence_json(found)["passed"] is False
+    page = write_licence_page(found, tmp_path / "page").read_text(encoding="utf-8")
+    assert "without faults. It failed, so it did not fly with faults." in page
 
 
 def test_a_vehicle_that_does_not_arm_stays_on_the_floor(tmp_path: Path):

@@ -128,6 +128,17 @@ def test_heights_on_the_page_are_those_of_the_flights(wide: OpenPage, runs: list
     assert wide.texts(".readout span") == expected
 
 
+def test_a_vehicle_on_the_floor_has_no_negative_height(
+    browser: Browser, runs: list[ReplayRun], tmp_path: Path
+):
+    on_floor = replace(runs[0], pos=np.where([True, True, False], runs[0].pos, -0.001))
+    file = tmp_path / "page.html"
+    file.write_text(replay_html([on_floor], "On the floor"), encoding="utf-8")
+    opened = OpenPage(browser, file.as_uri())
+    assert [one.split(" m")[0] for one in opened.texts(".readout span")] == ["cf1 0.00", "cf2 0.00"]
+    opened.page.context.close()
+
+
 def test_captions_tell_what_happened(wide: OpenPage):
     ignoring, aware = wide.texts("figcaption")
     assert ignoring.startswith("ignoring cf1 pushed 34 cm down at 21.8 s")

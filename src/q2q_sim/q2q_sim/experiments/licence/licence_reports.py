@@ -115,9 +115,15 @@ def write_licence_page(found: Licence, folder: Path) -> Path:
     if output:
         parts += [Heading("Last lines of the program's output"), ProgramOutput(output)]
     file = folder / "index.html"
-    lead = "The program flew emulated vehicles unmodified, first without faults, then with one fault each."
-    file.write_text(page(f"Licence of {found.program.file.name}", lead, parts), encoding="utf-8")
+    file.write_text(page(f"Licence of {found.program.file.name}", _lead(found), parts), encoding="utf-8")
     return file
+
+
+def _lead(found: Licence) -> str:
+    flew = "The program flew emulated vehicles unmodified"
+    if len(found.flights) == 1 and not found.flights[0].passed:
+        return f"{flew}, without faults. It failed, so it did not fly with faults."
+    return f"{flew}, first without faults, then with one fault each."
 
 
 def _run(flown: FlownTrial, log: LicenceLog) -> ReplayRun:

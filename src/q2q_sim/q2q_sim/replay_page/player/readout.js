@@ -30,6 +30,6 @@ export class Readout {
     const error = Math.round(100 * (z - this.run.at("ref", vehicle, 2, t)));
     const sign = error < 0 ? "−" : error > 0 ? "+" : "";
     const beside = Number.isNaN(error) ? "" : ` (${sign}${Math.abs(error)} cm)`;
-    return `${z.toFixed(2)} m${beside}`;
+    return `${z.toFixed(2).replace("-0.00", "0.00")} m${beside}`;
   }
 }
