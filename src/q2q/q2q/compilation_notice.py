@@ -18,7 +18,7 @@ class CompilationNotice(event.Listener):  # type: ignore[misc]  # numba has no t
     def on_start(self, event: event.Event) -> None:  # noqa: ARG002  numba's interface
         """Print the notice once."""
         if not self._printed:
-            print("q2q: compiling for this processor, once: it takes up to a minute", file=sys.stderr)
+            print("q2q: compiling for this processor, once: it takes minutes", file=sys.stderr)
         self._printed = True
 
     def on_end(self, event: event.Event) -> None:
