@@ -22,6 +22,7 @@ from rclpy.parameter import Parameter as Given
 
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.pid.pid import PidParams
+from q2q_control.ros.controller_wiring import ControllerNodeParams
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.topics.messages import MESSAGES
@@ -185,17 +186,15 @@ def test_parameters_of_others_neither_configure_a_block_nor_are_refused_by_it() 
 
 
 @pytest.mark.parametrize(
-    ("value", "message"),
-    [
-        (5, "parameter k_p_z = 5: a value of another type is expected, such as 5.0"),
-        ("high", "parameter k_p_z = 'high': a value of another type is expected, such as "),
-    ],
+    ("name", "value", "example"),
+    [("k_p_z", 5, "5.0"), ("k_p_z", "high", f"{PidParams().k_p_z}"), ("vehicles", "cf1", "['cf1']")],
 )
-def test_a_value_of_the_wrong_type_is_refused_with_an_example(value: object, message: str) -> None:
-    node = Node("wrong_type", parameter_overrides=[Given("k_p_z", value=value)])
+def test_a_value_of_the_wrong_type_is_refused_with_an_example(name: str, value: object, example: str) -> None:
+    node = Node("wrong_type", parameter_overrides=[Given(name, value=value)])
     MADE.append(node)
+    message = f"parameter {name} = {value!r}: a value of another type is expected, such as {example}"
     with pytest.raises(ValueError, match=re.escape(message)):
-        declare(node, PidParams())
+        declare(node, PidParams() if name == "k_p_z" else ControllerNodeParams())
 
 
 @pytest.mark.parametrize("name", NODES)

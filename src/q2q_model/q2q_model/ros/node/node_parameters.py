@@ -86,9 +86,12 @@ def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str, *
 
 def _wrong_type(node: Node, name: str, default: Any) -> str:  # noqa: ANN401
     given = node._parameter_overrides[name]  # noqa: SLF001  (rclpy has no accessor)
-    whole = isinstance(default, float) and given.type_ is Parameter.Type.INTEGER
-    example = f"{given.value}.0" if whole else list(default) if isinstance(default, tuple) else repr(default)
-    return f"parameter {name} = {given.value!r}: a value of another type is expected, such as {example}"
+    example = default
+    if isinstance(default, tuple):
+        example = list(default) or [given.value]
+    elif isinstance(default, float) and given.type_ is Parameter.Type.INTEGER:
+        example = float(given.value)
+    return f"parameter {name} = {given.value!r}: a value of another type is expected, such as {example!r}"
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401
