@@ -5,7 +5,7 @@ import os
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from time import monotonic
+from time import monotonic, sleep
 
 import numpy as np
 import pytest
@@ -54,6 +54,25 @@ def test_a_parameter_that_a_vehicle_cannot_be_given_is_named_with_the_reason(ask
 
 def test_what_a_vehicle_can_be_given_is_not_refused() -> None:
     assert unsettable({"locSrv.extPosStdDev": 1e-3, "stabilizer.controller": 255.0}, TABLE) == {}
+
+
+def test_without_a_radio_a_link_tells_the_reason_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def no_dongle(*_: object) -> None:
+        raise OSError("Cannot find a Crazyradio Dongle")
+
+    monkeypatch.setattr("cflib.crtp.get_link_driver", no_dongle)
+    link = CflibLink("cf1", "radio://0/80/2M/E7E7E7E701", {})
+    try:
+        limit, lines = monotonic() + ANSWER_S, []
+        while not lines and monotonic() < limit:
+            sleep(0.01)
+            lines = link.log_lines()
+    finally:
+        link.close()
+    assert lines == ["Couldn't load link driver: Cannot find a Crazyradio Dongle"]
+    assert caplog.messages == []
 
 
 def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so(tmp_path: Path) -> None:

@@ -284,8 +284,14 @@ def _crazyflie(cache: str) -> "Crazyflie":
     logging.getLogger("cflib").setLevel(
         logging.ERROR
     )  # it warns of every lost link, which the node logs itself
+    logging.getLogger("cflib.crazyflie").addFilter(_is_news)
     cflib.crtp.init_drivers()
     return Crazyflie(rw_cache=cache or None)
+
+
+def _is_news(record: logging.LogRecord) -> bool:
+    """Return whether the node does not log it itself: the reason of a failed link comes with a traceback."""
+    return not str(record.msg).startswith("Couldn't load link driver")
 
 
 def _log_config(name: str, period_ms: int) -> "LogConfig":
