@@ -10,6 +10,7 @@ import pytest
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
 from q2q_control.flight_procedure.procedure import FlightProcedure
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.rest import places
 from q2q_control.flight_procedure.steps import Act, Call, Order, Step
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array
@@ -403,3 +404,8 @@ def test_a_dry_run_sends_nothing_and_says_what_would_be_sent() -> None:
 def test_a_room_without_an_inside_is_refused() -> None:
     with pytest.raises(ValueError, match="lowest x, y, z and highest x, y, z"):
         FlightProcedureParams(room=(0.0, 0.0, 0.0, 1.0, 1.0, 0.0))
+
+
+def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:
+    observation = replace(_Bench().observe(), pos=HOME + up(-0.001))
+    assert places(observation) == "cf1 at 0.00 m, cf2 at 0.00 m"

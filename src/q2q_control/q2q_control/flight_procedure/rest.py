@@ -55,7 +55,7 @@ def at_points(
         observation.names, observation.pos[:, 2].tolist(), far, speed, strict=True
     ):
         if not off <= bound:
-            return f"{name} is at {height:.2f} m, {off:.2f} m from where it should be"
+            return f"{name} is at {height:z.2f} m, {off:.2f} m from where it should be"
         if not fast <= params.still_speed:
             return f"{name} still moves at {fast:.2f} m/s"
     return ""
@@ -75,6 +75,6 @@ def setpoints_rest(
 def places(observation: Observation) -> str:
     """Return the height of every vehicle as text."""
     return ", ".join(
-        f"{name} at {height:.2f} m"
+        f"{name} at {height:z.2f} m"
         for name, height in zip(observation.names, observation.pos[:, 2].tolist(), strict=True)
     )
