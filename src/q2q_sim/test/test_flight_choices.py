@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, on_firmware
 from q2q_sim.commands.fly import main, parser
-from q2q_sim.tools.fly_scenario import request_of
+from q2q_sim.tools.fly_scenario import request_of, vehicle_change
 
 
 @pytest.mark.parametrize(
@@ -32,3 +33,9 @@ def test_a_bag_that_exists_is_refused_before_the_nodes_start(
 ):
     assert main(["table6", "--bag", str(tmp_path)]) == 1
     assert capsys.readouterr().err == f"fly: bag {tmp_path} exists: choose another folder or delete it\n"
+
+
+def test_another_vehicle_is_told_from_the_same_one_on_another_firmware():
+    assert vehicle_change(TEXTBOOK_065, CRAZYFLIE_2_0) == "crazyflie_2_0, not textbook_065"
+    recorded = on_firmware(CRAZYFLIE_2_0, "stock_2025_02")
+    assert vehicle_change(CRAZYFLIE_2_0, recorded) == "crazyflie_2_0 with firmware stock_2025_02, not stock"

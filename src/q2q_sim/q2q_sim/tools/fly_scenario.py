@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from q2q_model.documents.json_file import write_json
+from q2q_model.vehicle.constants import Vehicle, firmware_of
 from q2q_sim.flight.run_json import runs_json
 from q2q_sim.flight.scenario_flight import MEASURED, FlightRequest, FlightRun, fly, load_scenario
 from q2q_sim.flight.unfinished_bag import recorder_notes
@@ -73,12 +74,22 @@ def request_of(args: Namespace) -> FlightRequest:
     )
 
 
+def vehicle_change(own: Vehicle, flown: Vehicle) -> str:
+    """Return the flown vehicle as text, beside the scenario's own one that it replaces."""
+    if flown.name != own.name:
+        return f"{flown.name}, not {own.name}"
+    return f"{flown.name} with firmware {firmware_of(flown)}, not {firmware_of(own)}"
+
+
 def _fly(args: Namespace) -> FlightRun:
     request = request_of(args)
     own, flown = library.load(request.scenario), load_scenario(request)
     if flown.vehicle != own.vehicle and not request.vehicle:
-        by = f"{flown.vehicle.name}, not {own.vehicle.name} (`in_air` of the scenario)"
-        print(f"fly: {request.scenario}: in air {request.air} by {by}", file=sys.stderr)
+        change = vehicle_change(own.vehicle, flown.vehicle)
+        print(
+            f"fly: {request.scenario}: in air {request.air} by {change} (`in_air` of the scenario)",
+            file=sys.stderr,
+        )
     interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
         bag = args.bag or Path(scratch) / "bag"
