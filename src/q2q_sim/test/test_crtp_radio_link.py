@@ -5,7 +5,7 @@ import os
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from time import monotonic, sleep
+from time import monotonic
 
 import numpy as np
 import pytest
@@ -59,19 +59,17 @@ def test_what_a_vehicle_can_be_given_is_not_refused() -> None:
 def test_without_a_radio_a_link_tells_the_reason_in_one_line(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
+    asked = threading.Event()
+
     def no_dongle(*_: object) -> None:
+        asked.set()
         raise OSError("Cannot find a Crazyradio Dongle")
 
     monkeypatch.setattr("cflib.crtp.get_link_driver", no_dongle)
     link = CflibLink("cf1", "radio://0/80/2M/E7E7E7E701", {})
-    try:
-        limit, lines = monotonic() + ANSWER_S, []
-        while not lines and monotonic() < limit:
-            sleep(0.01)
-            lines = link.log_lines()
-    finally:
-        link.close()
-    assert lines == ["Couldn't load link driver: Cannot find a Crazyradio Dongle"]
+    assert asked.wait(ANSWER_S)
+    link.close()  # once its thread has ended
+    assert link.log_lines() == ["Couldn't load link driver: Cannot find a Crazyradio Dongle"]
     assert caplog.messages == []
 
 
