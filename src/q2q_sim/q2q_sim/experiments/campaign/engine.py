@@ -70,9 +70,14 @@ def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[R
         try:
             for ended in as_completed(running):
                 error = ended.exception()
-                yield ended.result() if error is None else died(running[ended], error)
+                # Ctrl-C reaches every process; it is no crash of the work, and is raised here, too
+                if error is None or isinstance(error, KeyboardInterrupt):
+                    yield ended.result()
+                else:
+                    yield died(running[ended], error)
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
+            # a pool that is not waited for may be collected before it cancels, and then does all that is left
+            pool.shutdown(wait=True, cancel_futures=True)
             raise
 
 
