@@ -178,3 +178,16 @@ def test_vehicles_that_are_added_were_never_seen() -> None:
     assert not unseen.accepted.any()
     assert not unseen.pos.any()
     assert not unseen.vel.any()
+
+
+def test_exchanged_labels_stay_doubtful_while_a_third_track_has_the_sample_of_one() -> None:
+    places, moved = np.array([[0.0, 0.0, 1.0], [3.0, 0.0, 1.0], [6.0, 0.0, 1.0]]), np.array([0.0, 1.0, 0.0])
+    made, nobody = tracks(count=3), np.zeros(3, dtype=bool)
+    for k in range(20):
+        made.update(k * DT, places, nobody)
+    exchanged = np.stack([places[1] + moved, places[0] + moved, places[2]])
+    for k in range(20, 28):
+        assert not made.update(k * DT, exchanged, nobody).restarted.any()
+    verdict = made.update(28 * DT, exchanged[[2, 1, 0]], nobody)  # REACQUIRE has passed
+    assert verdict.source.tolist() == [-1, -1, 0]
+    assert not verdict.restarted.any()

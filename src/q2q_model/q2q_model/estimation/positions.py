@@ -162,7 +162,8 @@ class PositionTracks:
             source = np.where(borrowed >= 0, borrowed, source)
             rejected &= (source < 0) & ~np.isin(rows, borrowed)
         self._reacquisition.forget(source >= 0)
-        unmatched = Unmatched(~present & tracks.seen, rejected)
+        absent = tracks.seen & (~present | ((source < 0) & ~rejected))
+        unmatched = Unmatched(absent, rejected)
         jumped = self._jumped(t, at.samples, unmatched)
         if (began | jumped | at.thawed).any():
             self._restart(t, at, began | jumped | at.thawed, jumped)

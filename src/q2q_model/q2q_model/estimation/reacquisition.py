@@ -41,7 +41,7 @@ class Unmatched(NamedTuple):
     """Tracks without an accepted sample at a tick."""
 
     absent: Mask
-    """Seen before, without a sample now, (n,)."""
+    """Seen before, without a sample now, or with one that is another vehicle's, (n,)."""
     rejected: Mask
     """With a rejected sample, (n,)."""
 

@@ -71,6 +71,7 @@ def run_together(
         for node in kept:
             offer_ready(node)
             offer_drained(node)
+            node.get_logger().info("running")
         try:
             _spin(kept, ending)
         finally:
