@@ -177,6 +177,12 @@ def test_a_file_of_the_users_own_is_read_and_a_broken_one_refused(tmp_path: Path
     own.write_text("just words\n")
     with pytest.raises(ValueError, match="got 'just words', expected a mapping with description, duration"):
         library.load(str(own))
+    own.write_text("# nothing yet\n")
+    with pytest.raises(ValueError, match="is empty: write description, duration and vehicles"):
+        library.load(str(own))
+    own.write_text("duration: -3\nvehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 3, pos: [1, 0, 1]}]}\n")
+    with pytest.raises(ValueError, match=r"^scenario mine: duration = -3"):
+        library.load(str(own))
 
 
 def test_every_override_of_a_shipped_scenario_is_a_field_of_its_block() -> None:

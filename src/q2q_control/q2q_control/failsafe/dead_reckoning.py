@@ -24,7 +24,7 @@ the motion is integrated, with the balance of the last one.
 | o | OBSERVED | velocity of the observer [m/s] |
 | psi | YAW | last measured yaw [rad] |
 | L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust, mean [s] |
-| W | TILT | natural frequency of a tilt behind its command [rad/s] |
+| W^2 | TILT_SQUARE | squared natural frequency of a tilt behind its command [1/s^2] |
 | w | OBSERVER | bandwidth of the observer [rad/s] |
 """
 

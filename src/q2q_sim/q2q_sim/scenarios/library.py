@@ -39,6 +39,8 @@ def document(name: str) -> Mapping[str, object]:
 
 def _read(path: Path) -> Scenario:
     parsed = {"plan": path.name} if path.suffix == PLAN else load_yaml(path)
+    if parsed is None:
+        raise ValueError(f"scenario file {path} is empty: write description, duration and vehicles")
     try:
         return scenario_from_document(path.stem, parsed, _plan(parsed, path.parent))
     except ValueError as error:

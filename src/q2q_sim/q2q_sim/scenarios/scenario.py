@@ -98,12 +98,12 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check the values that no part checks itself; raise ValueError with what is allowed."""
         if not (isfinite(self.duration) and 0.0 < self.duration <= LONGEST):
-            raise ValueError(f"{self.name}: duration = {self.duration}: above 0 to {LONGEST} s is allowed")
+            raise ValueError(f"duration = {self.duration}: above 0 to {LONGEST} s is allowed")
         wake_by_name(self.wake)
         if self.air:
             check_air(self.air)
         elif self.air_without:
-            raise ValueError(f"{self.name}: air_without = {', '.join(self.air_without)}: name an air too")
+            raise ValueError(f"air_without = {', '.join(self.air_without)}: name an air too")
         for vehicle in self.waypoints:
             height = vehicle.waypoints[0].pos[2]
             if height < 0.0:
