@@ -1,27 +1,10 @@
-"""Brake vehicles without measurements, on velocities dead-reckoned from their own commands.
+"""Dead reckoning of all vehicles of a controller, and braking of those without measurements.
 
-A level vehicle keeps its speed: at 1 m/s it has moved by 1 m after a second. The velocity V of an unmeasured
-vehicle, once all its commands have taken effect (q2q_control.failsafe.dead_reckoning), is braked:
-
-    a = b - eta - V / tau                         horizontal, |a| <= a_max, instead of level attitude
-    a_z = b_z - eta_z - V_z / tau                 |a_z| <= b_max
-    T = (T_fallback + m a_z) / (cos phi cos theta)
-
-A vehicle that lands is kept from rising and from sinking fast: V_z counts where it is above 0 or below
--v_max, and v_max + (1 - land_share) g tau is the fastest, 1.1 m/s (ladder). While the controller still flies
-an unmeasured vehicle on a predicted state, it gets the dead-reckoned position and velocity: a filter, which
-knows no commands, predicts straight on. A downwash that is predicted is so for a lost vehicle where it was
-last; without a prediction it is in b_z. Either fades with time, and as others move from above it
-(fading_downwash).
-
-| symbol | name | meaning [unit] |
-|---|---|---|
-| tau | BRAKING_S | time constant of braking [s] |
-| a_max | BRAKING_MAX | largest horizontal acceleration [m/s^2] |
-| v_max | SINK_MAX | velocity of sinking from which it is braked [m/s] |
-| b_max | BALANCE_MAX | largest change of the lift [m/s^2] (dead_reckoning) |
-| b | BALANCE | acceleration by commands that keeps the velocity, less -eta [m/s^2] (dead_reckoning) |
-| eta | push | predicted downwash [m/s^2] |
+The motion of every vehicle is integrated from its commands (dead_reckoning); one without measurements flies
+by braking_law instead of level. While the controller still flies it on a predicted state, it gets the
+dead-reckoned position and velocity: a filter, which knows no commands, predicts straight on. A downwash that
+is predicted is so for a lost vehicle where it was last; without a prediction it is in the balance. Either
+fades with time, and as others move from above it (fading_downwash).
 """
 
 import math
@@ -31,28 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.disturbance.thrust_acceleration import Command
-from q2q_control.failsafe.dead_reckoning import (
-    ACC,
-    BALANCE,
-    BALANCE_MAX,
-    JERK,
-    LAG_S,
-    POS,
-    SEEN,
-    THRUST_LAG_S,
-    TILT_SQUARE,
-    TRACKED,
-    UNKNOWN,
-    VEL,
-    YAW,
-    Sight,
-    reckon,
-)
+from q2q_control.failsafe.braking_law import ReckonedMotions, braking_thrust, braking_tilt, resting_places
+from q2q_control.failsafe.dead_reckoning import BALANCE, POS, SEEN, TRACKED, UNKNOWN, VEL, Sight, reckon
 from q2q_control.failsafe.fading_downwash import FadingDownwash, Places
 from q2q_control.failsafe.ladder import is_blind
 from q2q_model.signals.values import (
     Array,
-    CommandStatus,
     Interference,
     Names,
     Status,
@@ -61,14 +28,7 @@ from q2q_model.signals.values import (
     TrackStatus,
     index_of,
 )
-from q2q_model.vehicle.constants import GRAVITY
 
-BRAKING_S = 0.5
-"""Time constant of braking [s]: more than two lags."""
-BRAKING_MAX = 3.5
-"""Largest deceleration [m/s^2]: a tilt of 0.35 rad, the largest that the controllers command."""
-SINK_MAX = 0.8
-"""Velocity of sinking from which a landing vehicle brakes [m/s]: it touches down at 1.1 m/s."""
 LONGEST_STEP = 0.1
 """Longest time between ticks for which the last tilt is integrated [s]."""
 LOST = np.uint8(TrackStatus.LOST)
@@ -84,7 +44,7 @@ class Reckoned(NamedTuple):
 
 
 class DeadReckonedBraking:
-    """Motions of all vehicles by their commands; those of unmeasured ones are braked."""
+    """ReckonedMotions of all vehicles by their commands; those of unmeasured ones are braked."""
 
     def __init__(self, hover_thrust: float) -> None:
         """Brake vehicles of a `hover_thrust` [N]."""
@@ -129,12 +89,7 @@ class DeadReckonedBraking:
     def reckoned(self, names: Names) -> dict[str, Reckoned]:
         """Return the dead-reckoned horizontal motions of those of the named vehicles that are known."""
         rows = [row for row in index_of(names, self._names) if row >= 0]
-        pos, coming = self._track[rows, POS : POS + 2], self._coming()[rows, :2]
-        speed = np.linalg.norm(coming, axis=1, keepdims=True)
-        # at BRAKING_MAX down to the speed from which it decays within BRAKING_S
-        fast = np.maximum(speed - BRAKING_MAX * BRAKING_S, 0.0)
-        time = LAG_S + BRAKING_S + 0.5 * fast**2 / BRAKING_MAX / np.maximum(speed, 1e-9)
-        rest = pos + time * coming
+        pos, rest = self._track[rows, POS : POS + 2], resting_places(self._motions)[rows]
         return {self._names[row]: Reckoned(*one) for row, *one in zip(rows, pos, rest, strict=True)}
 
     def predicted(self, state: SwarmState) -> SwarmState:
@@ -157,8 +112,9 @@ class DeadReckonedBraking:
         self._match(state, command.names)
         braking = is_blind(command.status) & (self._track[:, SEEN] == 0.0)
         if braking.any():
-            roll, pitch = self._tilt()
-            thrust = self._thrust(command) / (np.cos(roll) * np.cos(pitch))
+            roll, pitch = braking_tilt(self._motions)
+            level = braking_thrust(self._motions, command, self._hover_thrust)
+            thrust = level / (np.cos(roll) * np.cos(pitch))
             command = replace(
                 command,
                 thrust=np.where(braking, thrust, command.thrust),
@@ -172,6 +128,10 @@ class DeadReckonedBraking:
         """Take the command of a tick in which every vehicle is measured."""
         self._match(state, command.names)
         self._record(command)
+
+    @property
+    def _motions(self) -> ReckonedMotions:
+        return ReckonedMotions(self._track, self._push)
 
     def _record(self, command: SwarmCommand) -> None:
         self._asked = Command(command.thrust, command.roll, command.pitch)
@@ -205,35 +165,6 @@ class DeadReckonedBraking:
             self._push[blind] *= left[:, None]
         else:
             self._push[blind, 2] = (1.0 - left) * self._track[blind, BALANCE + 2]
-
-    def _balance(self) -> Array:
-        """Return the accelerations by commands that keep the velocities [m/s^2], world, (n, 3)."""
-        return self._track[:, BALANCE : BALANCE + 3] - self._push
-
-    def _coming(self) -> Array:
-        """Return the velocities once all commands have taken effect [m/s], (n, 3)."""
-        lag = np.array([LAG_S, LAG_S, THRUST_LAG_S])
-        coming = self._track[:, VEL : VEL + 3] + lag * (self._track[:, ACC : ACC + 3] - self._balance())
-        coming[:, :2] += self._track[:, JERK : JERK + 2] / TILT_SQUARE
-        return np.asarray(coming)
-
-    def _thrust(self, command: SwarmCommand) -> Array:
-        """Return the thrust [N] that keeps vehicles level at their height, and lets those sink that land."""
-        rising = self._coming()[:, 2]
-        landing = np.maximum(rising, 0.0) + np.minimum(rising + SINK_MAX, 0.0)
-        rising = np.where(command.status == CommandStatus.LAND, landing, rising)
-        most = BALANCE_MAX[1]
-        lift = np.clip(self._balance()[:, 2] - rising / BRAKING_S, -most, most)
-        return np.asarray(command.thrust + self._hover_thrust * lift / GRAVITY)
-
-    def _tilt(self) -> tuple[Array, Array]:
-        """Return roll and pitch [rad] that brake each vehicle, (n,) each."""
-        acc = (self._balance() - self._coming() / BRAKING_S)[:, :2]
-        acc *= np.minimum(1.0, BRAKING_MAX / np.maximum(np.linalg.norm(acc, axis=1), 1e-9))[:, None]
-        yaw = self._track[:, YAW]
-        ahead = np.cos(yaw) * acc[:, 0] + np.sin(yaw) * acc[:, 1]
-        aside = -np.sin(yaw) * acc[:, 0] + np.cos(yaw) * acc[:, 1]
-        return np.arctan(-aside / GRAVITY), np.arctan(ahead / GRAVITY)
 
 
 def _sight(state: SwarmState | None, names: Names) -> Sight:

@@ -12,7 +12,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from q2q_control.failsafe import descent_evasion, guard
+from q2q_control.failsafe import dead_reckoned_braking, descent_evasion, guard
+from q2q_control.failsafe.braking_law import ReckonedMotions, braking_tilt
 from q2q_control.failsafe.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.descent_evasion import DescentEvasion
 from q2q_control.failsafe.guard import Guard
@@ -43,7 +44,7 @@ from q2q_planner.online.safe.traffic import TrafficTable
 # ruff: noqa: SLF001  a mutant replaces what nobody else may touch
 _track_params = mocap_filter._track_params
 _update_positions, _with_fallback = PositionTracks.update, Guard._with_fallback
-_tilt, _evasion_direction = DeadReckonedBraking._tilt, descent_evasion._evasion_direction
+_evasion_direction = descent_evasion._evasion_direction
 _answer = safe_replanner._answer
 _write_signal = BagWriter.write_signal
 
@@ -117,8 +118,8 @@ def _no_braking(_: DeadReckonedBraking, __: SwarmState | None, command: SwarmCom
     return command
 
 
-def _braking_reversed(self: DeadReckonedBraking) -> tuple[Array, Array]:
-    roll, pitch = _tilt(self)
+def _braking_reversed(motions: ReckonedMotions) -> tuple[Array, Array]:
+    roll, pitch = braking_tilt(motions)
     return -roll, -pitch
 
 
@@ -180,7 +181,7 @@ SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("held_unreported", guard, "_again", _held_unreported),
     SeededBug("ages_unshifted", Guard, "_set_back", _ages_unshifted),
     SeededBug("no_braking", DeadReckonedBraking, "update", _no_braking),
-    SeededBug("braking_reversed", DeadReckonedBraking, "_tilt", _braking_reversed),
+    SeededBug("braking_reversed", dead_reckoned_braking, "braking_tilt", _braking_reversed),
     SeededBug("no_evasion", DescentEvasion, "update", _no_evasion),
     SeededBug("evasion_reversed", descent_evasion, "_evasion_direction", _evasion_reversed),
     SeededBug("no_proof", safe_replanner, "_choice", _no_proof),

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.dead_reckoned_braking import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.dead_reckoning import LAG_S
 from q2q_control.failsafe.descent_evasion import BENEATH, REACH
 from q2q_control.failsafe.ladder import FallbackParams, is_blind
