@@ -68,7 +68,7 @@ def growth_table(flight: LongFlight, found: Sequence[Growth]) -> Table:
     )
     for column in ("quantity", "mean", "an hour", "95 % interval", "unit", ""):
         left = column in ("quantity", "unit", "")
-        made.add_column(column, justify="left" if left else "right", no_wrap=True)
+        made.add_column(column, justify="left" if left else "right", no_wrap=column != "quantity")
     for one in found:
         mean, slope, low, high = (f"{value:.4g}" for value in (one.mean, one.per_hour, one.low, one.high))
         made.add_row(one.what, mean, slope, f"{low} to {high}", one.unit, one.verdict)
