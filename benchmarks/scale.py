@@ -45,27 +45,29 @@ def _live(vehicles: int, *, stack: bool) -> list[Row]:
         Row(f"{name}: latency p50", p50, "ms", "tick of 10 ms", 10.0 / p50),
         Row(f"{name}: latency p99", p99, "ms", "tick of 10 ms", 10.0 / p99),
         Row(f"{name}: missed ticks", timing.missed_ticks, f"of {timing.ticks}"),
-        Row(f"{name}: CPU", cores, "cores"),
         Row(f"{name}: taken by the host", taken, "s of CPU"),
+        *_cpu(name, cores),
     ]
 
 
 def _lockstep(vehicles: int, *, stack: bool) -> list[Row]:
     flown, cores = _flown(vehicles, LOCKSTEP_S, live=False, stack=stack)
-    factor, name = flown.timing.real_time_factor or float("nan"), f"lockstep, {vehicles} vehicles"
-    wall = LOCKSTEP_S / factor
-    return [
-        Row(f"{name}, {_way(stack=stack)}", wall, f"s for {LOCKSTEP_S:g} s", "real time", factor),
-        Row(f"{name}, {_way(stack=stack)}: CPU", cores, "cores"),
-    ]
+    factor = flown.timing.real_time_factor or float("nan")
+    wall, name = LOCKSTEP_S / factor, f"lockstep, {vehicles} vehicles, {_way(stack=stack)}"
+    return [Row(name, wall, f"s for {LOCKSTEP_S:g} s", "real time", factor), *_cpu(name, cores)]
+
+
+def _cpu(flight: str, cores: float | None) -> list[Row]:
+    """Return the row of a flight's CPU; none if it was too short to tell."""
+    return [] if cores is None else [Row(f"{flight}: CPU", cores, "cores")]
 
 
 def _way(*, stack: bool) -> str:
     return "stack" if stack else "nodes"
 
 
-def _flown(vehicles: int, duration: float, *, live: bool, stack: bool) -> tuple[FlightRun, float]:
-    """Return the flight, and how many cores its nodes used."""
+def _flown(vehicles: int, duration: float, *, live: bool, stack: bool) -> tuple[FlightRun, float | None]:
+    """Return the flight, and how many cores its nodes used; None if it was too short to tell."""
     readings: list[tuple[float, float]] = []
 
     def follow(share: float) -> None:
@@ -78,7 +80,7 @@ def _flown(vehicles: int, duration: float, *, live: bool, stack: bool) -> tuple[
         request = FlightRequest(str(scenario), live=live, stack=stack, record=RECORDED)
         flown = fly(request, Path(place) / "nodes", Path(place) / "bag", follow)
     if len(readings) < 2:
-        return flown, float("nan")
+        return flown, None
     (begin, cpu_before), (end, cpu_after) = readings[0], readings[-1]
     return flown, (cpu_after - cpu_before) / (end - begin)
 
