@@ -3,7 +3,13 @@
 # Python writes it when a module is first imported, but not where PYTHONDONTWRITEBYTECODE is set, as in many
 # containers: there every start of a node compiled a thousand modules, for one to three seconds.
 
-bytecode_hash() { { venv_hash && cat "$STAMPS/dev"; } 2>/dev/null | sha256sum; }
+# The packages, and which modules there are: those that change are few.
+bytecode_hash() {
+  {
+    venv_hash && cat "$STAMPS/dev"
+    cd "$ROOT/src" && find . -path './*/test' -prune -o -name '*.py' -print | sort
+  } 2>/dev/null | sha256sum
+}
 bytecode_is_written() { fresh bytecode "$(bytecode_hash)"; }
 
 write_bytecode() (
