@@ -44,7 +44,7 @@ class Reckoned(NamedTuple):
 
 
 class DeadReckonedBraking:
-    """ReckonedMotions of all vehicles by their commands; those of unmeasured ones are braked."""
+    """Motions of all vehicles by their commands; those of unmeasured ones are braked."""
 
     def __init__(self, hover_thrust: float) -> None:
         """Brake vehicles of a `hover_thrust` [N]."""
