@@ -10,26 +10,22 @@ shift until j has come to rest: away from j if it is at rest, across its path if
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
-or measured again, within BACK of its setpoint's height, and that is steady: it climbs where it is, and moves
-there then. A replanner begins at a vehicle that it finds again, and the setpoint climbs with that: steady is
-
-    |r_z'| + |r_z''| B < v_b
+or measured again and back at the height of its setpoint (q2q_control.failsafe.climb_back).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | s | shift | horizontal shift of a setpoint [m], (2,) |
 | u | direction | horizontal unit vector, (2,) |
-| v_b, B | STEADY, STEADY_S | velocity [m/s] and time [s] of a steady height |
 | w | PACE | bandwidth of the critically damped shift [rad/s] |
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.failsafe.climb_back import ClimbBack, InFallback
 from q2q_control.failsafe.dead_reckoned_braking import Reckoned
 from q2q_control.failsafe.stacking import stacked
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
@@ -38,12 +34,6 @@ REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 2 s of blindness, 0.4."""
 BENEATH = 0.1
 """Least height difference at which a vehicle counts as below another [m]: eps of the paper's zone."""
-BACK = 0.3
-"""Height difference from its setpoint within which a vehicle measured again is back [m]."""
-STEADY = 0.5
-"""Vertical velocity of a setpoint at its height [m/s]: as it stops within STEADY_S, half of BACK is left."""
-STEADY_S = 0.5
-"""Time in which its acceleration counts [s]: a setpoint that turns from sinking to climbing is not there."""
 PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
@@ -79,31 +69,23 @@ class _Shift:
         return not self.directions and float(np.abs(self.pos).max() + np.abs(self.vel).max()) < AT_REST
 
 
-class InFallback(NamedTuple):
-    """Vehicles in fallback phases."""
-
-    blind: Names
-    """They are lost, fly level or land without measurements."""
-    cut: Names
-    """Their motors are off for good."""
-
-
 class DescentEvasion:
-    """Shifts of all evading vehicles."""
+    """Shifts of all evading vehicles, and those that climb back."""
 
     def __init__(self) -> None:
         self.reset()
 
     def reset(self) -> None:
-        """Drop all shifts."""
+        """Drop all shifts and climbs."""
         self._shifts: dict[str, _Shift] = {}
-        self._climbs: dict[str, Array] = {}
+        self._climbs = ClimbBack()
+        self._active = False
         self._t: float | None = None
 
     @property
     def active(self) -> bool:
-        """Return whether any setpoint is shifted."""
-        return bool(self._shifts)
+        """Return whether any setpoint is shifted, or any vehicle climbs back."""
+        return self._active
 
     def update(
         self, setpoint: SwarmSetpoint, state: SwarmState, fallback: InFallback, known: Mapping[str, Reckoned]
@@ -120,28 +102,24 @@ class DescentEvasion:
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
         blind = fallback.blind
-        if not blind and not self._shifts:
+        if not blind and not self._active:
             return setpoint
+        setpoint, returning = self._climbs.update(setpoint, state, fallback)
         pos, rest = _places(state, {name: known[name] for name in blind if name in known})
-        evaded = {name for shift in self._shifts.values() for name in shift.directions}
-        seen = evaded - set(fallback.cut) - set(blind)
-        back = seen & set(_away(setpoint, state))
-        returning = (back | seen & set(_moving_vertically(setpoint))) & set(state.names)
-        self._end(set(blind) & set(state.names) | returning)
+        self._end(returning.union(blind).intersection(state.names))
         self._turn(returning, state)
         self._ask(index_of(state.names, blind) >= 0, state.names, pos, rest)
-        moved = self._moved(
-            self._climbing(back, setpoint, state), dict(zip(state.names, pos[:, :2], strict=True)), dt
-        )
+        moved = self._moved(setpoint, dict(zip(state.names, pos[:, :2], strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
+        self._active = bool(self._shifts) or self._climbs.active
         return moved
 
-    def _end(self, evaded: set[str]) -> None:
+    def _end(self, evaded: frozenset[str]) -> None:
         """End the evasions of all but some vehicles."""
         for shift in self._shifts.values():
             shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
 
-    def _turn(self, back: set[str], state: SwarmState) -> None:
+    def _turn(self, back: frozenset[str], state: SwarmState) -> None:
         """Evade a vehicle that is measured again where it is."""
         xy = state.pos[:, :2]
         for name, shift in self._shifts.items():
@@ -149,18 +127,7 @@ class DescentEvasion:
                 if name in state.names:
                     i, j = state.names.index(name), state.names.index(other)
                     shift.directions[other] = _evasion_direction(xy, i, j, xy[j])
-            shift.returning = back & shift.directions.keys()
-
-    def _climbing(self, back: set[str], setpoint: SwarmSetpoint, state: SwarmState) -> SwarmSetpoint:
-        """Return the setpoints, with vehicles that are measured again held where they are until up."""
-        pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
-        climbs = {}
-        for name in sorted(back & set(setpoint.names) & set(state.names)):
-            row, seen = setpoint.names.index(name), state.pos[state.names.index(name)]
-            climbs[name] = self._climbs.get(name, seen[:2].copy())
-            pos[row, :2], vel[row, :2], acc[row, :2] = climbs[name], 0.0, 0.0
-        self._climbs = climbs
-        return replace(setpoint, pos=pos, vel=vel, acc=acc) if climbs else setpoint
+            shift.returning = set(back & shift.directions.keys())
 
     def _ask(self, gone: NDArray[np.bool_], names: Names, pos: Array, rest: Array) -> None:
         """Assign a direction to every new pair of evading vehicle and one that is `gone`, (n,)."""
@@ -196,20 +163,6 @@ def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Ar
     rest = pos[:, :2].copy()
     pos[rows[rows >= 0], :2], rest[rows[rows >= 0]] = reckoned[:, 0], reckoned[:, 1]
     return pos, rest
-
-
-def _away(setpoint: SwarmSetpoint, state: SwarmState) -> Names:
-    """Return the vehicles further than BACK from the heights of their setpoints."""
-    rows = index_of(setpoint.names, state.names)
-    height = np.append(state.pos[:, 2], np.nan)[rows]
-    off = np.abs(height - setpoint.pos[:, 2]) > BACK
-    return tuple(setpoint.names[row] for row in np.flatnonzero(off))
-
-
-def _moving_vertically(setpoint: SwarmSetpoint) -> Names:
-    """Return the vehicles whose setpoints climb or sink, or soon will."""
-    fast = np.abs(setpoint.vel[:, 2]) + STEADY_S * np.abs(setpoint.acc[:, 2]) >= STEADY
-    return tuple(setpoint.names[row] for row in np.flatnonzero(fast))
 
 
 def _evasion_direction(xy: Array, i: int, j: int, rest: Array) -> Array:

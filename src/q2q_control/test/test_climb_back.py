@@ -1,0 +1,118 @@
+"""A vehicle measured again returns to the height of its setpoint before it follows it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_control.failsafe.climb_back import BACK, LONGEST, ClimbBack, InFallback
+from q2q_model.signals.values import SwarmSetpoint, SwarmState
+
+TICK = 0.01
+AWAY = (1.0, -2.0, 2.0)
+"""Setpoint of the plan, which has moved on [m]."""
+LOW = (0.3, 0.4, 0.5)
+"""Where the vehicle is measured again [m]."""
+SEEN = InFallback((), ())
+BLIND = InFallback(("cf1",), ())
+CUT = InFallback((), ("cf1",))
+
+
+def state_of(*pos: tuple[float, float, float]) -> SwarmState:
+    n = len(pos)
+    return SwarmState(
+        t=0.0, names=names_of(n), pos=np.array(pos), vel=np.zeros((n, 3)),
+        quat=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)), ang_vel_body=np.zeros((n, 3)), age=np.zeros(n),
+        status=np.zeros(n, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def setpoint_of(t: float, *pos: tuple[float, float, float], climb: float = 0.0) -> SwarmSetpoint:
+    n = len(pos)
+    vel = np.tile([0.2, 0.1, climb], (n, 1))
+    return SwarmSetpoint(
+        t=t, names=names_of(n), pos=np.array(pos), vel=vel, acc=np.zeros((n, 3)), yaw=np.zeros(n),
+        yaw_rate=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def names_of(n: int) -> tuple[str, ...]:
+    return tuple(f"cf{k + 1}" for k in range(n))
+
+
+def lost(*blind: str, climbs: ClimbBack) -> ClimbBack:
+    climbs.update(setpoint_of(0.0, AWAY, AWAY), state_of(LOW, LOW), InFallback(blind, ()))
+    return climbs
+
+
+def test_it_climbs_where_it_is_measured_again_until_near_the_height_of_its_setpoint() -> None:
+    climbs = lost("cf1", climbs=ClimbBack())
+    for height in (LOW[2], 1.0, AWAY[2] - 1.01 * BACK):
+        drifted = (LOW[0] + 0.1 * (height - LOW[2]), LOW[1], height)
+        sent, names = climbs.update(setpoint_of(0.1 + height, AWAY, AWAY), state_of(drifted, AWAY), SEEN)
+        assert names == {"cf1"}
+        np.testing.assert_array_equal(sent.pos, [(*LOW[:2], AWAY[2]), AWAY])
+        np.testing.assert_array_equal(sent.vel, [(0.0, 0.0, 0.0), (0.2, 0.1, 0.0)])
+    given = setpoint_of(3.0, AWAY, AWAY)
+    sent, names = climbs.update(given, state_of((*LOW[:2], AWAY[2] - 0.99 * BACK), AWAY), SEEN)
+    assert not names
+    assert sent is given
+    assert not climbs.active
+
+
+def test_it_sinks_where_it_is_as_well() -> None:
+    climbs = lost("cf1", climbs=ClimbBack())
+    sent, names = climbs.update(setpoint_of(0.1, (1.0, 0.0, 0.1)), state_of(LOW), SEEN)
+    assert names == {"cf1"}
+    np.testing.assert_array_equal(sent.pos, [(*LOW[:2], 0.1)])
+
+
+@pytest.mark.parametrize("off", [False, True])
+def test_who_was_always_measured_or_is_cut_follows_its_setpoint(off: bool) -> None:
+    climbs = lost("cf1", climbs=ClimbBack()) if off else ClimbBack()
+    given = setpoint_of(0.1, AWAY, AWAY)
+    sent, names = climbs.update(given, state_of(LOW, LOW), CUT if off else SEEN)
+    assert sent is given
+    assert not names
+
+
+def test_while_blind_it_keeps_its_setpoint() -> None:
+    climbs = lost("cf1", climbs=ClimbBack())
+    given = setpoint_of(0.1, AWAY, AWAY)
+    sent, names = climbs.update(given, state_of(LOW, LOW), BLIND)
+    assert sent is given
+    assert not names
+    assert climbs.active
+
+
+def test_it_returns_while_its_setpoint_climbs_with_it_but_is_not_held() -> None:
+    climbs = lost("cf1", climbs=ClimbBack())
+    given = setpoint_of(0.1, LOW, climb=0.8)
+    sent, names = climbs.update(given, state_of(LOW), SEEN)
+    assert names == {"cf1"}
+    assert sent is given
+
+
+def test_one_that_cannot_climb_follows_its_setpoint_in_the_end() -> None:
+    climbs = lost("cf1", climbs=ClimbBack())
+    held = []
+    for k in range(1, 500):
+        given = setpoint_of(k * TICK, AWAY, AWAY)
+        sent, _ = climbs.update(given, state_of(LOW, AWAY), SEEN)
+        held.append(sent is not given)
+    assert sum(held) == pytest.approx(LONGEST / TICK, abs=1.5)
+    assert not climbs.active
+
+
+def test_it_climbs_anew_after_each_loss_and_is_forgotten_if_it_leaves_the_state() -> None:
+    climbs = lost("cf1", "cf2", climbs=ClimbBack())
+    climbs.update(setpoint_of(0.1, AWAY, AWAY), state_of(LOW, AWAY), SEEN)
+    climbs.update(setpoint_of(0.2, AWAY, AWAY), state_of(LOW, AWAY), BLIND)
+    there = (0.5, 0.5, 1.0)
+    sent, _ = climbs.update(setpoint_of(0.3, AWAY, AWAY), state_of(there, AWAY), SEEN)
+    np.testing.assert_array_equal(sent.pos[0], (*there[:2], AWAY[2]))
+    alone = replace(state_of(LOW), names=("cf2",))
+    _, names = climbs.update(setpoint_of(0.4, AWAY, AWAY), alone, SEEN)
+    assert "cf1" not in names
+    climbs.reset()
+    assert not climbs.active
