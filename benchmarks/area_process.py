@@ -45,7 +45,7 @@ class Bench:
 
     def _ended(self, words: Sequence[str], notes: IO[bytes] | None) -> int:
         """Return the exit status of the command with these words, in a process that dies with this one."""
-        from q2q_sim.processes.warm_start import die_with_parent
+        from q2q_sim.processes.parent_death import die_with_parent
 
         with subprocess.Popen(
             [*self.command, *words],

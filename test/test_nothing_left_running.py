@@ -1,6 +1,7 @@
 """Whatever ends a flight, its nodes end with it."""
 
 import os
+import re
 import select
 import signal
 import subprocess
@@ -28,6 +29,16 @@ else:
     os.wait()
 """
 """Fork that settles only after its parent has died."""
+POOL = """
+import os
+from q2q_sim.processes.worker_pool import worker_pool
+
+if __name__ == "__main__":
+    pool = worker_pool(2)
+    print(pool.submit(os.getpid).result(), flush=True)
+    os.read(os.pipe()[0], 1)
+"""
+"""Command that waits for ever beside its pool."""
 PATIENCE_S = 90.0
 
 
@@ -99,7 +110,18 @@ def test_a_node_that_is_killed_in_flight_is_named_and_the_others_end() -> None:
 
 def test_a_node_whose_parent_died_before_it_settled_does_not_run_on() -> None:
     done = subprocess.run([sys.executable, "-c", ORPHAN], capture_output=True, text=True, check=False)
-    assert (done.stdout, done.stderr) == ("", "the warm parent has ended\n")
+    assert done.stdout == ""
+    assert re.fullmatch(r"process \d+, which started this one, has ended\n", done.stderr)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_command_that_is_killed_leaves_no_process_of_its_pool_behind(number: signal.Signals) -> None:
+    command = subprocess.Popen([sys.executable, "-c", POOL], stdout=subprocess.PIPE, text=True)
+    assert command.stdout is not None
+    worker = int(command.stdout.readline())
+    command.send_signal(number)
+    command.communicate(timeout=PATIENCE_S)
+    assert ends(worker)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -18,6 +18,7 @@ import yaml
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec, sections
+from q2q_sim.processes.worker_pool import worker_pool
 
 RECYCLE = 50
 """Flights after which the process is replaced."""
@@ -61,14 +62,7 @@ class ResidentNodes:
             raise NodeDiedError(f"the process of the nodes ended: {died}") from died
 
     def _made(self) -> ProcessPoolExecutor:
-        context = get_context("spawn")  # middleware threads do not survive a fork
-        return ProcessPoolExecutor(
-            1,
-            mp_context=context,
-            initializer=_redirect_output,
-            initargs=(self._log,),
-            max_tasks_per_child=RECYCLE,
-        )
+        return worker_pool(1, partial(_redirect_output, self._log), RECYCLE)
 
 
 def _redirect_output(log: Path) -> None:

@@ -6,7 +6,6 @@ The warm parent is Python's fork server: a separate process that never initialis
 middleware threads, which would not survive a fork. It ends with this process, and the nodes with it.
 """
 
-import ctypes
 import os
 import signal
 import sys
@@ -18,10 +17,10 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import TracebackType
 
+from q2q_sim.processes.parent_death import live_with
+
 PARENT = "q2q_sim.ros.warm_parent"
 """Module that the fork server imports."""
-PR_SET_PDEATHSIG = 1
-"""prctl option: signal on the death of the parent (Linux)."""
 IMPORTER = os.getpid()
 """Process that imported this module: in a node, which is a fork, its warm parent."""
 
@@ -60,11 +59,6 @@ def fork(start: NodeStart) -> BaseProcess:
     return process
 
 
-def die_with_parent() -> None:
-    """Request SIGTERM for this process on the death of its parent."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-
-
 def say_in_a_line(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     """Report an uncaught exception; in one line, where the process that asks for forks was killed meanwhile.
 
@@ -85,9 +79,7 @@ def settle(cores: frozenset[int]) -> None:
     os.setsid()
     if cores:
         os.sched_setaffinity(0, cores)
-    die_with_parent()
-    if os.getppid() != IMPORTER:
-        sys.exit("the warm parent has ended")
+    live_with(IMPORTER)
 
 
 def _become(start: NodeStart) -> None:

@@ -10,7 +10,8 @@ from dataclasses import replace
 from importlib import import_module
 
 from q2q_model.node.lean_imports import lean_imports
-from q2q_sim.processes.warm_start import die_with_parent, say_in_a_line
+from q2q_sim.processes.parent_death import die_with_parent
+from q2q_sim.processes.warm_start import say_in_a_line
 from q2q_sim.scenarios.choices import CONTROLLERS
 
 NODES = ("bag_play_node", "bag_record_node", "simulator_node", "stack")

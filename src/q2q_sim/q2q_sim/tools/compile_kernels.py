@@ -7,11 +7,10 @@ import importlib
 import pkgutil
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from time import monotonic
 
 from q2q_model.compiled import KERNELS, uncached
+from q2q_sim.processes.worker_pool import worker_pool
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 NOT_PURE = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training")
@@ -27,7 +26,7 @@ def main() -> int:
         return 0
     began = monotonic()
     print(f"compiling {len(missing)} of {len(KERNELS)} kernels for this processor", flush=True)
-    with ProcessPoolExecutor(SHARES, mp_context=get_context("spawn")) as pool:
+    with worker_pool(SHARES) as pool:
         list(pool.map(call_share, range(SHARES)))
     left = uncached()
     for name in left:

@@ -3,8 +3,7 @@
 import shlex
 from argparse import Namespace
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from concurrent.futures import as_completed
 from pathlib import Path
 
 from rich.console import Console
@@ -19,6 +18,7 @@ from q2q_sim.experiments.ablation.ablation_table import page
 from q2q_sim.experiments.ablation.contender_flight import ContenderFlight, fly_contender
 from q2q_sim.experiments.ablation.contenders import NAMES
 from q2q_sim.experiments.ablation.learned_models import models_of
+from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 DPI = 160
@@ -69,7 +69,7 @@ def _is_wanted(given: Namespace, case: Case, contender: str) -> bool:
 
 def _fill(numbers: Numbers, wanted: Sequence[tuple[Case, str]], given: Namespace) -> None:
     """Learn missing models, fly missing flights and save the numbers after each."""
-    pool = ProcessPoolExecutor(given.jobs, mp_context=get_context("spawn"))
+    pool = worker_pool(given.jobs)
     bar = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with pool, Progress(*bar, console=Console(stderr=True)) as progress:
         asked = _missing(numbers, wanted)

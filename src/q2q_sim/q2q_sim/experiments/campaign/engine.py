@@ -1,15 +1,15 @@
 """Parallel runs of a campaign: in processes of this machine, or by Dask on many."""
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from q2q_sim.experiments.campaign.campaign_flight import fly_and_judge
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.monitors.policies import Violation
+from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.scenarios.choices import ENGINES
 
 RECYCLE = 2000
@@ -64,8 +64,7 @@ def _local(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Res
 
 
 def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
-    context = get_context("spawn")  # numba's and the solvers' threads do not survive a fork
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
+    with worker_pool(jobs) as pool:
         running = {pool.submit(work, number): number for number in numbers}
         try:
             for ended in as_completed(running):

@@ -32,6 +32,7 @@ from q2q_sim.experiments.licence.program.program_turns import Turns
 from q2q_sim.experiments.licence.program.standard_calls import use_turns, watch_main_thread
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.loop.room import TICK_S
+from q2q_sim.processes.parent_death import die_with_parent
 
 REST_S = 5.0
 """Longer than the firmware's watchdog of 2 s and a fall from the ceiling [s]."""
@@ -200,6 +201,7 @@ class _Flight:
 
 def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:
     """Fly a program in this process, send its LicenceLog, and end the process."""
+    die_with_parent()
     _Flight(order, answer).run()
 
 
