@@ -52,8 +52,8 @@ ROOMS = (
             for name in (
                 "ladder",
                 "stamp_delay",
-                "dead_reckoned_braking",
-                "descent_evasion",
+                "blind_flight.dead_reckoned_braking",
+                "evasion.descent_evasion",
                 "guard",
                 "tick_watch",
             )

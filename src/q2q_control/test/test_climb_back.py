@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_control.failsafe.climb_back import BACK, LONGEST, ClimbBack, InFallback
+from q2q_control.failsafe.evasion.climb_back import BACK, LONGEST, ClimbBack, InFallback
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 TICK = 0.01

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from q2q_control.disturbance.thrust_acceleration import Command
-from q2q_control.failsafe.braking_law import BRAKING_MAX, BRAKING_S, SINK_MAX
-from q2q_control.failsafe.dead_reckoned_braking import DeadReckonedBraking
-from q2q_control.failsafe.dead_reckoning import (
+from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S, SINK_MAX
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
+from q2q_control.failsafe.blind_flight.dead_reckoning import (
     BALANCE,
     BALANCE_MAX,
     LAG_S,

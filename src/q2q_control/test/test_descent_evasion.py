@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.failsafe.climb_back import BACK, InFallback
-from q2q_control.failsafe.dead_reckoned_braking import Reckoned
-from q2q_control.failsafe.descent_evasion import BENEATH, PACE, REACH, DescentEvasion
-from q2q_control.failsafe.ladder import is_blind
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned, is_blind
+from q2q_control.failsafe.evasion.climb_back import BACK, InFallback
+from q2q_control.failsafe.evasion.descent_evasion import BENEATH, PACE, REACH, DescentEvasion
 from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState
 
 TICK = 0.01

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_control.failsafe.fading_downwash import FADE_S, REACH, WIDTH, FadingDownwash, Places
+from q2q_control.failsafe.blind_flight.fading_downwash import FADE_S, REACH, WIDTH, FadingDownwash, Places
 
 LOW = np.array([0])
 """Row of the vehicle without measurements."""

@@ -26,7 +26,7 @@ from guarded_flights import (
     state_at,
 )
 
-from q2q_control.failsafe.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.tick_watch import TickWatch
 from q2q_model.signals.values import (

@@ -1,1 +1,1 @@
-"""Failsafe: guard, ladder of fallbacks, dead-reckoned braking, descent evasion."""
+"""Failsafe: guard, ladder of fallbacks, blind flight, evasion."""

@@ -18,10 +18,9 @@ final.
 | l | lateness | delay of the tick beyond the usual one, live only [s] |
 
 A vehicle without measurements is flown on its dead-reckoned state while the controller still flies it, and
-brakes once it flies level (q2q_control.failsafe.dead_reckoned_braking). Measured vehicles below one that the
-state reports as LOST move aside (q2q_control.failsafe.descent_evasion), also if another controller flies it:
-that takes the same fallback. Measured again, a vehicle returns to the height of its setpoint before it
-follows that (q2q_control.failsafe.climb_back).
+brakes once it flies level (q2q_control.failsafe.blind_flight). Measured vehicles below one that the state
+reports as LOST move aside, also if another controller flies it: that takes the same fallback. Measured again,
+a vehicle returns to the height of its setpoint before it follows that (q2q_control.failsafe.evasion).
 
 A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
@@ -36,10 +35,10 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.climb_back import InFallback
-from q2q_control.failsafe.dead_reckoned_braking import DeadReckonedBraking
-from q2q_control.failsafe.descent_evasion import DescentEvasion
-from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command, is_blind
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking, is_blind
+from q2q_control.failsafe.evasion.climb_back import InFallback
+from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
+from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
 from q2q_control.failsafe.nominal_tick import SOUND, Given, Memory, note_nominal
 from q2q_control.inputs.controller import Controller
 from q2q_model.estimation.clock_resets import ClockResetDetector

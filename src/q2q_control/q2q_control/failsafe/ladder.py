@@ -14,9 +14,9 @@ The age is the time since the newest accepted measurement, by the stamps and age
 without a packet and cuts after 2 s: the last resort if the controller itself has died.
 
 A blind descent takes 2.8 s from 2 m: at (1 - land_share) g down to 0.8 m/s, then braked to 1.1 m/s, at which
-it touches down (q2q_control.failsafe.braking_law). Where the ratio k of actual to commanded thrust
-is not known (1.03 in real flights, q2q_sim.scenarios.settings), it takes up to sqrt(2 h / a) from a height h,
-at a = (1 - land_share k) g: 3.6 s from 2 m.
+it touches down (q2q_control.failsafe.blind_flight.braking_law). Where the ratio k of actual to commanded
+thrust is not known (1.03 in real flights, q2q_sim.scenarios.settings), it takes up to sqrt(2 h / a) from a
+height h, at a = (1 - land_share k) g: 3.6 s from 2 m.
 """
 
 from dataclasses import dataclass, replace
@@ -26,8 +26,6 @@ from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, CommandStatus, Status, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
-
-_LEVEL, _LAND = int(CommandStatus.LEVEL), int(CommandStatus.LAND)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,11 +60,6 @@ class FallbackParams:
                 f"hold_s {self.hold_s}, level_s {self.level_s}, land_s {self.land_s}, cut_s {self.cut_s}: "
                 "these must rise"
             )
-
-
-def is_blind(status: Status) -> NDArray[np.bool_]:
-    """Return which vehicles fly level or land without measurements, (n,)."""
-    return np.asarray((status == _LEVEL) | (status == _LAND))
 
 
 def fallback_command(

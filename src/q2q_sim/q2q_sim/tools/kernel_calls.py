@@ -13,7 +13,7 @@ from q2q_control.explicit.distillation import DistillationParams, distil
 from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, solve_situations
-from q2q_control.failsafe.stacking import stacked
+from q2q_control.failsafe.blind_flight.stacking import stacked
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.neighbours import HeardPath, accelerations_along, positions_at

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.descent_evasion import REACH
+from q2q_control.failsafe.evasion.descent_evasion import REACH
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.monitors.policies.evidence import Evidence
@@ -43,8 +43,8 @@ def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
 def evading_lately(evidence: Evidence, settle: float) -> Mask:
     """Return which vehicles may evade one flown blind above them, or might less than `settle` [s] before.
 
-    The controller shifts their setpoints (q2q_control.failsafe.descent_evasion), which the flight records
-    before the shift.
+    The controller shifts their setpoints (q2q_control.failsafe.evasion.descent_evasion), which the flight
+    records before the shift.
     """
     pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
     evading = np.zeros(gone.shape, dtype=np.bool_)

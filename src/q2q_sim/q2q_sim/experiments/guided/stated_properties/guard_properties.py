@@ -18,10 +18,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.braking_law import BRAKING_MAX, BRAKING_S
-from q2q_control.failsafe.dead_reckoning import LAG_S
-from q2q_control.failsafe.descent_evasion import BENEATH, REACH
-from q2q_control.failsafe.ladder import FallbackParams, is_blind
+from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
+from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S
+from q2q_control.failsafe.evasion.descent_evasion import BENEATH, REACH
+from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.pid.pid import PidParams
 from q2q_model.signals.values import Array, CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run

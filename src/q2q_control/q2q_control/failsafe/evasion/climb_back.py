@@ -5,7 +5,7 @@ vehicles that the plan passes above or below. It climbs, or sinks, where it is m
 within BACK of its setpoint's height, for LONGEST at most: a weak one may never get there.
 
 A replanner begins at a vehicle that it finds again, and the setpoint climbs with that. Vehicles below a
-returning one evade it (q2q_control.failsafe.descent_evasion) until its setpoint is steady, too:
+returning one evade it (q2q_control.failsafe.evasion.descent_evasion) until its setpoint is steady, too:
 
     |r_z'| + |r_z''| B < v_b
 

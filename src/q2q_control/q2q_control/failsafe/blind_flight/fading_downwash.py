@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.stacking import Rows, stacked
+from q2q_control.failsafe.blind_flight.stacking import Rows, stacked
 from q2q_model.signals.values import Array, Names, index_of
 
 Mask = NDArray[np.bool_]

@@ -1,7 +1,7 @@
 """Thrust and tilt that brake vehicles without measurements.
 
 A level vehicle keeps its speed: at 1 m/s it has moved by 1 m after a second. The velocity V of an unmeasured
-vehicle, once all its commands have taken effect (q2q_control.failsafe.dead_reckoning), is braked:
+vehicle, once all its commands have taken effect (dead_reckoning), is braked:
 
     a = b - eta - V / tau                         horizontal, |a| <= a_max, instead of level attitude
     a_z = b_z - eta_z - V_z / tau                 |a_z| <= b_max
@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.failsafe.dead_reckoning import (
+from q2q_control.failsafe.blind_flight.dead_reckoning import (
     ACC,
     BALANCE,
     BALANCE_MAX,

@@ -12,14 +12,29 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from q2q_control.disturbance.thrust_acceleration import Command
-from q2q_control.failsafe.braking_law import ReckonedMotions, braking_thrust, braking_tilt, resting_places
-from q2q_control.failsafe.dead_reckoning import BALANCE, POS, SEEN, TRACKED, UNKNOWN, VEL, Sight, reckon
-from q2q_control.failsafe.fading_downwash import FadingDownwash, Places
-from q2q_control.failsafe.ladder import is_blind
+from q2q_control.failsafe.blind_flight.braking_law import (
+    ReckonedMotions,
+    braking_thrust,
+    braking_tilt,
+    resting_places,
+)
+from q2q_control.failsafe.blind_flight.dead_reckoning import (
+    BALANCE,
+    POS,
+    SEEN,
+    TRACKED,
+    UNKNOWN,
+    VEL,
+    Sight,
+    reckon,
+)
+from q2q_control.failsafe.blind_flight.fading_downwash import FadingDownwash, Places
 from q2q_model.signals.values import (
     Array,
+    CommandStatus,
     Interference,
     Names,
     Status,
@@ -32,6 +47,7 @@ from q2q_model.signals.values import (
 LONGEST_STEP = 0.1
 """Longest time between ticks for which the last tilt is integrated [s]."""
 LOST = np.uint8(TrackStatus.LOST)
+LEVEL, LAND = int(CommandStatus.LEVEL), int(CommandStatus.LAND)
 
 
 class Reckoned(NamedTuple):
@@ -165,6 +181,11 @@ class DeadReckonedBraking:
             self._push[blind] *= left[:, None]
         else:
             self._push[blind, 2] = (1.0 - left) * self._track[blind, BALANCE + 2]
+
+
+def is_blind(status: Status) -> NDArray[np.bool_]:
+    """Return which vehicles fly level or land without measurements, (n,)."""
+    return np.asarray((status == LEVEL) | (status == LAND))
 
 
 def _sight(state: SwarmState | None, names: Names) -> Sight:

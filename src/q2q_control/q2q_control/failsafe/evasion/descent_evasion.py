@@ -1,8 +1,8 @@
 """Move vehicles aside that fly below a vehicle descending without measurements.
 
 A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.ladder), drifts with the
-wind and sinks to the floor. The setpoints of measured vehicles that fly below it, and nearer than REACH to
-its dead-reckoned position p_j (q2q_control.failsafe.dead_reckoned_braking), are shifted along u, the one of
+wind and sinks to the floor. Its position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). The
+setpoints of measured vehicles that fly below it, and nearer to it than REACH, are shifted along u, the one of
 eight directions that keeps the largest distance from all other vehicles, within ALIKE the one of the smallest
 shift until j has come to rest: away from j if it is at rest, across its path if it moves or climbs back:
 
@@ -10,7 +10,7 @@ shift until j has come to rest: away from j if it is at rest, across its path if
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
-or measured again and back at the height of its setpoint (q2q_control.failsafe.climb_back).
+or measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -25,9 +25,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.climb_back import ClimbBack, InFallback
-from q2q_control.failsafe.dead_reckoned_braking import Reckoned
-from q2q_control.failsafe.stacking import stacked
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
+from q2q_control.failsafe.blind_flight.stacking import stacked
+from q2q_control.failsafe.evasion.climb_back import ClimbBack, InFallback
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
 REACH = 0.6

@@ -1,0 +1,1 @@
+"""Motion, by their commands, of vehicles without measurements, and how they brake."""

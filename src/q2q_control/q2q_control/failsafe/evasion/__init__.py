@@ -1,0 +1,1 @@
+"""Setpoints around vehicles that are not measured, and of those measured again."""
