@@ -226,6 +226,23 @@ def test_way_is_made_where_the_blind_one_is_reckoned_to_be_not_where_it_was_seen
     np.testing.assert_allclose(output.pos[1], [0.0, REACH - 0.3, 1.0], atol=0.01)
 
 
+def test_who_is_sent_beneath_the_blind_one_from_afar_stops_on_its_side() -> None:
+    """Measured again elsewhere, it goes to its setpoint; the blind one stays, 0.5 m above that."""
+    sent, way = np.array([UPPER, (0.0, 0.0, 1.0)]), DescentEvasion()
+    pos = np.array([UPPER, (-0.3, -1.0, 1.0)])
+    for k in range(300):
+        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
+    assert output.pos[1] @ pos[1] > 0.0
+    assert np.hypot(*output.pos[1, :2]) > 0.98 * REACH
+    above = np.array([UPPER, (0.0, 0.0, 1.5 - 0.5 * BENEATH)])
+    assert not shifts(above, 50, flown(2, 0)).any()
+
+
+def test_without_setpoints_nobody_is_moved() -> None:
+    pos, none = np.array([UPPER, (0.0, 0.0, 1.0)]), setpoint_of(0.0, np.zeros((0, 3)))
+    assert not DescentEvasion().update(none, state_of(pos), flown(2, 0), {}).names
+
+
 def test_way_is_made_across_the_path_of_who_drifts_over_and_not_ahead_of_it() -> None:
     pos = np.array([(0.0, -0.5, 1.5), (0.0, 0.0, 1.0)])
     way = DescentEvasion()

@@ -1,10 +1,11 @@
 """Move vehicles aside that fly below a vehicle descending without measurements.
 
 A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.ladder), drifts with the
-wind and sinks to the floor. Its position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). The
-setpoints of measured vehicles that fly below it, and nearer to it than REACH, are shifted along u, the one of
-eight directions that keeps the largest distance from all other vehicles, within ALIKE the one of the smallest
-shift until j has come to rest: away from j if it is at rest, across its path if it moves or climbs back:
+wind and sinks to the floor. Its position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a
+measured vehicle or its setpoint is below it and nearer to it than REACH, the setpoint is shifted along u, the
+one of eight directions that keeps the largest distance from all other vehicles, within ALIKE the one of the
+smallest shift until j has come to rest: away from j if it is at rest, across its path if it moves or climbs
+back:
 
     goal = max(0, REACH - (r - p_j) . u) u        r: setpoint, horizontal; u is fixed, see below
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
@@ -26,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
-from q2q_control.failsafe.blind_flight.stacking import stacked
+from q2q_control.failsafe.blind_flight.stacking import Stacked, stacked
 from q2q_control.failsafe.evasion.climb_back import ClimbBack, InFallback
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
@@ -108,7 +109,9 @@ class DescentEvasion:
         pos, rest = _places(state, {name: known[name] for name in blind if name in known})
         self._end(returning.union(blind).intersection(state.names))
         self._turn(returning, state)
-        self._ask(index_of(state.names, blind) >= 0, state.names, pos, rest)
+        gone = index_of(state.names, blind) >= 0
+        for places in (pos, _sent(setpoint, state.names, gone, pos)):
+            self._ask(_below_gone(places, gone), state.names, pos, rest)
         moved = self._moved(setpoint, dict(zip(state.names, pos[:, :2], strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         self._active = bool(self._shifts) or self._climbs.active
@@ -129,10 +132,9 @@ class DescentEvasion:
                     shift.directions[other] = _evasion_direction(xy, i, j, xy[j])
             shift.returning = set(back & shift.directions.keys())
 
-    def _ask(self, gone: NDArray[np.bool_], names: Names, pos: Array, rest: Array) -> None:
-        """Assign a direction to every new pair of evading vehicle and one that is `gone`, (n,)."""
-        below, above = stacked(pos, np.flatnonzero(~gone), REACH, BENEATH)
-        for i, j in zip(below[gone[above]].tolist(), above[gone[above]].tolist(), strict=True):
+    def _ask(self, pairs: Stacked, names: Names, pos: Array, rest: Array) -> None:
+        """Assign a direction to every new pair of an evading vehicle and the one that it evades."""
+        for i, j in zip(pairs.below.tolist(), pairs.above.tolist(), strict=True):
             shift = self._shifts.setdefault(names[i], _Shift())
             if names[j] not in shift.directions:
                 shift.directions[names[j]] = _evasion_direction(pos[:, :2], i, j, rest[j])
@@ -163,6 +165,19 @@ def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Ar
     rest = pos[:, :2].copy()
     pos[rows[rows >= 0], :2], rest[rows[rows >= 0]] = reckoned[:, 0], reckoned[:, 1]
     return pos, rest
+
+
+def _sent(setpoint: SwarmSetpoint, names: Names, gone: NDArray[np.bool_], pos: Array) -> Array:
+    """Return where vehicles are sent, and the positions of those that are `gone` or not sent [m], (n, 3)."""
+    rows = index_of(names, setpoint.names)
+    sent = np.vstack((setpoint.pos, np.full(3, np.nan)))[rows]
+    return np.where(((rows >= 0) & ~gone)[:, None], sent, pos)
+
+
+def _below_gone(pos: Array, gone: NDArray[np.bool_]) -> Stacked:
+    """Return who is below one that is `gone`, (n,)."""
+    below, above = stacked(pos, np.flatnonzero(~gone), REACH, BENEATH)
+    return Stacked(below[gone[above]], above[gone[above]])
 
 
 def _evasion_direction(xy: Array, i: int, j: int, rest: Array) -> Array:

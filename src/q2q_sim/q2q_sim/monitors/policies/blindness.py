@@ -43,15 +43,16 @@ def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
 def evading_lately(evidence: Evidence, settle: float) -> Mask:
     """Return which vehicles may evade one flown blind above them, or might less than `settle` [s] before.
 
-    The controller shifts their setpoints (q2q_control.failsafe.evasion.descent_evasion), which the flight
-    records before the shift.
+    It is above them or above where they are sent. The controller shifts their setpoints
+    (q2q_control.failsafe.evasion.descent_evasion), which the flight records before the shift.
     """
     pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
     evading = np.zeros(gone.shape, dtype=np.bool_)
     for j in np.flatnonzero(gone.any(axis=0)):
-        above = pos[:, j] - np.moveaxis(pos, 1, 0)  # (n, T, 3)
-        near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
-        evading |= near.T & gone[:, j, None]
+        for places in (pos, evidence.sent_pos):
+            above = pos[:, j] - np.moveaxis(places, 1, 0)  # (n, T, 3)
+            near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
+            evading |= near.T & gone[:, j, None]
     return lately(evidence, evading, settle)
 
 
