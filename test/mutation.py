@@ -53,6 +53,7 @@ ROOMS = (
                 "ladder",
                 "stamp_delay",
                 "blind_flight.dead_reckoned_braking",
+                "evasion.climb_back",
                 "evasion.descent_evasion",
                 "guard",
                 "tick_watch",
@@ -66,6 +67,7 @@ ROOMS = (
                 "stamp_delay",
                 "ladder",
                 "dead_reckoned_braking",
+                "climb_back",
                 "descent_evasion",
             )
         ),

@@ -93,6 +93,21 @@ def test_it_returns_while_its_setpoint_climbs_with_it_but_is_not_held() -> None:
     assert sent is given
 
 
+def test_a_climbing_one_is_held_sideways_and_climbs_as_it_is_sent() -> None:
+    climbs = lost("cf1", climbs=ClimbBack())
+    given = replace(setpoint_of(0.1, AWAY, climb=0.8), acc=np.array([[0.3, 0.4, 0.5]]))
+    sent, _ = climbs.update(given, state_of(LOW), SEEN)
+    np.testing.assert_array_equal(sent.vel, [[0.0, 0.0, 0.8]])
+    np.testing.assert_array_equal(sent.acc, [[0.0, 0.0, 0.5]])
+
+
+@pytest.mark.parametrize(("acc", "steady"), [(0.9, True), (1.1, False), (-1.1, False)])
+def test_a_setpoint_that_turns_within_half_a_second_is_not_steady(acc: float, steady: bool) -> None:
+    climbs = lost("cf1", climbs=ClimbBack())
+    given = replace(setpoint_of(0.1, LOW), acc=np.array([[0.0, 0.0, acc]]))
+    assert climbs.update(given, state_of(LOW), SEEN).names == (set() if steady else {"cf1"})
+
+
 def test_one_that_cannot_climb_follows_its_setpoint_in_the_end() -> None:
     climbs = lost("cf1", climbs=ClimbBack())
     held = []
@@ -100,6 +115,7 @@ def test_one_that_cannot_climb_follows_its_setpoint_in_the_end() -> None:
         given = setpoint_of(k * TICK, AWAY, AWAY)
         sent, _ = climbs.update(given, state_of(LOW, AWAY), SEEN)
         held.append(sent is not given)
+    assert LONGEST == 3.5  # after which policies expect vehicles at their places
     assert sum(held) == pytest.approx(LONGEST / TICK, abs=1.5)
     assert not climbs.active
 
