@@ -300,6 +300,32 @@ def test_a_downwash_fades_alike_after_the_clock_was_set_back() -> None:
     assert HOVER < lift(0.0) < HOVER * (1.0 + 2.0 / GRAVITY)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0, 1.5])
+def test_below_another_what_is_balanced_fades_whatever_of_it_is_predicted(share: float) -> None:
+    """A downwash of 2 m/s^2, of which a share is predicted: all of the lift against it is given up."""
+    block, plant = DeadReckonedBraking(HOVER), Flown(np.zeros(3), 0.0, np.array([0.0, 0.0, -2.0]))
+    plant.lift = 2.0
+    predicted = Interference(
+        0.0, NAMES, np.array([share * plant.push, np.zeros(3)]), np.zeros((2, 3)), np.zeros(2, np.uint8)
+    )
+    lift = []
+    for k in range(800):
+        seen = k < 600
+        state = state_at(k * TICK, plant.vel[:2], age=0.0 if seen else k * TICK)
+        state.pos[0], state.vel[0] = (plant.pos, plant.vel) if seen else (0.0, 0.0)
+        state.pos[1] = [0.0, 0.0, 0.5]
+        block.advance(state, replace(predicted, t=state.t), state.t)
+        given = level_at(k * TICK, CommandStatus.OK if seen else CommandStatus.LEVEL)
+        if seen:
+            given = replace(given, thrust=np.full(2, HOVER * (1.0 + 2.0 / GRAVITY)))
+        command = block.update(state, given)
+        plant.tick(command)
+        lift.append(GRAVITY * (command.thrust[0] / HOVER - 1.0))
+    assert lift[600] == pytest.approx(2.0, abs=0.1)
+    assert lift[650] == pytest.approx(2.0 * np.exp(-1.0), abs=0.15)
+    assert abs(lift[-1]) < 2.0 * np.exp(-4.0) + 0.1
+
+
 def test_a_tilt_follows_by_its_equations_of_any_step() -> None:
     """Their solution over 0.3 s, in one step and in thirty, against steps of 10 us."""
     left, jerk, gained = 2.0, -5.0, 0.0

@@ -3,8 +3,8 @@
 The motion of every vehicle is integrated from its commands (dead_reckoning); one without measurements flies
 by braking_law instead of level. While the controller still flies it on a predicted state, it gets the
 dead-reckoned position and velocity: a filter, which knows no commands, predicts straight on. A downwash that
-is predicted is so for a lost vehicle where it was last; without a prediction it is in the balance. Either
-fades with time, and as others move from above it (fading_downwash).
+is predicted is so for a lost vehicle where it was last; what is not predicted of it is in the balance. Both
+fade with time, and as others move from above it (fading_downwash).
 """
 
 import math
@@ -177,10 +177,8 @@ class DeadReckonedBraking:
         places = Places(names, np.vstack((pos, self._others.pos)))
         followed = (status[blind] != LOST) & self._predicted
         left = self._fading.shares(blind, followed, places, self._t)
-        if self._predicted:
-            self._push[blind] *= left[:, None]
-        else:
-            self._push[blind, 2] = (1.0 - left) * self._track[blind, BALANCE + 2]
+        self._push[blind] *= left[:, None]
+        self._push[blind, 2] += (1.0 - left) * self._track[blind, BALANCE + 2]
 
 
 def is_blind(status: Status) -> NDArray[np.bool_]:

@@ -1,7 +1,7 @@
 """Downwash on vehicles without measurements: how much of the last known one is left.
 
 Others above vehicle i were at offsets d_ij, horizontally, when its downwash was last known: predicted at its
-place, or without a prediction part of its measured balance. What is left of it, as those move:
+place, and the rest of it a part of its measured balance. What is left of both, as those move:
 
     share_i = mean_j exp(-|d_ij - d_ij(0)|^2 / W^2) exp(-t / B)       1 if nobody was above
 
