@@ -22,6 +22,8 @@ GAP_S = 0.15
 """Longest time between samples that stay together [s]: motion capture at 10 Hz still works."""
 FLIES_ON_S = 1.0
 """Time for which an absent vehicle goes on at its last velocity [s]: then it has braked."""
+STRAYS = 1.1
+"""Speed at which an absent vehicle may stray from there [m/s]: that of a landing without measurements."""
 SAME_INSTANT = 1e-9
 """Rounding of a time in float64 [s]."""
 CANDIDATE = np.dtype(
@@ -102,17 +104,20 @@ class Reacquisition:
         """Note and return which samples at pos [m] (n, 3) may be of another vehicle with a wrong name, (n,).
 
         The other vehicle has no accepted sample, and the sample is nearer to it than to the vehicle of its
-        name: to where each was last, or would be by its last velocity. How far it could have moved there says
-        nothing: a marker may have moved, too. Swaps end before a vehicle has coasted. A candidate that was
-        ambiguous remains so while any other vehicle is without an accepted sample.
+        name: to where each was last, or would be by its last velocity, and may have strayed from there. How
+        far it could have moved there says nothing: a marker may have moved, too. Swaps end before a vehicle
+        has coasted. A candidate that was ambiguous remains so while any other vehicle is without an accepted
+        sample.
         """
         open_rows = unmatched.rejected | unmatched.absent
         noted = self._candidates["ambiguous"]
         noted &= open_rows.sum() > open_rows  # another one
         noted &= self._near(t, pos) | ~unmatched.rejected
         mine, others = np.flatnonzero(unmatched.rejected), np.flatnonzero(open_rows)  # (r,), (m,)
-        flown = last.pos + np.minimum(t - last.time, FLIES_ON_S)[:, None] * last.vel
+        since = t - last.time
+        flown = last.pos + np.minimum(since, FLIES_ON_S)[:, None] * last.vel
         away = np.minimum(*(_distances(pos[mine], place[others]) for place in (last.pos, flown)))
+        away -= STRAYS * since[others]
         own = away[np.arange(mine.size), np.searchsorted(others, mine)]
         noted[mine] |= (away < own[:, None]).any(axis=1)
         return noted.copy()

@@ -35,6 +35,8 @@ REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 2 s of blindness, 0.4."""
 BENEATH = 0.1
 """Least height difference at which a vehicle counts as below another [m]: eps of the paper's zone."""
+FARTHEST = 0.9
+"""Longest shift along one direction by a vehicle that climbs back [m]: one and a half of REACH."""
 PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
@@ -108,7 +110,7 @@ class DescentEvasion:
         setpoint, returning = self._climbs.update(setpoint, state, fallback)
         pos, rest = _places(state, {name: known[name] for name in blind if name in known})
         self._end(returning.union(blind).intersection(state.names))
-        self._turn(returning, state)
+        self._turn(returning, state, setpoint)
         gone = index_of(state.names, blind) >= 0
         for places in (pos, _sent(setpoint, state.names, gone, pos)):
             self._ask(_below_gone(places, gone), state.names, pos, rest)
@@ -122,14 +124,16 @@ class DescentEvasion:
         for shift in self._shifts.values():
             shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
 
-    def _turn(self, back: frozenset[str], state: SwarmState) -> None:
-        """Evade a vehicle that is measured again where it is."""
-        xy = state.pos[:, :2]
+    def _turn(self, back: frozenset[str], state: SwarmState, setpoint: SwarmSetpoint) -> None:
+        """Evade a vehicle that is measured again where it is, and across its path if it drives one ahead."""
+        xy, sent = state.pos[:, :2], _sent(setpoint, state.names, np.zeros(len(state.names), bool), state.pos)
         for name, shift in self._shifts.items():
-            for other in (back & shift.directions.keys()) - shift.returning:
-                if name in state.names:
-                    i, j = state.names.index(name), state.names.index(other)
+            for other in back & shift.directions.keys() if name in state.names else ():
+                i, j = state.names.index(name), state.names.index(other)
+                if other not in shift.returning:
                     shift.directions[other] = _evasion_direction(xy, i, j, xy[j])
+                elif REACH - (sent[i, :2] - xy[j]) @ shift.directions[other] > FARTHEST:
+                    shift.directions[other] = _across(shift.directions[other], xy[i] - xy[j])
             shift.returning = set(back & shift.directions.keys())
 
     def _ask(self, pairs: Stacked, names: Names, pos: Array, rest: Array) -> None:
@@ -178,6 +182,12 @@ def _below_gone(pos: Array, gone: NDArray[np.bool_]) -> Stacked:
     """Return who is below one that is `gone`, (n,)."""
     below, above = stacked(pos, np.flatnonzero(~gone), REACH, BENEATH)
     return Stacked(below[gone[above]], above[gone[above]])
+
+
+def _across(direction: Array, offset: Array) -> Array:
+    """Return the direction across another, (2,), on the side of an offset [m], (2,)."""
+    side = np.array([-direction[1], direction[0]])
+    return side if side @ offset >= 0.0 else -side
 
 
 def _evasion_direction(xy: Array, i: int, j: int, rest: Array) -> Array:
