@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, misled
+from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, misled, misplaced
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.overpowered import overpowered_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
@@ -22,18 +22,17 @@ class _Worst(NamedTuple):
 
 
 def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the pairs closer than allowed."""
-    limit = circumstances.limits.separation
-    nearest = closest_approaches(evidence.true_pos)
-    return [
-        _violation(
-            "separation",
-            evidence,
-            (i, j),
-            _Worst(int(nearest.tick[i, j]), float(nearest.distance[i, j]), limit),
-        )
-        for i, j in np.argwhere(nearest.distance < limit).tolist()
-    ]
+    """Return the pairs closer than allowed, by more than their markers are displaced: nobody can know that."""
+    limit, pos = circumstances.limits.separation, evidence.true_pos
+    moved = misplaced(evidence, circumstances.faults)
+    found = []
+    for i, j in np.argwhere(closest_approaches(pos).distance < limit).tolist():
+        apart = np.linalg.norm(pos[:, i] - pos[:, j], axis=1) + moved[:, i] + moved[:, j]
+        tick = int(np.nanargmin(apart))
+        if apart[tick] < limit:
+            worst = _Worst(tick, float(apart[tick]), limit)
+            found.append(_violation("separation", evidence, (i, j), worst))
+    return found
 
 
 def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:

@@ -41,8 +41,8 @@ FAST = 0.6
 """Speed from which braking is judged [m/s]."""
 SHARE = 0.25
 """Least share of the braking that the true speed asks for [-]."""
-DECEIVING = ("jump", "swap", "clock_jump", "radio_loss")
-"""Faults after which the dead-reckoned velocity may be wrong."""
+DECEIVING = ("jump", "swap", "clock_jump", "radio_loss", "weak_rotor")
+"""Faults after which the dead-reckoned velocity may be wrong: a rotor may recover while nobody sees it."""
 CALM_TICKS = 300
 """Ticks in which a vehicle was not lost before its evasion is judged: earlier shifts have ended."""
 LEAST_ACC = 0.5
@@ -111,7 +111,7 @@ def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
     last = _last_measured(ticks)[: len(vel)]
     before = np.take_along_axis(true_vel, last[..., None], axis=0)  # a push since then is unknown
     judged &= np.einsum("tnk,tnk->tn", before, vel) > FAST * speed
-    judged &= ~_late(ticks, run.scenario.faults)[last]
+    judged &= ~_outdated(ticks, run.scenario.faults)[last]
     judged &= ~np.array(struck(ticks.names, run.scenario.faults, DECEIVING))
     due = np.minimum(speed / BRAKING_S, BRAKING_MAX) * np.maximum(speed, FAST)
     share = np.full(judged.shape, np.inf)
@@ -133,13 +133,14 @@ def _last_measured(ticks: RunTicks) -> NDArray[np.intp]:
     return np.maximum.accumulate(np.where(measured, np.arange(len(measured))[:, None], 0), axis=0)
 
 
-def _late(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
-    """Return the ticks whose frames come late, with the velocities of their stamps, (T,)."""
-    late = np.zeros(len(ticks.t), dtype=np.bool_)
+def _outdated(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
+    """Return the ticks whose frames come late, or again, with the velocities of then, (T,)."""
+    outdated = np.zeros(len(ticks.t), dtype=np.bool_)
     for fault in faults:
-        if fault.kind == "late":
-            late |= (ticks.t >= fault.start - TICK_S) & (ticks.t <= fault.start + fault.duration + fault.size)
-    return late
+        if fault.kind in ("late", "stale"):
+            end = fault.start + fault.duration + fault.size
+            outdated |= (ticks.t >= fault.start - TICK_S) & (ticks.t <= end)
+    return outdated
 
 
 class _Encounter(NamedTuple):
