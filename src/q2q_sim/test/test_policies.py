@@ -100,7 +100,7 @@ def test_two_vehicles_that_touch_break_the_separation_and_who_strays_the_room() 
         "truth", changed(SwarmState, 3.0, 3.1, pos=with_row(0, at.pos[1] + np.array([0.0, 0.20, 0.0])))
     )
     assert "separation" not in broken(apart)
-    for size, touch in ((0.03, True), (0.05, False)):  # 0.10 m and the displacement, of 0.14 m
+    for size, touch in ((0.01, True), (0.05, False)):  # beside the distance, of 0.14 m
         displaced = Fault("jump", 2.9, 0.3, (at.names[0],), size)
         assert ("separation" in broken(near, replace(AROUND, faults=(displaced,)))) == touch
 

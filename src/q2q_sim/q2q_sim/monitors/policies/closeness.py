@@ -22,7 +22,7 @@ class _Worst(NamedTuple):
 
 
 def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the pairs closer than allowed by more than their markers are displaced, which nobody can know."""
+    """Return the pairs closer than allowed, by more than their markers are displaced."""
     limit, pos = circumstances.limits.separation, evidence.true_pos
     moved = misplaced(evidence, circumstances.faults)
     found = []
