@@ -66,6 +66,20 @@ def test_it_starts_with_its_velocity_up_to_the_fastest_that_is_allowed() -> None
     np.testing.assert_allclose(first.vel[0], vel * PARAMS.speed_max / 5.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("height", [0.0, 0.02, 0.3])
+def test_it_sinks_no_faster_than_it_can_stop_above_the_floor(height: float) -> None:
+    replanner, off = SafeReplanner(PARAMS), np.array([0.5, 0.0, height - SENT[0, 2]])
+    for k in range(60):
+        replanner.update(setpoint_at(k * TICK), state_at(k * TICK, k * TICK))
+    found = state_at(0.6, 0.0, off, np.array([0.3, 0.0, -1.1]))
+    first = replanner.update(setpoint_at(0.6), found)
+    stop = height - first.vel[0, 2] ** 2 / (2.0 * PARAMS.acc_max)
+    assert first.vel[0, 0] == 0.3
+    assert -1.1 <= first.vel[0, 2] <= 0.0
+    assert stop >= -1e-12
+    assert first.vel[0, 2] == -1.1 or stop == pytest.approx(0.0, abs=1e-12)
+
+
 def test_one_that_was_flown_all_the_time_is_led_on_and_announced() -> None:
     """A shorter gap is flown by prediction: a vehicle that is off then has broken the promise."""
     first = flown(BLIND_S - 0.1, PARAMS)[0]

@@ -2,7 +2,8 @@
 
 A vehicle without measurements brakes and sinks (q2q_control.failsafe), while its modified trajectory goes on.
 Measured again, it would be pulled to a setpoint metres away, past others, faster than any motion that was
-proven. Its motion therefore starts anew at its measured position and velocity, and leads back from there.
+proven. Its motion therefore starts anew at its measured position and velocity, and leads back from there. It
+sinks no faster than it can stop above the floor, z = 0: sent below that, one would stand there and lean.
 """
 
 from dataclasses import replace
@@ -13,6 +14,7 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names
 from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask
 from q2q_planner.online.safe.last_known_states import KnownStates
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 BLIND_S = 0.35
 """Age of a measurement beyond which a controller does not fly a vehicle [s]: the mocap filter's coast_s."""
@@ -48,7 +50,7 @@ def _found(age: Array, before: Mask, lost: Mask) -> Mask:
 
 
 def restarted(
-    committed: CommittedMotion, known: KnownStates, found: Mask, speed_max: float
+    committed: CommittedMotion, known: KnownStates, found: Mask, params: SafeReplannerParams
 ) -> CommittedMotion:
     """Return the motion with `found` vehicles, (n,), where they are measured, at most at speed_max."""
     if not found.any():
@@ -57,7 +59,7 @@ def restarted(
     return replace(
         committed,
         pos=np.where(col, known.pos, committed.pos),
-        vel=np.where(col, _bounded(known.vel, speed_max), committed.vel),
+        vel=np.where(col, _bounded(known, params), committed.vel),
         acc=np.where(col, still, committed.acc),
         hold=np.where(found, 0.0, committed.hold),
         on_reference=committed.on_reference & ~found,
@@ -66,6 +68,9 @@ def restarted(
     )
 
 
-def _bounded(vel: Array, most: float) -> Array:
-    speed = np.linalg.norm(vel, axis=1, keepdims=True)
-    return np.asarray(vel * np.minimum(1.0, most / np.maximum(speed, most)))
+def _bounded(known: KnownStates, params: SafeReplannerParams) -> Array:
+    speed = np.linalg.norm(known.vel, axis=1, keepdims=True)
+    vel = known.vel * np.minimum(1.0, params.speed_max / np.maximum(speed, params.speed_max))
+    fastest = np.sqrt(2.0 * params.acc_max * np.maximum(known.pos[:, 2], 0.0))
+    vel[:, 2] = np.maximum(vel[:, 2], -fastest)
+    return np.asarray(vel)

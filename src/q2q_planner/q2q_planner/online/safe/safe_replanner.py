@@ -128,7 +128,7 @@ class SafeReplanner:
         found = self._lost.found(known)
         if found.any():
             found &= off_trajectory(committed, known, self.params)
-            committed = restarted(committed, known, found, self.params.speed_max)
+            committed = restarted(committed, known, found, self.params)
         return committed
 
     def _recognise(self, own: Names, external: Names) -> None:
