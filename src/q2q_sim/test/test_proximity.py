@@ -8,8 +8,8 @@ import pytest
 from q2q_model.geometry.zone import Cylinder
 from q2q_sim.monitors.proximity import (
     any_in_zone,
-    closest_approaches,
     in_zone_once,
+    least_distances,
     near_sample,
     under_another,
 )
@@ -26,21 +26,20 @@ def pos() -> np.ndarray:
     return drift
 
 
-def test_the_closest_approach_of_every_pair_is_the_least_distance_and_its_tick(pos: np.ndarray) -> None:
-    found = closest_approaches(pos)
+def test_every_pair_has_its_least_distance(pos: np.ndarray) -> None:
+    found = least_distances(pos)
     for i, j in combinations(range(5), 2):
         apart = np.linalg.norm(pos[:, j] - pos[:, i], axis=1)
-        assert found.distance[i, j] == pytest.approx(np.nanmin(apart), rel=1e-15)
-        assert found.tick[i, j] == np.nanargmin(apart)
-        assert found.distance[j, i] == np.inf
-    assert np.isinf(np.diag(found.distance)).all()
+        assert found[i, j] == pytest.approx(np.nanmin(apart), rel=1e-15)
+        assert found[j, i] == np.inf
+    assert np.isinf(np.diag(found)).all()
 
 
-def test_a_pair_that_is_never_known_has_no_closest_approach(pos: np.ndarray) -> None:
-    found = closest_approaches(pos[60:100])
-    assert np.isinf(found.distance[:, 2]).all()
-    assert np.isinf(found.distance[2]).all()
-    assert np.isinf(closest_approaches(pos[:0]).distance).all()
+def test_a_pair_that_is_never_known_has_no_least_distance(pos: np.ndarray) -> None:
+    found = least_distances(pos[60:100])
+    assert np.isinf(found[:, 2]).all()
+    assert np.isinf(found[2]).all()
+    assert np.isinf(least_distances(pos[:0])).all()
 
 
 def test_ticks_in_the_zone_are_those_of_its_signed_distance(pos: np.ndarray) -> None:

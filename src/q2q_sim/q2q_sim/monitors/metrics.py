@@ -20,7 +20,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.monitors.exposure import Exposure, exposure
-from q2q_sim.monitors.proximity import any_in_zone, closest_approaches
+from q2q_sim.monitors.proximity import any_in_zone, least_distances
 
 PAPER_ZONE = Cylinder()
 """I(0.1, 1.1)."""
@@ -120,4 +120,4 @@ def _closeness(pos: Array, dt: float, zone: Cylinder) -> tuple[float, float]:
     ticks, n, _ = pos.shape
     if n < 2 or ticks == 0:
         return float("nan"), float("nan")
-    return float(closest_approaches(pos).distance.min()), float(any_in_zone(pos, zone).sum() * dt)
+    return float(least_distances(pos).min()), float(any_in_zone(pos, zone).sum() * dt)

@@ -4,7 +4,6 @@ Positions are (T, n, 3) [m], world; a vehicle whose position is unknown (NaN) is
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,18 +15,9 @@ from q2q_model.signals.values import Array
 Mask = NDArray[np.bool_]
 
 
-class Approaches(NamedTuple):
-    """Closest approach of each pair i < j, (n, n) each."""
-
-    distance: Array
-    """[m]; infinite for other pairs, and those that are never known."""
-    tick: NDArray[np.intp]
-    """First tick of that distance."""
-
-
-def closest_approaches(pos: Array) -> Approaches:
-    """Return how near every pair comes, and when."""
-    return Approaches(*closest(np.ascontiguousarray(pos)))
+def least_distances(pos: Array) -> Array:
+    """Return how near each pair i < j comes [m], (n, n); infinite for others, and those never known."""
+    return np.asarray(least_distance(np.ascontiguousarray(pos)))
 
 
 def any_in_zone(pos: Array, zone: Cylinder) -> Mask:
@@ -52,19 +42,18 @@ def near_sample(pos: Array, samples: Array, reach: float) -> Mask:
 
 
 @compiled
-def closest(pos: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Return the fields of `Approaches`."""
+def least_distance(pos: Array) -> Array:
+    """Return how near each pair i < j comes [m], (n, n)."""
     n = pos.shape[1]
-    least, when = np.full((n, n), math.inf), np.zeros((n, n), dtype=np.intp)
+    least = np.full((n, n), math.inf)
     for k in range(pos.shape[0]):
         for i in range(n):
             x, y, z = pos[k, i]
             for j in range(i + 1, n):
                 dx, dy, dz = pos[k, j, 0] - x, pos[k, j, 1] - y, pos[k, j, 2] - z
                 square = dx * dx + dy * dy + dz * dz
-                if square < least[i, j]:
-                    least[i, j], when[i, j] = square, k
-    return np.sqrt(least), when
+                least[i, j] = min(least[i, j], square)
+    return np.asarray(np.sqrt(least))
 
 
 @compiled

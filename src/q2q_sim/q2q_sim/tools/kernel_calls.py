@@ -37,8 +37,8 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.proximity import (
     any_in_zone,
-    closest_approaches,
     in_zone_once,
+    least_distances,
     near_sample,
     under_another,
 )
@@ -115,7 +115,7 @@ def _firmware() -> None:
 def _nearness() -> None:
     pair = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
     stacked(pair, np.arange(2), 0.3, 0.0)
-    closest_approaches(pair[None])
+    least_distances(pair[None])
     any_in_zone(pair[None], Cylinder())
     under_another(pair[None], 0.15, 1.5)
     in_zone_once(pair[None], Cylinder())

@@ -10,7 +10,7 @@ from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, mi
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.overpowered import overpowered_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
-from q2q_sim.monitors.proximity import closest_approaches, in_zone_once
+from q2q_sim.monitors.proximity import in_zone_once, least_distances
 
 
 class _Worst(NamedTuple):
@@ -26,7 +26,7 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
     limit, pos = circumstances.limits.separation, evidence.true_pos
     moved = misplaced(evidence, circumstances.faults)
     found = []
-    for i, j in np.argwhere(closest_approaches(pos).distance < limit).tolist():
+    for i, j in np.argwhere(least_distances(pos) < limit).tolist():
         apart = np.linalg.norm(pos[:, i] - pos[:, j], axis=1) + moved[:, i] + moved[:, j]
         tick = int(np.nanargmin(apart))
         if apart[tick] < limit:
