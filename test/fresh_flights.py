@@ -45,7 +45,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly, fly_blocks
 from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.exposure import exposure
-from q2q_sim.monitors.proximity import any_in_zone, closest_approaches, in_zone_once, near_sample
+from q2q_sim.monitors.proximity import any_in_zone, in_zone_once, least_distances, near_sample
 from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
@@ -153,7 +153,7 @@ def distributed(scenario: Scenario) -> None:
 def measured(signals: RecordedSignal) -> None:
     """Measure how near the vehicles came to each other."""
     pos = np.stack([tick["truth"].pos for tick in signals])
-    closest_approaches(pos)
+    least_distances(pos)
     any_in_zone(pos, Cylinder())
     in_zone_once(pos, Cylinder())
     near_sample(pos, pos, 0.1)
