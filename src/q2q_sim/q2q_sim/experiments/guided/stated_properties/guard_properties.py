@@ -41,8 +41,10 @@ FAST = 0.6
 """Speed from which braking is judged [m/s]."""
 SHARE = 0.25
 """Least share of the braking that the true speed asks for [-]."""
-DECEIVING = ("jump", "swap", "clock_jump", "radio_loss", "weak_rotor")
-"""Faults after which the dead-reckoned velocity may be wrong: a rotor may recover while nobody sees it."""
+DECEIVING = ("jump", "swap", "clock_jump", "radio_loss")
+"""Faults after which the dead-reckoned velocity may be wrong."""
+LEARNT_S = 1.0
+"""Time in which most of a balance is learned [s]: two of the observer's time constants, horizontally."""
 CALM_TICKS = 300
 """Ticks in which a vehicle was not lost before its evasion is judged: earlier shifts have ended."""
 LEAST_ACC = 0.5
@@ -112,6 +114,7 @@ def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
     before = np.take_along_axis(true_vel, last[..., None], axis=0)  # a push since then is unknown
     judged &= np.einsum("tnk,tnk->tn", before, vel) > FAST * speed
     judged &= ~_outdated(ticks, run.scenario.faults)[last]
+    judged &= ~_unbalanced(ticks, run.scenario.faults, last)
     judged &= ~np.array(struck(ticks.names, run.scenario.faults, DECEIVING))
     due = np.minimum(speed / BRAKING_S, BRAKING_MAX) * np.maximum(speed, FAST)
     share = np.full(judged.shape, np.inf)
@@ -141,6 +144,17 @@ def _outdated(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
             end = fault.start + fault.duration + fault.size
             outdated |= (ticks.t >= fault.start - TICK_S) & (ticks.t <= end)
     return outdated
+
+
+def _unbalanced(ticks: RunTicks, faults: tuple[Fault, ...], last: NDArray[np.intp]) -> Mask:
+    """Return where a rotor weakened or recovered after, or shortly before, the `last` measurement, (T, n)."""
+    t, seen = ticks.t[: len(last), None], ticks.t[last]
+    unbalanced = np.zeros(last.shape, dtype=np.bool_)
+    for fault in faults:
+        weak = np.array(struck(ticks.names, (fault,), ("weak_rotor",)))
+        for change in (fault.start, fault.start + fault.duration):
+            unbalanced |= weak & (t >= change) & (seen < change + LEARNT_S)
+    return unbalanced
 
 
 class _Encounter(NamedTuple):
