@@ -17,7 +17,7 @@ Mask = NDArray[np.bool_]
 
 def least_distances(pos: Array) -> Array:
     """Return how near each pair i < j comes [m], (n, n); infinite for others, and those never known."""
-    return np.asarray(least_distance(np.ascontiguousarray(pos)))
+    return np.asarray(nearest_of_pairs(np.ascontiguousarray(pos)))
 
 
 def any_in_zone(pos: Array, zone: Cylinder) -> Mask:
@@ -42,7 +42,7 @@ def near_sample(pos: Array, samples: Array, reach: float) -> Mask:
 
 
 @compiled
-def least_distance(pos: Array) -> Array:
+def nearest_of_pairs(pos: Array) -> Array:
     """Return how near each pair i < j comes [m], (n, n)."""
     n = pos.shape[1]
     least = np.full((n, n), math.inf)

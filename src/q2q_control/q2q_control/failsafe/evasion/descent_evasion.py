@@ -110,9 +110,9 @@ class DescentEvasion:
         setpoint, returning = self._climbs.update(setpoint, state, fallback)
         pos, rest = _places(state, {name: known[name] for name in blind if name in known})
         self._end(returning.union(blind).intersection(state.names))
-        self._turn(returning, state, setpoint)
-        gone = index_of(state.names, blind) >= 0
-        for places in (pos, _sent(setpoint, state.names, gone, pos)):
+        sent, gone = _sent(setpoint, state.names, pos), index_of(state.names, blind) >= 0
+        self._turn(returning, state, sent)
+        for places in (pos, np.where(gone[:, None], pos, sent)):
             self._ask(_below_gone(places, gone), state.names, pos, rest)
         moved = self._moved(setpoint, dict(zip(state.names, pos[:, :2], strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
@@ -124,9 +124,9 @@ class DescentEvasion:
         for shift in self._shifts.values():
             shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
 
-    def _turn(self, back: frozenset[str], state: SwarmState, setpoint: SwarmSetpoint) -> None:
+    def _turn(self, back: frozenset[str], state: SwarmState, sent: Array) -> None:
         """Evade a vehicle that is measured again where it is, and across its path if it drives one ahead."""
-        xy, sent = state.pos[:, :2], _sent(setpoint, state.names, np.zeros(len(state.names), bool), state.pos)
+        xy = state.pos[:, :2]
         for name, shift in self._shifts.items():
             for other in back & shift.directions.keys() if name in state.names else ():
                 i, j = state.names.index(name), state.names.index(other)
@@ -171,11 +171,10 @@ def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Ar
     return pos, rest
 
 
-def _sent(setpoint: SwarmSetpoint, names: Names, gone: NDArray[np.bool_], pos: Array) -> Array:
-    """Return where vehicles are sent, and the positions of those that are `gone` or not sent [m], (n, 3)."""
+def _sent(setpoint: SwarmSetpoint, names: Names, pos: Array) -> Array:
+    """Return where vehicles are sent, and the positions of those that are not [m], (n, 3)."""
     rows = index_of(names, setpoint.names)
-    sent = np.vstack((setpoint.pos, np.full(3, np.nan)))[rows]
-    return np.where(((rows >= 0) & ~gone)[:, None], sent, pos)
+    return np.where((rows >= 0)[:, None], np.vstack((setpoint.pos, np.full(3, np.nan)))[rows], pos)
 
 
 def _below_gone(pos: Array, gone: NDArray[np.bool_]) -> Stacked:
