@@ -9,8 +9,8 @@ from q2q_control.failsafe.evasion.climb_back import BACK, LONGEST, ClimbBack, In
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 TICK = 0.01
-AWAY = (1.0, -2.0, 2.0)
-"""Setpoint of the plan, which has moved on [m]."""
+AWAY = (0.6, 0.1, 2.0)
+"""Setpoint of the plan, which has moved on, not as far as one is led back from [m]."""
 LOW = (0.3, 0.4, 0.5)
 """Where the vehicle is measured again [m]."""
 SEEN = InFallback((), ())
@@ -117,6 +117,19 @@ def test_one_that_cannot_climb_follows_its_setpoint_in_the_end() -> None:
         held.append(sent is not given)
     assert LONGEST == 3.5  # after which policies expect vehicles at their places
     assert sum(held) == pytest.approx(LONGEST / TICK, abs=1.5)
+    assert not climbs.active
+
+
+def test_once_at_its_height_it_is_led_back_to_a_setpoint_far_away() -> None:
+    climbs, far = lost("cf1", climbs=ClimbBack()), (1.8, -1.6, 2.0)
+    climbs.update(setpoint_of(0.1, far), state_of(LOW), SEEN)
+    there = (*LOW[:2], far[2])
+    sent, names = climbs.update(setpoint_of(0.2, far), state_of(there), SEEN)
+    assert not names
+    np.testing.assert_allclose(sent.pos, [there], atol=1e-12)
+    assert climbs.active
+    given = setpoint_of(3.0, far)
+    assert climbs.update(given, state_of(there), SEEN).setpoint is given
     assert not climbs.active
 
 

@@ -9,7 +9,15 @@ from hypothesis import strategies as st
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned, is_blind
 from q2q_control.failsafe.evasion.climb_back import BACK, InFallback
-from q2q_control.failsafe.evasion.descent_evasion import BENEATH, PACE, REACH, DescentEvasion
+from q2q_control.failsafe.evasion.descent_evasion import (
+    BENEATH,
+    DRIFT,
+    FARTHEST,
+    KNOWN,
+    PACE,
+    REACH,
+    DescentEvasion,
+)
 from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState
 
 TICK = 0.01
@@ -111,6 +119,16 @@ def test_a_setpoint_that_passes_beneath_goes_round(
         place = np.array([UPPER, output.pos[1]])
         if k > 200:
             assert np.linalg.norm(output.pos[1, :2]) > REACH - 0.02
+
+
+@pytest.mark.parametrize("age", [1.0, 2.5, 4.5])
+def test_the_longer_another_is_lost_the_further_it_is_evaded(age: float) -> None:
+    evasion, pos = DescentEvasion(), np.array([UPPER, (0.3, 0.0, 1.0)])
+    state = replace(state_of(pos), age=np.array([age, 0.0]))
+    for k in range(400):
+        output = evasion.update(setpoint_of(k * TICK, pos), state, flown(2, 0), {})
+    kept = min(REACH + DRIFT * max(age - KNOWN, 0.0), FARTHEST)
+    assert output.pos[1, 0] == pytest.approx(kept, abs=1e-3)
 
 
 def test_velocity_and_acceleration_are_those_of_the_motion() -> None:

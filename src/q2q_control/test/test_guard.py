@@ -105,7 +105,7 @@ def test_a_vehicle_makes_way_for_a_lost_one_as_soon_as_it_is_lost_until_that_is_
     assert [moved(k * TICK, k * TICK - 0.04) for k in range(41, 43)][-1] < 0.0
     assert [moved(k * TICK, k * TICK - 0.04) for k in range(43, 200)][-1] < -0.25
     after_cut = PARAMS.cut_s + 0.1
-    assert abs([moved(k * TICK, after_cut) for k in range(200, 700)][-1]) < 0.01
+    assert abs([moved(k * TICK, after_cut) for k in range(200, 750)][-1]) < 0.01
 
 
 def test_a_controller_of_some_vehicles_is_passed_through_while_those_are_measured() -> None:

@@ -319,7 +319,9 @@ def test_an_older_stamp_is_ignored_and_a_clock_set_back_forgets_everything():
     block, twin = _flown(150), _flown(150)
     again = block.update(_frame(140, np.full((2, 3), 7.0)))
     assert again.t == _time(140)  # who answers a tick answers under its stamp
-    assert _same(replace(again, t=_time(149)), twin.update(_frame(149)))
+    assert (again.status == TrackStatus.COASTING).all()  # nobody was measured there then
+    unmeasured = np.full(2, TrackStatus.COASTING, dtype=np.uint8)
+    assert _same(replace(again, t=_time(149)), replace(twin.update(_frame(149)), status=unmeasured))
     assert _same(block.update(_frame(150)), twin.update(_frame(150)))
     assert block.report.stale_frames == 1
     restarted = block.update(_frame(3))

@@ -13,7 +13,8 @@ This file is about frames:
   So is one that passes the gates further than `jump_max` from its prediction, as it may after a gap.
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
-  state with the older stamp, and ages grow with the next newer frame. Old stamps that increase for 0.1 s
+  state with the older stamp, COASTING since nobody was there then, and ages grow with the next newer frame.
+  Old stamps that increase for 0.1 s
   (q2q_model.estimation.clock_resets) mean a clock that was set back: the tracks go on in the new time, their
   last samples as old as the first of these stamps. A stamp older by more than `clock_jump_s` means another
   flight, as of a restarted bag: the filter resets.
@@ -156,7 +157,7 @@ class MocapFilter:
                 self._set_back(self._last.t, behind)
             elif not behind < -SAME_INSTANT:
                 self._counts["repeated_frames" if abs(behind) <= SAME_INSTANT else "stale_frames"] += 1
-                return replace(self._last, t=frame.t) if behind > SAME_INSTANT else self._last
+                return _as_of(frame.t, self._last) if behind > SAME_INSTANT else self._last
         elif not np.isfinite(frame.t):
             raise ValueError(f"frame.t = {frame.t}: a first frame needs a time [s]")
         self._last = self._step(frame)
@@ -279,6 +280,11 @@ class MocapFilter:
         counts["refused"] += int((present & ~used).sum())
         counts["restarted"] += int(tracked.restarted.sum())
         counts["not_finite"] += int((self._track_of_row >= 0).sum() - present.sum())
+
+
+def _as_of(t: float, state: SwarmState) -> SwarmState:
+    """Return a state as the answer to an older frame, of t [s]: no vehicle was measured there then."""
+    return replace(state, t=t, status=np.where(state.status == _TRACKED, _COASTING, state.status))
 
 
 def _check_shapes(frame: MocapFrame) -> None:

@@ -2,7 +2,8 @@
 
 A vehicle that flew blind has left the height of its plan, and its setpoint may be elsewhere by then, beyond
 vehicles that the plan passes above or below. It climbs, or sinks, where it is measured again, until it is
-within BACK of its setpoint's height, for LONGEST at most: a weak one may never get there.
+within BACK of its setpoint's height, for LONGEST at most: a weak one may never get there. From there it is
+led back to its setpoint (q2q_control.failsafe.evasion.rejoining).
 
 A replanner begins at a vehicle that it finds again, and the setpoint climbs with that. Vehicles below a
 returning one evade it (q2q_control.failsafe.evasion.descent_evasion) until its setpoint is steady, too:
@@ -21,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.failsafe.evasion.rejoining import Rejoining
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
 BACK = 0.3
@@ -51,7 +53,7 @@ class Returning(NamedTuple):
 
 
 class ClimbBack:
-    """Vehicles that flew blind and are not yet back at the heights of their setpoints."""
+    """Vehicles that flew blind and are not yet back at their setpoints."""
 
     def __init__(self) -> None:
         self.reset()
@@ -61,11 +63,12 @@ class ClimbBack:
         self._gone: set[str] = set()
         self._since: dict[str, float] = {}  # tick at which each was measured again [s]
         self._places: dict[str, Array] = {}  # where each climbs [m], (2,)
+        self._rejoining = Rejoining()
 
     @property
     def active(self) -> bool:
         """Return whether any vehicle is not yet back."""
-        return bool(self._gone)
+        return bool(self._gone) or self._rejoining.active
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState, fallback: InFallback) -> Returning:
         """Return who is returning, and setpoints with which these climb where they are.
@@ -85,7 +88,9 @@ class ClimbBack:
             name: self._places.get(name, state.pos[state.names.index(name), :2].copy())
             for name in sorted(off & returning)
         }
-        return Returning(_held_at(setpoint, self._places), frozenset(returning))
+        away = frozenset(self._places).union(fallback.blind)
+        led = self._rejoining.update(_held_at(setpoint, self._places), state, away)
+        return Returning(led, frozenset(returning))
 
 
 def _held_at(setpoint: SwarmSetpoint, places: dict[str, Array]) -> SwarmSetpoint:

@@ -2,12 +2,11 @@
 
 A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.ladder), drifts with the
 wind and sinks to the floor. Its position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a
-measured vehicle or its setpoint is below it and nearer to it than REACH, the setpoint is shifted along u, the
-one of eight directions that keeps the largest distance from all other vehicles, within ALIKE the one of the
-smallest shift until j has come to rest: away from j if it is at rest, across its path if it moves or climbs
-back:
+measured vehicle or its setpoint is below it and nearer to it than REACH, the setpoint is shifted along u
+(evasion_direction): away from j if it is at rest, across its path if it moves or climbs back:
 
-    goal = max(0, REACH - (r - p_j) . u) u        r: setpoint, horizontal; u is fixed, see below
+    goal = max(0, d_j - (r - p_j) . u) u          r: setpoint, horizontal; u is fixed, see below
+    d_j = REACH + DRIFT max(0, a_j - KNOWN)       at most FARTHEST
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
@@ -17,6 +16,7 @@ or measured again and back at the height of its setpoint (q2q_control.failsafe.e
 |---|---|---|
 | s | shift | horizontal shift of a setpoint [m], (2,) |
 | u | direction | horizontal unit vector, (2,) |
+| d, a | reach, age | distance to keep [m], time since j was measured [s] |
 | w | PACE | bandwidth of the critically damped shift [rad/s] |
 """
 
@@ -29,23 +29,23 @@ from numpy.typing import NDArray
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
 from q2q_control.failsafe.blind_flight.stacking import Stacked, stacked
 from q2q_control.failsafe.evasion.climb_back import ClimbBack, InFallback
+from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
 REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 2 s of blindness, 0.4."""
 BENEATH = 0.1
 """Least height difference at which a vehicle counts as below another [m]: eps of the paper's zone."""
+KNOWN, DRIFT = 2.0, 0.3
+"""Time [s] after which a blind vehicle drifts unnoticed, and how fast [m/s]: what it has gained by then."""
 FARTHEST = 0.9
-"""Longest shift along one direction by a vehicle that climbs back [m]: one and a half of REACH."""
+"""Longest shift along one direction [m], and longest distance to keep: one and a half of REACH."""
 PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
 """Longest time between ticks that is integrated [s]."""
 AT_REST = 1e-3
 """Shift below which an evasion has ended [m]."""
-DIRECTIONS = 8
-ALIKE = 0.1
-"""Distances from others that count as equal [m]: less than vehicles are off their positions."""
 
 
 @dataclass(slots=True)
@@ -114,7 +114,8 @@ class DescentEvasion:
         self._turn(returning, state, sent)
         for places in (pos, np.where(gone[:, None], pos, sent)):
             self._ask(_below_gone(places, gone), state.names, pos, rest)
-        moved = self._moved(setpoint, dict(zip(state.names, pos[:, :2], strict=True)), dt)
+        evaded = zip(pos[:, :2], _distances(state.age, gone), strict=True)
+        moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         self._active = bool(self._shifts) or self._climbs.active
         return moved
@@ -131,9 +132,9 @@ class DescentEvasion:
             for other in back & shift.directions.keys() if name in state.names else ():
                 i, j = state.names.index(name), state.names.index(other)
                 if other not in shift.returning:
-                    shift.directions[other] = _evasion_direction(xy, i, j, xy[j])
+                    shift.directions[other] = evasion_direction(xy, (i, j), xy[j], REACH)
                 elif REACH - (sent[i, :2] - xy[j]) @ shift.directions[other] > FARTHEST:
-                    shift.directions[other] = _across(shift.directions[other], xy[i] - xy[j])
+                    shift.directions[other] = across(shift.directions[other], xy[i] - xy[j])
             shift.returning = set(back & shift.directions.keys())
 
     def _ask(self, pairs: Stacked, names: Names, pos: Array, rest: Array) -> None:
@@ -141,9 +142,12 @@ class DescentEvasion:
         for i, j in zip(pairs.below.tolist(), pairs.above.tolist(), strict=True):
             shift = self._shifts.setdefault(names[i], _Shift())
             if names[j] not in shift.directions:
-                shift.directions[names[j]] = _evasion_direction(pos[:, :2], i, j, rest[j])
+                shift.directions[names[j]] = evasion_direction(pos[:, :2], (i, j), rest[j], REACH)
 
-    def _moved(self, setpoint: SwarmSetpoint, reckoned: Mapping[str, Array], dt: float) -> SwarmSetpoint:
+    def _moved(
+        self, setpoint: SwarmSetpoint, evaded: Mapping[str, tuple[Array, float]], dt: float
+    ) -> SwarmSetpoint:
+        """Return the setpoints shifted from the places of others, (2,), by the distances to keep [m]."""
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
         for row, name in enumerate(setpoint.names):
             shift = self._shifts.get(name)
@@ -151,7 +155,8 @@ class DescentEvasion:
                 continue
             target, target_vel = np.zeros(2), np.zeros(2)
             for other, direction in shift.directions.items():
-                shortfall = REACH - float((setpoint.pos[row, :2] + target - reckoned[other]) @ direction)
+                place, reach = evaded[other]
+                shortfall = reach - float((setpoint.pos[row, :2] + target - place) @ direction)
                 if shortfall > 0.0:
                     target += shortfall * direction
                     towards = -float((setpoint.vel[row, :2] + target_vel) @ direction)
@@ -177,26 +182,13 @@ def _sent(setpoint: SwarmSetpoint, names: Names, pos: Array) -> Array:
     return np.where((rows >= 0)[:, None], np.vstack((setpoint.pos, np.full(3, np.nan)))[rows], pos)
 
 
+def _distances(age: Array, gone: NDArray[np.bool_]) -> Array:
+    """Return the distance to keep from each vehicle [m], (n,), by the age of its measurement [s], (n,)."""
+    grown = REACH + DRIFT * np.maximum(age - KNOWN, 0.0)
+    return np.where(gone, np.minimum(grown, FARTHEST), REACH)
+
+
 def _below_gone(pos: Array, gone: NDArray[np.bool_]) -> Stacked:
     """Return who is below one that is `gone`, (n,)."""
     below, above = stacked(pos, np.flatnonzero(~gone), REACH, BENEATH)
     return Stacked(below[gone[above]], above[gone[above]])
-
-
-def _across(direction: Array, offset: Array) -> Array:
-    """Return the direction across another, (2,), on the side of an offset [m], (2,)."""
-    side = np.array([-direction[1], direction[0]])
-    return side if side @ offset >= 0.0 else -side
-
-
-def _evasion_direction(xy: Array, i: int, j: int, rest: Array) -> Array:
-    """Return the direction in which vehicle i evades j, (2,), which comes to `rest` [m], (2,)."""
-    away = np.arctan2(*(xy[i] - xy[j])[::-1])
-    angles = away + np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
-    sides = np.stack([np.cos(angles), np.sin(angles)], axis=1)  # (8, 2)
-    others = np.delete(xy, (i, j), axis=0)
-    others = others[np.isfinite(others).all(axis=1)]
-    room = np.linalg.norm(xy[j] + REACH * sides[:, None] - others, axis=2).min(axis=1, initial=REACH)
-    enough = room >= room.max() - ALIKE
-    clear = np.minimum(sides @ (xy[i] - xy[j]), sides @ (xy[i] - rest))  # the shift is REACH less this
-    return np.asarray(sides[int(np.where(enough, clear, -np.inf).argmax())])

@@ -99,7 +99,7 @@ def flight_options(run: Run) -> FlightOptions:
 def circumstances_of(run: Run) -> Circumstances:
     """Return what a run's flight is judged by."""
     scenario = run.scenario
-    return Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
+    return Circumstances(scenario.vehicle, faults=scenario.faults, aware=run.options.aware)
 
 
 def crash(error: Exception) -> Violation:

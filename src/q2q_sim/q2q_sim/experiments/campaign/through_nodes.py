@@ -15,6 +15,7 @@ import numpy as np
 from q2q_model.bag import BagError
 from q2q_sim.experiments.campaign.campaign_flight import (
     JUDGED,
+    circumstances_of,
     crash,
     flown_pure,
     keep,
@@ -26,7 +27,7 @@ from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
 from q2q_sim.flight.resident import ResidentNodes
 from q2q_sim.flight.scenario_flight import FlightRequest, fly, load_scenario, node_specs
 from q2q_sim.flight.unfinished_bag import why_unfinished
-from q2q_sim.monitors.policies import Circumstances, Evidence, Violation, evidence_in_lockstep, judge
+from q2q_sim.monitors.policies import Evidence, Violation, evidence_in_lockstep, judge
 from q2q_sim.tools.judge_bags import evidence_in
 
 TWIN_M = 1e-9
@@ -88,8 +89,7 @@ class NodeFlights:
             evidence = evidence_in(bag)
         except Exception as error:  # noqa: BLE001 - a campaign looks for any error
             return (crash(error),)
-        scenario = run.scenario
-        found = judge(evidence, Circumstances(vehicle=scenario.vehicle, faults=scenario.faults))
+        found = judge(evidence, circumstances_of(run))
         return (*found, *twin(evidence, evidence_in_lockstep(flown_pure(run).topics)))
 
     def _through(self, request: FlightRequest, bag: Path) -> None:

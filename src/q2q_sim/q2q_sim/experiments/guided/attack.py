@@ -56,17 +56,20 @@ class Attack:
     """Policies that it violates."""
     overpowered: int = 0
     """Runs in which no command carried some vehicle."""
+    unforeseen: int = 0
+    """Runs in which one was flown blind in a downwash that nothing could predict."""
 
 
 def attack(seed: int, length: int, judge: Judge, air: str = "") -> Attack:
     """Return the outcome of an attack of at most `length` runs."""
-    runs = weak = 0
+    runs = weak = untold = 0
     for attempt in attempts(seed, length, judge, air):
         runs += 1
         weak += attempt.flight.overpowered
+        untold += attempt.flight.unforeseen
         if attempt.flight.violations:
-            return Attack(runs, attempt.run, attempt.flight.policies, weak)
-    return Attack(runs, None, frozenset(), weak)
+            return Attack(runs, attempt.run, attempt.flight.policies, weak, untold)
+    return Attack(runs, None, frozenset(), weak, untold)
 
 
 def attempts(seed: int, length: int, judge: Judge, air: str = "") -> Iterator[AttackRun]:

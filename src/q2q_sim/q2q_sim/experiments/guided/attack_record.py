@@ -29,6 +29,8 @@ class AttackRecord:
     """Air named for the campaign; empty for that of the scenario."""
     overpowered: int = 0
     """Runs in which no command carried some vehicle: not judged by all policies."""
+    unforeseen: int = 0
+    """Runs in which one was flown blind in a downwash that nothing could predict: nor are they."""
 
 
 def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> AttackRecord:
@@ -47,7 +49,8 @@ def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> Attack
         write_case(case_of(small, policies), path)
         case = str(path)
     seconds = perf_counter() - began
-    return AttackRecord(seed, length, found.runs, policies, case, seconds, air, found.overpowered)
+    weak, untold = found.overpowered, found.unforeseen
+    return AttackRecord(seed, length, found.runs, policies, case, seconds, air, weak, untold)
 
 
 def died(seed: int, _: BaseException) -> AttackRecord:

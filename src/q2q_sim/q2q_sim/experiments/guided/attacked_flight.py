@@ -31,6 +31,7 @@ from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOu
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.monitors.policies.margins import margins
 from q2q_sim.monitors.policies.overpowered import overpowered
+from q2q_sim.monitors.policies.unforeseen import unforeseen
 
 RECORD = "record"
 """Name of the recorder's property."""
@@ -63,6 +64,8 @@ class AttackedFlight:
     """Margins of the policies and properties that have one, within WORST of 0 [-]."""
     overpowered: bool = False
     """Whether no command carried some vehicle at some time."""
+    unforeseen: bool = False
+    """Whether some vehicle was flown blind in a downwash that nothing could predict."""
 
     @property
     def policies(self) -> frozenset[str]:
@@ -89,6 +92,7 @@ def fly_attacked(run: Run) -> AttackedFlight:
         violations=(*flown.violations, *found),
         margins={name: bounded(one) for name, one in known.items()},
         overpowered=bool(overpowered(flown.evidence, circumstances).any()),
+        unforeseen=bool(unforeseen(flown.evidence, circumstances).any()),
     )
 
 

@@ -64,6 +64,7 @@ def summary(attacks: Sequence[AttackRecord], scores: Sequence[BugScore]) -> dict
         "runs": sum(one.runs for one in attacks),
         "violations": sum(bool(one.policies) for one in attacks),
         "overpowered": sum(one.overpowered for one in attacks),
+        "unforeseen": sum(one.unforeseen for one in attacks),
         "seeded_bugs": len(scores),
         "seeded_found": sum(one.guided > 0 for one in scores),
         "blind_found": sum(one.blind > 0 for one in scores),
@@ -93,6 +94,11 @@ def show(total: dict[str, object]) -> None:
     if total["overpowered"]:
         print(
             f"in {total['overpowered']} of them no command could carry a vehicle, which was not judged then"
+        )
+    if total["unforeseen"]:
+        print(
+            f"in {total['unforeseen']} of them a vehicle without measurements met a downwash that nothing "
+            "could predict, and was not judged then"
         )
     cases = total["cases"]
     for case in cases if isinstance(cases, list) else ():

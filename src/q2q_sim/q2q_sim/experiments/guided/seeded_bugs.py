@@ -18,6 +18,7 @@ from q2q_control.failsafe.blind_flight.braking_law import ReckonedMotions, braki
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.evasion import descent_evasion
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
+from q2q_control.failsafe.evasion.evasion_direction import evasion_direction
 from q2q_control.failsafe.guard import Guard
 from q2q_model.bag import BagWriter
 from q2q_model.estimation import mocap_filter, positions
@@ -46,7 +47,6 @@ from q2q_planner.online.safe.traffic import TrafficTable
 # ruff: noqa: SLF001  a mutant replaces what nobody else may touch
 _track_params = mocap_filter._track_params
 _update_positions, _with_fallback = PositionTracks.update, Guard._with_fallback
-_evasion_direction = descent_evasion._evasion_direction
 _answer = safe_replanner._answer
 _write_signal = BagWriter.write_signal
 
@@ -129,8 +129,8 @@ def _no_evasion(_: DescentEvasion, setpoint: SwarmSetpoint, *__: object) -> Swar
     return setpoint
 
 
-def _evasion_reversed(xy: Array, i: int, j: int, rest: Array) -> Array:
-    return -_evasion_direction(xy, i, j, rest)
+def _evasion_reversed(xy: Array, pair: tuple[int, int], rest: Array, reach: float) -> Array:
+    return -evasion_direction(xy, pair, rest, reach)
 
 
 def _no_proof(_: CommittedMotion, traffic: TrafficTable, *__: object) -> Choices:
@@ -185,7 +185,7 @@ SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("no_braking", DeadReckonedBraking, "update", _no_braking),
     SeededBug("braking_reversed", dead_reckoned_braking, "braking_tilt", _braking_reversed),
     SeededBug("no_evasion", DescentEvasion, "update", _no_evasion),
-    SeededBug("evasion_reversed", descent_evasion, "_evasion_direction", _evasion_reversed),
+    SeededBug("evasion_reversed", descent_evasion, "evasion_direction", _evasion_reversed),
     SeededBug("no_proof", safe_replanner, "_choice", _no_proof),
     SeededBug("hold_forgotten", safe_replanner, "propagated", _hold_forgotten),
     SeededBug("half_zone", safe_replanner, "BrakingLaw", _half_zone),

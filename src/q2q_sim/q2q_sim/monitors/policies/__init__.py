@@ -17,8 +17,9 @@
 | belief | a state with status tracked is accurate to `belief`, unless a sensor has a steady error | states |
 | return | `settle` after the last fault all are within `back` | truth |
 
-A vehicle that no command carries (overpowered) is not judged by zone, room, floor and return until `settle`
-after it. Its commands have status SATURATED.
+A vehicle that no command carries (overpowered), or none is known to (unforeseen), is not judged by zone,
+room, floor and return until `settle` after it, in the second case nor by separation. The commands of the
+first have status SATURATED, the second is flown blind.
 """
 
 from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_in_lockstep, evidence_of

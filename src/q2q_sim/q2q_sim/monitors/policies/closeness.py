@@ -8,7 +8,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, misled, misplaced
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.overpowered import overpowered_lately
+from q2q_sim.monitors.policies.unforeseen import helpless_lately, unforeseen_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
 from q2q_sim.monitors.proximity import in_zone_once, least_distances
 
@@ -22,9 +22,13 @@ class _Worst(NamedTuple):
 
 
 def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the pairs closer than allowed, by more than their markers are displaced."""
+    """Return the pairs closer than allowed, by more than their markers are displaced.
+
+    Pairs of a vehicle in a downwash that nothing could predict are exempt until `settle` later.
+    """
     limit, pos = circumstances.limits.separation, evidence.true_pos
     moved = misplaced(evidence, circumstances.faults)
+    moved[unforeseen_lately(evidence, circumstances)] = np.inf
     found = []
     for i, j in np.argwhere(least_distances(pos) < limit).tolist():
         apart = np.linalg.norm(pos[:, i] - pos[:, j], axis=1) + moved[:, i] + moved[:, j]
@@ -39,7 +43,7 @@ def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the ordered pairs in the zone though their setpoints clear it by `stray`.
 
     Vehicles flown blind drift, vehicles below them evade, vehicles with displaced markers follow them, and
-    vehicles that no command carries sink: their pairs are exempt until `settle` later.
+    vehicles that no command carries, or none is known to, sink: their pairs are exempt until `settle` later.
     """
     found = []
     entered = in_zone_once(evidence.true_pos, circumstances.zone)
@@ -61,7 +65,7 @@ def clearances(
     """
     settle = circumstances.limits.settle
     lost = blind_lately(evidence, settle) | evading_lately(evidence, settle)
-    lost |= misled(evidence, circumstances.faults, settle) | overpowered_lately(evidence, circumstances)
+    lost |= misled(evidence, circumstances.faults, settle) | helpless_lately(evidence, circumstances)
     for i, j in pairs:
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))

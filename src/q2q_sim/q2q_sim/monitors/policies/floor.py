@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_sim.monitors.policies.blindness import Mask, sent_down_lately
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.overpowered import overpowered_lately
+from q2q_sim.monitors.policies.unforeseen import helpless_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
 
@@ -12,10 +12,10 @@ def floor(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the first floor contact of each vehicle that was not commanded to land or cut.
 
     Take-off and landing are not falls: there the setpoint itself is near the floor. Nor is it a fall that a
-    command could prevent if no command carries the vehicle (overpowered).
+    command could prevent if no command carries the vehicle (overpowered), or none is known to (unforeseen).
     """
     limits = circumstances.limits
-    excused = sent_down_lately(evidence, limits.settle) | overpowered_lately(evidence, circumstances)
+    excused = sent_down_lately(evidence, limits.settle) | helpless_lately(evidence, circumstances)
     fallen = touches_floor(evidence, limits) & ~excused
     return [
         Violation("floor", name, float(evidence.t[k]), float(evidence.true_pos[k, row, 2]), limits.floor)

@@ -11,7 +11,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.blindness import Mask, lately, struck
+from q2q_sim.monitors.policies.blindness import Mask, struck
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances
 
@@ -23,11 +23,6 @@ def overpowered(evidence: Evidence, circumstances: Circumstances) -> Mask:
     vehicle = circumstances.vehicle
     needed = vehicle.mass * (GRAVITY - evidence.true_downwash[..., 2])
     return np.asarray(needed > thrust_left(evidence, circumstances.faults) * vehicle.rpyt_thrust_max)
-
-
-def overpowered_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
-    """Return which vehicles no command carries, or carried less than `settle` [s] before, (T, n)."""
-    return lately(evidence, overpowered(evidence, circumstances), circumstances.limits.settle)
 
 
 def thrust_left(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:

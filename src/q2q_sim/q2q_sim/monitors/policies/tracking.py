@@ -16,7 +16,7 @@ from q2q_sim.monitors.policies.blindness import (
     sent_down_lately,
 )
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.overpowered import overpowered_lately
+from q2q_sim.monitors.policies.unforeseen import helpless_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst
 
 
@@ -27,7 +27,7 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     allowed then, and for `settle` after it while it climbs again. A blind vehicle stops, and one that evades
     it is held back, while their setpoints go on: until `settle` after it, the setpoints since count. A
     displaced marker displaces the vehicle: the allowed distance grows by as much. A vehicle that no command
-    carries sinks: it is not judged until `settle` after it.
+    carries, or none is known to, sinks: it is not judged until `settle` after it.
     """
     limits = circumstances.limits
     down = sent_down_lately(evidence, limits.settle)
@@ -42,7 +42,7 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
             off[late, row] = np.fmin.reduce(apart, axis=1)
     off = np.maximum(off - misplaced(evidence, circumstances.faults), 0.0)
     limit = limits.stray_room
-    excess = np.where(overpowered_lately(evidence, circumstances), np.nan, off - limit)
+    excess = np.where(helpless_lately(evidence, circumstances), np.nan, off - limit)
     return worst("room", evidence, excess, (off, limit))
 
 
@@ -66,10 +66,11 @@ def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles not back on their path `settle` after the last fault.
 
-    No command carries a vehicle that is overpowered: it has `settle` then.
+    No command carries a vehicle that is overpowered, and none is known to in an unforeseen downwash: it has
+    `settle` then.
     """
     limits = circumstances.limits
-    pushed = overpowered_lately(evidence, circumstances)
+    pushed = helpless_lately(evidence, circumstances)
     calm = evidence.t > last_fault_end(evidence, circumstances.faults) + limits.settle
     cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
     off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)

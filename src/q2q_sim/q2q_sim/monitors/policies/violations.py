@@ -52,6 +52,8 @@ class Circumstances:
     faults: tuple[Fault, ...] = ()
     """Injected faults, if known."""
     limits: Limits = field(default_factory=Limits)
+    aware: bool = True
+    """Whether controllers are told the predicted downwash."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,98 @@
+"""A vehicle measured again far from its setpoint is led back to it smoothly, no faster than tilt allows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from q2q_control.failsafe.evasion.rejoining import ACC, FAR, Rejoining
+from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
+
+TICK = 0.01
+NOBODY: frozenset[str] = frozenset()
+GONE = frozenset({"cf1"})
+coordinate = st.floats(-3.0, 3.0)
+speed = st.floats(-1.0, 1.0)
+
+
+def state_of(pos: Array, vel: Array) -> SwarmState:
+    return SwarmState(
+        t=0.0, names=("cf1",), pos=np.array([[*pos, 1.0]]), vel=np.array([[*vel, 0.0]]),
+        quat=np.array([[0.0, 0.0, 0.0, 1.0]]), ang_vel_body=np.zeros((1, 3)), age=np.zeros(1),
+        status=np.zeros(1, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def plan_at(t: float) -> SwarmSetpoint:
+    """Return a setpoint that moves on at 0.5 m/s."""
+    return SwarmSetpoint(
+        t=t, names=("cf1",), pos=np.array([[0.5 * t, 0.0, 1.0]]), vel=np.array([[0.5, 0.0, 0.0]]),
+        acc=np.zeros((1, 3)), yaw=np.zeros(1), yaw_rate=np.zeros(1), status=np.zeros(1, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def led_back(pos: Array, vel: Array, ticks: int = 600) -> list[SwarmSetpoint]:
+    """Return the setpoints of a vehicle that is measured again at pos [m] with vel [m/s], (2,)."""
+    led = Rejoining()
+    led.update(plan_at(-TICK), state_of(pos, vel), GONE)
+    return [led.update(plan_at(k * TICK), state_of(pos, vel), NOBODY) for k in range(ticks)]
+
+
+@settings(max_examples=50, deadline=None)
+@given(x=coordinate, y=coordinate, vx=speed, vy=speed)
+def test_it_begins_where_it_is_and_ends_on_the_plan_without_more_than_its_acceleration(
+    x: float, y: float, vx: float, vy: float
+) -> None:
+    made = led_back(np.array([x, y]), np.array([vx, vy]))
+    if np.hypot(x, y) <= FAR:
+        assert all(np.array_equal(one.pos, plan_at(one.t).pos) for one in made)
+        return
+    np.testing.assert_allclose(made[0].pos, [[x, y, 1.0]], atol=1e-12)
+    np.testing.assert_allclose(made[0].vel, [[vx, vy, 0.0]], atol=1e-12)
+    assert max(float(np.linalg.norm(one.acc)) for one in made) <= ACC * (1.0 + 1e-9)
+    np.testing.assert_array_equal(made[-1].pos, plan_at(made[-1].t).pos)
+
+
+def test_from_rest_it_takes_the_time_of_a_quintic_whose_peak_acceleration_is_the_bound() -> None:
+    made = led_back(np.array([-3.0, 0.0]), np.array([0.5, 0.0]))  # at rest beside the moving plan
+    on_plan = [one.t for one in made if np.array_equal(one.pos, plan_at(one.t).pos)]
+    lasts = np.sqrt(10.0 / np.sqrt(3.0) * 3.0 / ACC)  # 2.6 s
+    assert on_plan[0] == pytest.approx(lasts, abs=TICK)
+    assert max(float(np.linalg.norm(one.acc)) for one in made) == pytest.approx(ACC, rel=1e-3)
+
+
+def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
+    made = led_back(np.array([1.5, -0.7]), np.array([0.3, 0.9]))
+    pos, vel, acc = (np.array([getattr(one, of)[0] for one in made]) for of in ("pos", "vel", "acc"))
+    np.testing.assert_allclose((pos[2:] - pos[:-2]) / (2.0 * TICK), vel[1:-1], atol=2e-3)
+    np.testing.assert_allclose((vel[2:] - vel[:-2]) / (2.0 * TICK), acc[1:-1], atol=0.1)
+
+
+def test_who_never_was_away_or_is_away_follows_its_setpoint() -> None:
+    led, far = Rejoining(), state_of(np.array([2.0, 0.0]), np.zeros(2))
+    for away in (NOBODY, GONE, GONE):
+        plan = plan_at(0.0)
+        assert led.update(plan, far, away) is plan
+    assert led.active
+
+
+def test_lost_again_on_its_way_it_is_led_anew_from_where_it_is_found() -> None:
+    led, far = Rejoining(), state_of(np.array([2.0, 0.0]), np.zeros(2))
+    led.update(plan_at(0.0), far, GONE)
+    led.update(plan_at(0.1), far, NOBODY)
+    plan = plan_at(0.5)
+    assert led.update(plan, far, GONE) is plan
+    nearer = state_of(np.array([1.2, 0.3]), np.zeros(2))
+    np.testing.assert_allclose(led.update(plan_at(0.6), nearer, NOBODY).pos, [[1.2, 0.3, 1.0]], atol=1e-12)
+    led.reset()
+    assert not led.active
+
+
+def test_who_leaves_the_setpoints_is_not_led() -> None:
+    led, far = Rejoining(), state_of(np.array([2.0, 0.0]), np.zeros(2))
+    led.update(plan_at(0.0), far, GONE)
+    led.update(plan_at(0.1), far, NOBODY)
+    other = replace(plan_at(0.2), names=("cf2",))
+    assert led.update(other, far, NOBODY) is other

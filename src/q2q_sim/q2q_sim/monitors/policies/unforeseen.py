@@ -1,0 +1,54 @@
+"""Vehicles without measurements in a downwash that nothing can tell their controller.
+
+A vehicle flown blind knows of the push on it by prediction only. There is none if
+
+    its controller ignores the downwash, and |eta| > PUSH
+    a vehicle above it, nearer than where it evades one, has a displaced marker
+
+Both are conditions under which no command is known to keep it: such runs are counted, and their vehicles
+judged again `settle` later (helpless_lately), as those are that no command carries.
+"""
+
+import numpy as np
+
+from q2q_control.failsafe.evasion.descent_evasion import REACH
+from q2q_model.signals.values import Array
+from q2q_sim.monitors.policies.blindness import DRIFT_M, Mask, blind, lately, misplaced
+from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.overpowered import overpowered
+from q2q_sim.monitors.policies.violations import Circumstances
+
+PUSH = 0.1
+"""Downwash that counts [m/s^2]: that at the edge of an identified zone, 5 cm after a second."""
+
+
+def unforeseen(evidence: Evidence, circumstances: Circumstances) -> Mask:
+    """Return which blind vehicles nothing can predict the downwash of, at each tick, (T, n)."""
+    flown_blind = blind(evidence)
+    if not flown_blind.any():
+        return flown_blind
+    untold = _below(evidence.true_pos, misplaced(evidence, circumstances.faults) > 0.0)
+    if not circumstances.aware:
+        untold |= np.linalg.norm(evidence.true_downwash, axis=2) > PUSH
+    return flown_blind & untold
+
+
+def unforeseen_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
+    """Return which vehicles are in an unforeseen downwash, or were less than `settle` [s] before, (T, n)."""
+    return lately(evidence, unforeseen(evidence, circumstances), circumstances.limits.settle)
+
+
+def helpless_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
+    """Return which vehicles no command carries or is known to, or less than `settle` [s] before, (T, n)."""
+    helpless = overpowered(evidence, circumstances) | unforeseen(evidence, circumstances)
+    return lately(evidence, helpless, circumstances.limits.settle)
+
+
+def _below(pos: Array, displaced: Mask) -> Mask:
+    """Return which vehicles at pos [m] (T, n, 3) are below one that is `displaced`, (T, n)."""
+    below = np.zeros(displaced.shape, dtype=np.bool_)
+    for j in np.flatnonzero(displaced.any(axis=0)):
+        above = pos[:, j, None] - pos  # (T, n, 3)
+        near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
+        below |= near & displaced[:, j, None]
+    return below

@@ -1,0 +1,85 @@
+"""Blind vehicles in a downwash that nothing can predict are told from those that a controller answers for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.signals.values import CommandStatus
+from q2q_sim.faults.faults import Fault
+from q2q_sim.monitors.policies import Circumstances, Evidence, judge
+from q2q_sim.monitors.policies.unforeseen import PUSH, helpless_lately, unforeseen, unforeseen_lately
+
+TICKS = np.arange(1000) * 0.01
+LOST = slice(300, 400)
+"""Ticks at which cf1, 0.5 m below cf2 and 0.3 m beside it, is flown blind."""
+IGNORING = Circumstances(aware=False)
+
+
+def flight(push: float = 1.0, cf2: tuple[float, float, float] = (0.3, 0.0, 1.5)) -> Evidence:
+    """Return a flight of two vehicles at rest, cf1 blind for a second under a downwash of `push` [m/s^2]."""
+    n, shape = len(TICKS), (len(TICKS), 2)
+    pos = np.tile([(0.0, 0.0, 1.0), cf2], (n, 1, 1))
+    status = np.zeros(shape)
+    status[LOST, 0] = CommandStatus.LEVEL
+    downwash = np.zeros((n, 2, 3))
+    downwash[:, 0, 2] = -push
+    zero = np.zeros(shape)
+    return Evidence(
+        t=TICKS, names=("cf1", "cf2"), true_pos=pos, sent_pos=pos.copy(), seen=status == 0.0,
+        state_pos=pos.copy(), state_age=zero, state_status=zero, thrust=zero, roll=zero, pitch=zero,
+        command_status=status, commanded_at=TICKS, live=False, not_finite=(), true_downwash=downwash,
+    )  # fmt: skip
+
+
+def displaced(name: str, start: float = 2.0, duration: float = 3.0) -> Circumstances:
+    return Circumstances(faults=(Fault("jump", start, duration, (name,), 0.2),))
+
+
+def test_it_is_unforeseen_by_a_controller_that_ignores_it_from_a_push_on_while_blind() -> None:
+    found = unforeseen(flight(), IGNORING)
+    assert found[LOST, 0].all()
+    assert found.sum() == 100
+    assert not unforeseen(flight(), Circumstances()).any()
+    assert not unforeseen(flight(0.99 * PUSH), IGNORING).any()
+    assert unforeseen(flight(1.01 * PUSH), IGNORING).any()
+
+
+@pytest.mark.parametrize(
+    ("cf2", "around", "found"),
+    [
+        ((0.3, 0.0, 1.5), displaced("cf2"), True),
+        ((0.99, 0.0, 1.5), displaced("cf2"), True),  # 0.6 m, from which it is evaded, and 0.4 m of drift
+        ((1.01, 0.0, 1.5), displaced("cf2"), False),
+        ((0.3, 0.0, 0.5), displaced("cf2"), False),
+        ((0.3, 0.0, 1.5), displaced("cf1"), False),
+        ((0.3, 0.0, 1.5), displaced("cf2", start=5.0), False),
+    ],
+    ids=["above", "far above", "too far", "below", "its own", "later"],
+)
+def test_it_is_unforeseen_below_a_displaced_marker(
+    cf2: tuple[float, float, float], around: Circumstances, found: bool
+) -> None:
+    assert unforeseen(flight(cf2=cf2), around)[LOST, 0].all() == found
+    assert unforeseen(flight(cf2=cf2), around).any() == found
+
+
+def test_a_fall_or_a_contact_by_it_is_excused_until_it_had_its_time_and_no_other() -> None:
+    evidence = flight()
+    for tick, excused in ((390, True), (700, True), (800, False)):
+        fallen, touching = evidence.true_pos.copy(), evidence.true_pos.copy()
+        fallen[tick, 0, 2], touching[tick, 1] = 0.0, touching[tick, 0] + [0.0, 0.0, 0.1]
+        for pos, policy in ((fallen, "floor"), (touching, "separation")):
+            flown = replace(evidence, true_pos=pos)
+            broken = {one.policy for one in judge(flown, IGNORING)}
+            assert (policy not in broken) == excused
+            assert policy in {one.policy for one in judge(flown, Circumstances())}
+
+
+def test_lately_is_until_settle_after_it() -> None:
+    lately = unforeseen_lately(flight(), IGNORING)
+    assert lately[300:749, 0].all()  # 3.5 s after 3.99 s
+    assert lately.sum() == 449
+    np.testing.assert_array_equal(helpless_lately(flight(), IGNORING), lately)
+    heavy = helpless_lately(flight(push=20.0), Circumstances())  # no command carries it
+    assert heavy[:, 0].all()
