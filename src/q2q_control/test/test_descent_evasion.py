@@ -121,6 +121,25 @@ def test_a_setpoint_that_passes_beneath_goes_round(
             assert np.linalg.norm(output.pos[1, :2]) > REACH - 0.02
 
 
+@pytest.mark.parametrize(
+    ("height", "climb", "evaded"), [(1.31, 0.5, False), (1.29, 0.5, True), (1.31, -0.1, True)]
+)
+def test_one_that_is_measured_again_and_climbs_well_above_is_evaded_no_more(
+    height: float, climb: float, evaded: bool
+) -> None:
+    evasion, plan = DescentEvasion(), np.array([(0.0, 0.0, 2.0), (0.1, 0.0, 1.0)])
+    for k in range(200):
+        evasion.update(setpoint_of(k * TICK, plan), state_of(plan), flown(2, 0), {})
+    assert BACK == 0.3
+    found = replace(
+        state_of(np.array([(0.0, 0.0, height), (0.6, 0.0, 1.0)])),
+        vel=np.array([(0.0, 0.0, climb), (0.0, 0.0, 0.0)]),
+    )
+    for k in range(200, 400):
+        output = evasion.update(setpoint_of(k * TICK, plan), found, flown(2), {})
+    assert (output.pos[1, 0] > 0.55) == evaded
+
+
 @pytest.mark.parametrize("age", [1.0, 2.5, 4.5])
 def test_the_longer_another_is_lost_the_further_it_is_evaded(age: float) -> None:
     evasion, pos = DescentEvasion(), np.array([UPPER, (0.3, 0.0, 1.0)])

@@ -10,7 +10,8 @@ measured vehicle or its setpoint is below it and nearer to it than REACH, the se
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
-or measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back).
+or measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or while it
+climbs there more than BACK above.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -28,7 +29,7 @@ from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
 from q2q_control.failsafe.blind_flight.stacking import Stacked, stacked
-from q2q_control.failsafe.evasion.climb_back import ClimbBack, InFallback
+from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
@@ -126,12 +127,17 @@ class DescentEvasion:
             shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
 
     def _turn(self, back: frozenset[str], state: SwarmState, sent: Array) -> None:
-        """Evade a vehicle that is measured again where it is, and across its path if it drives one ahead."""
+        """Evade a vehicle that is measured again where it is, and across its path if it drives one ahead.
+
+        One that climbs above is evaded no more.
+        """
         xy = state.pos[:, :2]
         for name, shift in self._shifts.items():
             for other in back & shift.directions.keys() if name in state.names else ():
                 i, j = state.names.index(name), state.names.index(other)
-                if other not in shift.returning:
+                if state.pos[j, 2] - state.pos[i, 2] > BACK and state.vel[j, 2] >= 0.0:
+                    del shift.directions[other]
+                elif other not in shift.returning:
                     shift.directions[other] = evasion_direction(xy, (i, j), xy[j], REACH)
                 elif REACH - (sent[i, :2] - xy[j]) @ shift.directions[other] > FARTHEST:
                     shift.directions[other] = across(shift.directions[other], xy[i] - xy[j])
