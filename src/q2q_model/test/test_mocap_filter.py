@@ -125,6 +125,17 @@ def test_a_true_jump_of_a_metre_is_believed_within_a_tenth_of_a_second():
     assert np.array_equal(block.update(_frame(80, _truth(80)[0] + shift)).pos, _truth(80)[0] + shift)
 
 
+@pytest.mark.parametrize(("missing", "first"), [(2, 6), (4, 10)], ids=["30 ms of 60", "50 ms of 100"])
+def test_a_jump_is_believed_once_no_gap_is_longer_than_half_of_it(missing: int, first: int):
+    block = _flown(50)
+    shift, believed = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]), []
+    for tick in range(50, 70):
+        pos = _truth(tick)[0] + shift
+        pos[0] = np.nan if 0 < tick - 50 <= missing else pos[0]
+        believed.append(block.update(_frame(tick, pos)).status[0] == TRACKED)
+    assert believed.index(True) == first
+
+
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=15, deadline=None)
 def test_no_gate_stays_closed_for_ever(seed: int):

@@ -3,7 +3,8 @@
 Each track has at most one candidate, the place where its rejected samples gather. A rejected sample joins
 the candidate if the vehicle could have moved there, |r - r_last| <= jump_max + speed_max (t - t_last), and
 t - t_last <= GAP_S; otherwise it starts a new candidate. A candidate with CONFIRM_SAMPLES samples that has
-lasted for the required time becomes the track.
+lasted for the required time becomes the track, unless more than half of that is one gap: those before and
+after it may have met by chance.
 """
 
 from typing import NamedTuple
@@ -33,6 +34,7 @@ CANDIDATE = np.dtype(
         ("last_time", np.float64),
         ("first_pos", np.float64, 3),
         ("last_pos", np.float64, 3),
+        ("gap", np.float64),  # longest time between two samples
         ("ambiguous", np.bool_),
     ]
 )
@@ -94,11 +96,14 @@ class Reacquisition:
         one, joins = self._candidates, rejected & self._near(t, pos)
         starts = rejected & ~joins
         one["first_time"][starts], one["first_pos"][starts] = t, pos[starts]
+        one["gap"][starts] = 0.0
+        one["gap"][joins] = np.maximum(one["gap"], t - one["last_time"])[joins]
         one["last_time"][rejected], one["last_pos"][rejected] = t, pos[rejected]
         one["samples"][starts] = 1
         one["samples"][joins] += 1
         lasted = t - one["first_time"] >= patience - SAME_INSTANT
-        return np.asarray(rejected & lasted & (one["samples"] >= CONFIRM_SAMPLES))
+        steady = one["gap"] <= 0.5 * (t - one["first_time"]) + SAME_INSTANT
+        return np.asarray(rejected & lasted & steady & (one["samples"] >= CONFIRM_SAMPLES))
 
     def ambiguous(self, t: float, pos: Array, last: LastSample, unmatched: Unmatched) -> Mask:
         """Note and return which samples at pos [m] (n, 3) may be of another vehicle with a wrong name, (n,).

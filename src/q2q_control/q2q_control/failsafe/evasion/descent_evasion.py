@@ -10,8 +10,8 @@ measured vehicle or its setpoint is below it and nearer to it than REACH, the se
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
 where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
-or measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or while it
-climbs there more than BACK above.
+or measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or climbs
+there by more than BACK above.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
