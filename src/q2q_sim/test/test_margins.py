@@ -56,7 +56,7 @@ def test_only_a_push_beyond_the_thrust_excuses_a_vehicle_that_is_away(share: flo
     flight.true_pos[20:, 0, 2] -= 2.0 * LIMITS.back
     push = np.zeros((TICKS, 2, 3))
     push[50, 0, 2] = -share * (vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY)
-    around = replace(AROUND, limits=replace(LIMITS, settle=0.3))
+    around = replace(AROUND, limits=replace(LIMITS, settle=0.3, passing=0.01))
     judged = replace(flight, true_downwash=push) if known else flight
     for late, excused in ((40, False), (55, share > 1.0 and known), (79, share > 1.0 and known), (81, False)):
         only = np.full(TICKS, np.nan)

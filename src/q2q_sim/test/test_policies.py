@@ -252,6 +252,9 @@ def test_a_vehicle_that_does_not_come_back_breaks_the_return_once_it_had_its_tim
     assert "return" not in broken(away, recent)
     earlier = replace(AROUND, faults=(Fault("weak_rotor", 2.0, 1.0, ("cf1",), 0.1),))
     assert "return" in broken(away, earlier)
+    for duration, lasts in ((0.49, False), (0.51, True)):
+        briefly = changed(SwarmState, 7.0, 7.0 + duration, pos=lambda pos: pos + np.array([0.0, 0.4, 0.0]))
+        assert ("return" in broken(only("truth", briefly))) == lasts
 
 
 def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_spare_does_not() -> None:

@@ -15,7 +15,7 @@
 | action | a vehicle not observed for 60 ms is flown by a fallback | frames, commands |
 | silence | live: no 60 ms without a new command | commands |
 | belief | a state with status tracked is accurate to `belief`, unless a sensor has a steady error | states |
-| return | `settle` after the last fault all are within `back` | truth |
+| return | `settle` after the last fault all are within `back`, but for less than `passing` | truth |
 
 A vehicle that no command carries (overpowered), or none is known to (unforeseen), is not judged by zone,
 room, floor and return until `settle` after it, in the second case nor by separation. The commands of the

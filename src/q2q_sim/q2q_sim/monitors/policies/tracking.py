@@ -66,6 +66,8 @@ def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles not back on their path `settle` after the last fault.
 
+    A replanned motion that accelerates leaves its vehicle behind for a moment: what counts is the least
+    distance within `passing`.
     No command carries a vehicle that is overpowered, and none is known to in an unforeseen downwash: it has
     `settle` then.
     """
@@ -74,8 +76,16 @@ def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violatio
     calm = evidence.t > last_fault_end(evidence, circumstances.faults) + limits.settle
     cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
     off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
-    excess = np.where(calm[:, None] & ~cut & ~pushed, off - limits.back, np.nan)
-    return worst("return", evidence, excess, (off, limits.back))
+    judged = np.where(calm[:, None] & ~cut & ~pushed, off, -np.inf)
+    lasting = _least_before(judged, max(round(limits.passing / evidence.tick), 1))
+    return worst("return", evidence, lasting - limits.back, (lasting, limits.back))
+
+
+def _least_before(values: Array, ticks: int) -> Array:
+    """Return the least of the last `ticks` values of (T, n) at each, (T, n); -inf where there are fewer."""
+    before = np.full((ticks - 1, values.shape[1]), -np.inf)
+    windows = np.lib.stride_tricks.sliding_window_view(np.concatenate((before, values)), ticks, axis=0)
+    return np.asarray(windows.min(axis=-1))
 
 
 def last_fault_end(evidence: Evidence, faults: tuple[Fault, ...]) -> float:

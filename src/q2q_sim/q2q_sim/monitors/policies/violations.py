@@ -37,6 +37,8 @@ class Limits:
     belief: float = tunable(0.10, "error of a state with status tracked", unit="m", low=0.0)
     settle: float = tunable(3.5, "from the last fault to the return", unit="s", low=0.0)
     back: float = tunable(0.25, "distance from the reference after the return", unit="m", low=0.0)
+    # a vehicle that turns at 3 m/s^2 and 1.5 m/s has changed its direction
+    passing: float = tunable(0.5, "time for which it may be further away", unit="s", low=0.0)
 
     def __post_init__(self) -> None:
         """Check the bounds."""
