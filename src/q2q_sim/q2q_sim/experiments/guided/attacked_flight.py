@@ -1,7 +1,8 @@
 """One run of a guided campaign: its violations, and the margins of policies and stated properties.
 
 Beside the policies, properties are checked that the blocks state of their own output, and which random
-campaigns leave to other tests: filter_properties, guard_properties, replanner_properties, and
+campaigns leave to other tests: filter_properties, guard_properties, brake_property, evasion_property,
+replanner_properties, and
 
 | property | statement |
 |---|---|
@@ -26,6 +27,8 @@ from q2q_sim.experiments.guided.stated_properties import (
     guard_properties,
     replanner_properties,
 )
+from q2q_sim.experiments.guided.stated_properties.brake_property import brake
+from q2q_sim.experiments.guided.stated_properties.evasion_property import evasion
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, run_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
@@ -41,8 +44,8 @@ PROPERTIES: Mapping[str, Callable[[Run, RunTicks], StatedOutcome]] = {
     "told": guard_properties.told,
     "repeat": guard_properties.repeat,
     "hold": guard_properties.hold,
-    "brake": guard_properties.brake,
-    "evasion": guard_properties.evasion,
+    "brake": brake,
+    "evasion": evasion,
     "promise": replanner_properties.promise,
     "stop": replanner_properties.stop,
     "off_path": replanner_properties.off_path,

@@ -1,0 +1,93 @@
+"""What the guard states of vehicles without measurements (q2q_control.failsafe.blind_flight): they brake.
+
+| property | statement |
+|---|---|
+| brake | a vehicle that flies level or lands blind faster than FAST is decelerated |
+
+It was known to be as fast, in the same direction, when it was last measured, and nothing has deceived its
+dead reckoning since (deception). With v its true horizontal velocity once the command has taken effect:
+
+    -a . v / |v|  >=  SHARE min(|v| / tau, a_max)      where  |v| > FAST  and  v_m . v / |v| > FAST
+
+Below FAST the deceleration due is that of FAST. The margin is that of an implication, as in signal temporal
+logic (Fainekos and Pappas, 2009): the larger one of how far the vehicle is from being fast and how far the
+deceleration is from its limit, at most 1. So a search is led to where a vehicle is lost at speed and is not
+braked.
+
+| symbol | name | meaning [unit] |
+|---|---|---|
+| a | acc | horizontal acceleration that the commanded tilt asks for [m/s^2] |
+| v, v_m | vel, before | true velocities LAG_S after the command, and when last measured [m/s] |
+| tau, a_max | BRAKING_S, BRAKING_MAX | [s], [m/s^2] (braking_law) |
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
+from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S
+from q2q_model.signals.values import Array
+from q2q_sim.experiments.campaign.random_run import Run
+from q2q_sim.experiments.guided.stated_properties.deception import (
+    deceived,
+    last_measured,
+    outdated,
+    unbalanced,
+)
+from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.loop.assembly import TICK_S
+from q2q_sim.monitors.policies import Violation
+
+FAST = 0.4
+"""Speed from which braking is judged [m/s]: the reckoned one may be wrong by (1 - SHARE) of it, 0.3 m/s."""
+SHARE = 0.25
+"""Least share of the braking that the true speed asks for [-]."""
+STILL = 1e-9
+"""Speed that has no direction [m/s]."""
+
+Mask = NDArray[np.bool_]
+
+
+class _Braking(NamedTuple):
+    """Braking of every tick and vehicle, (T, n)."""
+
+    speed: Array
+    """True speed once the command has taken effect, or that along it when last measured if less [m/s]."""
+    share: Array
+    """Commanded deceleration, of that due [-]."""
+
+
+def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
+    """Return the vehicle without measurements that is braked the least."""
+    found = _braking(ticks)
+    judged = _judged(run, ticks)[: len(found.speed)]
+    unmet = np.where(judged & (found.speed > FAST), found.share, np.inf)
+    k, row = np.unravel_index(int(unmet.argmin()), unmet.shape)
+    least = float(unmet[k, row])
+    bad = (Violation("brake", ticks.names[row], float(ticks.t[k]), least, SHARE),) if least < SHARE else ()
+    margin = np.maximum(1.0 - found.speed / FAST, found.share / SHARE - 1.0)
+    return StatedOutcome(bad, float(np.minimum(margin[judged], 1.0).min(initial=np.inf)))
+
+
+def _braking(ticks: RunTicks) -> _Braking:
+    """Return the braking of the ticks whose commands take effect within the flight."""
+    late = round(LAG_S / TICK_S)
+    true_vel = over_ticks(ticks.truth, "vel")[..., :2]
+    vel = true_vel[late:]
+    speed = np.linalg.norm(vel, axis=2)
+    along = vel / np.maximum(speed, STILL)[..., None]
+    before = np.take_along_axis(true_vel, last_measured(ticks)[: len(vel), :, None], axis=0)
+    known = np.minimum(speed, np.einsum("tnk,tnk->tn", before, along))  # a push since then is unknown
+    due = np.minimum(np.maximum(speed, FAST) / BRAKING_S, BRAKING_MAX)
+    return _Braking(known, -np.einsum("tnk,tnk->tn", ticks.commanded_acc()[: len(vel)], along) / due)
+
+
+def _judged(run: Run, ticks: RunTicks) -> Mask:
+    """Return where a vehicle is blind and nothing hides its motion from dead reckoning, (T, n)."""
+    faults = run.scenario.faults
+    hidden = deceived(ticks, faults) | outdated(ticks, faults) | unbalanced(ticks, faults)
+    return np.asarray(is_blind(ticks.command_status) & ~hidden)

@@ -1,0 +1,76 @@
+"""What faults hide from dead reckoning: ticks at which no guard can know a motion without measurements.
+
+| faults | a motion is not known |
+|---|---|
+| jump, swap | if it was last measured during one, or less than RECOVERY_S after its end |
+| clock_jump, radio_loss | if one acted since its last measurement, or less than RECOVERY_S before it |
+| late, stale | if it was last measured with the velocity of an earlier frame |
+| weak_rotor | from the change of a rotor on, unless measured for LEARNT_S since then |
+
+Jumps of the clock may add up: each counts as longer by the sum of their sizes on both ends.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck
+from q2q_sim.faults.faults import Fault
+from q2q_sim.loop.assembly import TICK_S
+from q2q_sim.monitors.policies.blindness import RECOVERY_S
+
+OF_SENSORS = ("jump", "swap")
+"""Faults that mislead the last measurement."""
+OF_MOTION = ("clock_jump", "radio_loss")
+"""Faults that mislead dead reckoning from it, too: times or commands are not those reckoned with."""
+LEARNT_S = 1.0
+"""Time in which most of a balance is learned [s]: two of the observer's time constants, horizontally."""
+
+Mask = NDArray[np.bool_]
+
+
+def last_measured(ticks: RunTicks) -> NDArray[np.intp]:
+    """Return the tick in which each vehicle was last measured, (T, n)."""
+    measured = over_ticks(ticks.states, "age") <= 0.0
+    return np.maximum.accumulate(np.where(measured, np.arange(len(measured))[:, None], 0), axis=0)
+
+
+def deceived(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
+    """Return where position and velocity by the last measurement may be wrong, (T, n)."""
+    t, seen = ticks.t[:, None], ticks.t[last_measured(ticks)]
+    jumps = sum(abs(fault.size) for fault in faults if fault.kind == "clock_jump")
+    mask = np.zeros(seen.shape, dtype=np.bool_)
+    for fault in faults:
+        if fault.kind in OF_SENSORS + OF_MOTION:
+            until = seen if fault.kind in OF_SENSORS else t
+            shift = jumps if fault.kind == "clock_jump" else 0.0
+            begin, end = fault.start - shift - TICK_S, fault.start + fault.duration + shift
+            mask |= _rows(ticks, fault) & (until >= begin) & (seen <= end + RECOVERY_S)
+    return mask
+
+
+def outdated(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
+    """Return where the last frame came late, or again, with the velocity of then, (T, n)."""
+    seen = ticks.t[last_measured(ticks)]
+    mask = np.zeros(seen.shape, dtype=np.bool_)
+    for fault in faults:
+        if fault.kind in ("late", "stale"):
+            end = fault.start + fault.duration + fault.size
+            mask |= (seen >= fault.start - TICK_S) & (seen <= end)
+    return mask
+
+
+def unbalanced(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
+    """Return where a rotor weakened or recovered after, or shortly before, the last measurement, (T, n)."""
+    t, seen = ticks.t[:, None], ticks.t[last_measured(ticks)]
+    mask = np.zeros(seen.shape, dtype=np.bool_)
+    for fault in faults:
+        if fault.kind == "weak_rotor":
+            for change in (fault.start, fault.start + fault.duration):
+                mask |= _rows(ticks, fault) & (t >= change) & (seen < change + LEARNT_S)
+    return mask
+
+
+def _rows(ticks: RunTicks, fault: Fault) -> Mask:
+    """Return which vehicles a fault strikes, (n,)."""
+    return np.array(struck(ticks.names, (fault,), (fault.kind,)))

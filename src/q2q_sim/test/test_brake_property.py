@@ -1,0 +1,96 @@
+"""Braking of vehicles without measurements is judged by its deceleration, wherever the motion is known."""
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.guided.attack_case import with_faults
+from q2q_sim.experiments.guided.stated_properties.brake_property import FAST, SHARE, brake
+from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
+from q2q_sim.faults.faults import Fault
+from q2q_sim.loop.assembly import TICK_S
+
+LAST, BLIND, END = 350, 400, 450
+"""Ticks in which cf1 is measured last, in which it begins to fly level, and after the flight."""
+
+
+@cache
+def two_vehicles() -> Run:
+    """Return a run of cf1 and cf2 without faults."""
+    run = next(run for run in map(drawn, range(100)) if run.scenario.names == ("cf1", "cf2"))
+    return with_faults(run, ())
+
+
+def level_flight(speed: float, deceleration: float) -> RunTicks:
+    """Return a flight of cf1 along x, which is lost, and decelerates by command only; cf2 hovers."""
+    names, still = ("cf1", "cf2"), np.zeros((2, 3))
+    quat = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    vel = np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    states, commands = [], []
+    for k in range(END):
+        age = np.array([max(k - LAST, 0) * TICK_S, 0.0])
+        lost = np.array([TrackStatus.LOST if k >= BLIND else TrackStatus.TRACKED, TrackStatus.TRACKED])
+        states.append(SwarmState(k * TICK_S, names, still, vel, quat, still, age, lost.astype(np.uint8)))
+        level = np.array([CommandStatus.LEVEL if k >= BLIND else CommandStatus.OK, CommandStatus.OK])
+        pitch = np.array([-math.atan(deceleration / GRAVITY), 0.0])
+        flat = np.zeros(2)
+        commands.append(SwarmCommand(k * TICK_S, names, flat, flat, pitch, flat, level.astype(np.uint8)))
+    t = np.array([k * TICK_S for k in range(END)])
+    return RunTicks(t, t, names, tuple(states), tuple(states), (), tuple(commands))
+
+
+@pytest.mark.parametrize(("speed", "due"), [(0.5, 0.5 / BRAKING_S), (3.0, BRAKING_MAX)])
+@pytest.mark.parametrize("share", [-1.0, 0.0, 0.9 * SHARE, 1.1 * SHARE, 1.0])
+def test_a_share_of_the_deceleration_that_is_due_is_required(speed: float, due: float, share: float) -> None:
+    found = brake(two_vehicles(), level_flight(speed, share * due))
+    assert [one.who for one in found.violations] == (["cf1"] if share < SHARE else [])
+    assert all(one.value == pytest.approx(share) for one in found.violations)
+    assert found.margin == pytest.approx(min(max(share / SHARE - 1.0, 1.0 - speed / FAST), 1.0))
+
+
+def test_the_margin_of_a_slow_vehicle_that_is_not_braked_tells_how_slow_it_is() -> None:
+    found = brake(two_vehicles(), level_flight(0.3 * FAST, 0.0))
+    assert found.violations == ()
+    assert found.margin == pytest.approx(0.7)
+
+
+def test_a_vehicle_that_was_slow_when_it_was_last_measured_is_not_judged() -> None:
+    ticks = level_flight(1.0, 0.0)
+    rest = replace(ticks.truth[0], vel=np.zeros((2, 3)))
+    pushed = replace(ticks, truth=(*(rest for _ in range(BLIND)), *ticks.truth[BLIND:]))
+    assert brake(two_vehicles(), pushed).violations == ()
+
+
+SEEN = LAST * TICK_S
+
+
+@pytest.mark.parametrize(
+    ("fault", "judged"),
+    [
+        (Fault("jump", SEEN - 1.5, 0.3, ("cf1",), 0.3), True),
+        (Fault("jump", SEEN - 1.5, 0.7, ("cf1",), 0.3), False),
+        (Fault("jump", SEEN - 0.1, 0.7, ("cf2",), 0.3), True),
+        (Fault("jump", SEEN + 0.1, 0.7, ("cf1",), 0.3), True),
+        (Fault("swap", SEEN - 0.1, 0.1, ("cf1", "cf2")), False),
+        (Fault("radio_loss", SEEN + 0.1, 0.7, ("cf1",), 1.0), False),
+        (Fault("radio_loss", SEEN - 1.5, 0.2, ("cf1",), 1.0), True),
+        (Fault("clock_jump", SEEN + 0.1, 0.7, (), 0.3), False),
+        (Fault("clock_jump", SEEN - 1.5, 0.2, (), 0.2), True),
+        (Fault("clock_jump", SEEN - 1.5, 0.2, (), 0.4), False),
+        (Fault("late", SEEN - 0.1, 0.05, (), 0.1), False),
+        (Fault("late", SEEN - 0.3, 0.1, (), 0.1), True),
+        (Fault("weak_rotor", SEEN - 3.0, 2.5, ("cf1",), 0.1), False),
+        (Fault("weak_rotor", SEEN - 1.5, 5.0, ("cf1",), 0.1), True),
+    ],
+)
+def test_braking_is_judged_unless_a_fault_hides_the_motion(fault: Fault, judged: bool) -> None:
+    found = brake(with_faults(two_vehicles(), (fault,)), level_flight(1.0, 0.0))
+    assert bool(found.violations) == judged
+    assert math.isfinite(found.margin) == judged
