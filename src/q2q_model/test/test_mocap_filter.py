@@ -238,7 +238,10 @@ def test_a_first_sample_is_not_trusted_and_an_outlier_as_first_is_gone_with_the_
         # 6 cm in a tick is a motion of 6 m/s: no vehicle's, so its speed is not taken over
         assert np.abs(state.vel).max() < 1.0
     assert [int(state.status[1]) for state in states] == [TRACKED] * 5
-    assert [int(state.status[0]) for state in states[1:]] == [TRACKED] * 4
+    assert [int(state.status[0]) for state in states[:2]] == [
+        COASTING
+    ] * 2  # one is refuted: two more must fit
+    assert [int(state.status[0]) for state in states[2:]] == [TRACKED] * 3
 
 
 def _alone(tick: int, pos: Array) -> MocapFrame:

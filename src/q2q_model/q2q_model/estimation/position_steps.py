@@ -169,16 +169,17 @@ def accept(
             if not at.lost[i]:
                 vel[i] = at.state[i, 1]
             continue
+        refuted = assigned.began[i] and tracks.seen[i]
         tracks.seen[i], tracks.time[i] = True, t
         if not at.repeated[source]:
             tracks.since[i] = t
         if assigned.began[i] or assigned.jumped[i]:
-            tracks.own[i], tracks.confirmed[i] = 1, assigned.jumped[i]
+            tracks.own[i], tracks.confirmed[i] = 0 if refuted else 1, assigned.jumped[i]
         else:
             tracks.state[i], tracks.cov[i] = better.state[i], better.cov[i]
             if source == i:
                 tracks.own[i] += 1
-                tracks.borrowed[i], tracks.confirmed[i] = 0, True
+                tracks.borrowed[i], tracks.confirmed[i] = 0, tracks.own[i] > 1
             else:
                 tracks.borrowed[i] += 1
         pos[i], vel[i] = tracks.state[i, 0], tracks.state[i, 1]

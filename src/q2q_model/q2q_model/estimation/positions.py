@@ -5,8 +5,9 @@ period; the gates are q2q_model.estimation.position_gates. Data association of a
 rejects, in this order:
 
 1. A track's first sample is accepted but not trusted: if the next one fails the gates, the track restarts
-   there, unless that fits the first sample of another vehicle whose next one fails too: names are exchanged
-   in one of the two frames, and those that last for as long as a vehicle may coast are right.
+   there, and is not trusted until two more pass, unless that fits the first sample of another vehicle whose
+   next one fails too: names are exchanged in one of the two frames, and those that last for as long as a
+   vehicle may coast are right.
 2. The sample may belong to another vehicle (q2q_model.estimation.marker_swaps). A track accepts samples of
    other names at most as often as it has accepted samples of its own name, or BORROWED_MOST times, so a
    wrong start is corrected.

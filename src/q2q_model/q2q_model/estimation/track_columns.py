@@ -34,13 +34,13 @@ class TrackColumns(NamedTuple):
     seen: Mask
     """(n,)"""
     confirmed: Mask
-    """TrackColumns in which a second sample has passed the gates, (n,)."""
+    """TrackColumns in which a second sample has passed the gates, a third if one was refuted, (n,)."""
     time: Array
     """Time of the last accepted sample [s], (n,)."""
     since: Array
     """Time of the first sample of those that equal the last one bit for bit [s], (n,)."""
     own: NDArray[np.int64]
-    """Accepted samples of the track's own name, (n,)."""
+    """Accepted samples of the track's own name, (n,); without the first if it refuted another."""
     borrowed: NDArray[np.int64]
     """Accepted samples of other names since the last own one, (n,)."""
     state: Array

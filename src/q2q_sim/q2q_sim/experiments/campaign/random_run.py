@@ -6,6 +6,8 @@ loop (K_p 0.81, no integral) has an error of 1.8 m by its own equation, which no
 paper's bound on thrust does not apply in any mode: 6.6 N carry 0.65 kg (6.38 N) only up to a sag of 3.4 %.
 A Crazyflie of today's stock firmware (0.44 N) has 3.1 m/s^2 to spare, and two wakes push with 3.6: stacks fly
 with the firmware of the recorded flights (0.59 N), which their scenarios name for learned air.
+Half of the runs with the safe replanner fly its default parameters, half those of their scenario: motions of
+bounded jerk and a tube (docs/promise.md).
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,6 +15,9 @@ from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
 from functools import cache, cached_property
 
+import numpy as np
+
+from q2q_model.documents.plain_values import from_plain
 from q2q_sim.faults.faults import Fault, random_faults
 from q2q_sim.loop.assembly import Options
 from q2q_sim.random_streams import stream
@@ -91,17 +96,28 @@ def drawn(seed: int, air: str = "", replan: str = "") -> Run:
         replan=str(rng.choice(["none", "safe"], p=[0.8, 0.2])),
     )
     options = replace(options, replan=replan or options.replan)
-    document = shortened(_document(cut.scenario), cut if options.replan == "none" else cut.replanned())
+    shipped = _document(cut.scenario)
+    document = shortened(shipped, cut if options.replan == "none" else cut.replanned())
     document["room"] = room
     if air:
         document = {**document_in_air(document), "air": air, "room": room}
     most = scenario_from_document("drawn", document).vehicle.thrust_max
-    document["overrides"] = {"pid": GAINS | {"thrust_max": most}, "mpc": {"thrust_max": most}}
+    own: Document = {"pid": GAINS | {"thrust_max": most}, "mpc": {"thrust_max": most}}
+    document["overrides"] = own
     scenario = scenario_from_document("drawn", document)
     count = int(rng.integers(FEWEST, MOST + 1))
     faults = random_faults(seed, scenario.names, scenario.duration - CALM_S, count)
     document["faults"] = [fault_document(fault) for fault in faults]
+    document["overrides"] = own | _replanning(shipped, options, rng)
     return Run(seed, document, options)
+
+
+def _replanning(shipped: Mapping[str, object], options: Options, rng: np.random.Generator) -> Document:
+    """Return a scenario's overrides of the safe replanner, for half of the runs that fly it."""
+    if options.replan != "safe" or rng.random() < 0.5:
+        return {}
+    overrides = from_plain(Document, shipped.get("overrides", {}), "overrides")
+    return {block: values for block, values in overrides.items() if block == "safe_replanner"}
 
 
 @cache

@@ -4,7 +4,7 @@
 |---|---|
 | promise | setpoints without PROMISE_BROKEN are out of each other's zone |
 | stop | they are also while their vehicles stop from there, within the bounds of the replanner |
-| off_path | a vehicle measured further from its setpoint than `tracking` is PROMISE_BROKEN |
+| off_path | a vehicle measured outside the tube of its setpoint is PROMISE_BROKEN |
 | held_acc | an acceleration is held for `hold`, then the vehicle brakes, unless a new one is chosen |
 """
 
@@ -110,15 +110,26 @@ def off_path(run: Run, ticks: RunTicks) -> StatedOutcome:
     if run.options.replan != "safe":
         return StatedOutcome()
     params = safe_replanner_params(run.scenario)
-    limit = params.tracking + SLACK
     measured = over_ticks(ticks.states, "age") <= 0.0
-    away = np.linalg.norm(over_ticks(ticks.states, "pos") - over_ticks(ticks.setpoints, "pos"), axis=2)
-    silent = np.where(measured & ticks.newer[:, None] & _kept(ticks.setpoints), away, 0.0)
+    off = over_ticks(ticks.states, "pos") - over_ticks(ticks.setpoints, "pos")
+    outside = _outside(off, params.tracking, params.tracking_z)
+    silent = np.where(measured & ticks.newer[:, None] & _kept(ticks.setpoints), outside, 0.0)
     k, row = np.unravel_index(int(silent.argmax()), silent.shape)
-    if silent[k, row] <= limit:
+    if silent[k, row] <= SLACK:
         return StatedOutcome()
     who, t = ticks.names[row], float(ticks.t[k])
-    return StatedOutcome((Violation("off_path", who, t, float(silent[k, row]), limit),), -1.0)
+    return StatedOutcome((Violation("off_path", who, t, float(silent[k, row]), SLACK),), -1.0)
+
+
+def _outside(off: Array, tracking: float, tracking_z: float) -> Array:
+    """Return how far distances `off` (T, n, 3) from the setpoint are outside the tube [m], (T, n).
+
+    It is a ball of `tracking`; where `tracking_z` is not 0, a cylinder as wide, and so high.
+    """
+    if tracking_z == 0.0:
+        return np.asarray(np.linalg.norm(off, axis=2) - tracking)
+    beside, above = np.linalg.norm(off[..., :2], axis=2) - tracking, np.abs(off[..., 2]) - tracking_z
+    return np.asarray(np.maximum(beside, above))
 
 
 def held_acc(run: Run, ticks: RunTicks) -> StatedOutcome:
