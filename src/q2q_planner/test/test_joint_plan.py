@@ -11,9 +11,12 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import derive
 from q2q_planner.offline.avoidance.deviation_space import bent, deviation_space
+from q2q_planner.offline.avoidance.half_spaces import LOOK, watch_pairs
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, InfeasibleError, avoid
-from q2q_planner.offline.avoidance.separating_planes import nonnegative_qp
+from q2q_planner.offline.avoidance.separating_planes import Planes, least_bends, nonnegative_qp
+from q2q_planner.offline.avoidance.swarm_samples import sample_swarm
 from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.convex_zone import lathe_around
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, plan_cost, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
@@ -165,6 +168,59 @@ def test_the_dual_is_that_of_nonnegative_least_squares_dense_and_sparse(seed: in
         found = nonnegative_qp(matrix, asked)
         assert (found >= 0.0).all()
         assert cost(found) - cost(exact) <= DUALITY_GAP * (1.0 + abs(cost(exact)))
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 10**6), st.integers(1, 100))
+def test_every_pair_near_the_zone_is_watched_and_no_other(seed: int, samples: int) -> None:
+    """A pair near the zone for one sample is found among boxes of many; those watched before are kept."""
+    generator = np.random.default_rng(seed)
+    positions = np.cumsum(generator.normal(scale=0.05, size=(samples, 7, 3)), axis=0)
+    positions += generator.uniform(-1.0, 1.0, (7, 3))
+    pairs, lathe = np.triu_indices(7, 1), lathe_around(PAPER)
+    before = generator.uniform(size=(21, samples)) < 0.02
+    watch = watch_pairs(positions, pairs, lathe, before)
+    rel = positions[:, pairs[0]] - positions[:, pairs[1]]  # (S, 21, 3)
+    wide, tall = PAPER.eps * (1.0 + LOOK), PAPER.d + LOOK * PAPER.eps
+    near = ((np.hypot(rel[..., 0], rel[..., 1]) < wide) & (np.abs(rel[..., 2]) < tall)).T
+    seen = np.zeros_like(before)
+    seen[watch.pair, watch.sample] = True
+    assert (seen <= near | before).all()
+    assert (seen >= before).all()
+    moved = np.sqrt((np.diff(rel, axis=0) ** 2).sum(-1)).min(initial=np.inf, axis=0)
+    quick = moved > 0.25 * PAPER.eps  # all samples of these pairs are far enough apart for a plane each
+    assert (seen == near | before)[quick].all()
+    assert watch.rel == pytest.approx(rel[watch.sample, watch.pair])
+
+
+def test_a_plane_that_is_not_touched_has_no_dual() -> None:
+    """Of two planes across the way of a pair, the one 1 cm nearer holds it off and the other is loose."""
+    spaces = [deviation_space(vehicle, "stop_and_go", 5) for vehicle in SECTION_4_1]
+    samples = sample_swarm([minimum_snap(one) for one in SECTION_4_1], spaces, np.linspace(1.0, 49.0, 49))
+    i, j, x = np.array([0, 0]), np.array([1, 1]), np.tile([1.0, 0.0, 0.0], (2, 1))
+    rel_x = samples.base[10, 0, 0] - samples.base[10, 1, 0]
+    planes = Planes(i, j, np.array([10, 10]), x, rel_x + np.array([0.05, 0.04]))
+    bends, dual = least_bends(samples, planes, np.zeros(2))
+    assert dual[0] > 0.0
+    assert dual[1] == 0.0
+    moved = samples.positions(bends)[10, :, 0]
+    assert moved[0] - moved[1] == pytest.approx(rel_x + 0.05, abs=1e-5)  # as soft as HARD
+
+
+def test_a_room_in_which_all_change_places_at_once_is_sorted_out() -> None:
+    """More planes than are solved densely: the search goes on with those that are touched."""
+    count = 60
+    generator = np.random.default_rng(count)
+    grid = 0.6 * np.stack(np.divmod(np.arange(count), 8), axis=-1)
+    places = np.column_stack([grid, np.full(count, 1.2)]) + generator.uniform(-0.1, 0.1, (count, 3))
+    ends = zip(places.tolist(), places[generator.permutation(count)].tolist(), strict=True)
+    swarm = [
+        VehicleWaypoints(f"cf{row}", (Waypoint(0, tuple(a)), Waypoint(10, tuple(b))))
+        for row, (a, b) in enumerate(ends)
+    ]
+    found = avoid(swarm, PAPER, params=AvoidanceParams(starts=1))
+    assert found.certificate.holds
+    assert found.infimum < found.cost < 1.2 * found.infimum
 
 
 def test_the_search_is_the_same_twice() -> None:

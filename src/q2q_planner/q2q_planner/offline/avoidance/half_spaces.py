@@ -24,6 +24,8 @@ SPACING = 0.25
 """Distance between the planes of a pair, in radii."""
 DEEP = 0.25
 """Depth of a pass, in radii, beyond which it gets one common plane."""
+BOXED = 16
+"""Samples of a box: its vehicle moves by up to four radii meanwhile, and few pairs are looked at closely."""
 HEAD_ON = 1e-6
 """Miss distance below which a pass is head on [m]."""
 
@@ -60,35 +62,44 @@ def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, watche
         watched: samples to include in any case, (pairs, S).
     """
     first, second = pairs
-    seen, passing = watched.copy(), np.zeros(watched.shape, dtype=np.intp)
-    for pair in _meeting(positions, pairs, lathe):
+    seen = [np.empty((3, 0), dtype=np.intp)]  # pair, sample, passing
+    for pair in np.flatnonzero(_meeting(positions, pairs, lathe) | watched.any(axis=1)):
         rel = positions[:, first[pair]] - positions[:, second[pair]]
         near = _near(rel.T, lathe)
-        passing[pair] = np.cumsum(near[1:] & ~near[:-1], dtype=np.intp)[np.arange(-1, len(near) - 1)]
-        seen[pair] |= near & _thinned(rel, SPACING * lathe.eps)
-    return _watch(positions, pairs, lathe, (seen, passing))
+        sample = np.flatnonzero(watched[pair] | near & _thinned(rel, SPACING * lathe.eps))
+        passing = np.cumsum(near & np.diff(near, prepend=False), dtype=np.intp)[sample]
+        seen.append(np.stack([np.full_like(sample, pair), sample, passing]))
+    return _watch(positions, pairs, lathe, np.concatenate(seen, axis=1))
 
 
-def _meeting(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Rows:
-    """Return the pairs with a sample near the zone, rising; `first` of the pairs must rise."""
-    axes = np.ascontiguousarray(positions.transpose(2, 1, 0))  # (3, n, S): a row for each vehicle
+def _meeting(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mask:
+    """Return which pairs may have a sample near the zone, (pairs,): boxes around BOXED samples are near.
+
+    `first` of the pairs must rise.
+    """
+    runs = np.arange(0, len(positions), BOXED)
+    low, high = (
+        np.ascontiguousarray(end.reduceat(positions, runs).transpose(2, 1, 0))
+        for end in (np.minimum, np.maximum)
+    )  # (3, n, runs): a row for each vehicle
     begin = np.searchsorted(pairs[0], np.arange(positions.shape[1] + 1))
     meets = []
     for i, (start, end) in enumerate(pairwise(begin)):
-        meets.append(_near(axes[:, i, None] - axes[:, pairs[1][start:end]], lathe).any(axis=-1))
-    return np.flatnonzero(np.concatenate(meets))
+        j = pairs[1][start:end]
+        gap = np.maximum(low[:, i, None] - high[:, j], low[:, j] - high[:, i, None])
+        meets.append(_near(np.maximum(gap, 0.0), lathe).any(axis=-1))
+    return np.concatenate(meets)
 
 
-def _watch(
-    positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, seen: tuple[Mask, NDArray[np.intp]]
-) -> Watch:
-    pair_of, sample = np.nonzero(seen[0])
+def _watch(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, seen: Rows) -> Watch:
+    """Return the samples `seen` (pair, sample, passing), (3, w)."""
+    pair_of, sample, passing = seen
     i, j, last = pairs[0][pair_of], pairs[1][pair_of], len(positions) - 1
     rel = positions[sample, i] - positions[sample, j]
     before, after = np.maximum(sample - 1, 0), np.minimum(sample + 1, last)
     chord = positions[after, i] - positions[after, j] - positions[before, i] + positions[before, j]
     normal, distance = lathe.nearest(rel)
-    return Watch(pair_of, sample, rel, seen[1][pair_of, sample], chord, normal, distance)
+    return Watch(pair_of, sample, rel, passing, chord, normal, distance)
 
 
 def _near(rel: Array, lathe: Lathe) -> Mask:

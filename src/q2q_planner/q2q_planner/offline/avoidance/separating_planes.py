@@ -26,6 +26,8 @@ MOST_DENSE = 400
 """Most planes for which AA' is treated as dense: its factor takes under 10 ms."""
 ACCURACY = 1e-10
 """Absolute and relative tolerance of the QP."""
+LOOSE = 1e-6
+"""Share of the largest dual below which a plane is loose: an interior point comes near zero but not to it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +51,8 @@ def least_bends(
 ) -> tuple[Array, Array]:
     """Return the deviations y (n, m, 3) of least cost that satisfy the planes, and their dual x (planes,).
 
-    `warm` is the guess x_0; `softness` is delta over the mean of AA' 's diagonal, HARD for few planes.
+    The dual is zero for planes that are not touched. `warm` is the guess x_0; `softness` is delta over the
+    mean of AA' 's diagonal, HARD for few planes.
     """
     n, _, dimension = samples.rows.shape
     pushes = _push_matrix(samples, planes)
@@ -57,7 +60,7 @@ def least_bends(
     required = planes.level - (planes.normal * rel).sum(-1)
     dual = _dual(pushes, required, warm, softness)
     bends = (pushes.T @ dual).reshape(n, 3, dimension).swapaxes(1, 2)
-    return bends, dual
+    return bends, np.where(dual > LOOSE * dual.max(initial=0.0), dual, 0.0)
 
 
 def _push_matrix(samples: SwarmSamples, planes: Planes) -> sparse.csr_array:
@@ -77,17 +80,12 @@ def _push_matrix(samples: SwarmSamples, planes: Planes) -> sparse.csr_array:
 
 def _dual(pushes: sparse.csr_array, required: Array, warm: Array, softness: float) -> Array:
     """Return the planes' dual, (planes,), from A and b."""
-    few = len(required) <= MOST_DENSE
-    if few:
-        dense = pushes.toarray()
-        gram = dense @ dense.T
-    else:
-        gram = (pushes @ pushes.T).tocsr()
+    few, gram = len(required) <= MOST_DENSE, (pushes @ pushes.T).tocsr()
     give = (HARD if few else softness) * gram.diagonal().mean()
     if give == 0.0:  # no vehicle can move
         return np.zeros_like(required)
-    added = np.eye(len(required)) if few else sparse.eye_array(len(required))
-    return nonnegative_qp(gram + give * added, required + give * warm)
+    gram = gram + give * sparse.eye_array(len(required))
+    return nonnegative_qp(gram.toarray() if few else gram, required + give * warm)
 
 
 def nonnegative_qp(gram: Array | sparse.csr_array, required: Array) -> Array:
